@@ -6,15 +6,15 @@ use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 
-use ncfix::calibrate::{Options, Parameter, fit, identify, reduce};
-use ncfix::geometry::{Axis, Vector};
-use ncfix::machine::Machine;
-use ncfix::measure::data::{DataSet, Free};
-use ncfix::measure::noise::Noise;
-use ncfix::measure::plan::{self, Wishes};
-use ncfix::measure::simulate::{Read, Simulation};
-use ncfix::model::{ErrorModel, file, preset};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::{Options, Parameter, fit, identify, reduce};
+use ncfix_metrology::measure::data::{DataSet, Free};
+use ncfix_metrology::measure::noise::Noise;
+use ncfix_metrology::measure::plan::{self, Wishes};
+use ncfix_metrology::measure::simulate::{Read, Simulation};
+use ncfix_model::{ErrorModel, file, preset};
 
 /// Noise of a reading, mm.
 const NOISE_MM: f64 = 1e-3;

@@ -8,16 +8,16 @@ use std::time::Duration;
 
 use criterion::{BatchSize, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 
-use ncfix::dialect::{self, Dialect};
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary};
-use ncfix::machine::Machine;
-use ncfix::machine::file::DEMO;
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Corrector, Increments, Options, Output, OutputFrame};
-use ncfix::snc::{Element, Kind};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::source::{FileId, Source};
+use ncfix_dialect::Dialect;
+use ncfix_language::exec::{Execution, NoLibrary};
+use ncfix_language::syntax;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::file::DEMO;
+use ncfix_machine::snc::{Element, Kind};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, Increments, Options, Output, OutputFrame};
 
 const BLOCKS: u32 = 200_000;
 const BLOCKS_PER_LINE: u32 = 400;
@@ -55,7 +55,7 @@ struct Shop {
 impl Shop {
     fn new((dialect, head): (&str, &str)) -> Shop {
         let read = |name: &str, bytes: &str| Source::new(FileId(0), name, bytes.as_bytes().to_vec()).unwrap();
-        let loaded: (Machine, ErrorModel) = ncfix::model::file::load(&read("demo.toml", DEMO)).0.unwrap();
+        let loaded: (Machine, ErrorModel) = ncfix_model::file::load(&read("demo.toml", DEMO)).0.unwrap();
         let (machine, errors) = loaded;
         let increments = Increments::new(&machine.control);
         let writer_options = WriterOptions {
@@ -67,7 +67,7 @@ impl Shop {
             stamp: Stamp::default(),
         };
         Shop {
-            dialect: dialect::find(dialect).unwrap(),
+            dialect: ncfix_dialect::find(dialect).unwrap(),
             source: read("surface", &program(head)),
             model: Model::new(&machine, &errors),
             machine,
@@ -80,18 +80,18 @@ impl Shop {
     }
 
     fn execute(&self, program: syntax::Program) -> Execution<'_> {
-        Execution::new(program, &self.machine, Box::new(NoLibrary), ncfix::exec::Options::default())
+        Execution::new(program, &self.machine, Box::new(NoLibrary), ncfix_language::exec::Options::default())
     }
 
     fn correct<I>(&self, elements: I) -> Corrector<'_, I>
     where
-        I: Iterator<Item = Result<Element, ncfix::diagnostic::Diagnostic>>,
+        I: Iterator<Item = Result<Element, ncfix_base::diagnostic::Diagnostic>>,
     {
         Corrector::new(elements, &self.machine, &self.model, Options::default())
     }
 
     /// Writes into nothing but a buffer; the number of blocks.
-    fn emit(&self, outputs: impl Iterator<Item = Result<Output, ncfix::diagnostic::Diagnostic>>) -> u64 {
+    fn emit(&self, outputs: impl Iterator<Item = Result<Output, ncfix_base::diagnostic::Diagnostic>>) -> u64 {
         let mut writer = emit::writer(self.dialect.name, &self.writer_options).unwrap();
         emit::emit(outputs, writer.as_mut(), &mut std::io::sink(), |finding| panic!("{finding:?}")).unwrap()
     }

@@ -13,11 +13,11 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use criterion::Criterion;
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::Machine;
-use ncfix::model::{Model, Solve, file::load};
-use ncfix::realtime::{Cycle, Dosing, Histogram, Kernel, Updater, handover};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Machine;
+use ncfix_model::{Model, Solve, file::load};
+use ncfix_tables::realtime::{Cycle, Dosing, Histogram, Kernel, Updater, handover};
 
 thread_local! {
     /// Allocations of this thread, and memory that it freed.
@@ -117,7 +117,7 @@ fn measure(case: &Case, set_points: usize, criterion: &mut Criterion) -> Option<
             tails.push(part.quantile_ns(0.999));
             *part = Histogram::default();
         }
-        renewed += u64::from(answer.signals.has(ncfix::realtime::Signals::RENEWED));
+        renewed += u64::from(answer.signals.has(ncfix_tables::realtime::Signals::RENEWED));
     }
     let touched = TOUCHED.get() - before;
     let [half, most, tail] = [0.5, 0.99, 0.999].map(|share| histogram.quantile_ns(share));

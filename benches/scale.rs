@@ -3,20 +3,18 @@
 #![allow(clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary};
+use ncfix_language::syntax;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::file::DEMO;
+use ncfix_model::motion::{Function, periodic::Periodic};
+use ncfix_model::{ErrorModel, Model, MotionError};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, Increments, Options, OutputFrame};
+use ncfix_report::plot::{Chart, Picture, Series, Shape};
 use std::fmt::Write as _;
 use std::time::Instant;
-
-use ncfix::dialect;
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary};
-use ncfix::machine::Machine;
-use ncfix::machine::file::DEMO;
-use ncfix::model::motion::{Function, periodic::Periodic};
-use ncfix::model::{ErrorModel, Model, MotionError};
-use ncfix::path::{Corrector, Increments, Options, OutputFrame};
-use ncfix::report::plot::{Chart, Picture, Series, Shape};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
 
 /// Rounds of which the best counts.
 const ROUNDS: usize = 3;
@@ -66,9 +64,9 @@ fn seconds(text: &str, machine: &Machine, errors: &ErrorModel) -> f64 {
     };
     let run = || {
         let start = Instant::now();
-        let (program, found) = syntax::parse(&source, dialect::sinumerik());
+        let (program, found) = syntax::parse(&source, ncfix_dialect::sinumerik());
         assert!(found.is_empty(), "what is refused costs nothing: {:?}", found[0]);
-        let execution = Execution::new(program, machine, Box::new(NoLibrary), ncfix::exec::Options::default());
+        let execution = Execution::new(program, machine, Box::new(NoLibrary), ncfix_language::exec::Options::default());
         let outputs = Corrector::new(execution, machine, &model, Options::default());
         let mut writer = emit::writer("sinumerik", &options).unwrap();
         emit::emit(outputs, writer.as_mut(), &mut std::io::sink(), |finding| panic!("{finding:?}")).unwrap();
@@ -95,7 +93,7 @@ impl Row {
 fn main() {
     let is_test = std::env::args().any(|argument| argument == "--test");
     let demo = Source::new(FileId(0), "demo.toml", DEMO.as_bytes().to_vec()).unwrap();
-    let (machine, errors) = ncfix::model::file::load(&demo).0.unwrap();
+    let (machine, errors) = ncfix_model::file::load(&demo).0.unwrap();
     let decades: &[usize] = if is_test { &[1, 10] } else { &[1, 10, 100, 1000] };
     let rows = [
         Row {

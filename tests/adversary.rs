@@ -5,8 +5,8 @@
 
 use std::time::Duration;
 
-use ncfix::feed::{Bound, Ended, Journal, PROFILES, PROTOCOLS, Patience, Profile, Sender, read_journal};
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::feed::{Bound, Ended, Journal, PROFILES, PROTOCOLS, Patience, Profile, Sender, read_journal};
 
 use super::controls::liar::{Liar, Lies};
 use super::controls::part::PART;

@@ -6,8 +6,8 @@
 use std::io;
 use std::time::Duration;
 
-use ncfix::feed::{Dialogue, Ended, Event, Line, PROFILES, PROTOCOLS, Patience, Port, Profile, Sender, Wire};
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::feed::{Dialogue, Ended, Event, Line, PROFILES, PROTOCOLS, Patience, Port, Profile, Sender, Wire};
 
 use super::controls::{Blockwise, Control, Faults, Grbl, Marlin, Notes, Planned, Reader, Rsh};
 

@@ -165,14 +165,14 @@ fn every_room_is_on_the_map_in_lib_rs() {
 #[test]
 fn every_executable_dialect_has_codes_samples_and_a_writer() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for dialect in ncfix::dialect::DIALECTS.iter().filter(|dialect| dialect.is_executable) {
+    for dialect in ncfix_dialect::DIALECTS.iter().filter(|dialect| dialect.is_executable) {
         assert!(!dialect.codes().rows().is_empty(), "{} has no code table", dialect.name);
         assert!(root.join(format!("grammars/{}-codes.tsv", dialect.name)).exists(), "{}", dialect.name);
         let samples = root.join(format!("samples/programs/{}", dialect.name));
         let count = fs::read_dir(&samples).unwrap().count();
         assert!(count >= 8, "{} has {count} samples", dialect.name);
         assert!(
-            ncfix::emit::WRITERS.iter().any(|entry| entry.dialect == dialect.name),
+            ncfix_path::emit::WRITERS.iter().any(|entry| entry.dialect == dialect.name),
             "{} has no writer in the register",
             dialect.name
         );

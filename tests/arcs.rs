@@ -1,7 +1,7 @@
 //! Arcs however they are programmed, and polar coordinates: flat moves of the reference examples and of hand arithmetic.
 
-use ncfix::exec::Options;
-use ncfix::geometry::{AxisVector, Vector};
+use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_language::exec::Options;
 
 use crate::flat::{check, check_from, execute, moves};
 use crate::machines::xyz_machine;

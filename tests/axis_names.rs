@@ -1,10 +1,10 @@
 //! Axes that programs call by names of the machine file: `X1=10`, `C1=DC(90)`.
 
-use ncfix::geometry::Axis;
-use ncfix::machine::{Machine, file};
-use ncfix::model::ErrorModel;
-use ncfix::path::Options;
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::Axis;
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Machine, file};
+use ncfix_model::ErrorModel;
+use ncfix_path::path::Options;
 
 use crate::modes::written;
 

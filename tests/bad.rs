@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ncfix::diagnostic::CODES;
+use ncfix_base::diagnostic::CODES;
 
 use crate::support::{Shop, dialects, machine, repository};
 

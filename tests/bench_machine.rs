@@ -1,18 +1,18 @@
 //! What the tests of correction and emission share: error models, runs of the corrector, and a replay of its pieces that knows
 //! nothing of how they were made.
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::model::motion::backlash::Backlash;
-use ncfix::model::motion::polynomial::Polynomial;
-use ncfix::model::motion::table::Table;
-use ncfix::model::motion::{Function, MotionError};
-use ncfix::model::name::DIRECTIONS;
-use ncfix::model::{ErrorModel, ErrorName, Model};
-use ncfix::path::{Corrector, Increments, Options, Output, Piece, Prediction};
-use ncfix::snc::{Element, TextReader};
-use ncfix::source::{FileId, Source};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_machine::snc::{Element, TextReader};
+use ncfix_model::motion::backlash::Backlash;
+use ncfix_model::motion::polynomial::Polynomial;
+use ncfix_model::motion::table::Table;
+use ncfix_model::motion::{Function, MotionError};
+use ncfix_model::name::DIRECTIONS;
+use ncfix_model::{ErrorModel, ErrorName, Model};
+use ncfix_path::path::{Corrector, Increments, Options, Output, Piece, Prediction};
 
 /// A small deterministic generator (SplitMix64).
 pub(crate) struct Random(pub(crate) u64);
@@ -74,7 +74,7 @@ pub(crate) fn tired(random: &mut Random) -> ErrorModel {
 pub(crate) fn load_machine(name: &str) -> (Machine, ErrorModel) {
     let path = format!("{}/samples/machines/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let source = Source::new(FileId(0), name, std::fs::read(path).unwrap()).unwrap();
-    ncfix::model::file::load(&source).0.unwrap()
+    ncfix_model::file::load(&source).0.unwrap()
 }
 
 /// A corrected stream.

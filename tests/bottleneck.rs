@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use ncfix::exec::Options;
-use ncfix::geometry::{AXES, AxisVector};
+use ncfix_base::geometry::{AXES, AxisVector};
+use ncfix_language::exec::Options;
 
 use crate::bench_machine::Random;
 use crate::compensation::with_radius;

@@ -3,7 +3,7 @@
 
 use crate::bench_machine::Random;
 use crate::support::Shop;
-use ncfix::geometry::Vector;
+use ncfix_base::geometry::Vector;
 
 /// Three axes on the tool side and nothing else: the tip is the command plus the sum of the displacements.
 const XYZ: &str = "[machine]\nname = \"xyz\"\ntopology = \"wFXYZSt\"\ncontroller = \"sinumerik\"\n\

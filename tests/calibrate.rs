@@ -2,16 +2,16 @@
 //! `calibrate_*.rs`.
 
 use nalgebra::Rotation3;
-use ncfix::calibrate::{Fit, Options, fit, identify};
-use ncfix::diagnostic::Place;
-use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
-use ncfix::machine::{Branch, Kinematics, Machine, State};
-use ncfix::measure::data::{DataSet, Free, KnownLength, Observation, Setup};
-use ncfix::measure::kind::KINDS;
-use ncfix::measure::reading::Reading;
-use ncfix::model::parameter::ParameterName;
-use ncfix::model::{ErrorModel, ErrorName, Model};
-use ncfix::source::{FileId, Span};
+use ncfix_base::diagnostic::Place;
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Span};
+use ncfix_machine::machine::{Branch, Kinematics, Machine, State};
+use ncfix_metrology::calibrate::{Fit, Options, fit, identify};
+use ncfix_metrology::measure::data::{DataSet, Free, KnownLength, Observation, Setup};
+use ncfix_metrology::measure::kind::KINDS;
+use ncfix_metrology::measure::reading::Reading;
+use ncfix_model::parameter::ParameterName;
+use ncfix_model::{ErrorModel, ErrorName, Model};
 
 use crate::model::Random;
 
@@ -516,7 +516,7 @@ pub(crate) fn cubic(machine: &Machine) -> Vec<ParameterName> {
 
 /// The parameters of a preset.
 pub(crate) fn preset(name: &str, machine: &Machine) -> Vec<ParameterName> {
-    (ncfix::model::preset::find(name).unwrap().parameters)(machine).unwrap()
+    (ncfix_model::preset::find(name).unwrap().parameters)(machine).unwrap()
 }
 
 /// All kinds, with enough readings to tell the parameters.

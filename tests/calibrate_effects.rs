@@ -4,12 +4,12 @@
 
 use std::fmt::Write as _;
 
-use ncfix::calibrate::effect::{effect_parameters, named};
-use ncfix::calibrate::{Options, Parameter, equations, fit, quality};
-use ncfix::machine::Machine;
-use ncfix::measure::data::{self, DataSet};
-use ncfix::model::{ErrorModel, SOURCES, file, write};
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::effect::{effect_parameters, named};
+use ncfix_metrology::calibrate::{Options, Parameter, equations, fit, quality};
+use ncfix_metrology::measure::data::{self, DataSet};
+use ncfix_model::{ErrorModel, SOURCES, file, write};
 
 use crate::model::Random;
 
@@ -314,7 +314,7 @@ fn names_are_unambiguous() {
     let drift = "[[drift]]\ndirection = \"Z\"\nsensors = [{ name = \"T_a\", um_per_K = 1 }, { name = \"T_a\", um_per_K = 2, lag_s = 60 }]\n";
     let (_, errors) = machine(&three_axes(&(twice + drift)));
     let all = effect_parameters(&errors);
-    let names: Vec<&str> = all.iter().map(ncfix::calibrate::EffectParameter::name).collect();
+    let names: Vec<&str> = all.iter().map(ncfix_metrology::calibrate::EffectParameter::name).collect();
     let expected = [
         "load.EXX.coefficients[0]",
         "load.EXX.coefficients[1]",

@@ -1,12 +1,12 @@
 //! Analytic factors against finite differences of the residuals, by every column.
 
-use ncfix::calibrate::equations;
-use ncfix::geometry::{AXES, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::measure::data::{DataSet, Free, KnownLength};
-use ncfix::model::name::DIRECTIONS;
-use ncfix::model::parameter::{ParameterName, Term};
-use ncfix::model::{ErrorModel, ErrorName};
+use ncfix_base::geometry::{AXES, Vector};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_metrology::calibrate::equations;
+use ncfix_metrology::measure::data::{DataSet, Free, KnownLength};
+use ncfix_model::name::DIRECTIONS;
+use ncfix_model::parameter::{ParameterName, Term};
+use ncfix_model::{ErrorModel, ErrorName};
 
 use crate::calibrate::{measurement, observation, reading, setup};
 use crate::model::{Random, machine};

@@ -1,9 +1,9 @@
 //! What is told, but too badly to be of use; distances that contradict each other; names that are too long for a table; feeds that no axis has.
 
-use ncfix::calibrate::reduce;
-use ncfix::machine::State;
-use ncfix::measure::data::Free;
-use ncfix::model::ErrorModel;
+use ncfix_machine::machine::State;
+use ncfix_metrology::calibrate::reduce;
+use ncfix_metrology::measure::data::Free;
+use ncfix_model::ErrorModel;
 
 use crate::calibrate::{at, measurement, named, observation, reading, setup};
 use crate::cli_calibrate::bare;
@@ -28,7 +28,7 @@ fn a_reduced_model_leaves_out_what_is_told_badly() {
             set.observations.push(row);
         }
         let found = reduce(&machine, &ErrorModel::default(), &named("EXX1 EXX2"), &[set]).unwrap();
-        let names = |one: &ncfix::calibrate::Confused| (one.parameters[0].to_string(), one.sentence.clone());
+        let names = |one: &ncfix_metrology::calibrate::Confused| (one.parameters[0].to_string(), one.sentence.clone());
         found.left_out.iter().map(names).collect()
     };
     let names = |d: f64| left_out(d).into_iter().map(|(name, _)| name).collect::<Vec<_>>();

@@ -1,7 +1,7 @@
 //! Repetitions of a fit on simulated readings scatter as the uncertainties say, and say so where they do not.
 
-use ncfix::calibrate::{Fit, MonteCarlo, Options, monte_carlo};
-use ncfix::measure::data::DataSet;
+use ncfix_metrology::calibrate::{Fit, MonteCarlo, Options, monte_carlo};
+use ncfix_metrology::measure::data::DataSet;
 
 use crate::calibrate::{Bench, benches};
 use crate::model::Random;

@@ -3,10 +3,10 @@
 
 use std::time::Instant;
 
-use ncfix::calibrate::{Fault, Identified, Options, fit, identify};
-use ncfix::geometry::{AxisVector, Vector};
-use ncfix::model::ErrorModel;
-use ncfix::numeric::RANK_LIMIT;
+use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_base::numeric::RANK_LIMIT;
+use ncfix_metrology::calibrate::{Fault, Identified, Options, fit, identify};
+use ncfix_model::ErrorModel;
 
 use crate::calibrate::{Bench, circles, cubic, named, preset, rumba, samba};
 use crate::model::{Random, machine};

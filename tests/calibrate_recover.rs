@@ -1,10 +1,10 @@
 //! Simulate and fit: without noise the truth comes back, with noise it is inside the uncertainties, with gross errors too.
 #![allow(clippy::print_stdout, reason = "shares and spreads are worth reading where a test fails")]
 
-use ncfix::calibrate::{Column, Estimate, quality};
-use ncfix::geometry::AXES;
-use ncfix::measure::data::Observation;
-use ncfix::measure::kind::Unknown;
+use ncfix_base::geometry::AXES;
+use ncfix_metrology::calibrate::{Column, Estimate, quality};
+use ncfix_metrology::measure::data::Observation;
+use ncfix_metrology::measure::kind::Unknown;
 
 use crate::calibrate::{Bench, benches};
 use crate::model::Random;

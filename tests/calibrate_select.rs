@@ -1,11 +1,11 @@
 //! Which terms the data needs: hidden ones are found and named, and where there is nothing nothing is found, also in noise that drifts.
 
-use ncfix::calibrate::candidates::{Pieces, of_component};
-use ncfix::calibrate::{Options, Parameter, Rule, Selected, Term, quality, select};
-use ncfix::machine::State;
-use ncfix::measure::data::{DataSet, Free};
-use ncfix::model::ErrorModel;
-use ncfix::model::parameter::ParameterName;
+use ncfix_machine::machine::State;
+use ncfix_metrology::calibrate::candidates::{Pieces, of_component};
+use ncfix_metrology::calibrate::{Options, Parameter, Rule, Selected, Term, quality, select};
+use ncfix_metrology::measure::data::{DataSet, Free};
+use ncfix_model::ErrorModel;
+use ncfix_model::parameter::ParameterName;
 
 use crate::calibrate::{Bench, at, measurement, named, observation, reading, setup};
 use crate::model::Random;

@@ -1,10 +1,10 @@
 //! What cannot be told is judged on exact poses, said in few sentences with what to do, and left out on request.
 
-use ncfix::calibrate::effect::effect_parameters;
-use ncfix::calibrate::{Fault, Lost, Options, Parameter, fit, identify, reduce};
-use ncfix::geometry::Vector;
-use ncfix::machine::{Condition, Load};
-use ncfix::model::ErrorModel;
+use ncfix_base::geometry::Vector;
+use ncfix_machine::machine::{Condition, Load};
+use ncfix_metrology::calibrate::effect::effect_parameters;
+use ncfix_metrology::calibrate::{Fault, Lost, Options, Parameter, fit, identify, reduce};
+use ncfix_model::ErrorModel;
 
 use crate::calibrate::{Bench, circles, cubic, lines, named, rumba, samba};
 use crate::calibrate_effects::three_axes;

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use ncfix::report::calibration::{Calibration, Data, Estimate};
-use ncfix::report::compared::{Circle, Part, Point, Readings};
-use ncfix::report::page;
+use ncfix_report::calibration::{Calibration, Data, Estimate};
+use ncfix_report::compared::{Circle, Part, Point, Readings};
+use ncfix_report::page;
 use roxmltree::{Document, ParsingOptions};
 
 use crate::cli_calibrate::bare;

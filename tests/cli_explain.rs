@@ -1,6 +1,6 @@
 //! `ncfix explain`, `ncfix --help` and wrong usage.
 
-use ncfix::diagnostic::CODES;
+use ncfix_base::diagnostic::CODES;
 
 use crate::support::Shop;
 

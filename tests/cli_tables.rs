@@ -124,10 +124,10 @@ fn a_table_file_with_surplus_is_read_with_a_warning() {
 #[test]
 fn the_lists_name_everything() {
     let run = Shop::new().run(["tables", "--list"]).exits(0);
-    for format in ncfix::tables::FORMATS {
+    for format in ncfix_tables::tables::FORMATS {
         assert!(run.stdout.contains(format.name), "{}", format.name);
     }
-    for scheme in ncfix::tables::SCHEMES {
+    for scheme in ncfix_tables::tables::SCHEMES {
         assert!(run.stdout.contains(scheme.name), "{}", scheme.name);
     }
 }

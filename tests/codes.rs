@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use ncfix::dialect::{self, DIALECTS, Effect, Language};
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::source::{FileId, Source};
+use ncfix_dialect::{DIALECTS, Effect, Language};
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_language::syntax;
 
 use crate::support::repository;
 
@@ -45,7 +45,7 @@ fn the_documentation_shows_the_tables() {
 
 /// Codes that a dialect must know, in tenths.
 fn knows(dialect: &str, effect: Effect, tenths: &[usize]) {
-    let codes = dialect::find(dialect).unwrap().codes();
+    let codes = ncfix_dialect::find(dialect).unwrap().codes();
     for &code in tenths {
         assert_eq!(codes.g_tenths(code).map(|row| row.effect), Some(effect), "{dialect}: G{}.{}", code / 10, code % 10);
     }
@@ -83,30 +83,30 @@ fn the_tables_hold_the_codes_of_the_languages() {
         ("rs274", &[0, 1, 2, 6, 30, 61, 62, 68, 70, 73, 98, 99, 150]),
         ("grundig", &[0, 1, 2, 6, 30, 53, 54, 66, 67]),
     ] {
-        let codes = dialect::find(dialect).unwrap().codes();
+        let codes = ncfix_dialect::find(dialect).unwrap().codes();
         assert!(numbers.iter().all(|&number| codes.m(number).is_some()), "{dialect}");
     }
 }
 
 #[test]
 fn groups_and_words_of_some_codes() {
-    let fanuc = dialect::find("fanuc").unwrap().codes();
+    let fanuc = ncfix_dialect::find("fanuc").unwrap().codes();
     assert_eq!(fanuc.g(54).map(|row| row.group), fanuc.g_tenths(541).map(|row| row.group));
     let group = |number: usize| fanuc.g(number).map(|row| row.group);
     assert!(group(73) == group(80) && group(80) == group(89) && group(0) != group(80));
     assert!(fanuc.g(1).is_some_and(|row| row.uses(b'X') && !row.uses(b'I') && row.uses_comma(b'C')));
     assert!(fanuc.g(2).is_some_and(|row| row.uses(b'I') && row.uses(b'R') && !row.uses(b'P')));
-    let rs274 = dialect::find("rs274").unwrap().codes();
+    let rs274 = ncfix_dialect::find("rs274").unwrap().codes();
     assert!(rs274.g(1).is_some_and(|row| row.uses(b'@') && row.uses(b'^') && !row.uses(b'R')));
     assert!(rs274.g(2).is_some_and(|row| row.uses(b'P')));
     assert_eq!(rs274.g(0).map(|row| row.group), rs274.g(81).map(|row| row.group));
-    let grundig = dialect::find("grundig").unwrap().codes();
+    let grundig = ncfix_dialect::find("grundig").unwrap().codes();
     assert!(grundig.g(1).is_some_and(|row| row.uses_indexed(b'B', 1) && !row.uses(b'I')));
     assert!(grundig.g(14).is_some_and(|row| row.uses_indexed(b'N', 2) && row.uses(b'J')));
 }
 
 /// Whether the execution of a code ends in an error.
-fn fails(dialect: &'static dialect::Dialect, name: &str) -> bool {
+fn fails(dialect: &'static ncfix_dialect::Dialect, name: &str) -> bool {
     let text = format!("G17 G21 G90 G94 G0 X0 Y0 Z0 F100 S100\n{}\n", name.split("..").next().unwrap());
     let source = Source::new(FileId(0), "code", text.into_bytes()).unwrap();
     let (program, findings) = syntax::parse(&source, dialect);

@@ -1,11 +1,11 @@
 //! Two programs side by side on the error model.
 
-use ncfix::diagnostic::Code;
-use ncfix::geometry::AXES;
-use ncfix::machine::Machine;
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Arcs, Comparison, Grouping, Increments, Options, Piece, Rapids, Rotary, Subdivision, compare};
-use ncfix::snc::{Element, TextReader};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::AXES;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Element, TextReader};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::path::{Arcs, Comparison, Grouping, Increments, Options, Piece, Rapids, Rotary, Subdivision, compare};
 
 use crate::bench_machine::{Random, backlash, correct, load_machine, motion, tired};
 use crate::machines::xyz_machine;

@@ -1,7 +1,7 @@
 //! Radius compensation: the way of the tool center worked out by hand.
 
-use ncfix::exec::Options;
-use ncfix::machine::{Machine, Tool, ToolChange};
+use ncfix_language::exec::Options;
+use ncfix_machine::machine::{Machine, Tool, ToolChange};
 
 use crate::flat::{check_from, execute};
 use crate::machines::xyz_machine;
@@ -288,7 +288,7 @@ N60 G40 Y80
 N70 M30";
     let (elements, codes) = execute(program, &with_radius(5.0), Options::default());
     assert_eq!(codes, ["W0233:4"]);
-    let ends: Vec<_> = crate::flat::moves(&elements, ncfix::geometry::AxisVector::ZERO)
+    let ends: Vec<_> = crate::flat::moves(&elements, ncfix_base::geometry::AxisVector::ZERO)
         .iter()
         .map(|(_, motion)| format!("{:.4} {:.4}", motion.target.0[0], motion.target.0[1]))
         .collect();

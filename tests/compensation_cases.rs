@@ -1,9 +1,9 @@
 //! Radius compensation together with what else a program does: other planes, tilted frames, feeds, helices, wear, flow.
 
-use ncfix::exec::Options;
-use ncfix::geometry::{AXES, Axis, AxisVector};
-use ncfix::machine::Machine;
-use ncfix::snc::{Element, Kind, Move};
+use ncfix_base::geometry::{AXES, Axis, AxisVector};
+use ncfix_language::exec::Options;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Element, Kind, Move};
 
 use crate::compensation::with_radius;
 use crate::flat::{check_from, execute, moves};

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use ncfix::exec::Options;
-use ncfix::geometry::{Axis, AxisVector};
+use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_language::exec::Options;
 
 use crate::bench_machine::Random;
 use crate::compensation::with_radius;

@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::geometry::Vector;
-use ncfix::machine::condition::log;
-use ncfix::machine::{Condition, Load};
-use ncfix::source::{FileId, Source};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::Vector;
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::condition::log;
+use ncfix_machine::machine::{Condition, Load};
 
 fn read(bytes: &[u8]) -> (Option<Condition>, Vec<(String, usize, usize)>) {
     let source = Source::new(FileId(0), "log.csv", bytes.to_vec()).unwrap();

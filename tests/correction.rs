@@ -1,12 +1,12 @@
 //! What the corrector does with moves: what stays, what is cut, what is said.
 
-use ncfix::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
-use ncfix::machine::{Machine, State, ToolChange};
-use ncfix::model::motion::Function;
-use ncfix::model::motion::periodic::Periodic;
-use ncfix::model::{ErrorModel, LocationError, Model};
-use ncfix::path::{Arcs, Centers, Options, OutputFrame, PieceArc, Rapids, Subdivision};
-use ncfix::snc::{Element, Kind, Origin, Setup, TextReader};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
+use ncfix_machine::machine::{Machine, State, ToolChange};
+use ncfix_machine::snc::{Element, Kind, Origin, Setup, TextReader};
+use ncfix_model::motion::Function;
+use ncfix_model::motion::periodic::Periodic;
+use ncfix_model::{ErrorModel, LocationError, Model};
+use ncfix_path::path::{Arcs, Centers, Options, OutputFrame, PieceArc, Rapids, Subdivision};
 
 use crate::bench_machine::{
     Random, Replay, Run, backlash, correct, correct_elements, load_machine, motion, polynomial, table, tired,

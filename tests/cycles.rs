@@ -1,7 +1,7 @@
 //! Drilling cycles and patterns of positions: moves worked out by hand from what each cycle is known to do.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::machine::Machine;
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::machine::Machine;
 
 use crate::exec::{check, check_codes, run, run_with};
 use crate::machines::xyz_machine;
@@ -294,11 +294,11 @@ fn elements_of_a_cycle_come_from_the_line_that_calls_it() {
 
 /// The source lines of the motions.
 fn origins(text: &str, machine: &Machine) -> Vec<u32> {
-    use ncfix::snc::Kind;
-    use ncfix::source::{FileId, Source};
+    use ncfix_base::source::{FileId, Source};
+    use ncfix_machine::snc::Kind;
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
-    let (program, _) = ncfix::syntax::parse(&source, ncfix::dialect::sinumerik());
-    let run = ncfix::exec::Execution::new(program, machine, Box::new(NoLibrary), Options::default());
+    let (program, _) = ncfix_language::syntax::parse(&source, ncfix_dialect::sinumerik());
+    let run = ncfix_language::exec::Execution::new(program, machine, Box::new(NoLibrary), Options::default());
     run.filter_map(Result::ok)
         .filter(|element| matches!(element.kind, Kind::Move(_)))
         .map(|element| {
@@ -355,8 +355,14 @@ fn no_argument_makes_a_cycle_endless_or_fall_over() {
         ("CYCLE77", 16),
     ];
     let mut machine = xyz_machine();
-    machine.control.tool_change = ncfix::machine::ToolChange::T;
-    machine.tools.push(ncfix::machine::Tool { number: 1, name: None, edge: 1, length_mm: [0.0; 3], radius_mm: 5.0 });
+    machine.control.tool_change = ncfix_machine::machine::ToolChange::T;
+    machine.tools.push(ncfix_machine::machine::Tool {
+        number: 1,
+        name: None,
+        edge: 1,
+        length_mm: [0.0; 3],
+        radius_mm: 5.0,
+    });
     // A fixed pseudo-random walk through the arguments: each run ends by itself or at the limit of blocks.
     let mut state = 12345_u32;
     for (name, count) in cycles {

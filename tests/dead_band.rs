@@ -1,15 +1,13 @@
 //! Backlash as a machine has it: bodies that follow their commands through real dead bands, from whichever side they lie on at first. What the
 //! correction and the comparison say of a program must hold for the worst of these sides.
-
-use ncfix::dialect;
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
-use ncfix::machine::Machine;
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Corrector, Grouping, Increments, Options, compare};
-use ncfix::snc::Element;
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions};
+use ncfix_language::syntax;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::Element;
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, Grouping, Increments, Options, compare};
 
 use crate::bench_machine::Random;
 
@@ -316,7 +314,7 @@ fn random_program(random: &mut Random) -> String {
 
 fn executed(text: &str, machine: &Machine) -> Vec<Element> {
     let source = Source::new(FileId(0), "p.mpf", text.as_bytes().to_vec()).unwrap();
-    let (program, _) = syntax::parse(&source, dialect::find("sinumerik").unwrap());
+    let (program, _) = syntax::parse(&source, ncfix_dialect::find("sinumerik").unwrap());
     Execution::new(program, machine, Box::new(NoLibrary), ExecOptions::default()).map(Result::unwrap).collect()
 }
 
@@ -364,7 +362,7 @@ fn the_error_after_holds_from_whichever_side_the_axes_come() {
         let bench = Bench::random(&mut random);
         let program = random_program(&mut random);
         let source = Source::new(FileId(0), "m.toml", bench.toml().into_bytes()).unwrap();
-        let (machine, errors) = ncfix::model::file::load(&source).0.unwrap();
+        let (machine, errors) = ncfix_model::file::load(&source).0.unwrap();
         let said = corrected(&program, &machine, &errors);
         let (nominal, driven) = (lines(&program), lines(&said.text));
         let context = || format!("seed {seed}\n{}\n{program}\n{}\n{:?}", bench.toml(), said.text, said.codes);

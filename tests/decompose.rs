@@ -1,12 +1,12 @@
 //! A plant with known servo, link, motion, thermal and dynamic parts is divided into them: every part, delay and compliance must come back.
 
 use nalgebra::Vector3;
-use ncfix::decompose::{Decomposition, Options, SOURCES, Smooth, decompose};
-use ncfix::machine::Machine;
-use ncfix::measure::trace::Trace;
-use ncfix::model::ErrorModel;
-use ncfix::model::file::load;
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::decompose::{Decomposition, Options, SOURCES, Smooth, decompose};
+use ncfix_metrology::measure::trace::Trace;
+use ncfix_model::ErrorModel;
+use ncfix_model::file::load;
 use serde_json::Value;
 
 use crate::plant_at_speed::{FEEDS, Hidden, MACHINE, TOOL, Truth, description, table, trace};

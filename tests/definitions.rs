@@ -1,11 +1,9 @@
 //! Macros and global variables: of the program itself, of an archive, and of the definition files of a control.
-
-use ncfix::dialect;
-use ncfix::exec::{Execution, Library, Options};
-use ncfix::snc::{Kind, TextWriter};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
-use ncfix::syntax::sinumerik::Macros;
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, Library, Options};
+use ncfix_language::syntax;
+use ncfix_language::syntax::sinumerik::Macros;
+use ncfix_machine::snc::{Kind, TextWriter};
 
 use crate::exec::{check, check_codes, run};
 use crate::machines::xyz_machine;
@@ -62,7 +60,7 @@ fn definition_files_of_the_control_hold_in_every_program() {
     let source = Source::new(FileId(0), "test.mpf", b"G0 X=CLEAR_1 Y=FIELD_1[2]\nM6\nX=COUNT_1 UP\n".to_vec()).unwrap();
     let mut macros = Macros::default();
     Control.definitions().iter().for_each(|(_, bytes)| macros.read(bytes));
-    let (program, findings) = syntax::parse_with(&source, dialect::sinumerik(), &macros);
+    let (program, findings) = syntax::parse_with(&source, ncfix_dialect::sinumerik(), &macros);
     assert!(findings.is_empty(), "{findings:?}");
     let machine = xyz_machine();
     let mut out = TextWriter::new(Vec::new(), "test", machine.axis_set(), |_, tool| *tool).unwrap();

@@ -1,9 +1,9 @@
 //! What is wrong with tables as a whole: columns in each other's place, files of different noise, rows that stand there twice or in no order, noise that
 //! wanders. Readings are those of the plant, or of a drift at one place whose noise is made here.
 
-use ncfix::diagnose::{Scene, fault};
-use ncfix::measure::data;
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_metrology::diagnose::{Scene, fault};
+use ncfix_metrology::measure::data;
 use serde_json::Value;
 
 use crate::plant::{Bench, Case, FaultKind, Recipe, random::Random};
@@ -18,7 +18,7 @@ fn found(machine: &str, tables: &[(&str, &str, &str)]) -> Vec<fault::Fault> {
 /// `None` where not even the set-ups can be told, which the command refuses.
 fn looked(machine: &str, tables: &[(&str, &str, &str)]) -> Option<Vec<fault::Fault>> {
     let source = |id, name: &str, text: &str| Source::new(FileId(id), name, text.as_bytes().to_vec()).unwrap();
-    let (machine, errors) = ncfix::model::file::load(&source(0, "machine.toml", machine)).0.unwrap();
+    let (machine, errors) = ncfix_model::file::load(&source(0, "machine.toml", machine)).0.unwrap();
     let load = |(name, csv, toml): &(&str, &str, &str)| {
         let (data, findings) = data::load(name, &source(1, "table.csv", csv), &source(2, "table.toml", toml), &machine);
         data.unwrap_or_else(|| panic!("{findings:?}"))

@@ -1,8 +1,8 @@
 //! The machine file that a diagnosis extends: every kind of entry says data that were held out as well as the truth does, stands there once
 //! however often a diagnosis is repeated, and what has no entry is said to have none.
 
-use ncfix::diagnose::extend::{Anchor, Change};
-use ncfix::machine::edit::Edit;
+use ncfix_machine::machine::edit::Edit;
+use ncfix_metrology::diagnose::extend::{Anchor, Change};
 use serde_json::Value;
 
 use crate::cli_calibrate::bare;
@@ -249,7 +249,7 @@ fn a_drift_over_an_axis_gets_a_sensor_at_every_place() {
 
 #[test]
 fn growth_moves_the_place_where_a_scale_is_held() {
-    let axis = ncfix::geometry::Axis::from_letter(b'X').unwrap();
+    let axis = ncfix_base::geometry::Axis::from_letter(b'X').unwrap();
     let growth = |sensor: &str, um_per_m_k, um_per_k| Change::Growth {
         axis,
         sensor: sensor.into(),

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use ncfix::diagnose::{Scene, fault};
-use ncfix::measure::data;
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_metrology::diagnose::{Scene, fault};
+use ncfix_metrology::measure::data;
 
 use crate::plant::{BENCHES, Bench, Case, FAULTS, FaultKind, Recipe, UNKNOWNS, Unknown, is_possible, rows_shown};
 use crate::support::Shop;
@@ -20,7 +20,7 @@ fn found(case: &Case) -> Vec<(String, fault::Fault)> {
 
 fn found_in(case: &Case, files: &[crate::plant::File]) -> Vec<(String, fault::Fault)> {
     let source = |id, name: &str, text: &str| Source::new(FileId(id), name, text.as_bytes().to_vec()).unwrap();
-    let (machine, findings) = ncfix::model::file::load(&source(0, "machine.toml", &case.machine_toml));
+    let (machine, findings) = ncfix_model::file::load(&source(0, "machine.toml", &case.machine_toml));
     let (machine, errors) = machine.unwrap_or_else(|| panic!("{findings:?}"));
     let load = |file: &crate::plant::File| {
         let (table, description) = (source(1, "table.csv", &file.csv), source(2, "table.toml", &file.toml));
@@ -276,7 +276,7 @@ fn dead_sensors_and_faults_of_data_held_out_are_told_and_do_not_forbid_a_diagnos
     assert!(object["diagnostics"].as_array().unwrap().iter().any(is_held), "{}", object["diagnostics"]);
     // Who calibrates has to take it out.
     let source = |id, text: &str| Source::new(FileId(id), "judge", text.as_bytes().to_vec()).unwrap();
-    let (machine, _) = ncfix::model::file::load(&source(0, &dead.machine_toml)).0.unwrap();
+    let (machine, _) = ncfix_model::file::load(&source(0, &dead.machine_toml)).0.unwrap();
     let (read, refused) = data::load("judge", &source(1, &held.csv), &source(2, &held.toml), &machine);
     assert!(read.is_none() && refused.iter().all(|one| one.code.as_str() == "E0603"), "{refused:?}");
 }

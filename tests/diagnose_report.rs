@@ -1,11 +1,11 @@
 //! The page of `ncfix diagnose --report`: one file that asks for nothing, with all that was found and how, and its numbers against the plant's
 //! truth and against arithmetic; sentences and shapes of effects without a name.
 
-use ncfix::diagnose::cause::CAUSES;
-use ncfix::report::compared::Circle;
-use ncfix::report::diagnosis::readings::{Driver, Reading, Set, Shown};
-use ncfix::report::diagnosis::{Cause, Diagnosis, Place, Rejected};
-use ncfix::report::page;
+use ncfix_metrology::diagnose::cause::CAUSES;
+use ncfix_report::compared::Circle;
+use ncfix_report::diagnosis::readings::{Driver, Reading, Set, Shown};
+use ncfix_report::diagnosis::{Cause, Diagnosis, Place, Rejected};
+use ncfix_report::page;
 use roxmltree::Document;
 use serde_json::Value;
 

@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use ncfix::diagnose::{Scene, commands};
-use ncfix::geometry::Vector;
-use ncfix::measure::plan::{Wishes, find};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::Vector;
+use ncfix_base::source::{FileId, Source};
+use ncfix_metrology::diagnose::{Scene, commands};
+use ncfix_metrology::measure::plan::{Wishes, find};
 use serde_json::Value;
 
 use crate::cli_calibrate::bare;
@@ -302,7 +302,7 @@ fn every_plan_that_tells_rivals_apart_can_be_made() {
         let path = machine(name);
         let text = std::fs::read(&path).unwrap();
         let source = Source::new(FileId(0), "m.toml", text).unwrap();
-        let (machine, errors) = ncfix::model::file::load(&source).0.unwrap();
+        let (machine, errors) = ncfix_model::file::load(&source).0.unwrap();
         // Any measurement of it: a line with a tool of 120 mm.
         let tools_mm = vec![Vector::new(0.0, 0.0, -120.0)];
         let wishes = Wishes { tools_mm, points: Some(9), runs: Some(1), ..Wishes::default() };

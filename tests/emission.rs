@@ -1,15 +1,13 @@
 //! The text that leaves: everything of the source in its place, and the marks of what was added.
 
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions};
+use ncfix_language::syntax;
+use ncfix_machine::machine::{Machine, Tool};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Arcs, Corrector, Increments, Options, OutputFrame};
 use std::io;
-
-use ncfix::dialect;
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
-use ncfix::machine::{Machine, Tool};
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Arcs, Corrector, Increments, Options, OutputFrame};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
 
 use crate::bench_machine::{backlash, motion, polynomial};
 use crate::machines::xyz_machine;
@@ -47,7 +45,7 @@ fn corrected(text: &str, errors: &ErrorModel, options: &Options, crlf: bool) -> 
 fn corrected_on(machine: &Machine, text: &str, errors: &ErrorModel, options: &Options, crlf: bool) -> String {
     let model = Model::new(machine, errors);
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
     assert!(findings.is_empty(), "{findings:?}");
     let strict = ExecOptions { strict: true, ..ExecOptions::default() };
     let execution = Execution::new(program, machine, Box::new(NoLibrary), strict);
@@ -212,7 +210,7 @@ fn nothing_is_written_behind_an_error_and_the_sink_is_heard() {
     let limited = machine.clone();
     let run = |text: &str, sink: &mut dyn io::Write| {
         let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
-        let (program, _) = syntax::parse(&source, dialect::sinumerik());
+        let (program, _) = syntax::parse(&source, ncfix_dialect::sinumerik());
         let execution = Execution::new(program, &limited, Box::new(NoLibrary), ExecOptions::default());
         let mut corrector = Corrector::new(execution, &limited, &model, Options::default());
         let mut writer = emit::writer("sinumerik", &writer_options(&limited, OutputFrame::Work, false)).unwrap();
@@ -237,7 +235,7 @@ fn increments_of_the_control_decide_the_decimals() {
     machine.control.increment_mm = 0.0005;
     let model = Model::new(&machine, &ErrorModel::default());
     let source = Source::new(FileId(0), "t", b"G0 X1.00074 Y-0.0002 Z100\n".to_vec()).unwrap();
-    let (program, _) = syntax::parse(&source, dialect::sinumerik());
+    let (program, _) = syntax::parse(&source, ncfix_dialect::sinumerik());
     let execution = Execution::new(program, &machine, Box::new(NoLibrary), ExecOptions::default());
     let mut corrector = Corrector::new(execution, &machine, &model, Options::default());
     let mut writer = emit::writer("sinumerik", &writer_options(&machine, OutputFrame::Work, false)).unwrap();
@@ -323,8 +321,9 @@ fn save_brings_back_what_is_active_at_the_start() {
 fn an_exact_stop_belongs_to_the_end_of_its_block() {
     // The arc around the corner belongs to the block behind it, which is then two lines.
     let mut machine = xyz_machine();
-    machine.control.tool_change = ncfix::machine::ToolChange::T;
-    machine.tools = vec![ncfix::machine::Tool { number: 1, name: None, edge: 1, length_mm: [0.0; 3], radius_mm: 5.0 }];
+    machine.control.tool_change = ncfix_machine::machine::ToolChange::T;
+    machine.tools =
+        vec![ncfix_machine::machine::Tool { number: 1, name: None, edge: 1, length_mm: [0.0; 3], radius_mm: 5.0 }];
     let text = |stop: &str, word: &str| {
         format!(
             "N10 G17 G90 G71 {stop} G0 X0 Y0 Z0 F100 T1 D1\nN15 G0 X-20 Y-20 Z0\nN20 G41 G1 X0 Y0\nN30 Y40\nN40 {word} X50\nN50 G40 Y60\nN60 M30\n"
@@ -343,7 +342,7 @@ fn a_block_on_the_line_of_its_program_number_is_written_once() {
     let model = Model::new(&machine, &ErrorModel::default());
     let text = b"%\nO1234 (PLATE) G91 G0 X1.\nG90 G0 X10. Y5. Z2.\nM30\n%\n".to_vec();
     let (program, findings) =
-        syntax::parse(&Source::new(FileId(0), "p.nc", text).unwrap(), dialect::find("fanuc").unwrap());
+        syntax::parse(&Source::new(FileId(0), "p.nc", text).unwrap(), ncfix_dialect::find("fanuc").unwrap());
     assert!(findings.is_empty(), "{findings:?}");
     let execution = Execution::new(program, &machine, Box::new(NoLibrary), ExecOptions::default());
     let mut corrector = Corrector::new(execution, &machine, &model, Options::default());

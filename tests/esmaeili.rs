@@ -3,9 +3,9 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::model::{ErrorModel, ErrorName, LocationError, Model, Solve};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_model::{ErrorModel, ErrorName, LocationError, Model, Solve};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::model::{Random, read, sample};

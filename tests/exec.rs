@@ -1,11 +1,9 @@
 //! Execution of the Sinumerik core: programs with the flat stream that a control produces, worked out by hand.
-
-use ncfix::dialect;
-use ncfix::exec::{Execution, Library, NoLibrary, Options};
-use ncfix::machine::{Machine, Tool, ToolChange};
-use ncfix::snc::TextWriter;
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, Library, NoLibrary, Options};
+use ncfix_language::syntax;
+use ncfix_machine::machine::{Machine, Tool, ToolChange};
+use ncfix_machine::snc::TextWriter;
 
 use crate::machines::xyz_machine;
 
@@ -28,7 +26,7 @@ pub(crate) fn run_with(
     options: Options,
 ) -> (Vec<String>, Vec<String>) {
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
     let mut codes: Vec<String> =
         findings.iter().map(|f| format!("{}:{}", f.code, source.line_column(f.place.unwrap().span.start).0)).collect();
     let mut execution = Execution::new(program, machine, library, options);
@@ -443,10 +441,10 @@ fn any_bytes_are_read() {
     ] {
         let source = Source::new(FileId(0), "a", text.to_vec()).unwrap();
         let machine = xyz_machine();
-        let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+        let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
         assert!(findings.is_empty(), "{findings:?}");
         let moves = Execution::new(program, &machine, Box::new(NoLibrary), Options::default())
-            .filter(|item| matches!(item, Ok(e) if matches!(e.kind, ncfix::snc::Kind::Move(_))))
+            .filter(|item| matches!(item, Ok(e) if matches!(e.kind, ncfix_machine::snc::Kind::Move(_))))
             .count();
         assert_eq!(moves, 1, "{}", String::from_utf8_lossy(text));
     }
@@ -471,7 +469,7 @@ fn an_empty_spindle_and_another_plane_leave_no_length_behind() {
     assert!(codes("T5 M6\nG0 X0 Y0 Z50\nT0 M6\nG0 X1 Y1 Z1", &machine).is_empty());
     // In G18 the length lies along Y: where Y and Z are now depends on the control, so both must be stated again.
     assert_eq!(codes("T5 M6\nG0 X0 Y0 Z50\nG18\nG91 Z1", &machine), ["E0304:4"]);
-    machine.control.tool_length_plane = Some(ncfix::geometry::Plane::XY);
+    machine.control.tool_length_plane = Some(ncfix_base::geometry::Plane::XY);
     assert!(codes("T5 M6\nG0 X0 Y0 Z50\nG18\nG91 Z1", &machine).is_empty());
 }
 

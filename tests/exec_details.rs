@@ -1,9 +1,9 @@
 //! Details of the languages that a control's manual states and that are easily got the wrong way round, each worked out by hand.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::geometry::{Axis, Vector};
-use ncfix::machine::{Tool, ToolChange};
-use ncfix::snc::{Dwell, Kind};
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::machine::{Tool, ToolChange};
+use ncfix_machine::snc::{Dwell, Kind};
 
 use crate::flat::execute;
 use crate::iso::{check_codes, elements, iso_machine};
@@ -91,7 +91,7 @@ fn the_length_in_force_is_a_variable_of_a_fanuc() {
 #[test]
 fn dwells_count_turns_where_the_control_says_so() {
     let mut machine = iso_machine();
-    let dwells = |machine: &ncfix::machine::Machine, text: &str| -> Vec<Dwell> {
+    let dwells = |machine: &ncfix_machine::machine::Machine, text: &str| -> Vec<Dwell> {
         let (found, codes) = elements("fanuc", text, machine, Box::new(NoLibrary), Options::default());
         assert!(codes.is_empty(), "{codes:?}");
         let dwell = |kind: &Kind| if let Kind::Dwell(dwell) = kind { Some(*dwell) } else { None };

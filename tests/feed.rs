@@ -1,7 +1,7 @@
 //! Whole transfers over a simulated cable to simulated controls, with faults by script: what is carried out is what was planned.
 
-use ncfix::feed::{Ended, Event, PROFILES, PROTOCOLS, Profile, Sender};
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::feed::{Ended, Event, PROFILES, PROTOCOLS, Profile, Sender};
 
 use super::controls::{self, Blockwise, Cable, Control, Faults, Grbl, Marlin, Notes, Planned, Reader, Rsh};
 use super::plant::random::Random;

@@ -5,14 +5,14 @@ use std::cell::Cell;
 use std::sync::Arc;
 use std::time::Duration;
 
-use ncfix::drip::{Lines, Settings};
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::feed::{Ended, Limits, PROFILES, PROTOCOLS, Profile, Sender, Supplied, Supply};
-use ncfix::geometry::Vector;
-use ncfix::machine::{Condition, Machine};
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Corrector, Increments, Options, Output, OutputFrame};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::Vector;
+use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::drip::{Lines, Settings};
+use ncfix_dnc::feed::{Ended, Limits, PROFILES, PROTOCOLS, Profile, Sender, Supplied, Supply};
+use ncfix_machine::machine::{Condition, Machine};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, Increments, Options, Output, OutputFrame};
 
 use crate::bench_machine::Random;
 use crate::controls::{Cable, Control, Faults, Grbl, Notes};
@@ -175,10 +175,10 @@ fn experiment(silent_s: [f64; 2]) -> [(f64, f64); 2] {
 }
 
 fn outputs(machine: &Machine, base: &Model, program: &str) -> Vec<Output> {
-    use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
+    use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions};
     let source = Source::new(FileId(0), "drift.ngc", program.as_bytes().to_vec()).unwrap();
-    let dialect = ncfix::dialect::find("rs274").unwrap();
-    let (parsed, findings) = ncfix::syntax::parse(&source, dialect);
+    let dialect = ncfix_dialect::find("rs274").unwrap();
+    let (parsed, findings) = ncfix_language::syntax::parse(&source, dialect);
     assert!(findings.is_empty(), "{findings:?}");
     let execution = Execution::new(parsed, machine, Box::new(NoLibrary), ExecOptions::default());
     let corrected = Corrector::new(execution, machine, base, Options::default());

@@ -4,12 +4,12 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::model::motion::Function;
-use ncfix::model::motion::periodic::Periodic;
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Options, Subdivision};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_model::motion::Function;
+use ncfix_model::motion::periodic::Periodic;
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::path::{Options, Subdivision};
 
 use crate::bench_machine::{Random, correct, motion, table, tired};
 use crate::machines::xyz_machine;

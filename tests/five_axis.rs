@@ -1,16 +1,15 @@
 //! Five-axis transformation: the tip on its line in the workpiece, the tool in its direction, and the way back out of the corrected text.
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::dialect;
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
-use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
-use ncfix::machine::{Machine, Tool};
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Corrector, FiveAxis, Increments, Options, OutputFrame, Prediction};
-use ncfix::snc::{Element, Kind};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions};
+use ncfix_language::syntax;
+use ncfix_machine::machine::{Machine, Tool};
+use ncfix_machine::snc::{Element, Kind};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, FiveAxis, Increments, Options, OutputFrame, Prediction};
 
 use crate::bench_machine::{load_machine, tired};
 use crate::model::machines;
@@ -35,7 +34,7 @@ pub(crate) fn with_tool(mut machine: Machine) -> Machine {
 
 pub(crate) fn execute(text: &str, machine: &Machine) -> (Vec<Element>, Vec<Diagnostic>) {
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
     assert!(findings.is_empty(), "{findings:?}");
     let strict = ExecOptions { strict: true, ..ExecOptions::default() };
     let (mut elements, mut found) = (Vec::new(), Vec::new());
@@ -70,7 +69,7 @@ pub(crate) fn corrected(
 ) -> (String, Prediction, Vec<AxisVector>) {
     let model = Model::new(machine, errors);
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
     assert!(findings.is_empty(), "{findings:?}");
     let strict = ExecOptions { strict: true, ..ExecOptions::default() };
     let execution = Execution::new(program, machine, Box::new(NoLibrary), strict);
@@ -89,7 +88,7 @@ pub(crate) fn corrected(
     let mut commands = Vec::new();
     let mut out = Vec::new();
     let stream = corrector.by_ref().inspect(|item| {
-        if let Ok(ncfix::path::Output::Piece(piece)) = item {
+        if let Ok(ncfix_path::path::Output::Piece(piece)) = item {
             commands.push(piece.command);
         }
     });

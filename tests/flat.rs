@@ -1,13 +1,11 @@
 //! Flat move lists in the notation of a reference: `G3/18 X27.3205 Y20 Z20 I-10 K-17.3205`, four decimals, words that are 0 may be left
 //! out, moves without length do not appear.
-
-use ncfix::dialect;
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::geometry::{AXES, AxisVector};
-use ncfix::machine::Machine;
-use ncfix::snc::{Element, Kind, Move};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::geometry::{AXES, AxisVector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_language::syntax;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Element, Kind, Move};
 
 /// Half a unit of the last decimal, and a little.
 const SAME: f64 = 5.1e-5;
@@ -15,8 +13,8 @@ const SAME: f64 = 5.1e-5;
 /// Elements and codes of findings (`E0201:line`) of a program.
 pub(crate) fn execute(text: &str, machine: &Machine, options: Options) -> (Vec<Element>, Vec<String>) {
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
-    let shown = |found: &ncfix::diagnostic::Diagnostic| {
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
+    let shown = |found: &ncfix_base::diagnostic::Diagnostic| {
         format!("{}:{}", found.code, source.line_column(found.place.unwrap().span.start).0)
     };
     let mut codes: Vec<String> = findings.iter().map(shown).collect();
@@ -32,7 +30,7 @@ pub(crate) fn execute(text: &str, machine: &Machine, options: Options) -> (Vec<E
 
 /// The moves of a program with the tool vector added to their targets, each with its start.
 pub(crate) fn moves(elements: &[Element], start: AxisVector) -> Vec<(AxisVector, Move)> {
-    let (mut position, mut tool) = (start, ncfix::geometry::Vector::zeros());
+    let (mut position, mut tool) = (start, ncfix_base::geometry::Vector::zeros());
     let mut out = Vec::new();
     for element in elements {
         match &element.kind {
@@ -82,7 +80,7 @@ pub(crate) fn check_from(start: [f64; 3], text: &str, machine: &Machine, expecte
     assert_eq!(moves.len(), expected.len(), "{shown:#?}");
     for ((start, motion), (code, words)) in moves.iter().zip(&expected) {
         assert_eq!(code_of(motion), *code, "{shown:#?}");
-        let center = motion.arc.map_or_else(ncfix::geometry::Vector::zeros, |arc| arc.center_from_start_mm(start));
+        let center = motion.arc.map_or_else(ncfix_base::geometry::Vector::zeros, |arc| arc.center_from_start_mm(start));
         for letter in *b"XYZABCIJKFL" {
             let wanted = words.iter().find(|(known, _)| *known == letter).map(|(_, value)| *value);
             let found = match letter {
@@ -91,7 +89,7 @@ pub(crate) fn check_from(start: [f64; 3], text: &str, machine: &Machine, expecte
                 b'F' => motion.feed,
                 b'L' => motion.arc.map_or(0.0, |arc| f64::from(arc.extra_turns)),
                 _ => {
-                    let axis = ncfix::geometry::Axis::from_letter(letter).unwrap();
+                    let axis = ncfix_base::geometry::Axis::from_letter(letter).unwrap();
                     let value = motion.target[axis];
                     if axis.is_rotary() { value.to_degrees() } else { value }
                 }

@@ -1,6 +1,6 @@
 //! Program flow: calls with arguments, modal calls, repetition of program parts, branches, returns. Expected moves are worked out by hand.
 
-use ncfix::exec::{NoLibrary, Options};
+use ncfix_language::exec::{NoLibrary, Options};
 
 use crate::exec::{Programs, check, check_codes, run_with};
 use crate::machines::xyz_machine;

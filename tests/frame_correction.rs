@@ -1,16 +1,15 @@
 //! Programs in rotated, mirrored, scaled and tilted frames, corrected on a machine with errors, written and executed again from their text.
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::dialect;
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
-use ncfix::geometry::{AXES, AxisVector};
-use ncfix::machine::Machine;
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Corrector, Grouping, Increments, Options, Output, OutputFrame, Piece, compare};
-use ncfix::snc::{Element, Kind};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{AXES, AxisVector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions};
+use ncfix_language::syntax;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Element, Kind};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, Grouping, Increments, Options, Output, OutputFrame, Piece, compare};
 
 use crate::bench_machine::{Random, load_machine, tired};
 use crate::machines::xyz_machine;
@@ -18,7 +17,7 @@ use crate::machines::xyz_machine;
 /// Elements of a program without findings.
 fn elements(text: &str, machine: &Machine) -> Vec<Element> {
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
     assert!(findings.is_empty(), "{findings:?}");
     let strict = ExecOptions { strict: true, ..ExecOptions::default() };
     Execution::new(program, machine, Box::new(NoLibrary), strict)

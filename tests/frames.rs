@@ -1,14 +1,14 @@
 //! Programmable frames: flat moves of the reference examples, chains, arcs behind frames, what is refused.
 
-use ncfix::exec::Options;
-use ncfix::geometry::{Axis, AxisSet, AxisVector, Frame, Matrix, Plane, RotationOrder, Vector, by_solid_angles};
-use ncfix::machine::Machine;
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Matrix, Plane, RotationOrder, Vector, by_solid_angles};
+use ncfix_language::exec::Options;
+use ncfix_machine::machine::Machine;
 use proptest::prelude::*;
 
 use crate::flat::{check, execute, moves};
 use crate::machines::xyz_machine;
 
-fn with(change: impl FnOnce(&mut ncfix::machine::Control)) -> Machine {
+fn with(change: impl FnOnce(&mut ncfix_machine::machine::Control)) -> Machine {
     let mut machine = xyz_machine();
     change(&mut machine.control);
     machine
@@ -255,7 +255,7 @@ proptest! {
         let mut position = AxisVector::ZERO;
         position.0[..3].copy_from_slice(&p);
         let there = a.compose(&b).apply(&position);
-        prop_assert!((a.compose(&b).unapply(&there) - position).max_abs(&ncfix::geometry::AXES) < 1e-7);
+        prop_assert!((a.compose(&b).unapply(&there) - position).max_abs(&ncfix_base::geometry::AXES) < 1e-7);
         let nothing = a.compose(&a.inverse());
         prop_assert!((homogeneous(&nothing) - nalgebra::Matrix4::identity()).norm() < 1e-9 * homogeneous(&a).norm());
     }

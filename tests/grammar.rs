@@ -1,14 +1,14 @@
 //! Runs the examples that stand behind the productions in `grammars/`.
 
-use ncfix::dialect::{self, Language};
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::source::{FileId, Source};
+use ncfix_dialect::Language;
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_language::syntax;
 
 use crate::machines::xyz_machine;
 
 /// Codes of all error findings of a program; those of the word languages are of reading alone.
-fn errors_of(text: &str, dialect: &'static dialect::Dialect) -> Vec<String> {
+fn errors_of(text: &str, dialect: &'static ncfix_dialect::Dialect) -> Vec<String> {
     let source = Source::new(FileId(0), "example", text.as_bytes().to_vec()).unwrap();
     let (program, findings) = syntax::parse(&source, dialect);
     if dialect.language != Language::Sinumerik {
@@ -22,7 +22,7 @@ fn errors_of(text: &str, dialect: &'static dialect::Dialect) -> Vec<String> {
 
 #[test]
 fn every_example_of_every_grammar_holds() {
-    for dialect in dialect::DIALECTS {
+    for dialect in ncfix_dialect::DIALECTS {
         let path = format!("{}/grammars/{}.ebnf", env!("CARGO_MANIFEST_DIR"), dialect.name);
         let text = std::fs::read_to_string(&path).unwrap();
         let (mut good, mut bad, mut faults) = (0, 0, Vec::new());

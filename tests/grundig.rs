@@ -1,14 +1,12 @@
 //! Grundig, Philips, MillPlus: programs with the flat stream that a control produces, worked out by hand.
 
+use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, Library, NoLibrary, Options};
+use ncfix_language::syntax;
+use ncfix_machine::machine::{CompensationCorner, Machine, Tool};
+use ncfix_machine::snc::TextWriter;
 use std::collections::BTreeMap;
-
-use ncfix::dialect;
-use ncfix::exec::{Execution, Library, NoLibrary, Options};
-use ncfix::geometry::{AxisVector, Vector};
-use ncfix::machine::{CompensationCorner, Machine, Tool};
-use ncfix::snc::TextWriter;
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
 
 use crate::machines::xyz_machine;
 
@@ -34,7 +32,7 @@ pub(crate) fn run_on(
     library: Box<dyn Library>,
     options: Options,
 ) -> (Vec<String>, Vec<String>) {
-    let dialect = dialect::find("grundig").unwrap();
+    let dialect = ncfix_dialect::find("grundig").unwrap();
     let source = Source::new(FileId(0), "9001.pm", text.as_bytes().to_vec()).unwrap();
     let (program, findings) = syntax::parse(&source, dialect);
     let mut codes: Vec<String> =

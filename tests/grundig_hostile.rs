@@ -1,12 +1,10 @@
 //! Grundig: whatever comes in, no panic, no endless run, no unbounded memory.
 
-use std::fs;
-
-use ncfix::dialect;
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_language::syntax;
 use proptest::prelude::*;
+use std::fs;
 
 use crate::grundig::{mill, tool};
 use crate::support::repository;
@@ -14,7 +12,7 @@ use crate::support::repository;
 /// Parses and executes; gives the number of items of the stream.
 fn run(bytes: Vec<u8>) -> usize {
     let source = Source::new(FileId(0), "hostile.pm", bytes).unwrap();
-    let (program, _) = syntax::parse(&source, dialect::find("grundig").unwrap());
+    let (program, _) = syntax::parse(&source, ncfix_dialect::find("grundig").unwrap());
     let mut machine = mill();
     machine.tools.push(tool(1, 50.0, 5.0));
     let options = Options { max_blocks: Some(2000), strict: true, ..Options::default() };

@@ -1,7 +1,7 @@
 //! Grundig: laws that hold whatever the program is, and details of words, tables and flow.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::machine::{GrundigControl, ScaledAxes};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::machine::{GrundigControl, ScaledAxes};
 
 use crate::exec::Programs;
 use crate::grundig::{check, check_codes, check_from, mill, motions, run, run_on, tool};

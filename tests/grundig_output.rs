@@ -1,15 +1,13 @@
 //! Grundig: what the control must be told, because the output leaves it to the control, and feeds where they are used.
-
-use ncfix::dialect;
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::Machine;
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Corrector, Increments, Options as PathOptions, OutputFrame};
-use ncfix::snc::Kind;
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_language::syntax;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::Kind;
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, Increments, Options as PathOptions, OutputFrame};
 
 use crate::grundig::{check, check_codes, mill, run, run_on, tool};
 use crate::machines::xyz_machine;
@@ -19,7 +17,7 @@ const HEAD: &str = "%PM9001\nN9001\nN1 G17 G90 G54 T5 M6\nN2 G0 X0 Y0 Z50 S500 M
 
 fn execution<'a>(text: &str, machine: &'a Machine, options: Options) -> Execution<'a> {
     let source = Source::new(FileId(0), "9001.pm", text.as_bytes().to_vec()).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::find("grundig").unwrap());
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::find("grundig").unwrap());
     assert!(findings.is_empty(), "{findings:?}");
     Execution::new(program, machine, Box::new(NoLibrary), options)
 }

@@ -1,11 +1,11 @@
 //! What Spaan demands of the generator of the flat stream (Software error compensation of machine tools, ch. 7), one test each.
 
-use ncfix::exec::{NoLibrary, Options};
+use ncfix_language::exec::{NoLibrary, Options};
 
 use crate::grundig::{check, check_from, mill, motions, run_on, same, tool};
 use crate::support::{Shop, machine};
-use ncfix::geometry::{Axis, Vector};
-use ncfix::machine::Machine;
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_machine::machine::Machine;
 
 /// A program with everything that must not be in the flat stream.
 const RICH: &str = "%PM9200

@@ -1,20 +1,18 @@
 //! Whatever comes in: no panic, no endless run.
 
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_language::syntax;
+use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
-
-use ncfix::dialect;
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
-use proptest::prelude::*;
 
 use crate::machines::xyz_machine;
 
 /// Parses and executes; gives the number of items of the stream.
 fn run(bytes: Vec<u8>) -> usize {
     let source = Source::new(FileId(0), "hostile", bytes).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
     for finding in &findings {
         let place = finding.place.unwrap();
         assert!(

@@ -2,13 +2,13 @@
 
 use std::fmt::Write as _;
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::geometry::Vector;
-use ncfix::machine::State;
-use ncfix::measure::data::cycles::Cycle;
-use ncfix::measure::data::{DataSet, Free};
-use ncfix::measure::kind::Unknown;
-use ncfix::source::{FileId, Source};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::Vector;
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::State;
+use ncfix_metrology::measure::data::cycles::Cycle;
+use ncfix_metrology::measure::data::{DataSet, Free};
+use ncfix_metrology::measure::kind::Unknown;
 
 use crate::calibrate::{Bench, at, circles, lines, measurement, named, observation, plates, reading, setup};
 use crate::calibrate_recover::check;
@@ -27,8 +27,10 @@ fn drifting() -> Bench {
             let (first, cycle) = (own[0], set.cycles.len());
             set.cycles.push(Cycle { setup: first.setup, target: first.target.unwrap(), number, level });
             for (k, row) in own.iter().enumerate() {
-                set.observations
-                    .push(ncfix::measure::data::Observation { cycle: Some((cycle, k as f64 / 21.0 - 0.5)), ..*row });
+                set.observations.push(ncfix_metrology::measure::data::Observation {
+                    cycle: Some((cycle, k as f64 / 21.0 - 0.5)),
+                    ..*row
+                });
             }
         }
     }
@@ -172,8 +174,8 @@ const MACHINE: &str = "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\n[axis.X]
 
 fn load(columns: &str, rows: &str, description: &str) -> (Option<DataSet>, Vec<Diagnostic>) {
     let source = |name: &str, text: &str| Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap();
-    let machine = ncfix::model::file::load(&source("m.toml", MACHINE)).0.unwrap().0;
-    ncfix::measure::data::load(
+    let machine = ncfix_model::file::load(&source("m.toml", MACHINE)).0.unwrap().0;
+    ncfix_metrology::measure::data::load(
         "a",
         &source("a.csv", &format!("{columns}\n{rows}")),
         &source("a.toml", description),

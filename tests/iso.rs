@@ -1,12 +1,10 @@
 //! Execution of Fanuc and RS274/NGC programs: the flat stream that a control produces, worked out by hand.
-
-use ncfix::dialect;
-use ncfix::exec::{Execution, Library, NoLibrary, Options};
-use ncfix::geometry::{Axis, FrameParts};
-use ncfix::machine::{DecimalPoint, Machine, Tool};
-use ncfix::snc::{Element, Kind, TextWriter};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::geometry::{Axis, FrameParts};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, Library, NoLibrary, Options};
+use ncfix_language::syntax;
+use ncfix_machine::machine::{DecimalPoint, Machine, Tool};
+use ncfix_machine::snc::{Element, Kind, TextWriter};
 
 use crate::machines::xyz_machine;
 
@@ -29,7 +27,7 @@ pub(crate) fn elements(
     options: Options,
 ) -> (Vec<Element>, Vec<String>) {
     let source = Source::new(FileId(0), "test.nc", text.as_bytes().to_vec()).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::find(name).unwrap());
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::find(name).unwrap());
     let mut codes: Vec<String> =
         findings.iter().map(|f| format!("{}:{}", f.code, source.line_column(f.place.unwrap().span.start).0)).collect();
     let mut execution = Execution::new(program, machine, library, options);
@@ -335,7 +333,7 @@ fn codes_may_hold_before_the_first_block() {
     check_on("rs274", "X1 Y0 Z0\nM2", &machine, &["G1 X25.4 Y0 Z0 F10"]);
     machine.control.iso.startup_code = "G0 X1".to_owned();
     let source = Source::new(FileId(0), "test.ngc", b"G0 X1\nM2".to_vec()).unwrap();
-    let (program, _) = syntax::parse(&source, dialect::find("rs274").unwrap());
+    let (program, _) = syntax::parse(&source, ncfix_dialect::find("rs274").unwrap());
     let found = Execution::new(program, &machine, Box::new(NoLibrary), Options::default()).find_map(Result::err);
     assert_eq!(found.unwrap().code.as_str(), "E0404");
 }

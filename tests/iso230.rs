@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use ncfix::measure::data::DataSet;
-use ncfix::measure::iso230::circle::{self, Point};
-use ncfix::measure::iso230::drift::without_drift;
-use ncfix::measure::iso230::minimum_zone;
-use ncfix::measure::iso230::positioning::{Approach, Fault, approaches, figures};
-use ncfix::model::file;
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_metrology::measure::iso230::circle::{self, Point};
+use ncfix_metrology::measure::iso230::drift::without_drift;
+use ncfix_metrology::measure::iso230::minimum_zone;
+use ncfix_metrology::measure::iso230::positioning::{Approach, Fault, approaches, figures};
+use ncfix_model::file;
 
 use crate::bench_machine::Random;
 use crate::thermal_plant::gauss;
@@ -115,7 +115,7 @@ fn data(rows: &str) -> DataSet {
     let machine = file::load(&source("m.toml", text)).0.unwrap().0;
     let table = source("laser.csv", &format!("X,Y,Z,X_dir,component,value_um\n{rows}"));
     let description = source("laser.toml", "[measurement]\nkind = \"direct\"\n");
-    let (data, findings) = ncfix::measure::data::load("laser", &table, &description, &machine);
+    let (data, findings) = ncfix_metrology::measure::data::load("laser", &table, &description, &machine);
     data.unwrap_or_else(|| panic!("{findings:?}"))
 }
 

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use ncfix::geometry::Vector;
-use ncfix::measure::iso230::sphere;
+use ncfix_base::geometry::Vector;
+use ncfix_metrology::measure::iso230::sphere;
 use serde_json::Value;
 
 use crate::support::Shop;

@@ -1,7 +1,7 @@
 //! Radius compensation of Fanuc and RS274/NGC programs.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::machine::{CompensationCorner, CompensationStart, Machine, Tool};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::machine::{CompensationCorner, CompensationStart, Machine, Tool};
 
 use crate::iso::{check_on, iso_machine, run_with};
 

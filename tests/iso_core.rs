@@ -1,9 +1,9 @@
 //! Offsets, lengths, feeds and codes of Fanuc and RS274/NGC that are passed on: numbers by hand, those of RS274/NGC by LinuxCNC's interpreter.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{LengthAxis, Machine, Tool};
-use ncfix::snc::Kind;
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::machine::{LengthAxis, Machine, Tool};
+use ncfix_machine::snc::Kind;
 
 use crate::iso::{check, check_codes, check_on, elements, iso_machine, run, run_with};
 use crate::support::Shop;

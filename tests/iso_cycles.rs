@@ -1,7 +1,7 @@
 //! Canned cycles of Fanuc and RS274/NGC; the motions are those of the reference and of the controls' manuals, written out by hand.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::geometry::Axis;
+use ncfix_base::geometry::Axis;
+use ncfix_language::exec::{NoLibrary, Options};
 
 use crate::iso::{check, check_codes, check_on, iso_machine, run, run_with};
 
@@ -225,7 +225,7 @@ fn tapping_is_refused_for_a_correction_where_it_may_be_rigid() {
     let program = "G54 G90 G0 X0 Y0 Z10.\nG84 X1. Y1. Z-5. R2. F100.\nM30";
     let rigid = "G54 G90 G0 X0 Y0 Z10.\nM29 S500\nG84 X1. Y1. Z-5. R2. F100.\nM30";
     let mut machine = iso_machine();
-    let run = |program: &str, machine: &ncfix::machine::Machine, strict: bool| {
+    let run = |program: &str, machine: &ncfix_machine::machine::Machine, strict: bool| {
         run_with("fanuc", program, machine, Box::new(NoLibrary), Options { strict, ..Options::default() }).1
     };
     assert_eq!(run(program, &machine, false), ["W0207:2"]);
@@ -397,7 +397,7 @@ fn g80_beside_another_kind_of_motion_is_nothing() {
 
 #[test]
 fn exact_stops_hold_within_linuxcnc_cycles_and_the_mode_of_the_program_comes_back() {
-    use ncfix::snc::Kind;
+    use ncfix_machine::snc::Kind;
     let text = "G21 G90 F100\nG64 P0.05\nG0 X0 Y0 Z10\nG81 X1 Z-1 R1\nX2\nG0 X3\nG61\nG81 X4 Z-1 R1\nM2";
     let (elements, codes) =
         crate::iso::elements("rs274", text, &iso_machine(), Box::new(NoLibrary), Options::default());

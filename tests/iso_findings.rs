@@ -1,6 +1,6 @@
 //! Fanuc and RS274/NGC: what must not get lost on the way to the output, or must not pass in silence.
 
-use ncfix::exec::{NoLibrary, Options};
+use ncfix_language::exec::{NoLibrary, Options};
 
 use crate::iso::{check_codes, iso_machine, run, run_with};
 use crate::support::{Shop, machine};

@@ -1,8 +1,8 @@
 //! Mirror, scaling, rotation, polar coordinates, tilted planes and corners of Fanuc: the examples of the reference, and laws.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::geometry::AxisVector;
-use ncfix::snc::Kind;
+use ncfix_base::geometry::AxisVector;
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::snc::Kind;
 
 use crate::iso::{check, check_codes, elements, iso_machine, run};
 

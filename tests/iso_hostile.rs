@@ -1,6 +1,6 @@
 //! Macros and O-words without sense: whatever the pieces of a program are, its execution ends, and never in a panic.
 
-use ncfix::exec::{NoLibrary, Options};
+use ncfix_language::exec::{NoLibrary, Options};
 use proptest::prelude::*;
 
 use crate::iso::{iso_machine, run_with};

@@ -1,8 +1,8 @@
 //! Custom macros of Fanuc: variables, expressions, jumps, loops and calls, with expected values worked out by hand.
 
-use ncfix::exec::{Library, NoLibrary, Options};
-use ncfix::machine::{Machine, Opaque, Setting};
-use ncfix::snc::Kind;
+use ncfix_language::exec::{Library, NoLibrary, Options};
+use ncfix_machine::machine::{Machine, Opaque, Setting};
+use ncfix_machine::snc::Kind;
 
 use crate::iso::{check, check_codes, check_on, elements, iso_machine, moves, run, run_with};
 
@@ -416,7 +416,7 @@ fn if_then_does_one_statement() {
 #[test]
 fn arguments_without_a_point_count_increments_where_all_numbers_do() {
     let mut machine = iso_machine();
-    machine.control.iso.decimal_point = Some(ncfix::machine::DecimalPoint::Increment);
+    machine.control.iso.decimal_point = Some(ncfix_machine::machine::DecimalPoint::Increment);
     // X is a length, D and S count.
     check_on(
         "fanuc",

@@ -1,8 +1,8 @@
 //! G68.2 and G53.1 of Fanuc: programmed points of the tilted plane are reached by the tip in the workpiece, on machines of every kind.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::geometry::{Matrix, Vector};
-use ncfix::model::{ErrorModel, Model};
+use ncfix_base::geometry::{Matrix, Vector};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_model::{ErrorModel, Model};
 
 use crate::iso::elements;
 use crate::swivel::{KINDS, commands, machine, on_workpiece, turned};

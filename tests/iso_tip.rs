@@ -1,9 +1,9 @@
 //! G43.4 of Fanuc: the tip in the workpiece, against chains of rotations written out here.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::LengthAxis;
-use ncfix::snc::{Element, Kind};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::machine::LengthAxis;
+use ncfix_machine::snc::{Element, Kind};
 
 use crate::iso::elements;
 use crate::swivel::{machine, turned};

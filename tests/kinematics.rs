@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
-use ncfix::machine::{Kinematics, Machine};
-use ncfix::model::{ErrorModel, Model};
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_machine::machine::{Kinematics, Machine};
+use ncfix_model::{ErrorModel, Model};
 
 use crate::model::{Random, machines, sample};
 

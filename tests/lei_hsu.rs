@@ -6,10 +6,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::model::name::DIRECTIONS;
-use ncfix::model::{ErrorModel, ErrorName, LocationError, Model, Solve};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_model::name::DIRECTIONS;
+use ncfix_model::{ErrorModel, ErrorName, LocationError, Model, Solve};
 
 use crate::bench_machine::{Random, motion, polynomial};
 use crate::model::read;

@@ -1,8 +1,8 @@
 //! What the corrector refuses or warns of: travel, the size of corrections, tolerances that cannot be kept.
 
-use ncfix::diagnostic::Code;
-use ncfix::model::ErrorModel;
-use ncfix::path::Options;
+use ncfix_base::diagnostic::Code;
+use ncfix_model::ErrorModel;
+use ncfix_path::path::Options;
 
 use crate::bench_machine::{Random, correct, motion, polynomial, table, tired};
 use crate::machines::xyz_machine;

@@ -1,10 +1,10 @@
 //! The second step: what the temperatures of the moment ask for, added to pieces that were corrected before.
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Allows, Asked, Corrector, Doses, Live, Options, Output, Piece};
-use ncfix::snc::{Kind, TextReader};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_machine::snc::{Kind, TextReader};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::path::{Allows, Asked, Corrector, Doses, Live, Options, Output, Piece};
 
 use crate::bench_machine::{correct, motion, polynomial, table};
 use crate::machines::xyz_machine;

@@ -1,9 +1,9 @@
 //! Workpiece weight: eq. 4.1 of Spaan 1995 by hand, the tilt of the table, signs by rotations of their own, findings.
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Condition, Load, Machine, State};
-use ncfix::model::{ErrorModel, Model, file};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Condition, Load, Machine, State};
+use ncfix_model::{ErrorModel, Model, file};
 
 use crate::support::Shop;
 

@@ -1,12 +1,14 @@
 //! Machine files: the samples are sound, every fault is found at its place and all in one run, nothing makes the reader panic.
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::geometry::{Axis, Vector};
-use ncfix::machine::file::{DEMO, apply_setup};
-use ncfix::machine::{CompensationCorner, CompensationStart, DecimalPoint, LengthAxis, Lever, Machine, ToolChange};
-use ncfix::model::motion::Function;
-use ncfix::model::{ErrorModel, file};
-use ncfix::source::{FileId, Source};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::file::{DEMO, apply_setup};
+use ncfix_machine::machine::{
+    CompensationCorner, CompensationStart, DecimalPoint, LengthAxis, Lever, Machine, ToolChange,
+};
+use ncfix_model::motion::Function;
+use ncfix_model::{ErrorModel, file};
 
 use crate::support::Shop;
 
@@ -81,7 +83,7 @@ fn each_bad_sample_provokes_its_code_only() {
         assert_eq!(machine.is_some(), name.starts_with('W'), "{name}");
     }
     codes.dedup();
-    let registered: Vec<&str> = (ncfix::diagnostic::CODES.iter().map(|row| row.code.as_str()))
+    let registered: Vec<&str> = (ncfix_base::diagnostic::CODES.iter().map(|row| row.code.as_str()))
         .filter(|code| code.starts_with("E04") || code.starts_with("W04"))
         .collect();
     assert_eq!(codes, registered);

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{AxisData, Control, Lever, Machine, Spindle, Topology};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_machine::machine::{AxisData, Control, Lever, Machine, Spindle, Topology};
 
 /// Three linear axes on the tool side, wide travel, G54 at X100 Y50 Z10.
 pub(crate) fn xyz_machine() -> Machine {

@@ -1,15 +1,15 @@
 //! The sample machine after Spaan 1995: the sizes that the thesis prints, and the whole way with weight and temperatures.
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Condition, Load, Machine, State};
-use ncfix::model::{Accumulator, ErrorModel, Model};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Condition, Load, Machine, State};
+use ncfix_model::{Accumulator, ErrorModel, Model};
 
 use crate::support::repository;
 
 fn maho() -> (Machine, ErrorModel) {
     let bytes = std::fs::read(repository("samples/machines/maho700s.toml")).unwrap();
-    let (loaded, findings) = ncfix::model::file::load(&Source::new(FileId(0), "maho700s.toml", bytes).unwrap());
+    let (loaded, findings) = ncfix_model::file::load(&Source::new(FileId(0), "maho700s.toml", bytes).unwrap());
     assert!(findings.is_empty(), "{findings:?}");
     loaded.unwrap()
 }

@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use ncfix::csv::Table;
-use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
-use ncfix::machine::State;
-use ncfix::model::{Model, Solve};
-use ncfix::source::{FileId, Source};
+use ncfix_base::csv::Table;
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::State;
+use ncfix_model::{Model, Solve};
 use proptest::prelude::*;
 
 use crate::bench_machine::{Random, load_machine};

@@ -1,7 +1,7 @@
 //! Pockets, slots, faces and spigots: the moves of a cycle cut a block of material, and what is left is measured.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::machine::{Machine, Tool, ToolChange};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::machine::{Machine, Tool, ToolChange};
 
 use crate::exec::run_with;
 use crate::machines::xyz_machine;

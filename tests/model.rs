@@ -1,12 +1,12 @@
 //! The error model as a whole: forward against hand arithmetic, sensitivities against finite differences, inverse against forward.
 
-use ncfix::geometry::{AXES, Axis, AxisVector, Matrix, Vector};
-use ncfix::machine::file::DEMO;
-use ncfix::machine::{Lever, Machine, State};
-use ncfix::model::motion::{Function, KINDS, periodic::Periodic, polynomial::Polynomial};
-use ncfix::model::name::DIRECTIONS;
-use ncfix::model::{ErrorModel, ErrorName, LocationError, Model, MotionError, Solve, file, write};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Matrix, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::file::DEMO;
+use ncfix_machine::machine::{Lever, Machine, State};
+use ncfix_model::motion::{Function, KINDS, periodic::Periodic, polynomial::Polynomial};
+use ncfix_model::name::DIRECTIONS;
+use ncfix_model::{ErrorModel, ErrorName, LocationError, Model, MotionError, Solve, file, write};
 
 /// A generator with a fixed seed (splitmix64), so that a failure repeats.
 pub(crate) struct Random(pub(crate) u64);
@@ -146,10 +146,10 @@ fn sensitivities_are_the_finite_differences_of_the_forward_function() {
                     let with = |value: f64| {
                         let mut errors = ErrorModel::default();
                         match name.kind {
-                            ncfix::model::name::ErrorKind::Location => {
+                            ncfix_model::name::ErrorKind::Location => {
                                 errors.location.push(LocationError { name, value })
                             }
-                            ncfix::model::name::ErrorKind::Motion => errors.motion.push(polynomial(name, &[value])),
+                            ncfix_model::name::ErrorKind::Motion => errors.motion.push(polynomial(name, &[value])),
                         }
                         Model::new(&machine, &errors).volumetric_error(&command, &tool, &State::default())
                     };

@@ -1,13 +1,11 @@
 //! Words that change no position: they come out in their places with the values that they have, and change nothing else.
-
-use ncfix::dialect;
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
-use ncfix::machine::{Machine, Opaque, file};
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Corrector, Increments, Options, OutputFrame};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions};
+use ncfix_language::syntax;
+use ncfix_machine::machine::{Machine, Opaque, file};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, Increments, Options, OutputFrame};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::machines::xyz_machine;
@@ -21,7 +19,7 @@ pub(crate) fn written(
 ) -> (Vec<String>, Vec<String>) {
     let model = Model::new(machine, errors);
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
     let mut codes: Vec<String> = findings.iter().map(|found| found.code.to_string()).collect();
     let execution = Execution::new(program, machine, Box::new(NoLibrary), ExecOptions::default());
     let stamp = Stamp { machine: "m".into(), model: "0".into(), source: "0".into(), ..Stamp::default() };
@@ -162,7 +160,7 @@ fn diameters_are_refused_where_they_matter() {
     assert_eq!(codes("G90 DIAMON\nG0 X1"), ["E0201"]);
     assert_eq!(codes("G90 DIAM90\nG2 Y1 I1 F1"), ["E0201"]);
     let mut machine = xyz_machine();
-    machine.control.transverse_axis = ncfix::geometry::Axis::Y;
+    machine.control.transverse_axis = ncfix_base::geometry::Axis::Y;
     check_on(&machine, "G90 DIAMON\nG0 X1 Z2\nM30", &["G90 DIAMOF", "G0 X1 Z2", "M30"]);
 }
 
@@ -241,7 +239,7 @@ fn behind_an_opaque_call_that_moves_the_position_is_unknown() {
     let source = Source::new(FileId(0), "test.mpf", program.as_bytes().to_vec()).unwrap();
     for (moves, expected) in [(true, vec!["E0304"]), (false, vec![])] {
         let machine = with_opaque(&[("CHANGE", moves)]);
-        let (parsed, _) = syntax::parse(&source, dialect::sinumerik());
+        let (parsed, _) = syntax::parse(&source, ncfix_dialect::sinumerik());
         let options = ExecOptions { strict: true, ..ExecOptions::default() };
         let found: Vec<String> = Execution::new(parsed, &machine, Box::new(NoLibrary), options)
             .filter_map(|item| item.err().map(|found| found.code.to_string()))
@@ -260,7 +258,7 @@ fn the_machine_file_names_opaque_programs() {
     assert_eq!(control.opaque_moves("L6"), Some(false));
     assert_eq!(control.opaque_moves("CYCLE97"), Some(true));
     assert_eq!(control.opaque_moves("CYCLE81"), None);
-    assert_eq!(control.transverse_axis, ncfix::geometry::Axis::Y);
+    assert_eq!(control.transverse_axis, ncfix_base::geometry::Axis::Y);
     assert!(control.allows_synchronised(Some(3)));
     assert!(!control.allows_synchronised(Some(4)) && !control.allows_synchronised(None));
 }
@@ -360,7 +358,7 @@ fn codes_are_programmed_by_group_and_number() {
 #[test]
 fn the_first_plane_is_that_of_the_machine() {
     let mut machine = xyz_machine();
-    machine.control.initial_plane = ncfix::geometry::Plane::ZX;
+    machine.control.initial_plane = ncfix_base::geometry::Plane::ZX;
     check_on(
         &machine,
         "G90 G0 X0 Y0 Z0\nG2 X10 Z10 I10 K0 F100\nM30",

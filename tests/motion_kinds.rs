@@ -1,11 +1,11 @@
 //! Every kind of motion error, by the example that it gives: read, zero, scaled, in other units, on a mirrored axis, and its kinks.
 
-use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::model::motion::{
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_model::motion::{
     Function, KINDS, Kind, backlash, cross, dynamic, grid, periodic, piecewise, polynomial, table,
 };
-use ncfix::model::{ErrorModel, Model, MotionError};
+use ncfix_model::{ErrorModel, Model, MotionError};
 
 use crate::machine_file::load;
 use crate::model::Random;

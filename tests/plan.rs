@@ -477,7 +477,7 @@ fn increments_begin_at_a_known_place_behind_every_stop() {
 fn every_plan_is_documented() {
     let text = std::fs::read_to_string(crate::support::repository("docs/plan.md")).unwrap();
     let help = Shop::new().run(["plan", "--help"]).stdout;
-    for kind in ncfix::measure::plan::PLANS {
+    for kind in ncfix_metrology::measure::plan::PLANS {
         assert!(text.contains(&format!("| `{}` |", kind.name)), "docs/plan.md lacks {}", kind.name);
         let at = help.find(&format!("\n  {} ", kind.name)).unwrap_or_else(|| panic!("help lacks {}", kind.name));
         for wish in kind.wishes {
@@ -488,32 +488,32 @@ fn every_plan_is_documented() {
 
 #[test]
 fn no_other_pose_would_have_told_more() {
-    use ncfix::calibrate::{identify, improve};
+    use ncfix_metrology::calibrate::{identify, improve};
     let source =
-        ncfix::source::Source::new(ncfix::source::FileId(0), "kolibri.toml", KOLIBRI.as_bytes().to_vec()).unwrap();
-    let (found, _) = ncfix::model::file::load(&source);
+        ncfix_base::source::Source::new(ncfix_base::source::FileId(0), "kolibri.toml", KOLIBRI.as_bytes().to_vec())
+            .unwrap();
+    let (found, _) = ncfix_model::file::load(&source);
     let machine = found.unwrap().0;
-    let parameters = (ncfix::model::preset::find("10").unwrap().parameters)(&machine).unwrap();
-    let wishes = ncfix::measure::plan::Wishes {
-        balls_mm: vec![ncfix::geometry::Vector::new(60.0, 0.0, 40.0)],
-        tools_mm: vec![ncfix::geometry::Vector::new(0.0, 0.0, -74.0)],
+    let parameters = (ncfix_model::preset::find("10").unwrap().parameters)(&machine).unwrap();
+    let wishes = ncfix_metrology::measure::plan::Wishes {
+        balls_mm: vec![ncfix_base::geometry::Vector::new(60.0, 0.0, 40.0)],
+        tools_mm: vec![ncfix_base::geometry::Vector::new(0.0, 0.0, -74.0)],
         points: Some(2),
         ..Default::default()
     };
-    let plan = (ncfix::measure::plan::find("probe").unwrap().build)(&machine, &wishes).unwrap();
+    let plan = (ncfix_metrology::measure::plan::find("probe").unwrap().build)(&machine, &wishes).unwrap();
     let rank_with = |candidate: usize| {
         let mut data = plan.data.clone();
         data.observations.push(plan.candidates[candidate]);
-        identify(&machine, &ncfix::model::ErrorModel::default(), &parameters, &[data]).unwrap().rank
+        identify(&machine, &ncfix_model::ErrorModel::default(), &parameters, &[data]).unwrap().rank
     };
-    let before =
-        identify(&machine, &ncfix::model::ErrorModel::default(), &parameters, std::slice::from_ref(&plan.data))
-            .unwrap()
-            .rank;
+    let before = identify(&machine, &ncfix_model::ErrorModel::default(), &parameters, std::slice::from_ref(&plan.data))
+        .unwrap()
+        .rank;
     let best = (0..plan.candidates.len()).map(rank_with).max().unwrap();
     let chosen = improve(
         &machine,
-        &ncfix::model::ErrorModel::default(),
+        &ncfix_model::ErrorModel::default(),
         &parameters,
         std::slice::from_ref(&plan.data),
         &plan.candidates,

@@ -4,19 +4,19 @@
 
 use std::fmt::Write as _;
 
-use ncfix::calibrate::{Column, Options, fit, identify};
-use ncfix::geometry::{Axis, AxisVector, Plane, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::measure::data::{DataSet, Free, Setup};
-use ncfix::measure::noise::Noise;
-use ncfix::measure::plan::{Wishes, find};
-use ncfix::measure::simulate::{Read, Simulation};
-use ncfix::model::motion::Function;
-use ncfix::model::motion::periodic::Periodic;
-use ncfix::model::motion::polynomial::Polynomial;
-use ncfix::model::parameter::ParameterName;
-use ncfix::model::{ErrorModel, MotionError};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, AxisVector, Plane, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_metrology::calibrate::{Column, Options, fit, identify};
+use ncfix_metrology::measure::data::{DataSet, Free, Setup};
+use ncfix_metrology::measure::noise::Noise;
+use ncfix_metrology::measure::plan::{Wishes, find};
+use ncfix_metrology::measure::simulate::{Read, Simulation};
+use ncfix_model::motion::Function;
+use ncfix_model::motion::periodic::Periodic;
+use ncfix_model::motion::polynomial::Polynomial;
+use ncfix_model::parameter::ParameterName;
+use ncfix_model::{ErrorModel, MotionError};
 
 use crate::support::repository;
 
@@ -76,7 +76,7 @@ fn polynomial(name: &str, coefficients: &[f64]) -> MotionError {
 fn truth() -> (Machine, ErrorModel) {
     let bytes = std::fs::read(repository("samples/machines/maho700s.toml")).unwrap();
     let (machine, mut errors) =
-        ncfix::model::file::load(&Source::new(FileId(0), "maho700s.toml", bytes).unwrap()).0.unwrap();
+        ncfix_model::file::load(&Source::new(FileId(0), "maho700s.toml", bytes).unwrap()).0.unwrap();
     errors.effects.clear();
     for error in &mut errors.motion {
         if ["EYX", "EZX", "EZY"].contains(&error.name.to_string().as_str())

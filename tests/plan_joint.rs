@@ -1,14 +1,14 @@
 //! Plans that go with measurements which are there already: what they tell together, and which further poses help then.
 
-use ncfix::calibrate::{identify, improve};
-use ncfix::geometry::{Plane, Vector};
-use ncfix::machine::Machine;
-use ncfix::measure::data::DataSet;
-use ncfix::measure::plan::builder::Builder;
-use ncfix::measure::plan::{Wishes, find};
-use ncfix::model::ErrorModel;
-use ncfix::model::parameter::ParameterName;
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Plane, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::{identify, improve};
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_metrology::measure::plan::builder::Builder;
+use ncfix_metrology::measure::plan::{Wishes, find};
+use ncfix_model::ErrorModel;
+use ncfix_model::parameter::ParameterName;
 
 use crate::support::{Run, Shop, machine};
 
@@ -67,7 +67,7 @@ fn a_measurement_counts_by_what_was_read() {
 
 fn xyz5() -> Machine {
     let source = Source::new(FileId(0), "m", std::fs::read(machine("esmaeili_xyz5")).unwrap()).unwrap();
-    ncfix::model::file::load(&source).0.unwrap().0
+    ncfix_model::file::load(&source).0.unwrap().0
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! Every kind of plan on every sample machine: plan, program, simulated readings and a calibration from them, or a reason why there is none.
 
-use ncfix::calibrate::identify;
-use ncfix::machine::Machine;
-use ncfix::measure::data::load_plan;
-use ncfix::measure::plan::PLANS;
-use ncfix::model::ErrorModel;
-use ncfix::model::parameter::ParameterName;
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::identify;
+use ncfix_metrology::measure::data::load_plan;
+use ncfix_metrology::measure::plan::PLANS;
+use ncfix_model::ErrorModel;
+use ncfix_model::parameter::ParameterName;
 
 use crate::support::{Shop, machine, repository};
 
@@ -49,7 +49,7 @@ const CANDIDATES: &str = "EC0Y EC0X EA0Z EA0Y EB0Z EB0X EXX1 EYY1 EZZ1 EAZ1 EAZ2
 fn loaded(name: &str) -> (Machine, ErrorModel) {
     let bytes = std::fs::read(machine(name)).unwrap();
     let source = Source::new(FileId(0), name, bytes).unwrap();
-    ncfix::model::file::load(&source).0.unwrap()
+    ncfix_model::file::load(&source).0.unwrap()
 }
 
 /// Parameters that a plan tells.

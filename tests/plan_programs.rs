@@ -1,12 +1,12 @@
 //! Programs of plans on the four controls: what the executor makes of them is the path of the plan to 1e-6 mm, with a stop or a wait at every
 //! reading, first away from the workpiece, and never through what is measured.
 
-use ncfix::geometry::{AXES, Arc, AxisVector, Vector};
-use ncfix::machine::{Kinematics, Machine};
-use ncfix::measure::plan::builder::Builder;
-use ncfix::measure::plan::{Wishes, find};
-use ncfix::snc::{Dwell, Kind, WordValue};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{AXES, Arc, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Kinematics, Machine};
+use ncfix_machine::snc::{Dwell, Kind, WordValue};
+use ncfix_metrology::measure::plan::builder::Builder;
+use ncfix_metrology::measure::plan::{Wishes, find};
 
 use crate::support::{Shop, machine};
 
@@ -24,7 +24,7 @@ enum Step {
 
 fn loaded(name: &str) -> Machine {
     let source = Source::new(FileId(0), name, std::fs::read(machine(name)).unwrap()).unwrap();
-    ncfix::model::file::load(&source).0.unwrap().0
+    ncfix_model::file::load(&source).0.unwrap().0
 }
 
 fn plans(machine: &Machine) -> Vec<(&'static str, Builder)> {
@@ -43,7 +43,7 @@ fn plans(machine: &Machine) -> Vec<(&'static str, Builder)> {
             "plate",
             Wishes {
                 every: Some(30.0),
-                planes: vec![ncfix::geometry::Plane::ZX],
+                planes: vec![ncfix_base::geometry::Plane::ZX],
                 tools_mm: vec![side],
                 points: Some(3),
                 ..base()
@@ -87,7 +87,7 @@ fn planned(plan: &Builder, machine: &Machine) -> Vec<Step> {
 
 /// The stream of a program.
 fn run(machine: &Machine, on: &str, plan: &Builder) -> (String, Vec<Step>) {
-    let text = ncfix::emit::flat(machine, "a plan", &plan.path).unwrap();
+    let text = ncfix_path::emit::flat(machine, "a plan", &plan.path).unwrap();
     let shop = Shop::new().file("test.nc", &text);
     let check = shop.run(["check", "test.nc", "--machine", on]).exits(0);
     assert!(check.stderr.contains("no findings"), "{}", check.stderr);
@@ -243,7 +243,7 @@ fn no_way_leads_through_what_is_measured() {
         for (kind, plan) in plans(&loaded) {
             let what = format!("{name} {kind}");
             let tool = plan.data.observations[0].reading.tool_mm;
-            let moves: Vec<&ncfix::snc::Move> = plan
+            let moves: Vec<&ncfix_machine::snc::Move> = plan
                 .path
                 .iter()
                 .filter_map(|kind| if let Kind::Move(motion) = kind { Some(motion) } else { None })
@@ -276,8 +276,8 @@ fn no_way_leads_through_what_is_measured() {
             if kind == "plate" {
                 // Between the holes the tip is 20 mm off the plate.
                 let (first, second) = (&plan.data.observations[0], &plan.data.observations[1]);
-                let normal = if first.reading.position[ncfix::geometry::Axis::Y]
-                    == plan.data.observations[8].reading.position[ncfix::geometry::Axis::Y]
+                let normal = if first.reading.position[ncfix_base::geometry::Axis::Y]
+                    == plan.data.observations[8].reading.position[ncfix_base::geometry::Axis::Y]
                 {
                     1
                 } else {

@@ -1,11 +1,11 @@
 //! The printed plans, number by number: Esmaeili 2021 (Tables 4-1, 5-3, 5-4, the hemisphere of ch. 4.6.2) and Spaan 1995 (Table 3.1, spectra of ch. 5).
 
-use ncfix::geometry::{Axis, Vector};
-use ncfix::machine::Machine;
-use ncfix::measure::plan::builder::Builder;
-use ncfix::measure::plan::{Wishes, find};
-use ncfix::snc::Kind;
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::Kind;
+use ncfix_metrology::measure::plan::builder::Builder;
+use ncfix_metrology::measure::plan::{Wishes, find};
 
 use crate::support::machine;
 
@@ -28,7 +28,7 @@ const TABLE_5_4: &str = "8 55|16 120|40 180|38 240|55 300|50 330|45 270|36 210|2
 
 fn loaded(name: &str) -> Machine {
     let source = Source::new(FileId(0), name, std::fs::read(machine(name)).unwrap()).unwrap();
-    ncfix::model::file::load(&source).0.unwrap().0
+    ncfix_model::file::load(&source).0.unwrap().0
 }
 
 fn build(kind: &str, machine: &Machine, wishes: &Wishes) -> Builder {
@@ -228,7 +228,7 @@ fn weights_are_put_on_and_taken_off() {
     let none = (0.0, Vector::zeros());
     let expected = [none, (1700.0, places[0]), (4800.0, places[0]), (1700.0, places[1]), (4800.0, places[1]), none];
     assert_eq!(loads, expected);
-    let text = ncfix::measure::plan::table::csv(&plan);
+    let text = ncfix_metrology::measure::plan::table::csv(&plan);
     let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
     let at = header.iter().position(|name| *name == "load_N").unwrap();
     assert_eq!(header[at..at + 4], ["load_N", "load_x_mm", "load_y_mm", "load_z_mm"]);

@@ -2,9 +2,9 @@
 //! errors, two recorders with clocks of their own. Nothing of the program under test is used but the shape of a trace.
 
 use nalgebra::{DMatrix, DVector, Rotation3, Unit, Vector3};
-use ncfix::geometry::{Axis, AxisVector};
-use ncfix::measure::noise::Noise;
-use ncfix::measure::trace::{Control, Deviations, Run, Trace};
+use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_metrology::measure::noise::Noise;
+use ncfix_metrology::measure::trace::{Control, Deviations, Run, Trace};
 
 /// Positions of X, Y, Z (mm) and A, C (rad).
 pub(crate) type Joints = [f64; 5];

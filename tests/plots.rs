@@ -1,6 +1,6 @@
 //! Pictures: where things are drawn, that every picture is XML whatever its labels are, and that a million points stay a picture.
 
-use ncfix::report::plot::{Bar, Bars, Chart, Histogram, Line, Picture, Polar, Series, Shape, Trace};
+use ncfix_report::plot::{Bar, Bars, Chart, Histogram, Line, Picture, Polar, Series, Shape, Trace};
 use roxmltree::Document;
 
 /// What would be markup if it were not escaped.

@@ -1,7 +1,7 @@
 //! Positioning axes: moves of their own, written as POS again.
 
-use ncfix::model::ErrorModel;
-use ncfix::path::{Options, Rapids};
+use ncfix_model::ErrorModel;
+use ncfix_path::path::{Options, Rapids};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::exec::{check as check_moves, check_codes};

@@ -3,12 +3,12 @@
 //! The rank is found here by finite differences of the forward model and an elimination with pivots, not by the sensitivities and the
 //! fixed order of the presets.
 
-use ncfix::geometry::{AxisVector, Vector};
-use ncfix::machine::{Lever, Machine, State};
-use ncfix::model::motion::{Function, piecewise, polynomial::Polynomial};
-use ncfix::model::parameter::ParameterName;
-use ncfix::model::preset::{PRESETS, Rest, find, rest};
-use ncfix::model::{ErrorModel, LocationError, Model, MotionError};
+use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_machine::machine::{Lever, Machine, State};
+use ncfix_model::motion::{Function, piecewise, polynomial::Polynomial};
+use ncfix_model::parameter::ParameterName;
+use ncfix_model::preset::{PRESETS, Rest, find, rest};
+use ncfix_model::{ErrorModel, LocationError, Model, MotionError};
 
 use crate::model::{Random, machine, sample};
 
@@ -392,7 +392,7 @@ fn a_parameter_is_the_sum_of_its_entries_and_writing_keeps_the_rest() {
         let location =
             errors.location.iter().filter(|error| error.name == parameter.component).map(|error| error.value);
         let motion = errors.motion.iter().filter(|error| error.name == parameter.component);
-        let axis = parameter.component.axis().unwrap_or(ncfix::geometry::Axis::X);
+        let axis = parameter.component.axis().unwrap_or(ncfix_base::geometry::Axis::X);
         location.sum::<f64>() + motion.map(|error| error.function.value(axis, command, state)).sum::<f64>()
     };
     let sizes = [

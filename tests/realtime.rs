@@ -5,12 +5,12 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::os::unix::fs::FileExt as _;
 use std::time::Duration;
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::model::{ErrorModel, Model, Solve, file::load};
-use ncfix::realtime::ring::{Client, Ring};
-use ncfix::realtime::{Cycle, Dosing, Kernel, Signals, Updater, handover};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_model::{ErrorModel, Model, Solve, file::load};
+use ncfix_tables::realtime::ring::{Client, Ring};
+use ncfix_tables::realtime::{Cycle, Dosing, Kernel, Signals, Updater, handover};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::machines::xyz_machine;
@@ -98,7 +98,7 @@ fn functions_of_two_axes_and_short_waves_are_not_left_out() {
 fn a_cycle_doses_clamps_holds_and_knows_the_sense() {
     let machine = xyz_machine();
     let [low, high] = machine.axis(Axis::X).unwrap().travel.unwrap();
-    let reversal = ncfix::model::motion::Function::Backlash(ncfix::model::motion::backlash::Backlash::constant(6e-3));
+    let reversal = ncfix_model::motion::Function::Backlash(ncfix_model::motion::backlash::Backlash::constant(6e-3));
     let errors = ErrorModel {
         motion: vec![motion("EXX", polynomial(&[5e-3])), motion("EXX", reversal)],
         ..ErrorModel::default()

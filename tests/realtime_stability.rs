@@ -1,6 +1,6 @@
 //! Scale compensation against set-point compensation: what Spaan measured on the Maho 700S (1995, ch. 6, Figs. 6.4–6.7).
 
-use ncfix::realtime::stability::{Compensation, approach_um, run, there_and_back_um, unrest_um};
+use ncfix_tables::realtime::stability::{Compensation, approach_um, run, there_and_back_um, unrest_um};
 
 use crate::support::Shop;
 

@@ -1,7 +1,7 @@
 //! G74 and G75: passed on in their places, the named axes are anywhere behind them.
 
-use ncfix::exec::{NoLibrary, Options as ExecOptions};
-use ncfix::path::Options;
+use ncfix_language::exec::{NoLibrary, Options as ExecOptions};
+use ncfix_path::path::Options;
 
 use crate::bench_machine::{motion, polynomial};
 use crate::exec::run_with;
@@ -51,7 +51,7 @@ fn behind_a_reference_point_only_its_axes_are_unknown() {
 fn an_axis_that_is_unknown_is_written_again_when_it_is_known() {
     // EXX = 0.01 mm everywhere: X is told 0.01 mm less.
     let errors = vec![motion("EXX", polynomial(&[0.01]))];
-    let errors = ncfix::model::ErrorModel { motion: errors, ..Default::default() };
+    let errors = ncfix_model::ErrorModel { motion: errors, ..Default::default() };
     let text = "G90 G1 X1 Y2 Z3 F100\nG74 X1=0\nY5\nX1\nM30";
     let (lines, codes) = written(text, &xyz_machine(), &errors, Options::default());
     assert_eq!(codes, [""; 0]);

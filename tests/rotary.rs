@@ -1,10 +1,10 @@
 //! Axes that turn without end: DC, ACP, ACN, and that the output goes the way that was programmed.
 
-use ncfix::exec::Options as ExecOptions;
-use ncfix::geometry::{Axis, AxisVector};
-use ncfix::machine::Machine;
-use ncfix::model::ErrorModel;
-use ncfix::path::Options;
+use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_language::exec::Options as ExecOptions;
+use ncfix_machine::machine::Machine;
+use ncfix_model::ErrorModel;
+use ncfix_path::path::Options;
 
 use crate::bench_machine::{motion, polynomial};
 use crate::flat::{check, execute};
@@ -91,7 +91,7 @@ fn where_plain_positions_are_shortest_ways_they_stay_plain() {
 #[test]
 fn errors_repeat_with_every_turn() {
     let machine = table();
-    let model = ncfix::model::Model::new(&machine, &errors());
+    let model = ncfix_model::Model::new(&machine, &errors());
     let mut command = AxisVector([100.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5]);
     let once = model.actual(&command, &Default::default(), &Default::default());
     command[Axis::C] += 4.0 * std::f64::consts::PI;

@@ -1,12 +1,12 @@
 //! The feed of cuts that turn rotary axes: what a control takes for every block, by the rules of its manual written out here, is what the
 //! program takes. LinuxCNC and Sinumerik take F for X, Y, Z where these move at all, else for the rotary axes in degrees.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::geometry::AxisVector;
-use ncfix::machine::Machine;
-use ncfix::model::file;
-use ncfix::snc::{Element, Kind};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::AxisVector;
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Element, Kind};
+use ncfix_model::file;
 
 use crate::support::Shop;
 

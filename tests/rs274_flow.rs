@@ -1,8 +1,8 @@
 //! O-words, parameters and expressions of RS274/NGC. What LinuxCNC does was worked out from its documentation and looked at in its
 //! interpreter; the numbers of the programs are our own.
 
-use ncfix::exec::{Library, NoLibrary, Options};
-use ncfix::machine::{Machine, Setting};
+use ncfix_language::exec::{Library, NoLibrary, Options};
+use ncfix_machine::machine::{Machine, Setting};
 
 use crate::iso::{iso_machine, moves, run_with};
 

@@ -1,7 +1,7 @@
 //! Curves, threads, probing and polar words of RS274/NGC.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::snc::{Kind, Manner, Move};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::snc::{Kind, Manner, Move};
 
 use crate::iso::{check, elements, iso_machine, moves, run};
 

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use ncfix::sense::{Action, Channel, Config, Fault, Monitor, Reading, SOURCES, State, Told};
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::sense::{Action, Channel, Config, Fault, Monitor, Reading, SOURCES, State, Told};
 use proptest::prelude::*;
 
 /// A config with one channel `T` of a file, with further keys.
@@ -15,7 +15,7 @@ fn config(keys: &str) -> Config {
 fn read(text: &str) -> Result<Config, Vec<String>> {
     let source = Source::new(FileId(0), "S.toml", text.as_bytes().to_vec()).unwrap();
     Config::read(&source).map_err(|findings| {
-        let seen = |finding: &ncfix::diagnostic::Diagnostic| {
+        let seen = |finding: &ncfix_base::diagnostic::Diagnostic| {
             let (line, _) = source.line_column(finding.place.unwrap().span.start);
             format!("{}:{line}: {}", finding.code, finding.message)
         };

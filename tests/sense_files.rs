@@ -6,8 +6,8 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-use ncfix::sense::{Action, Config, Fault, Lines, Panel, Reading, State, Told, Verdict, stamp};
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::sense::{Action, Config, Fault, Lines, Panel, Reading, State, Told, Verdict, stamp};
 
 use proptest::prelude::*;
 
@@ -340,7 +340,7 @@ fn the_command_shows_writes_a_log_and_says_whether_all_is_good() {
     let run = shop.run(["sensors", "S.toml", "--watch", "--for", "1", "--log", "out.csv"]).exits(0);
     assert!(run.stdout.lines().last().unwrap().ends_with("good  T_head 21.50 °C"), "{}", run.stdout);
     let source = Source::new(FileId(0), "out.csv", shop.bytes("out.csv")).unwrap();
-    let (condition, findings) = ncfix::machine::condition::log::load(&source);
+    let (condition, findings) = ncfix_machine::machine::condition::log::load(&source);
     assert!(findings.is_empty(), "{findings:?}");
     assert_eq!(condition.unwrap().temperature_c("T_head", 0.0), Some(21.5));
 }

@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use ncfix::sense::{Config, Fault, Panel, SOURCES, State};
-use ncfix::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::sense::{Config, Fault, Panel, SOURCES, State};
 
 use crate::sense_files::{open, until, until_fault, until_value};
 use crate::support::repository;

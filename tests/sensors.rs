@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use ncfix::calibrate::sensors::data::{Run, over, read};
-use ncfix::calibrate::sensors::{Options, Selection, Size, select, text};
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Condition, Machine, State};
-use ncfix::model::{ErrorModel, Model, file};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Condition, Machine, State};
+use ncfix_metrology::calibrate::sensors::data::{Run, over, read};
+use ncfix_metrology::calibrate::sensors::{Options, Selection, Size, select, text};
+use ncfix_model::{ErrorModel, Model, file};
 
 use crate::bench_machine::Random;
 use crate::support::Shop;

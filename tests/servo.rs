@@ -2,11 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use ncfix::geometry::{Arc, AxisVector, Plane, Vector};
-use ncfix::machine::Machine;
-use ncfix::model::{ErrorModel, Model, file};
-use ncfix::servo::{Circle, Drive, Moment, Motion, Pace};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Arc, AxisVector, Plane, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Machine;
+use ncfix_model::{ErrorModel, Model, file};
+use ncfix_path::servo::{Circle, Drive, Moment, Motion, Pace};
 
 /// A mill with three axes; `servo` are the lines of `[servo]` and of its axes.
 fn machine_with(servo: &str, rest: &str) -> (Machine, ErrorModel) {

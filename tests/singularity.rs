@@ -3,11 +3,11 @@
 
 use std::f64::consts::PI;
 
-use ncfix::geometry::{Axis, AxisVector, ROTARY_AXES, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::model::{ErrorModel, LocationError, Model};
-use ncfix::path::{Options, Piece, Rapids, Rotary, Subdivision};
-use ncfix::snc::{Element, Kind, TextReader};
+use ncfix_base::geometry::{Axis, AxisVector, ROTARY_AXES, Vector};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_machine::snc::{Element, Kind, TextReader};
+use ncfix_model::{ErrorModel, LocationError, Model};
+use ncfix_path::path::{Options, Piece, Rapids, Rotary, Subdivision};
 
 use crate::bench_machine::{Replay, Run, backlash, correct, motion, polynomial};
 use crate::lei_hsu::machine;

@@ -1,8 +1,8 @@
 //! The text of the flat stream, read again, is the same stream.
 
-use ncfix::exec::Options;
-use ncfix::geometry::{AXES, Axis, AxisVector};
-use ncfix::snc::{Element, Kind, TextReader, TextWriter};
+use ncfix_base::geometry::{AXES, Axis, AxisVector};
+use ncfix_language::exec::Options;
+use ncfix_machine::snc::{Element, Kind, TextReader, TextWriter};
 use proptest::prelude::*;
 
 use crate::flat::execute;

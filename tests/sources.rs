@@ -1,10 +1,10 @@
 //! Every source of error in the register: its example is read, contributes, follows its parameters, and does not care how an axis counts.
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Condition, Load, Machine, State};
-use ncfix::model::name::{DIRECTIONS, ErrorName};
-use ncfix::model::{Accumulator, ErrorModel, Model, SOURCES, Source as ErrorSource, Twist, write};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Condition, Load, Machine, State};
+use ncfix_model::name::{DIRECTIONS, ErrorName};
+use ncfix_model::{Accumulator, ErrorModel, Model, SOURCES, Source as ErrorSource, Twist, write};
 
 /// A machine with a swiveling rotary table; `sense` is −1 where X counts the other way.
 fn text(sense: i32, errors: &str) -> String {
@@ -20,7 +20,7 @@ fn text(sense: i32, errors: &str) -> String {
 #[track_caller]
 fn load(sense: i32, errors: &str) -> (Machine, ErrorModel) {
     let source = Source::new(FileId(0), "test.toml", text(sense, errors).into_bytes()).unwrap();
-    let (loaded, findings) = ncfix::model::file::load(&source);
+    let (loaded, findings) = ncfix_model::file::load(&source);
     // All sources together have two models of the drift.
     assert!(findings.iter().all(|finding| finding.code.as_str() == "W0402"), "{errors}\n{findings:?}");
     loaded.unwrap()

@@ -1,12 +1,12 @@
 //! The error propagation of three axes and the correction of end points against the chain: H. A. M. Spaan, Software error compensation
 //! of machine tools, PhD thesis, Technische Universiteit Eindhoven 1995, eq. 2.2–2.9 and Fig. 7.4.
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Lever, Machine, State};
-use ncfix::model::motion::Function;
-use ncfix::model::name::DIRECTIONS;
-use ncfix::model::{ErrorModel, ErrorName, LocationError, Model, MotionError};
-use ncfix::path::{Options, Subdivision};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_machine::machine::{Lever, Machine, State};
+use ncfix_model::motion::Function;
+use ncfix_model::name::DIRECTIONS;
+use ncfix_model::{ErrorModel, ErrorName, LocationError, Model, MotionError};
+use ncfix_path::path::{Options, Subdivision};
 
 use crate::bench_machine::{Random, Replay, correct, motion, polynomial};
 use crate::machines::xyz_machine;

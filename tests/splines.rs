@@ -1,7 +1,7 @@
 //! Splines and polynomials as chords: the curve they stand for, the ends, what stands between their blocks.
 
-use ncfix::geometry::{Axis, AxisVector};
-use ncfix::snc::{Element, Kind};
+use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_machine::snc::{Element, Kind};
 
 use crate::bench_machine::Random;
 use crate::five_axis::{elements, execute};

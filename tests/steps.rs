@@ -1,9 +1,9 @@
 //! `ncfix steps`: the largest fixed step that keeps a residual, against the sag of chords worked out by hand.
 
-use ncfix::geometry::{Axis, Vector};
-use ncfix::machine::{AxisData, Lever, Machine};
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Answer, Rotary, StepTrial, Steps, volume};
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_machine::machine::{AxisData, Lever, Machine};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::path::{Answer, Rotary, StepTrial, Steps, volume};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::machines::xyz_machine;

@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
-use ncfix::csv::Table;
-use ncfix::geometry::Axis;
-use ncfix::machine::{StrainGauge, condition};
-use ncfix::measure::strain::{self, Reading};
-use ncfix::measure::weighing::{Coordinate, Measured, Weighing, weigh};
-use ncfix::source::{FileId, Source};
+use ncfix_base::csv::Table;
+use ncfix_base::geometry::Axis;
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{StrainGauge, condition};
+use ncfix_metrology::measure::strain::{self, Reading};
+use ncfix_metrology::measure::weighing::{Coordinate, Measured, Weighing, weigh};
 
 use crate::model::Random;
 use crate::support::Shop;
@@ -31,7 +31,7 @@ fn source(text: &str) -> Source {
 }
 
 fn gauge(section: &str) -> StrainGauge {
-    let (machine, findings) = ncfix::model::file::load(&source(&format!("{MACHINE}{section}")));
+    let (machine, findings) = ncfix_model::file::load(&source(&format!("{MACHINE}{section}")));
     assert!(findings.is_empty(), "{findings:#?}");
     machine.unwrap().0.strain.unwrap()
 }
@@ -264,7 +264,7 @@ fn an_empty_table_and_known_places_are_taken_into_account() {
     assert!((load.position_mm.x - 40.0).abs() < 1e-5 && load.position_mm.z == -280.0);
 }
 
-fn codes(findings: &[ncfix::diagnostic::Diagnostic]) -> Vec<&'static str> {
+fn codes(findings: &[ncfix_base::diagnostic::Diagnostic]) -> Vec<&'static str> {
     findings.iter().map(|finding| finding.code.as_str()).collect()
 }
 
@@ -324,7 +324,7 @@ fn a_rotary_axis_tells_the_place_by_turning() {
         + "[axis.B]\ndirection = [0, 1, 0]\ntravel_deg = [0, 360]\n\
            [strain]\naxis = \"B\"\npositions_deg = [0, 90, 180, 270]\num_per_m_per_N = [0, 0, 0, 0]\n\
            x_um_per_m_per_N_mm = [0, -2e-5, 0, 2e-5]\nz_um_per_m_per_N_mm = [2e-5, 0, -2e-5, 0]\n";
-    let (machine, findings) = ncfix::model::file::load(&source(&machine));
+    let (machine, findings) = ncfix_model::file::load(&source(&machine));
     assert!(findings.is_empty(), "{findings:#?}");
     let gauge = machine.unwrap().0.strain.unwrap();
     assert_eq!(gauge.axis, Axis::B);
@@ -356,7 +356,7 @@ fn faults_of_the_gauge_are_found_at_their_place() {
     ];
     for (section, code, line) in cases {
         let source = source(&format!("{MACHINE}{section}"));
-        let (machine, findings) = ncfix::model::file::load(&source);
+        let (machine, findings) = ncfix_model::file::load(&source);
         let first = MACHINE.lines().count();
         let found: Vec<_> = findings
             .iter()
@@ -422,7 +422,7 @@ fn faults_of_the_command_are_told_with_their_place() {
 fn the_sections_of_the_documentation_are_read() {
     let page = std::fs::read_to_string(crate::support::repository("docs/load.md")).unwrap();
     let sections: String = page.split("```toml\n").skip(1).map(|block| block.split("```").next().unwrap()).collect();
-    let (machine, findings) = ncfix::model::file::load(&source(&format!("{MACHINE}{sections}")));
+    let (machine, findings) = ncfix_model::file::load(&source(&format!("{MACHINE}{sections}")));
     assert!(findings.is_empty(), "{findings:#?}");
     let (machine, errors) = machine.unwrap();
     assert!(machine.strain.is_some() && errors.effects().count() == 2);

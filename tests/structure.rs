@@ -1,9 +1,9 @@
 //! Heat in the structure: segments that expand, bend and twist, against formulas of beams and against numerical integration along the beam.
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Condition, Machine, State};
-use ncfix::model::{ErrorModel, Model, Twist};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Condition, Machine, State};
+use ncfix_model::{ErrorModel, Model, Twist};
 
 const HEAD: &str = "[machine]\nname = \"test\"\ntopology = \"wXYFZSt\"\n[axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [0, 800]\n\
     [axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 600]\npoint_mm = [10, 20, 30]\n";
@@ -11,7 +11,7 @@ const HEAD: &str = "[machine]\nname = \"test\"\ntopology = \"wXYFZSt\"\n[axis.X]
 #[track_caller]
 fn load(text: &str) -> (Machine, ErrorModel) {
     let source = Source::new(FileId(0), "test.toml", format!("{HEAD}{text}").into_bytes()).unwrap();
-    let (loaded, findings) = ncfix::model::file::load(&source);
+    let (loaded, findings) = ncfix_model::file::load(&source);
     assert!(findings.is_empty(), "{findings:?}");
     loaded.unwrap()
 }
@@ -119,7 +119,7 @@ fn an_axis_that_slides_along_it_has_its_scale_straightness_and_angles() {
         let head = HEAD.replace("point_mm = [10, 20, 30]", &format!("point_mm = [10, 20, 30]\nlever = \"{lever}\""));
         let text = COLUMN.replace("before = \"Z\"", "before = \"Z\"\nalong = \"Z\"\nat_mm = 80");
         let source = Source::new(FileId(0), "test.toml", format!("{head}{text}").into_bytes()).unwrap();
-        let (loaded, findings) = ncfix::model::file::load(&source);
+        let (loaded, findings) = ncfix_model::file::load(&source);
         assert!(findings.is_empty(), "{findings:?}");
         let (machine, errors) = loaded.unwrap();
         let condition = warm(&[("a", 1.0), ("b", 3.0), ("c", 3.0), ("d", 1.0)]);
@@ -174,9 +174,9 @@ fn faults_of_a_segment_have_their_place() {
         let text = COLUMN.replace(from, to);
         assert_ne!(text, COLUMN, "{from}");
         let source = Source::new(FileId(0), "test.toml", format!("{HEAD}{text}").into_bytes()).unwrap();
-        let (loaded, findings) = ncfix::model::file::load(&source);
+        let (loaded, findings) = ncfix_model::file::load(&source);
         assert!(loaded.is_none());
-        let line = |place: ncfix::diagnostic::Place| {
+        let line = |place: ncfix_base::diagnostic::Place| {
             source.bytes()[..place.span.range().start].iter().filter(|&&byte| byte == b'\n').count() + 1
         };
         let found: Vec<String> =

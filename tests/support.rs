@@ -34,7 +34,7 @@ pub(crate) fn dialects() -> Vec<(&'static str, &'static str)> {
         "rs274" => "knee_mill",
         _ => "demo",
     };
-    let executable = ncfix::dialect::DIALECTS.iter().filter(|dialect| dialect.is_executable);
+    let executable = ncfix_dialect::DIALECTS.iter().filter(|dialect| dialect.is_executable);
     executable.map(|dialect| (dialect.name, machine(dialect.name))).collect()
 }
 

@@ -1,11 +1,11 @@
 //! LEAD, TILT and ORIPATH: the tool stands as the tangent of the path and the normal of the surface say, by vector arithmetic.
 
-use ncfix::geometry::Vector;
-use ncfix::machine::{Machine, OriPath, TiltAbout};
-use ncfix::model::{ErrorModel, Model, file};
-use ncfix::path::Options;
-use ncfix::snc::Kind;
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::Vector;
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Machine, OriPath, TiltAbout};
+use ncfix_machine::snc::Kind;
+use ncfix_model::{ErrorModel, Model, file};
+use ncfix_path::path::Options;
 
 use crate::bench_machine::load_machine;
 use crate::five_axis::{corrected, elements, execute, machine, targets, tip_in_program, topologies, with_tool};
@@ -198,7 +198,7 @@ fn the_output_states_what_lead_and_tilt_meant() {
         .collect();
     assert_eq!(again.len(), commands.len(), "no piece is divided again");
     for (again, command) in again.iter().zip(&commands) {
-        for axis in ncfix::geometry::AXES {
+        for axis in ncfix_base::geometry::AXES {
             assert!((again[axis] - command[axis]).abs() < 1e-9, "{axis}: {again:?} {command:?}");
         }
     }

@@ -12,17 +12,16 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::panic::AssertUnwindSafe;
 
-use ncfix::diagnostic::{Code, Diagnostic};
-use ncfix::dialect;
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions, RapidOrder};
-use ncfix::geometry::{AXES, Axis, AxisSet, AxisVector, Vector};
-use ncfix::machine::Machine;
-use ncfix::model::Model;
-use ncfix::path::{Corrector, FiveAxis, Increments, OutputFrame, Rapids, Subdivision};
-use ncfix::snc::{Element, Kind, Move};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions, RapidOrder};
+use ncfix_language::syntax;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Element, Kind, Move};
+use ncfix_model::Model;
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, FiveAxis, Increments, OutputFrame, Rapids, Subdivision};
 
 use self::draw::{Pair, Random};
 use self::judge::{Judge, Sides};
@@ -130,7 +129,7 @@ impl Worst {
 
 fn execute(text: &str, dialect: &str, machine: &Machine, rapid_order: RapidOrder) -> (Vec<Element>, Vec<Diagnostic>) {
     let source = Source::new(FileId(0), "pair", text.as_bytes().to_vec()).unwrap();
-    let (program, mut found) = syntax::parse(&source, dialect::find(dialect).unwrap());
+    let (program, mut found) = syntax::parse(&source, ncfix_dialect::find(dialect).unwrap());
     let mut elements = Vec::new();
     let strict = ExecOptions { strict: true, rapid_order, ..ExecOptions::default() };
     for item in Execution::new(program, machine, Box::new(NoLibrary), strict) {
@@ -146,7 +145,7 @@ fn execute(text: &str, dialect: &str, machine: &Machine, rapid_order: RapidOrder
 fn corrected(pair: &Pair) -> (String, Vec<Diagnostic>) {
     let model = Model::new(&pair.machine, &pair.model());
     let source = Source::new(FileId(0), "pair", pair.program.as_bytes().to_vec()).unwrap();
-    let (program, _) = syntax::parse(&source, dialect::find(pair.dialect).unwrap());
+    let (program, _) = syntax::parse(&source, ncfix_dialect::find(pair.dialect).unwrap());
     let strict = ExecOptions { strict: true, ..ExecOptions::default() };
     let execution = Execution::new(program, &pair.machine, Box::new(NoLibrary), strict);
     let mut corrector = Corrector::new(execution, &pair.machine, &model, pair.options.clone());

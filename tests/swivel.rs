@@ -1,12 +1,12 @@
 //! CYCLE800: programmed points of the tilted plane are reached by the tip in the workpiece, on machines of every kind.
 
-use ncfix::exec::Options as ExecOptions;
-use ncfix::geometry::{Axis, AxisVector, Matrix, Vector};
-use ncfix::machine::{Machine, Tool};
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::Options;
-use ncfix::snc::{Element, Kind};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, AxisVector, Matrix, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::Options as ExecOptions;
+use ncfix_machine::machine::{Machine, Tool};
+use ncfix_machine::snc::{Element, Kind};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::path::Options;
 
 use crate::bench_machine::load_machine;
 use crate::flat::{check, execute};
@@ -31,7 +31,7 @@ pub(crate) fn machine(topology: &str) -> Machine {
     }
     text += "[control]\nswivel_retract_z_mm = 400\n[zero_offset.G54]\nX_mm = 12\nY_mm = -7\nZ_mm = 33\n";
     let source = Source::new(FileId(0), "test.toml", text.into_bytes()).unwrap();
-    let (result, findings) = ncfix::model::file::load(&source);
+    let (result, findings) = ncfix_model::file::load(&source);
     let (mut machine, _) = result.unwrap_or_else(|| panic!("{findings:?}"));
     machine.tools = vec![Tool { number: 1, name: None, edge: 1, length_mm: [95.0, 0.0, 0.0], radius_mm: 5.0 }];
     machine

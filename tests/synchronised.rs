@@ -2,9 +2,9 @@
 
 use crate::machines::xyz_machine;
 use crate::modes::{check, codes, written};
-use ncfix::machine::Machine;
-use ncfix::model::ErrorModel;
-use ncfix::path::Options;
+use ncfix_machine::machine::Machine;
+use ncfix_model::ErrorModel;
+use ncfix_path::path::Options;
 
 fn codes_on(machine: &Machine, action: &str) -> Vec<String> {
     let program = format!("G90 G0 X1\n{action}\nG0 X2\nM30");

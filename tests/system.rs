@@ -1,8 +1,8 @@
 //! System variables, frames as values, tool data and global variables.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::geometry::{AxisVector, FrameParts};
-use ncfix::machine::{Machine, Setting, Tool, ToolChange};
+use ncfix_base::geometry::{AxisVector, FrameParts};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::machine::{Machine, Setting, Tool, ToolChange};
 
 use crate::exec::{check, check_codes, run_with};
 use crate::machines::xyz_machine;

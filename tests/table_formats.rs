@@ -2,14 +2,14 @@
 
 use std::fs;
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::file::DEMO;
-use ncfix::machine::{Machine, State};
-use ncfix::model::name::{Direction, ErrorName};
-use ncfix::source::{FileId, Source};
-use ncfix::tables::format::{self, Holds};
-use ncfix::tables::{
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::file::DEMO;
+use ncfix_machine::machine::{Machine, State};
+use ncfix_model::name::{Direction, ErrorName};
+use ncfix_tables::tables::format::{self, Holds};
+use ncfix_tables::tables::{
     AxisErrors, Control, ErrorTables, FORMATS, Format, Grid, Lookup, Multiplication, Nodes, Sense, Tables, Wiring,
     Written,
 };

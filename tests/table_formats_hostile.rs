@@ -1,8 +1,8 @@
 //! Files that are no tables: whatever stands in them, reading ends with findings at their places, in bounded memory, without a panic.
 
-use ncfix::geometry::Axis;
-use ncfix::source::{FileId, Source};
-use ncfix::tables::{FORMATS, Format, Lookup, Nodes, Sense, Tables, Wiring};
+use ncfix_base::geometry::Axis;
+use ncfix_base::source::{FileId, Source};
+use ncfix_tables::tables::{FORMATS, Format, Lookup, Nodes, Sense, Tables, Wiring};
 use proptest::prelude::*;
 
 use super::table_formats::{source, tables_for};
@@ -172,7 +172,7 @@ proptest! {
         lookups in proptest::collection::vec(any_lookup(), 1..6),
         factors in proptest::collection::vec(proptest::option::of(0..6_usize), 6),
     ) {
-        let format = ncfix::tables::format::find("cec").unwrap();
+        let format = ncfix_tables::tables::format::find("cec").unwrap();
         let mut tables = Tables::default();
         for (index, (start, step, rest, values, sense, modulo, weight, has_weight)) in lookups.iter().enumerate() {
             let whole = (values.len() - 2) as f64;

@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Condition, Machine, State};
-use ncfix::model::{Accumulator, ErrorModel, Model};
-use ncfix::source::{FileId, Source};
-use ncfix::tables::check::{Check, check};
-use ncfix::tables::region::Region;
-use ncfix::tables::scheme::{self, Task};
-use ncfix::tables::{Control, Multiplication, Orientation, Tables, Target, Wiring, format};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Condition, Machine, State};
+use ncfix_model::{Accumulator, ErrorModel, Model};
+use ncfix_tables::tables::check::{Check, check};
+use ncfix_tables::tables::region::Region;
+use ncfix_tables::tables::scheme::{self, Task};
+use ncfix_tables::tables::{Control, Multiplication, Orientation, Tables, Target, Wiring, format};
 
 use crate::support::repository;
 
@@ -26,7 +26,7 @@ struct Bench {
 impl Bench {
     fn of(text: &str) -> Bench {
         let source = Source::new(FileId(0), "machine.toml", text.as_bytes().to_vec()).unwrap();
-        let (loaded, findings) = ncfix::model::file::load(&source);
+        let (loaded, findings) = ncfix_model::file::load(&source);
         assert!(findings.iter().all(|one| !one.is_error()), "{findings:?}");
         let (machine, errors) = loaded.unwrap();
         Bench { machine, errors, tool_mm: Vector::zeros() }

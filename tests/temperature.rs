@@ -1,10 +1,10 @@
 //! Temperature, statistical: zero-point drift and expansion by hand arithmetic, on either side of the machine.
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::{Condition, Machine, State};
-use ncfix::model::{ErrorModel, Model, file};
-use ncfix::source::{FileId, Source};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Condition, Machine, State};
+use ncfix_model::{ErrorModel, Model, file};
 
 fn source(text: &str) -> Source {
     Source::new(FileId(0), "machine.toml", text.as_bytes().to_vec()).unwrap()

@@ -1,7 +1,7 @@
 //! EXECSTRING: texts that are executed as blocks. Expected moves are worked out by hand.
 
-use ncfix::exec::{NoLibrary, Options};
-use ncfix::machine::{Machine, Setting};
+use ncfix_language::exec::{NoLibrary, Options};
+use ncfix_machine::machine::{Machine, Setting};
 
 use crate::exec::{check, check_codes, run_with};
 use crate::machines::xyz_machine;

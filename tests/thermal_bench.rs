@@ -4,11 +4,11 @@
 use std::fmt::Write as _;
 
 use nalgebra::{DMatrix, DVector};
-use ncfix::geometry::{Axis, AxisVector, Vector};
-use ncfix::machine::condition::log;
-use ncfix::machine::{Condition, Machine, State};
-use ncfix::model::{ErrorModel, Model, file};
-use ncfix::source::{FileId, Source};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::condition::log;
+use ncfix_machine::machine::{Condition, Machine, State};
+use ncfix_model::{ErrorModel, Model, file};
 
 use crate::bench_machine::Random;
 use crate::thermal_plant::{SENSOR_NOISE_K, SENSORS, Sample, TOOL_MM, din_8602, drift_um, gauss, random_speeds, run};

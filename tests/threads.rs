@@ -1,7 +1,7 @@
 //! Threads: straight moves in one piece, their words passed on.
 
-use ncfix::model::ErrorModel;
-use ncfix::path::{Options, Subdivision};
+use ncfix_model::ErrorModel;
+use ncfix_path::path::{Options, Subdivision};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::exec::{check as check_moves, check_codes, run};

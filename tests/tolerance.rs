@@ -1,10 +1,10 @@
 //! Between the ends of the pieces: the replayed tool stays within the tolerance of the nominal path, and the pieces are few.
 
-use ncfix::geometry::{Arc, Axis, AxisVector, Plane, Vector};
-use ncfix::machine::{Machine, State};
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Arcs, Options, Rapids};
-use ncfix::snc::{Element, Kind, TextReader};
+use ncfix_base::geometry::{Arc, Axis, AxisVector, Plane, Vector};
+use ncfix_machine::machine::{Machine, State};
+use ncfix_machine::snc::{Element, Kind, TextReader};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::path::{Arcs, Options, Rapids};
 
 use crate::bench_machine::{Random, Replay, Trace, backlash, correct, load_machine, motion, polynomial, table, tired};
 use crate::machines::xyz_machine;
@@ -197,7 +197,7 @@ fn least_pieces(model: &Model, start: AxisVector, end: AxisVector, tolerance_mm:
     let nominal = |fraction: f64| start.lerp(&end, fraction);
     let solve = |fraction: f64| {
         let at = nominal(fraction);
-        model.solve(&at, &tool, &state, &at, ncfix::model::Solve::Full).unwrap()
+        model.solve(&at, &tool, &state, &at, ncfix_model::Solve::Full).unwrap()
     };
     let places: Vec<f64> = (0..=nodes).map(|k| k as f64 / nodes as f64).collect();
     let commands: Vec<AxisVector> = places.iter().map(|&place| solve(place)).collect();

@@ -173,7 +173,7 @@ fn rows() -> Vec<[String; 4]> {
 #[test]
 fn the_ranges_of_the_documentation_are_those_of_the_program() {
     let written = rows();
-    let known: Vec<[String; 4]> = ncfix::machine::range::RANGES
+    let known: Vec<[String; 4]> = ncfix_machine::machine::range::RANGES
         .iter()
         .map(|range| {
             [format!("`{}`", range.keys), range.least.to_string(), range.most.to_string(), range.reason.to_owned()]

@@ -5,11 +5,11 @@
 
 use std::fs;
 
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::machine::Machine;
-use ncfix::snc::{Kind, Move};
-use ncfix::source::{FileId, Source};
-use ncfix::{dialect, model, syntax};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_language::syntax;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Kind, Move};
 
 use crate::support::{Run, Shop, repository};
 
@@ -251,7 +251,7 @@ coefficients = [0, 5.0e-05]
 /// The machine with another radius of its tool.
 fn machine(language: &str, radius_mm: f64) -> Machine {
     let source = Source::new(FileId(0), "machine.toml", machine_text(language, false).into_bytes()).unwrap();
-    let mut machine = model::file::load(&source).0.unwrap().0;
+    let mut machine = ncfix_model::file::load(&source).0.unwrap().0;
     machine.tools[0].radius_mm = radius_mm;
     machine
 }
@@ -263,15 +263,15 @@ type Leg = (u32, Move, [f64; 3]);
 fn executed(language: &str, text: &str, radius_mm: f64) -> Vec<Leg> {
     let machine = machine(language, radius_mm);
     let source = Source::new(FileId(0), file(language), text.as_bytes().to_vec()).unwrap();
-    let (program, found) = syntax::parse(&source, dialect::find(language).unwrap());
+    let (program, found) = syntax::parse(&source, ncfix_dialect::find(language).unwrap());
     assert!(found.iter().all(|one| !one.is_error()), "{found:?}\n{text}");
     let mut legs = Vec::new();
     let mut place = [0.0; 3];
     for item in Execution::new(program, &machine, Box::new(NoLibrary), Options::default()) {
         let element = item.unwrap_or_else(|found| {
             assert!(!found.is_error(), "radius {radius_mm}: {} {:?}\n{text}", found.message, found.place);
-            ncfix::snc::Element {
-                origin: ncfix::snc::Origin::default(),
+            ncfix_machine::snc::Element {
+                origin: ncfix_machine::snc::Origin::default(),
                 starts_block: false,
                 number: None,
                 kind: Kind::Empty,

@@ -1,13 +1,11 @@
 //! The parser of the word languages: what stands in the tree, and which findings a faulty line gives.
-
-use ncfix::dialect;
-use ncfix::source::{FileId, Source};
-use ncfix::syntax::words::{self, Address, Block, Body, ExprId, Label, Node, PartKind, Program, Value, Word};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::syntax::words::{self, Address, Block, Body, ExprId, Label, Node, PartKind, Program, Value, Word};
 
 /// A program and the codes of its findings.
 fn parse(dialect: &str, text: impl AsRef<[u8]>) -> (Program, Vec<String>) {
     let source = Source::new(FileId(0), "a", text.as_ref().to_vec()).unwrap();
-    let (program, findings) = words::parse(&source, dialect::find(dialect).unwrap());
+    let (program, findings) = words::parse(&source, ncfix_dialect::find(dialect).unwrap());
     (program, findings.iter().map(|finding| finding.code.to_string()).collect())
 }
 
@@ -360,7 +358,7 @@ fn faults_have_their_code_and_their_place() {
         ("rs274", "m2\no1 sub\nx?\no1 endsub", "E0103", 10),
     ] {
         let source = Source::new(FileId(0), "a", text.as_bytes().to_vec()).unwrap();
-        let (_, findings) = words::parse(&source, dialect::find(dialect).unwrap());
+        let (_, findings) = words::parse(&source, ncfix_dialect::find(dialect).unwrap());
         let found: Vec<_> = findings
             .iter()
             .map(|finding| (finding.code.as_str(), finding.place.map(|place| place.span.start)))

@@ -1,11 +1,9 @@
 //! Whatever comes in as a program of a word language: no panic, no endless run, findings with places in the file.
 
-use std::time::{Duration, Instant};
-
-use ncfix::dialect;
-use ncfix::source::{FileId, Source};
-use ncfix::syntax::words::{self, Body, Program};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::syntax::words::{self, Body, Program};
 use proptest::prelude::*;
+use std::time::{Duration, Instant};
 
 const DIALECTS: [&str; 3] = ["grundig", "fanuc", "rs274"];
 
@@ -110,7 +108,7 @@ const PIECES: &[&str] = &[
 fn parse(dialect: &str, bytes: Vec<u8>) -> Program {
     let length = bytes.len();
     let source = Source::new(FileId(0), "hostile", bytes).unwrap();
-    let (program, findings) = words::parse(&source, dialect::find(dialect).unwrap());
+    let (program, findings) = words::parse(&source, ncfix_dialect::find(dialect).unwrap());
     for finding in &findings {
         let span = finding.place.unwrap().span;
         assert!(span.start <= span.end && span.end as usize <= length + 1, "{finding:?}");
@@ -147,7 +145,7 @@ proptest! {
 #[track_caller]
 fn code(dialect: &str, text: &str) -> &'static str {
     let source = Source::new(FileId(0), "hostile", text.as_bytes().to_vec()).unwrap();
-    let (_, findings) = words::parse(&source, dialect::find(dialect).unwrap());
+    let (_, findings) = words::parse(&source, ncfix_dialect::find(dialect).unwrap());
     assert_eq!(findings.len(), 1, "{findings:?}");
     findings[0].code.as_str()
 }

@@ -1,13 +1,11 @@
 //! Arcs of several turns for controls whose blocks turn once, or go down a helix by less than a turn.
-
-use ncfix::dialect;
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
-use ncfix::machine::Machine;
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Corrector, Increments, Options, Output, OutputFrame, Turns};
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions};
+use ncfix_language::syntax;
+use ncfix_machine::machine::Machine;
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, Increments, Options, Output, OutputFrame, Turns};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::machines::xyz_machine;
@@ -26,7 +24,7 @@ fn corrected(errors: &ErrorModel, turns: Turns, dialect: &str) -> (Vec<Output>, 
     let machine = machine();
     let model = Model::new(&machine, errors);
     let source = Source::new(FileId(0), "test.mpf", PROGRAM.as_bytes().to_vec()).unwrap();
-    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
     assert!(findings.is_empty(), "{findings:?}");
     let execution = Execution::new(program, &machine, Box::new(NoLibrary), ExecOptions::default());
     let stream: Vec<Output> =

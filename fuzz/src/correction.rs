@@ -1,14 +1,14 @@
 //! The whole way of a correction: what comes out is a program of the same language, which runs without a finding and ends where the original ends.
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary, Options, RapidOrder};
-use ncfix::geometry::{AXES, AxisVector};
-use ncfix::machine::Machine;
-use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{self, Arcs, Corrector, Increments, Subdivision};
-use ncfix::snc::{Element, Kind};
-use ncfix::syntax;
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{AXES, AxisVector};
+use ncfix_language::exec::{Execution, NoLibrary, Options, RapidOrder};
+use ncfix_language::syntax;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Element, Kind};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{self, Arcs, Corrector, Increments, Subdivision};
 
 use super::programs::{dialect_of, machine_of, options_for};
 use super::source;

@@ -5,11 +5,11 @@
 //! `* /`, `+ -` (B-63944EN, 15.4); Sinumerik `* / DIV MOD`, `+ -` (Programming Manual Job Planning, 1.1.12); Grundig `*  /` before `+ -`. Operators of
 //! the same rank go from left to right.
 
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::geometry::Axis;
-use ncfix::machine::{DecimalPoint, Machine};
-use ncfix::snc::Kind;
-use ncfix::syntax;
+use ncfix_base::geometry::Axis;
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_language::syntax;
+use ncfix_machine::machine::{DecimalPoint, Machine};
+use ncfix_machine::snc::Kind;
 
 use super::programs::{dialect_of, machine_of};
 use super::source;

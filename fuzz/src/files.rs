@@ -1,11 +1,11 @@
 //! Machine files, data that a control has saved, states and logs.
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::exec::apply_archive;
-use ncfix::machine::condition;
-use ncfix::machine::edit::Edit;
-use ncfix::machine::file::apply_setup;
-use ncfix::model::file::load;
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_language::exec::apply_archive;
+use ncfix_machine::machine::condition;
+use ncfix_machine::machine::edit::Edit;
+use ncfix_machine::machine::file::apply_setup;
+use ncfix_model::file::load;
 
 use super::programs::machine_of;
 use super::{check_findings, source};
@@ -30,9 +30,10 @@ pub fn machine(bytes: &[u8]) {
     assert!(edit.is_some() || machine.is_none(), "a machine that cannot be edited");
     if let Some((machine, errors)) = machine {
         // Whoever has a machine can ask it.
-        let model = ncfix::model::Model::new(&machine, &errors);
-        let zero = ncfix::geometry::AxisVector::ZERO;
-        let pose = model.actual(&zero, &ncfix::geometry::Vector::zeros(), &ncfix::machine::State::default());
+        let model = ncfix_model::Model::new(&machine, &errors);
+        let zero = ncfix_base::geometry::AxisVector::ZERO;
+        let pose =
+            model.actual(&zero, &ncfix_base::geometry::Vector::zeros(), &ncfix_machine::machine::State::default());
         let _ = format!("{pose:?}");
     }
     let mut machine = machine_of("sinumerik").0.clone();

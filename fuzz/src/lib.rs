@@ -14,8 +14,8 @@ pub mod sensors;
 pub mod snc;
 pub mod tables;
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::source::{FileId, Source};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::source::{FileId, Source};
 
 /// A property and the folders whose files it begins with.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use ncfix::feed::{Event, Halt, Line, PROFILES, PROTOCOLS, Profile, Wire, read_journal};
+use ncfix_dnc::feed::{Event, Halt, Line, PROFILES, PROTOCOLS, Profile, Wire, read_journal};
 
 use super::{check_findings, source};
 

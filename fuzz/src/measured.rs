@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use ncfix::csv::{DecimalSign, Table};
-use ncfix::diagnostic::Diagnostic;
-use ncfix::machine::StrainGauge;
-use ncfix::measure::{data, reading::Readings, strain, trace};
-use ncfix::source::{FileId, Source};
+use ncfix_base::csv::{DecimalSign, Table};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::StrainGauge;
+use ncfix_metrology::measure::{data, reading::Readings, strain, trace};
 
 use super::programs::machine_of;
 use super::{check_findings, halves, source};

@@ -1,8 +1,8 @@
 //! Numbers: what the parsers read against the standard library, and what is written against its formatting.
 
-use ncfix::csv::{DecimalSign, Table};
-use ncfix::emit::Decimals;
-use ncfix::syntax::{self, Program, sinumerik, words};
+use ncfix_base::csv::{DecimalSign, Table};
+use ncfix_language::syntax::{self, Program, sinumerik, words};
+use ncfix_path::emit::Decimals;
 
 use super::programs::dialect_of;
 use super::source;

@@ -2,15 +2,15 @@
 
 use std::sync::OnceLock;
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::dialect::{self, Dialect};
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::geometry::AXES;
-use ncfix::machine::Machine;
-use ncfix::model::{ErrorModel, file};
-use ncfix::snc::{Dwell, Element, Kind};
-use ncfix::source::Source;
-use ncfix::syntax::{self, Program, sinumerik, words};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::AXES;
+use ncfix_base::source::Source;
+use ncfix_dialect::Dialect;
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_language::syntax::{self, Program, sinumerik, words};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Dwell, Element, Kind};
+use ncfix_model::{ErrorModel, file};
 
 use super::{check_findings, snc, source};
 
@@ -63,7 +63,7 @@ pub fn execute_rs274(bytes: &[u8]) {
 
 /// A dialect.
 pub(super) fn dialect_of(name: &str) -> &'static Dialect {
-    dialect::find(name).expect("a dialect of the register")
+    ncfix_dialect::find(name).expect("a dialect of the register")
 }
 
 /// The sample machine of a dialect with its errors.
@@ -100,7 +100,7 @@ fn parse(name: &str, bytes: &[u8]) {
 
 /// Spans are in the text, and what belongs to a block lies in it, in order.
 fn check_tree(program: &Program) {
-    let holds = |source: &Source, span: ncfix::source::Span| {
+    let holds = |source: &Source, span: ncfix_base::source::Span| {
         assert!(span.start <= span.end, "{span:?}");
         assert_eq!(source.slice(span).len(), (span.end - span.start) as usize, "{span:?}");
     };
@@ -121,7 +121,7 @@ fn check_tree(program: &Program) {
             for (index, block) in program.blocks.iter().enumerate() {
                 holds(&program.source, block.span);
                 assert!(block.partner().is_none_or(|partner| partner < program.blocks.len()));
-                let inside = |span: ncfix::source::Span| {
+                let inside = |span: ncfix_base::source::Span| {
                     holds(&program.source, span);
                     assert!(block.span.start <= span.start && span.end <= block.span.end, "{span:?} {block:?}");
                 };

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ncfix::sense::{Config, Lines, Monitor, Reading, Told, stamp};
+use ncfix_dnc::sense::{Config, Lines, Monitor, Reading, Told, stamp};
 
 use super::{check_findings, source};
 

@@ -1,7 +1,7 @@
 //! The text of the flat stream: what is written is read again as the same, and what is read is written as the same.
 
-use ncfix::geometry::{AXES, AxisSet};
-use ncfix::snc::{Dwell, Element, Kind, TextReader, TextWriter, WordValue};
+use ncfix_base::geometry::{AXES, AxisSet};
+use ncfix_machine::snc::{Dwell, Element, Kind, TextReader, TextWriter, WordValue};
 
 /// Beyond this the sixth decimal is noise of a double.
 const EXACT_TO: f64 = 1e8;

@@ -1,7 +1,7 @@
 //! Compensation tables: what was read without an error, rounded and written, is read as the same and written as the same.
 
-use ncfix::diagnostic::Diagnostic;
-use ncfix::tables::{FORMATS, Format, Tables, Wiring, Written};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_tables::tables::{FORMATS, Format, Tables, Wiring, Written};
 
 use super::source;
 

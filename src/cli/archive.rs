@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use super::input;
 use super::library::DEFINITION_FILES;
 use super::stop::Stop;
-use crate::exec::Library;
-use crate::source::{FileId, MAX_BYTES, Source};
+use ncfix_base::source::{FileId, MAX_BYTES, Source};
+use ncfix_language::exec::Library;
 
 /// What the first record begins with.
 const MAGIC: &[u8] = b"@@MMCIBN";

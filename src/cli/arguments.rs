@@ -54,8 +54,8 @@ use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::value;
 use super::voice::Voice;
-use crate::geometry::AxisVector;
-use crate::machine::file::nearest;
+use ncfix_base::geometry::AxisVector;
+use ncfix_machine::machine::file::nearest;
 
 const AFTER_HELP: &str = "\
 Machine: --machine, else the environment variable NCFIX_MACHINE, else the nearest ncfix.toml in the folder of the program or above it, else in the \

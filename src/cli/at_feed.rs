@@ -1,13 +1,13 @@
 //! What the axes make of the elements of a program at feed, while they pass by on their way elsewhere: `ncfix verify --at-feed`.
 
 use super::feed_limit::contouring;
-use crate::machine::{Machine, Servo};
-use crate::model::Model;
-use crate::path::Options;
-use crate::report::json::AtFeed;
-use crate::servo::{Run, Tally};
-use crate::snc::{Element, Origin};
-use crate::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::{Machine, Servo};
+use ncfix_machine::snc::{Element, Origin};
+use ncfix_model::Model;
+use ncfix_path::path::Options;
+use ncfix_path::servo::{Run, Tally};
+use ncfix_report::json::AtFeed;
 
 /// A program on its way through the servo loops.
 pub(super) struct Driven<'a> {

@@ -16,15 +16,15 @@ use super::pages::Pages;
 use super::stop::Stop;
 use super::together::Together;
 use super::{conditions, figures, parameters, print, repeated, select, state, tell};
-use crate::calibrate::{Compared, Fit, Options, Parameter, Refusal, fit, quality, reversals};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::Vector;
-use crate::measure::data::DataSet;
-use crate::model::{file, write};
-use crate::report::number::{micrometers, significant};
-use crate::report::{calibration, json};
-use crate::source::{FileId, Source};
-use crate::units::um_from_mm;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::Vector;
+use ncfix_base::source::{FileId, Source};
+use ncfix_base::units::um_from_mm;
+use ncfix_metrology::calibrate::{Compared, Fit, Options, Parameter, Refusal, fit, quality, reversals};
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_model::{file, write};
+use ncfix_report::number::{micrometers, significant};
+use ncfix_report::{calibration, json};
 
 /// A line of the head that an earlier calibration wrote begins with this.
 const HEAD: &str = "# calibrated:";

@@ -3,15 +3,15 @@
 use std::collections::HashMap;
 
 use super::measurement::Measurement;
-use crate::calibrate::effect::coefficient_unit;
-use crate::calibrate::{Column, Estimate, Fit, Parameter};
-use crate::csv::Table;
-use crate::diagnostic::Place;
-use crate::measure::data::{DataSet, Observation};
-use crate::model::ErrorModel;
-use crate::report::calibration;
-use crate::report::compared::DOES_NOT_FIT;
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::csv::Table;
+use ncfix_base::diagnostic::Place;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_metrology::calibrate::effect::coefficient_unit;
+use ncfix_metrology::calibrate::{Column, Estimate, Fit, Parameter};
+use ncfix_metrology::measure::data::{DataSet, Observation};
+use ncfix_model::ErrorModel;
+use ncfix_report::calibration;
+use ncfix_report::compared::DOES_NOT_FIT;
 
 /// A number that was found; `start` is the error model before.
 pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -> calibration::Estimate {

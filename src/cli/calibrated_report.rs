@@ -7,16 +7,16 @@ use super::measurement::Measurement;
 use super::pages::Pages;
 use super::stop::Stop;
 use super::together::Together;
-use crate::calibrate::{Compared, Fit, Quality};
-use crate::geometry::Axis;
-use crate::machine::Machine;
-use crate::measure::circles::{self, circles};
-use crate::measure::data::{DataSet, Observation};
-use crate::report::calibration::{Calibration, Data};
-use crate::report::compared::{Circle, Input, Part, Point, Readings};
-use crate::report::page;
-use crate::source::Source;
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::geometry::Axis;
+use ncfix_base::source::Source;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::{Compared, Fit, Quality};
+use ncfix_metrology::measure::circles::{self, circles};
+use ncfix_metrology::measure::data::{DataSet, Observation};
+use ncfix_report::calibration::{Calibration, Data};
+use ncfix_report::compared::{Circle, Input, Part, Point, Readings};
+use ncfix_report::page;
 
 /// Adds the page to what is written, also one that says only why there is no machine file.
 ///

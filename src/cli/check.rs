@@ -8,13 +8,13 @@ use super::program::{self, Running};
 use super::stop::Stop;
 use super::support_file;
 use super::{print, tell};
-use crate::diagnostic::Code;
-use crate::exec::RapidOrder;
-use crate::path::Reach;
-use crate::report::json;
-use crate::report::number::grouped;
-use crate::source::Source;
-use crate::syntax::Program;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Source;
+use ncfix_language::exec::RapidOrder;
+use ncfix_language::syntax::Program;
+use ncfix_path::path::Reach;
+use ncfix_report::json;
+use ncfix_report::number::grouped;
 
 /// Behind so many blocks that are not understood nothing is sure.
 const MOST_ERRORS: u32 = 1000;

@@ -3,11 +3,11 @@
 use super::findings::Findings;
 use super::machine_choice::Chosen;
 use super::measurement::Measurement;
-use crate::calibrate::Parameter;
-use crate::csv::Table;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::condition::columns::Column;
-use crate::model::Effect;
+use ncfix_base::csv::Table;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_machine::machine::condition::columns::Column;
+use ncfix_metrology::calibrate::Parameter;
+use ncfix_model::Effect;
 
 /// Says which sensors and loads are missing: refused where a parameter that is fitted needs them and no table has them, pointed out where
 /// an effect counts as in the reference state.

@@ -13,13 +13,13 @@ use super::progress::Progress;
 use super::stop::Stop;
 use super::together::Together;
 use super::{calibrated_report, decomposed, print, program, tell, trace};
-use crate::decompose::{self, Fault, Options};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::Machine;
-use crate::model::ParameterName;
-use crate::report::decomposition::{Decomposition, SCHEMA};
-use crate::report::{json, page};
-use crate::source::FileId;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::FileId;
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::decompose::{self, Fault, Options};
+use ncfix_model::ParameterName;
+use ncfix_report::decomposition::{Decomposition, SCHEMA};
+use ncfix_report::{json, page};
 
 /// Divides.
 pub(super) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, Stop> {

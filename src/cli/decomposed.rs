@@ -1,12 +1,12 @@
 //! What a division found, in the units of reports, and the machine file with it.
 
-use crate::decompose::{self, Compliance, RunParts, Smooth};
-use crate::geometry::Vector;
-use crate::machine::edit::{Edit, Given};
-use crate::measure::trace::Trace;
-use crate::model::source::dynamic;
-use crate::report::decomposition::{self as shown, Along, BySource, Decomposition, Delay, Law, Link, Loop, Run};
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::geometry::Vector;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_machine::machine::edit::{Edit, Given};
+use ncfix_metrology::decompose::{self, Compliance, RunParts, Smooth};
+use ncfix_metrology::measure::trace::Trace;
+use ncfix_model::source::dynamic;
+use ncfix_report::decomposition::{self as shown, Along, BySource, Decomposition, Delay, Law, Link, Loop, Run};
 
 /// The words of the orders.
 const OF: [&str; 2] = ["acceleration", "jerk"];

@@ -16,20 +16,20 @@ use super::progress::Progress;
 use super::stop::Stop;
 use super::together::Together;
 use super::{calibrated_report, diagnose_faults, diagnosed_report, print, tell};
-use crate::diagnose::cause::Correctable;
-use crate::diagnose::extend::extension;
-use crate::diagnose::{
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::FileId;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_metrology::diagnose::cause::Correctable;
+use ncfix_metrology::diagnose::extend::extension;
+use ncfix_metrology::diagnose::{
     Compared, Diagnosis, FAR_OUT, Finding, Part, Rejected, Scene, Size, Sizes, Source, diagnose, fault, freedom_of,
     reads_angles, shape,
 };
-use crate::diagnostic::{Code, Diagnostic};
-use crate::measure::data::DataSet;
-use crate::model::ErrorModel;
-use crate::report::diagnosis::readings::Shown;
-use crate::report::diagnosis::{self, DataFault, SCHEMA};
-use crate::report::{json, page};
-use crate::source::FileId;
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_model::ErrorModel;
+use ncfix_report::diagnosis::readings::Shown;
+use ncfix_report::diagnosis::{self, DataFault, SCHEMA};
+use ncfix_report::{json, page};
 
 /// Readings beyond the unknowns of set-ups that say anything.
 const LEAST: usize = 3;

@@ -6,18 +6,18 @@
 
 use super::findings::Findings;
 use super::measurement::Measurement;
-use crate::csv::Table;
-use crate::diagnose::Scene;
-use crate::diagnose::fault::{Fault, Then, find, mend_sensors};
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::machine::Machine;
-use crate::measure::data::DataSet;
-use crate::model::ErrorModel;
-use crate::report::diagnosis::DataFault;
-use crate::source::Source;
+use ncfix_base::csv::Table;
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::Source;
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::diagnose::Scene;
+use ncfix_metrology::diagnose::fault::{Fault, Then, find, mend_sensors};
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_model::ErrorModel;
+use ncfix_report::diagnosis::DataFault;
 
 /// Looks for faults in measurements of which the first `used` are used and the others held out, and takes sensors out that have one; rows of the
-/// former are excluded from a scene with [`crate::diagnose::fault::exclude`] by what comes back.
+/// former are excluded from a scene with [`ncfix_metrology::diagnose::fault::exclude`] by what comes back.
 pub(super) fn look(
     machine: &Machine,
     errors: &ErrorModel,

@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 
 use super::calibrated_report::{shown_circle, timed};
-use crate::diagnose::scene::Item;
-use crate::diagnose::{Diagnosis, Scene, Tried, shape};
-use crate::measure::circles::circles;
-use crate::report::compared::Circle;
-use crate::report::diagnosis::readings::{self, Driver, Reading, Set, Shown};
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_metrology::diagnose::scene::Item;
+use ncfix_metrology::diagnose::{Diagnosis, Scene, Tried, shape};
+use ncfix_metrology::measure::circles::circles;
+use ncfix_report::compared::Circle;
+use ncfix_report::diagnosis::readings::{self, Driver, Reading, Set, Shown};
 
 /// Puts the readings of a diagnosis into what is shown; the first measurements were `used`.
 pub(super) fn fill(found: &Diagnosis, scene: &Scene<'_>, used: usize, shown: &mut Shown) {

@@ -12,12 +12,12 @@ use super::findings::Findings;
 use super::pair::{Outcome, Pair};
 use super::stop::Stop;
 use super::{pages, print, program, tell};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::report::json;
-use crate::report::review::{Limit, Review};
-use crate::report::verdict::Verdict;
-use crate::review::Trace;
-use crate::source::Source;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_path::review::Trace;
+use ncfix_report::json;
+use ncfix_report::review::{Limit, Review};
+use ncfix_report::verdict::Verdict;
 
 use job::Job;
 use listing::Listing;

@@ -1,10 +1,10 @@
 //! Differences between an original and a corrected program, in words.
 
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::path::{Difference, What};
-use crate::snc::{FeedUnit, Origin};
-use crate::source::{Source, Span};
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{Source, Span};
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_machine::snc::{FeedUnit, Origin};
+use ncfix_path::path::{Difference, What};
 
 /// Differences that are kept.
 pub(super) const MOST: usize = 1000;

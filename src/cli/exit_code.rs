@@ -1,6 +1,6 @@
 //! Exit statuses: what a script can rely on.
 
-use crate::diagnostic::Diagnostic;
+use ncfix_base::diagnostic::Diagnostic;
 
 /// How a run ended. The order is that of weight: where several apply, [`ExitCode::of`] takes the first that matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +86,7 @@ impl From<ExitCode> for std::process::ExitCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostic::Code;
+    use ncfix_base::diagnostic::Code;
 
     #[test]
     fn a_program_not_understood_weighs_most() {

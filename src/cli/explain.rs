@@ -6,7 +6,7 @@ use super::arguments::ExplainArguments;
 use super::exit_code::ExitCode;
 use super::print;
 use super::stop::Stop;
-use crate::diagnostic::{CODES, Code};
+use ncfix_base::diagnostic::{CODES, Code};
 
 /// Prints the text of a code, or the list of codes.
 pub(super) fn run(arguments: &ExplainArguments) -> Result<ExitCode, Stop> {

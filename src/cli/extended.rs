@@ -8,17 +8,17 @@ use super::machine_choice::Chosen;
 use super::output::Target;
 use super::stop::Stop;
 use super::together::Together;
-use crate::calibrate::{Fit, Options, Parameter, fit};
-use crate::diagnose::extend::{Anchor, Change, again, cleaned, note};
-use crate::diagnose::{Diagnosis, Scene, levels};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::edit::Edit;
-use crate::measure::data::DataSet;
-use crate::model::motion::Function;
-use crate::model::name::ErrorKind;
-use crate::model::parameter::Term;
-use crate::model::{ErrorModel, ParameterName, file, write};
-use crate::source::{FileId, Source};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::edit::Edit;
+use ncfix_metrology::calibrate::{Fit, Options, Parameter, fit};
+use ncfix_metrology::diagnose::extend::{Anchor, Change, again, cleaned, note};
+use ncfix_metrology::diagnose::{Diagnosis, Scene, levels};
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_model::motion::Function;
+use ncfix_model::name::ErrorKind;
+use ncfix_model::parameter::Term;
+use ncfix_model::{ErrorModel, ParameterName, file, write};
 
 const MACHINE: FileId = FileId(0);
 /// What is read back may differ by the digits that are written.

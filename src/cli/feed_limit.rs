@@ -1,11 +1,11 @@
 //! `ncfix fix --feed-limit`: the servo loops that it needs, and what it did, for the report.
 
 use super::findings::Findings;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::{Machine, Servo};
-use crate::report::json::{Contouring, FeedLimit};
-use crate::servo::{Limited, Tally};
-use crate::units::um_from_mm;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::units::um_from_mm;
+use ncfix_machine::machine::{Machine, Servo};
+use ncfix_path::servo::{Limited, Tally};
+use ncfix_report::json::{Contouring, FeedLimit};
 
 /// What `[servo]` of the machine file says; a finding where there is none.
 pub(super) fn servo<'m>(machine: &'m Machine, findings: &mut Findings) -> Option<&'m Servo> {

@@ -5,14 +5,14 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::stop::Stop;
 use super::{deliver, machine_choice, measurement};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::Machine;
-use crate::measure::data::DataSet;
-use crate::measure::iso230::figures::{self, Figures, Found, Path, RUNS};
-use crate::measure::iso230::positioning::OneWay;
-use crate::report::figures::{Figures as Report, Group, Measurement, Value};
-use crate::report::json;
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_metrology::measure::iso230::figures::{self, Figures, Found, Path, RUNS};
+use ncfix_metrology::measure::iso230::positioning::OneWay;
+use ncfix_report::figures::{Figures as Report, Group, Measurement, Value};
+use ncfix_report::json;
 
 /// Prints figures.
 pub(super) fn run(arguments: &FiguresArguments) -> Result<ExitCode, Stop> {

@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::exit_code::ExitCode;
 use super::{progress, voice};
-use crate::diagnostic::{Code, Diagnostic, Place, Severity};
-use crate::report::{json, terminal};
-use crate::source::Source;
+use ncfix_base::diagnostic::{Code, Diagnostic, Place, Severity};
+use ncfix_base::source::Source;
+use ncfix_report::{json, terminal};
 
 /// Findings kept. A program with a fault in every block is understood after fewer; memory stays bounded.
 const MOST_KEPT: usize = 1000;
@@ -210,7 +210,7 @@ fn is_of_text(diagnostic: &Diagnostic) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::source::{FileId, Span};
+    use ncfix_base::source::{FileId, Span};
 
     fn at(code: Code, start: usize) -> Diagnostic {
         Diagnostic::at(code, Place { file: FileId(0), span: Span::new(start, start + 1) }, "m", "h")

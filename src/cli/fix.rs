@@ -18,20 +18,20 @@ use super::stop::Stop;
 use super::together::Together;
 use super::writing::Writing;
 use super::{feed_limit, pages, print, tell, wear};
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::dialect::Language;
-use crate::emit::{self, NumberSet};
-use crate::exec::{Options, Radius};
-use crate::geometry::{AXES, Axis};
-use crate::path::{self, Prediction};
-use crate::report::correction::Correction;
-use crate::report::json;
-use crate::report::number::micrometers;
-use crate::report::review::Limit;
-use crate::review::Trace;
-use crate::source::{Source, Span};
-use crate::syntax::Program;
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_base::source::{Source, Span};
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_dialect::Language;
+use ncfix_language::exec::{Options, Radius};
+use ncfix_language::syntax::Program;
+use ncfix_path::emit::{self, NumberSet};
+use ncfix_path::path::{self, Prediction};
+use ncfix_path::review::Trace;
+use ncfix_report::correction::Correction;
+use ncfix_report::json;
+use ncfix_report::number::micrometers;
+use ncfix_report::review::Limit;
 
 /// Corrects a program.
 pub(super) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {

@@ -1,7 +1,7 @@
 //! What a program states before its first move: how its numbers are to be read.
 
-use crate::snc::{Element, Kind};
-use crate::source::Source;
+use ncfix_base::source::Source;
+use ncfix_machine::snc::{Element, Kind};
 
 /// Words one of which says the same as another of its row; where none is there, a control keeps what the program before has set.
 const GROUPS: [&[&str]; 6] = [

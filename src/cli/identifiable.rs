@@ -2,16 +2,16 @@
 
 use super::findings::Findings;
 use super::measurement::Measurement;
-use crate::calibrate::words::listed;
-use crate::calibrate::{Confused, Estimate, Fault, Fit, Lost, Parameter, Unsettled, reduce};
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::machine::Machine;
-use crate::measure::data::DataSet;
-use crate::model::ErrorModel;
-use crate::report::calibration;
-use crate::report::number::{micrometers, significant};
-use crate::source::{Source, Span};
-use crate::units::um_from_mm;
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{Source, Span};
+use ncfix_base::units::um_from_mm;
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::words::listed;
+use ncfix_metrology::calibrate::{Confused, Estimate, Fault, Fit, Lost, Parameter, Unsettled, reduce};
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_model::ErrorModel;
+use ncfix_report::calibration;
+use ncfix_report::number::{micrometers, significant};
 
 /// Kinds of combinations that are said, the most frequent ones.
 const MOST_SAID: usize = 10;
@@ -184,7 +184,7 @@ pub(super) fn reduced(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::parameter::ParameterName;
+    use ncfix_model::parameter::ParameterName;
 
     #[test]
     fn every_fault_is_a_refusal() {

@@ -10,7 +10,7 @@ use super::fingerprint::Fingerprint;
 use super::progress;
 use super::stop::Stop;
 use super::voice;
-use crate::source::{FileId, MAX_BYTES, Source};
+use ncfix_base::source::{FileId, MAX_BYTES, Source};
 
 /// The name shown for standard input.
 pub(super) const STANDARD_INPUT: &str = "<stdin>";

@@ -9,13 +9,13 @@ use std::thread::{available_parallelism, scope};
 
 use super::program::Running;
 use super::relay::relay;
-use crate::diagnostic::Diagnostic;
-use crate::emit::{self, Writer};
-use crate::machine::{Machine, Servo};
-use crate::model::Model;
-use crate::path::{Corrector, Options, Output, PoseSample, Prediction};
-use crate::servo::{Limited, Limiter};
-use crate::snc::Element;
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_machine::machine::{Machine, Servo};
+use ncfix_machine::snc::Element;
+use ncfix_model::Model;
+use ncfix_path::emit::{self, Writer};
+use ncfix_path::path::{Corrector, Options, Output, PoseSample, Prediction};
+use ncfix_path::servo::{Limited, Limiter};
 
 /// Stages, and so the most threads that are of any use.
 pub(super) const MOST_THREADS: usize = 3;

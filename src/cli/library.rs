@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::{input, stop, voice};
-use crate::exec::Library;
-use crate::source::MAX_BYTES;
+use ncfix_base::source::MAX_BYTES;
+use ncfix_language::exec::Library;
 
 /// Folders of a control that are searched without being named, in its order.
 const USUAL: [&str; 4] = ["SPF", "CUS", "CMA", "CST"];

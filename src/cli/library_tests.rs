@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::library::FolderLibrary;
-use crate::exec::Library as _;
+use ncfix_language::exec::Library as _;
 
 fn folder(files: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();

@@ -10,13 +10,13 @@ use super::output::Target;
 use super::program::protect;
 use super::stop::Stop;
 use super::{deliver, input, machine_choice, pages};
-use crate::csv::Table;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::condition::file::load_text;
-use crate::measure::strain;
-use crate::measure::weighing::{self, Coordinate, Weighing};
-use crate::report::{json, load};
-use crate::source::FileId;
+use ncfix_base::csv::Table;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::FileId;
+use ncfix_machine::machine::condition::file::load_text;
+use ncfix_metrology::measure::strain;
+use ncfix_metrology::measure::weighing::{self, Coordinate, Weighing};
+use ncfix_report::{json, load};
 
 /// Weighs.
 pub(super) fn run(arguments: &LoadArguments) -> Result<ExitCode, Stop> {

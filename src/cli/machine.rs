@@ -10,12 +10,12 @@ use super::state;
 use super::stop::Stop;
 use super::value::ToolVector;
 use super::{origin, presets, print, tell};
-use crate::geometry::{AXES, AxisVector, Vector};
-use crate::machine::AxisData;
-use crate::report::json;
-use crate::report::machine::table;
-use crate::report::shares::Shares;
-use crate::source::Source;
+use ncfix_base::geometry::{AXES, AxisVector, Vector};
+use ncfix_base::source::Source;
+use ncfix_machine::machine::AxisData;
+use ncfix_report::json;
+use ncfix_report::machine::table;
+use ncfix_report::shares::Shares;
 
 /// Checks or shows a machine file, or what its error model may have.
 pub(super) fn run(command: &MachineCommand) -> Result<ExitCode, Stop> {

@@ -11,14 +11,14 @@ use super::findings::Findings;
 use super::input::{self, is_standard_stream};
 use super::stop::Stop;
 use super::{tables_read, voice};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::dialect::{self, Dialect, Effect};
-use crate::exec::apply_archive;
-use crate::machine::file::{DEMO, apply_setup};
-use crate::machine::{Condition, Machine};
-use crate::model::file::load;
-use crate::model::{ErrorModel, Model};
-use crate::source::{FileId, Source};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dialect::{Dialect, Effect};
+use ncfix_language::exec::apply_archive;
+use ncfix_machine::machine::file::{DEMO, apply_setup};
+use ncfix_machine::machine::{Condition, Machine};
+use ncfix_model::file::load;
+use ncfix_model::{ErrorModel, Model};
 
 /// The machine file that is looked for in the folder of the program and above it.
 const NEAREST: &str = "ncfix.toml";
@@ -157,7 +157,7 @@ pub(super) fn read(source: &Source, setups: &[PathBuf], findings: &mut Findings)
     let mut is_usable = !found.iter().any(Diagnostic::is_error);
     findings.extend(found, std::slice::from_ref(source));
     let Some((mut machine, errors)) = loaded else { return Ok(None) };
-    if dialect::find(&machine.controller).is_none() {
+    if ncfix_dialect::find(&machine.controller).is_none() {
         is_usable = false;
         findings.add(
             Diagnostic::nowhere(
@@ -169,7 +169,7 @@ pub(super) fn read(source: &Source, setups: &[PathBuf], findings: &mut Findings)
         );
     }
     for word in &machine.control.initial_codes {
-        let table = dialect::find(&machine.controller).map(Dialect::codes);
+        let table = ncfix_dialect::find(&machine.controller).map(Dialect::codes);
         let row = table.and_then(|table| table.word(&word.to_ascii_uppercase()));
         if row.is_none_or(|row| row.effect != Effect::Keep || row.group == 0) {
             is_usable = false;
@@ -293,7 +293,7 @@ fn nearest(program: &Path) -> Option<(PathBuf, Found)> {
 
 /// `sinumerik, grundig, …`.
 pub(super) fn dialect_names() -> String {
-    dialect::DIALECTS.iter().map(|dialect| dialect.name).collect::<Vec<_>>().join(", ")
+    ncfix_dialect::DIALECTS.iter().map(|dialect| dialect.name).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -10,17 +10,17 @@ use super::progress::Progress;
 use super::state;
 use super::stop::Stop;
 use super::{input, tell};
-use crate::csv::{DecimalSign, Row, Table, number_text};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::AxisVector;
-use crate::machine::{Condition, Kinematics};
-use crate::measure::mode;
-use crate::measure::reading::{Reading, Readings};
-use crate::model::{Model, NotConverged, Solve};
-use crate::report::measured::Measured;
-use crate::report::number::micrometers;
-use crate::source::{FileId, Source};
-use crate::units::um_from_mm;
+use ncfix_base::csv::{DecimalSign, Row, Table, number_text};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::AxisVector;
+use ncfix_base::source::{FileId, Source};
+use ncfix_base::units::um_from_mm;
+use ncfix_machine::machine::{Condition, Kinematics};
+use ncfix_metrology::measure::mode;
+use ncfix_metrology::measure::reading::{Reading, Readings};
+use ncfix_model::{Model, NotConverged, Solve};
+use ncfix_report::measured::Measured;
+use ncfix_report::number::micrometers;
 
 /// Decimals of mm: a hundredth of what a correction promises.
 const DECIMALS_MM: usize = 8;
@@ -197,11 +197,11 @@ impl<'a> Clock<'a> {
 
 /// Writes the positions of a row. A position without a correction stays as it was written.
 fn put<W: std::io::Write>(
-    copy: &mut crate::csv::Copy<W>,
+    copy: &mut ncfix_base::csv::Copy<W>,
     row: &Row,
     readings: &Readings,
     reading: &Reading,
-    nominal: &crate::geometry::AxisVector,
+    nominal: &ncfix_base::geometry::AxisVector,
 ) -> std::io::Result<()> {
     let mut columns = readings.axes().to_vec();
     columns.sort_by_key(|&(_, column)| column);

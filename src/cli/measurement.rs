@@ -7,15 +7,15 @@ use super::input::{self, is_standard_stream};
 use super::output::Target;
 use super::program::protect;
 use super::stop::Stop;
-use crate::decompose::{self, Of};
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::machine::Machine;
-use crate::measure::copies::{Copied, copied};
-use crate::measure::data::{self, DataSet, Observation};
-use crate::measure::trace::{self, Described};
-use crate::model::ErrorModel;
-use crate::source::{FileId, Source, Span};
-use crate::units::{rad_from_urad, um_from_mm};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{FileId, Source, Span};
+use ncfix_base::units::{rad_from_urad, um_from_mm};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::decompose::{self, Of};
+use ncfix_metrology::measure::copies::{Copied, copied};
+use ncfix_metrology::measure::data::{self, DataSet, Observation};
+use ncfix_metrology::measure::trace::{self, Described};
+use ncfix_model::ErrorModel;
 
 /// A measurement with its files.
 pub(super) struct Measurement {

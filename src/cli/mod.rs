@@ -87,8 +87,8 @@ pub use exit_code::ExitCode;
 use std::ffi::OsString;
 use std::io::Write as _;
 
-use crate::source::shown;
 use arguments::Command;
+use ncfix_base::source::shown;
 use stop::Stop;
 
 /// Runs the command of a command line; the first argument is the name of the program.

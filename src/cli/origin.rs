@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::machine_choice::{self, Found, Member};
 use super::stop::Stop;
-use crate::exec::apply_archive;
-use crate::geometry::{AXES, FrameParts};
-use crate::machine::file::{MachineFile, apply_setup, read_machine};
-use crate::machine::origin::{defaults, written};
-use crate::machine::{Machine, Setting, Tool};
-use crate::report::origin::{OriginFile, OriginRow, Origins};
-use crate::source::Source;
+use ncfix_base::geometry::{AXES, FrameParts};
+use ncfix_base::source::Source;
+use ncfix_language::exec::apply_archive;
+use ncfix_machine::machine::file::{MachineFile, apply_setup, read_machine};
+use ncfix_machine::machine::origin::{defaults, written};
+use ncfix_machine::machine::{Machine, Setting, Tool};
+use ncfix_report::origin::{OriginFile, OriginRow, Origins};
 
 /// Sections that hold values even where they are not written.
 const ALWAYS: [&str; 3] = ["machine", "spindle", "control"];
@@ -57,7 +57,7 @@ pub(super) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Resu
 }
 
 fn rows(file: &MachineFile, source: &Source) -> Vec<OriginRow> {
-    let row = |one: crate::machine::origin::Written| OriginRow {
+    let row = |one: ncfix_machine::machine::origin::Written| OriginRow {
         path: one.path,
         value: one.value,
         origin: format!("{}:{}", source.name(), one.line),

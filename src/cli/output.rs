@@ -15,7 +15,7 @@ use super::replace::{Put, backups, replace, without_name};
 use super::stop::Stop;
 use super::target::folder_of;
 pub(super) use super::target::{OneFile, Target, is_same, is_same_file};
-use crate::diagnostic::{Code, Diagnostic};
+use ncfix_base::diagnostic::{Code, Diagnostic};
 
 /// Bytes gathered before they go to the disk.
 const BUFFER: usize = 1 << 16;

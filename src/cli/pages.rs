@@ -9,9 +9,9 @@ use super::machine_choice::short_hash;
 use super::output::{Target, is_same};
 use super::stop::Stop;
 use super::together::Together;
-use crate::report::compared::Input;
-use crate::report::page::apart::pictures;
-use crate::source::Source;
+use ncfix_base::source::Source;
+use ncfix_report::compared::Input;
+use ncfix_report::page::apart::pictures;
 
 /// What is wanted of a page.
 #[derive(Debug)]

@@ -15,15 +15,15 @@ use super::program::{self, Running};
 use super::relay::{Filler, Taker, relay};
 use super::stop::Stop;
 use super::{differences, stamp_check, state, wear};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::emit;
-use crate::exec::{Options, Radius, RapidOrder};
-use crate::geometry::{Axis, AxisVector};
-use crate::machine::Kinematics;
-use crate::path::{self, Difference, Feeds, Follow, Grouping};
-use crate::report::json::AtFeed;
-use crate::snc::{Element, Origin};
-use crate::source::{FileId, Source};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Options, Radius, RapidOrder};
+use ncfix_machine::machine::Kinematics;
+use ncfix_machine::snc::{Element, Origin};
+use ncfix_path::emit;
+use ncfix_path::path::{self, Difference, Feeds, Follow, Grouping};
+use ncfix_report::json::AtFeed;
 
 /// Two programs and how they are executed.
 pub(super) struct Pair<'a> {

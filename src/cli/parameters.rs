@@ -6,14 +6,14 @@ use std::path::Path;
 use super::findings::Findings;
 use super::input;
 use super::stop::Stop;
-use crate::calibrate::Parameter;
-use crate::calibrate::effect::{self, EffectParameter, effect_parameters};
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::machine::Machine;
-use crate::model::ErrorModel;
-use crate::model::parameter::ParameterName;
-use crate::model::preset::{PRESETS, find};
-use crate::source::{FileId, Source, Span};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{FileId, Source, Span};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::Parameter;
+use ncfix_metrology::calibrate::effect::{self, EffectParameter, effect_parameters};
+use ncfix_model::ErrorModel;
+use ncfix_model::parameter::ParameterName;
+use ncfix_model::preset::{PRESETS, find};
 
 /// Names in a help at most.
 const MOST_SHOWN: usize = 12;

@@ -13,13 +13,13 @@ use super::stop::Stop;
 use super::together::Together;
 use super::value::ToolVector;
 use super::{measurement, parameters, tell};
-use crate::calibrate::words::listed;
-use crate::calibrate::{Column, Parameter, identify, improve};
-use crate::emit::flat;
-use crate::machine::Machine;
-use crate::measure::data::{DataSet, Observation};
-use crate::measure::plan::builder::Builder;
-use crate::measure::plan::{Wishes, table};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::words::listed;
+use ncfix_metrology::calibrate::{Column, Parameter, identify, improve};
+use ncfix_metrology::measure::data::{DataSet, Observation};
+use ncfix_metrology::measure::plan::builder::Builder;
+use ncfix_metrology::measure::plan::{Wishes, table};
+use ncfix_path::emit::flat;
 
 /// What a row without a reading is taken for when it is asked what it tells.
 const READ: f64 = 0.0;

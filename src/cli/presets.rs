@@ -7,8 +7,8 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::stop::Stop;
 use super::{machine_choice, print};
-use crate::model::preset::{PRESETS, find};
-use crate::report::presets::{list, page};
+use ncfix_model::preset::{PRESETS, find};
+use ncfix_report::presets::{list, page};
 
 /// Lists the presets, or shows one of them on a machine.
 pub(super) fn run(arguments: &PresetArguments) -> Result<ExitCode, Stop> {

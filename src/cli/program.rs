@@ -16,15 +16,15 @@ use super::recognition;
 use super::stop::Stop;
 use super::voice;
 use super::wear;
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::dialect::{self, Dialect, Language};
-use crate::exec::{Execution, Library, NoLibrary, Options, Radius, RapidOrder};
-use crate::machine::Machine;
-use crate::machine::file::nearest;
-use crate::snc::{Element, Kind};
-use crate::source::{FileId, Source, Span};
-use crate::syntax::sinumerik::Macros;
-use crate::syntax::{self, Program};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{FileId, Source, Span};
+use ncfix_dialect::{Dialect, Language};
+use ncfix_language::exec::{Execution, Library, NoLibrary, Options, Radius, RapidOrder};
+use ncfix_language::syntax::sinumerik::Macros;
+use ncfix_language::syntax::{self, Program};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::file::nearest;
+use ncfix_machine::snc::{Element, Kind};
 
 /// Blocks executed in search of further findings in a program that was not understood.
 const BLOCKS_IN_SEARCH: u64 = 100_000;
@@ -66,7 +66,8 @@ pub(super) fn open(
         findings.add(found, std::slice::from_ref(source));
         return Ok(None);
     }
-    if let Some(other) = dialect::guess(source.name(), source.bytes()).filter(|other| other.name != dialect.name) {
+    if let Some(other) = ncfix_dialect::guess(source.name(), source.bytes()).filter(|other| other.name != dialect.name)
+    {
         // Where the program is understood all the same nothing is said.
         let help =
             format!("the file reads like {}: try --dialect {} and a machine file of it", other.title, other.name);
@@ -114,19 +115,21 @@ fn library_of(program: Option<&Path>, search_path: &[String]) -> (Box<dyn Librar
 /// The second value says why it is this one.
 fn resolve(name: Option<&str>, chosen: Option<&Chosen>, source: &Source) -> Result<(&'static Dialect, String), Stop> {
     if let Some(name) = name {
-        let found = dialect::find(name).map(|dialect| (dialect, "--dialect".to_owned()));
+        let found = ncfix_dialect::find(name).map(|dialect| (dialect, "--dialect".to_owned()));
         return found.ok_or_else(|| {
-            let guess = nearest(name, dialect::DIALECTS.iter().map(|dialect| dialect.name));
+            let guess = nearest(name, ncfix_dialect::DIALECTS.iter().map(|dialect| dialect.name));
             let guess = guess.map_or_else(String::new, |near| format!("; did you mean --dialect {near}?"));
             Stop::Usage(format!("there is no dialect '{name}'; for --dialect there are {}{guess}", dialect_names()))
         });
     }
     let of_machine = chosen.filter(|chosen| !chosen.is_demo).and_then(|chosen| {
-        Some((dialect::find(&chosen.machine.controller)?, "the controller of the machine file".to_owned()))
+        Some((ncfix_dialect::find(&chosen.machine.controller)?, "the controller of the machine file".to_owned()))
     });
     let of_file =
-        || Some((dialect::guess(source.name(), source.bytes())?, "by the name or the first lines".to_owned()));
-    Ok(of_machine.or_else(of_file).unwrap_or_else(|| (dialect::sinumerik(), "as nothing says otherwise".to_owned())))
+        || Some((ncfix_dialect::guess(source.name(), source.bytes())?, "by the name or the first lines".to_owned()));
+    Ok(of_machine
+        .or_else(of_file)
+        .unwrap_or_else(|| (ncfix_dialect::sinumerik(), "as nothing says otherwise".to_owned())))
 }
 
 /// The output keeps the unit of the program: G20 or G21 outlives it on these controls, and a Fanuc reads its offsets by it. With `is_sent`

@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::voice;
-use crate::report::number::grouped;
+use ncfix_report::number::grouped;
 
 /// A run shorter than this shows nothing.
 const SILENT: Duration = Duration::from_millis(500);

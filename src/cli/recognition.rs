@@ -1,14 +1,14 @@
 //! Refuses programs that are not what the machine file says: those of lathes, and of controls whose language is not read.
 
 use super::machine_choice::Chosen;
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::dialect::{self, Dialect, Mark};
-use crate::source::{Source, Span};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{Source, Span};
+use ncfix_dialect::{Dialect, Mark};
 
 /// Why a program must not be read in a dialect.
 pub(super) fn refusal(source: &Source, dialect: &Dialect, chosen: Option<&Chosen>) -> Option<Diagnostic> {
     let bytes = source.bytes();
-    if let Some(found) = dialect::foreign(bytes) {
+    if let Some(found) = ncfix_dialect::foreign(bytes) {
         let message = format!("this is {}: '{}'", found.name, found.found);
         let help = "its language is not read here, and its words move the tool otherwise; post-process the program for the control of the \
                     machine file";
@@ -20,7 +20,7 @@ pub(super) fn refusal(source: &Source, dialect: &Dialect, chosen: Option<&Chosen
     }
     let axes: Vec<u8> =
         machine.map_or_else(Vec::new, |machine| machine.axis_set().iter().map(|axis| axis.letter()).collect());
-    let marks = dialect::turning(dialect.language, &axes, bytes)?;
+    let marks = ncfix_dialect::turning(dialect.language, &axes, bytes)?;
     let first = marks.first()?;
     let named: Vec<String> = marks.iter().map(|Mark { what, line, .. }| format!("{what} (line {line})")).collect();
     let message = format!("this is a program for a lathe, and the machine file describes none: {}", named.join(", "));

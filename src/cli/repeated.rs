@@ -5,13 +5,13 @@ use super::findings::Findings;
 use super::identifiable;
 use super::measurement::Measurement;
 use super::progress::Progress;
-use crate::calibrate::words::listed;
-use crate::calibrate::{Fit, MonteCarlo, Options, Parameter, monte_carlo};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::Machine;
-use crate::measure::data::DataSet;
-use crate::report::calibration;
-use crate::report::number::significant;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::words::listed;
+use ncfix_metrology::calibrate::{Fit, MonteCarlo, Options, Parameter, monte_carlo};
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_report::calibration;
+use ncfix_report::number::significant;
 
 /// Names in the finding.
 const MOST_NAMES: usize = 6;
@@ -75,8 +75,8 @@ fn contradictions(fit: &Fit, found: &MonteCarlo) -> Vec<Diagnostic> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::{Column, Estimate};
-    use crate::model::ErrorModel;
+    use ncfix_metrology::calibrate::{Column, Estimate};
+    use ncfix_model::ErrorModel;
 
     #[test]
     fn uncertainties_that_repetitions_contradict_are_named() {

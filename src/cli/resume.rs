@@ -8,15 +8,15 @@ use super::input;
 use super::machine_choice::short_hash;
 use super::stop::Stop;
 use super::{print, tell};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::drip::restart::{CLEAR_MM, Found, Place, Search, Why};
-use crate::drip::{Ends, Grammar, Heights};
-use crate::feed::{Frozen, PROTOCOLS, Told, read_journal};
-use crate::machine::ToolChange;
-use crate::path::Tips;
-use crate::report::feed::{Before, Plan};
-use crate::report::json;
-use crate::source::FileId;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::FileId;
+use ncfix_dnc::drip::restart::{CLEAR_MM, Found, Place, Search, Why};
+use ncfix_dnc::drip::{Ends, Grammar, Heights};
+use ncfix_dnc::feed::{Frozen, PROTOCOLS, Told, read_journal};
+use ncfix_machine::machine::ToolChange;
+use ncfix_path::path::Tips;
+use ncfix_report::feed::{Before, Plan};
+use ncfix_report::json;
 
 /// Moves of the program that the plan shows, with the lines between them.
 const SHOWN: usize = 3;

@@ -9,16 +9,16 @@ use super::identifiable;
 use super::measurement::Measurement;
 use super::parameters;
 use super::stop::Stop;
-use crate::calibrate::candidates::{Pieces, of_component, of_motion};
-use crate::calibrate::{Change, Gain, Options, Parameter, Refusal, Rule, Selected, select};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::Machine;
-use crate::measure::data::DataSet;
-use crate::model::ErrorModel;
-use crate::model::name::{ErrorKind, ErrorName};
-use crate::model::parameter::ParameterName;
-use crate::model::preset;
-use crate::report::selection;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::calibrate::candidates::{Pieces, of_component, of_motion};
+use ncfix_metrology::calibrate::{Change, Gain, Options, Parameter, Refusal, Rule, Selected, select};
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_model::ErrorModel;
+use ncfix_model::name::{ErrorKind, ErrorName};
+use ncfix_model::parameter::ParameterName;
+use ncfix_model::preset;
+use ncfix_report::selection;
 
 /// Candidates at most.
 const MOST: usize = 2000;

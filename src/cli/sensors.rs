@@ -11,14 +11,14 @@ use super::output::Target;
 use super::program::protect;
 use super::stop::Stop;
 use super::{deliver, input, machine_choice, pages, watch};
-use crate::calibrate::sensors::data::{self, Run};
-use crate::calibrate::sensors::{Options, Selection, select, text};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::Condition;
-use crate::machine::condition::log;
-use crate::report::json;
-use crate::report::sensors::{SelectionReport, SensorReport, SizeRow};
-use crate::source::{FileId, Source};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Condition;
+use ncfix_machine::machine::condition::log;
+use ncfix_metrology::calibrate::sensors::data::{self, Run};
+use ncfix_metrology::calibrate::sensors::{Options, Selection, select, text};
+use ncfix_report::json;
+use ncfix_report::sensors::{SelectionReport, SensorReport, SizeRow};
 
 /// Selects.
 pub(super) fn run(arguments: &SensorsArguments) -> Result<ExitCode, Stop> {
@@ -128,7 +128,7 @@ fn read(
 }
 
 fn row(selection: &Selection) -> SelectionReport {
-    let size = |size: &crate::calibrate::sensors::Size| SizeRow {
+    let size = |size: &ncfix_metrology::calibrate::sensors::Size| SizeRow {
         sensors: size.terms.iter().map(|term| term.sensor.clone()).collect(),
         um_per_k: size.terms.iter().map(|term| term.um_per_k).collect(),
         lag_s: size.terms.iter().map(|term| term.lag_s).collect(),

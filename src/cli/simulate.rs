@@ -10,17 +10,17 @@ use super::program::protect;
 use super::stop::Stop;
 use super::together::Together;
 use super::{machine_choice, simulated_trace, state, tell};
-use crate::csv::{DecimalSign, Row, Table, number_text};
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::geometry::{Axis, AxisVector};
-use crate::machine::Machine;
-use crate::machine::edit::{Edit, Given};
-use crate::measure::data::Observation;
-use crate::measure::noise::Noise;
-use crate::measure::reading::Readings;
-use crate::measure::simulate::{Read, Simulation};
-use crate::model::{ErrorModel, Model};
-use crate::units::{rad_from_urad, um_from_mm, urad_from_rad};
+use ncfix_base::csv::{DecimalSign, Row, Table, number_text};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_base::units::{rad_from_urad, um_from_mm, urad_from_rad};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::edit::{Edit, Given};
+use ncfix_metrology::measure::data::Observation;
+use ncfix_metrology::measure::noise::Noise;
+use ncfix_metrology::measure::reading::Readings;
+use ncfix_metrology::measure::simulate::{Read, Simulation};
+use ncfix_model::{ErrorModel, Model};
 
 /// Decimals of readings in µm and µrad.
 const DECIMALS_UM: usize = 5;

@@ -14,17 +14,17 @@ use super::program::{self, Running};
 use super::stop::Stop;
 use super::together::Together;
 use super::{feed_limit, machine_choice, state, tell};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::exec::RapidOrder;
-use crate::geometry::{Axis, Vector};
-use crate::machine::Servo;
-use crate::measure::noise::Noise;
-use crate::model::Model;
-use crate::path::Options;
-use crate::report::number::{duration, grouped, micrometers};
-use crate::servo::{Moment, Run, Tally};
-use crate::source::Source;
-use crate::units::um_from_mm;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::source::Source;
+use ncfix_base::units::um_from_mm;
+use ncfix_language::exec::RapidOrder;
+use ncfix_machine::machine::Servo;
+use ncfix_metrology::measure::noise::Noise;
+use ncfix_model::Model;
+use ncfix_path::path::Options;
+use ncfix_path::servo::{Moment, Run, Tally};
+use ncfix_report::number::{duration, grouped, micrometers};
 
 /// Rows of a trace at most: 3 GB of text, and more than any recorder of a control keeps.
 const MOST_ROWS: u64 = 20_000_000;

@@ -12,11 +12,11 @@ use super::machine_choice::{self, Chosen};
 use super::output::{Old, Spool, Target};
 use super::program::{self, Running};
 use super::stop::Stop;
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::exec::RapidOrder;
-use crate::geometry::{AxisVector, Vector};
-use crate::snc::{TextReader, TextWriter};
-use crate::source::{Source, Span};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_base::source::{Source, Span};
+use ncfix_language::exec::RapidOrder;
+use ncfix_machine::snc::{TextReader, TextWriter};
 
 /// The start of a file that is a flat stream already.
 const HEAD: &str = "; snc 1";

@@ -2,11 +2,11 @@
 
 use super::findings::Findings;
 use super::machine_choice::{Chosen, short_hash};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::emit;
-use crate::path::Promise;
-use crate::source::Source;
-use crate::units::um_from_mm;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_base::units::um_from_mm;
+use ncfix_path::emit;
+use ncfix_path::path::Promise;
 
 /// What the corrected program has promised; `None` where it is the original itself, and nothing was promised. `promised` is a tolerance that a person
 /// says, mm.

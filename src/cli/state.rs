@@ -5,12 +5,12 @@ use super::findings::Findings;
 use super::input;
 use super::machine_choice::{Chosen, short_hash};
 use super::stop::Stop;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{Axis, Vector};
-use crate::machine::condition::{file, log};
-use crate::machine::{Condition, Load, Machine, ZeroPose};
-use crate::model::Effect;
-use crate::source::FileId;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::source::FileId;
+use ncfix_machine::machine::condition::{file, log};
+use ncfix_machine::machine::{Condition, Load, Machine, ZeroPose};
+use ncfix_model::Effect;
 
 /// Reads the condition into the machine, and says what the model needs and it lacks; whether it can be used.
 ///

@@ -18,19 +18,19 @@ use super::stop::Stop;
 use super::together::Together;
 use super::value::ToolVector;
 use super::{input, print};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::exec::RapidOrder;
-use crate::geometry::{AXES, AxisVector, Vector};
-use crate::machine::Machine;
-use crate::path::{Answer, Line, Moves, Rotary, StepTrial, Steps, volume};
-use crate::report::compared::Input;
-use crate::report::plot::Picture as _;
-use crate::report::residual::Residual;
-use crate::report::steps::{StepReport, StepRow, Worst};
-use crate::report::terminal::Colors;
-use crate::report::{json, page};
-use crate::source::{FileId, Source};
-use crate::units::um_from_mm;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{AXES, AxisVector, Vector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_base::units::um_from_mm;
+use ncfix_language::exec::RapidOrder;
+use ncfix_machine::machine::Machine;
+use ncfix_path::path::{Answer, Line, Moves, Rotary, StepTrial, Steps, volume};
+use ncfix_report::compared::Input;
+use ncfix_report::plot::Picture as _;
+use ncfix_report::residual::Residual;
+use ncfix_report::steps::{StepReport, StepRow, Worst};
+use ncfix_report::terminal::Colors;
+use ncfix_report::{json, page};
 
 /// Finds the step.
 pub(super) fn run(arguments: &StepsArguments) -> Result<ExitCode, Stop> {
@@ -215,7 +215,7 @@ fn note(report: &mut StepReport, steps: &Steps, lines: &[Line], files: &[Source]
         .collect();
     let place = |position: &AxisVector| {
         let axes = AXES.into_iter().filter(|&axis| machine.axis(axis).is_some());
-        let entry = |axis: crate::geometry::Axis| match axis.is_rotary() {
+        let entry = |axis: ncfix_base::geometry::Axis| match axis.is_rotary() {
             true => (format!("{axis}_deg"), position[axis].to_degrees()),
             false => (format!("{axis}_mm"), position[axis]),
         };

@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use super::exit_code::ExitCode;
-use crate::diagnostic::Diagnostic;
+use ncfix_base::diagnostic::Diagnostic;
 
 /// Ends a command at once.
 #[derive(Debug)]

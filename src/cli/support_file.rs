@@ -1,7 +1,7 @@
 //! Files that a control keeps beside part programs: machine data, tools, zero offsets, definitions, screens, logs.
 
-use crate::source::Source;
-use crate::syntax::sinumerik::{Address, Body, Definition, ExprId, Node, Program, Value, Word};
+use ncfix_base::source::Source;
+use ncfix_language::syntax::sinumerik::{Address, Body, Definition, ExprId, Node, Program, Value, Word};
 
 /// Words of data files that assign nothing.
 const FRAMING: [&str; 9] =

@@ -9,16 +9,16 @@ use super::stop::Stop;
 use super::tables_job::{job, once};
 use super::tables_write::{publish, texts};
 use super::{print, tables_read, tables_reread};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::Axis;
-use crate::model::Accumulator;
-use crate::report::json;
-use crate::report::number::significant;
-use crate::report::tables::{CheckReport, TablesReport, TriedReport};
-use crate::tables::FORMATS;
-use crate::tables::format::Holds;
-use crate::tables::scheme::{self, SCHEMES, Task};
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::Axis;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_model::Accumulator;
+use ncfix_report::json;
+use ncfix_report::number::significant;
+use ncfix_report::tables::{CheckReport, TablesReport, TriedReport};
+use ncfix_tables::tables::FORMATS;
+use ncfix_tables::tables::format::Holds;
+use ncfix_tables::tables::scheme::{self, SCHEMES, Task};
 
 /// Makes or reads tables.
 pub(super) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop> {

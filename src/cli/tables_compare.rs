@@ -1,13 +1,13 @@
 //! Compares what two sets of compensation tables add.
 
 use super::stop::Stop;
-use crate::geometry::{AXES, Axis, Vector};
-use crate::machine::{Compensation as _, Machine};
-use crate::report::tables::Difference;
-use crate::tables::check::stands;
-use crate::tables::region::Region;
-use crate::tables::{Control, Tables};
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::geometry::{AXES, Axis, Vector};
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_machine::machine::{Compensation as _, Machine};
+use ncfix_report::tables::Difference;
+use ncfix_tables::tables::check::stands;
+use ncfix_tables::tables::region::Region;
+use ncfix_tables::tables::{Control, Tables};
 
 /// What two sets of tables add at poses: of the travel of the machine, or of the range of the tables.
 ///
@@ -49,10 +49,10 @@ pub(super) fn difference(
 
 /// A machine for tables that need none.
 fn demo() -> Result<Machine, Stop> {
-    let text = crate::machine::file::DEMO.as_bytes().to_vec();
-    let source = crate::source::Source::new(crate::source::FileId(0), "<demo machine>", text);
+    let text = ncfix_machine::machine::file::DEMO.as_bytes().to_vec();
+    let source = ncfix_base::source::Source::new(ncfix_base::source::FileId(0), "<demo machine>", text);
     let source = source.map_err(|_| Stop::Usage("the demo machine is too large".into()))?;
-    let (loaded, _) = crate::model::file::load(&source);
+    let (loaded, _) = ncfix_model::file::load(&source);
     loaded.map(|(machine, _)| machine).ok_or_else(|| Stop::Usage("the demo machine cannot be read".into()))
 }
 

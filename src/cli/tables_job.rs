@@ -9,12 +9,12 @@ use super::machine_choice::{self, Chosen};
 use super::state;
 use super::stop::Stop;
 use super::value::ToolVector;
-use crate::geometry::{Axis, AxisVector, Vector};
-use crate::machine::{ActiveTables, Machine};
-use crate::report::tables::CheckReport;
-use crate::tables::check::check;
-use crate::tables::region::Region;
-use crate::tables::{Control, Multiplication, Orientation, Tables, Wiring};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_machine::machine::{ActiveTables, Machine};
+use ncfix_report::tables::CheckReport;
+use ncfix_tables::tables::check::check;
+use ncfix_tables::tables::region::Region;
+use ncfix_tables::tables::{Control, Multiplication, Orientation, Tables, Wiring};
 
 /// Start of the generator of the poses of a check: none of those of a scheme.
 pub(super) const SEED: u64 = 0x43_4845_434b;
@@ -118,8 +118,8 @@ impl Job<'_> {
         asked.or(self.chosen.machine.active_tables.multiplication.map(Multiplication::from))
     }
 
-    pub(super) fn target<'t>(&'t self, model: &'t crate::model::Model) -> crate::tables::Target<'t> {
-        crate::tables::Target {
+    pub(super) fn target<'t>(&'t self, model: &'t ncfix_model::Model) -> ncfix_tables::tables::Target<'t> {
+        ncfix_tables::tables::Target {
             machine: &self.chosen.machine,
             model,
             tool_mm: self.tool_mm,

@@ -7,12 +7,12 @@ use super::archive;
 use super::findings::Findings;
 use super::input;
 use super::stop::Stop;
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::geometry::{AXES, Axis, Vector};
-use crate::machine::Machine;
-use crate::report::tables::rounded_mm;
-use crate::source::{FileId, Source, Span};
-use crate::tables::{Control, FORMATS, Format, Multiplication, Sense, Tables, Wiring, format};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{AXES, Axis, Vector};
+use ncfix_base::source::{FileId, Source, Span};
+use ncfix_machine::machine::Machine;
+use ncfix_report::tables::rounded_mm;
+use ncfix_tables::tables::{Control, FORMATS, Format, Multiplication, Sense, Tables, Wiring, format};
 
 /// Tables that were read.
 pub(super) struct ReadTables {

@@ -10,9 +10,9 @@ use super::tables_compare::{difference, range_of};
 use super::tables_job::{SEED, job};
 use super::tables_read::{self, Reading};
 use super::tables_write::{publish, texts};
-use crate::geometry::Vector;
-use crate::report::tables::TablesReport;
-use crate::tables::Wiring;
+use ncfix_base::geometry::Vector;
+use ncfix_report::tables::TablesReport;
+use ncfix_tables::tables::Wiring;
 
 /// Tools whose tips are no farther apart are one, mm.
 const SAME_TOOL_MM: f64 = 1e-6;

@@ -9,11 +9,11 @@ use super::output::Target;
 use super::stop::Stop;
 use super::together::Together;
 use super::{pages, program};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::report::page;
-use crate::report::tables::{TablesReport, charts, picture};
-use crate::source::FileId;
-use crate::tables::{Format, Tables, Wiring};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::FileId;
+use ncfix_report::page;
+use ncfix_report::tables::{TablesReport, charts, picture};
+use ncfix_tables::tables::{Format, Tables, Wiring};
 
 /// The files of tables; none where the control cannot take them, which the findings say.
 pub(super) fn texts(

@@ -6,10 +6,10 @@ use super::findings::Findings;
 use super::input;
 use super::measurement::description_of;
 use super::stop::Stop;
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::machine::Machine;
-use crate::measure::trace::{self, Described, Trace, xml};
-use crate::source::{FileId, Source, Span};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{FileId, Source, Span};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::measure::trace::{self, Described, Trace, xml};
 
 /// A trace with its files: table, description, and what the control recorded.
 pub(super) struct Read {

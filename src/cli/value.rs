@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use crate::geometry::{Axis, AxisVector, Vector};
-use crate::machine::range::range_of;
-use crate::machine::{Load, State};
-use crate::units::parse_length_mm;
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_base::units::parse_length_mm;
+use ncfix_machine::machine::range::range_of;
+use ncfix_machine::machine::{Load, State};
 
 /// Which levels of `/` blocks are skipped; `/` alone is level 0.
 pub(super) type SkipLevels = [bool; 10];

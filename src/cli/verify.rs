@@ -9,15 +9,15 @@ use super::pages::{Pages, input};
 use super::pair::{Outcome, Pair};
 use super::stop::Stop;
 use super::{fix, print, program};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::path::{Follow, Promise};
-use crate::report::correction::{error_rows, feed_rows};
-use crate::report::page::verification::verification;
-use crate::report::review::Review;
-use crate::report::verdict::Verdict;
-use crate::report::verification::{Piece, Verification};
-use crate::report::{compared, json};
-use crate::units::um_from_mm;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::units::um_from_mm;
+use ncfix_path::path::{Follow, Promise};
+use ncfix_report::correction::{error_rows, feed_rows};
+use ncfix_report::page::verification::verification;
+use ncfix_report::review::Review;
+use ncfix_report::verdict::Verdict;
+use ncfix_report::verification::{Piece, Verification};
+use ncfix_report::{compared, json};
 
 /// Moves that are listed.
 const LARGEST: usize = 10;

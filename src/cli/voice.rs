@@ -38,7 +38,7 @@ static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 pub(super) fn note(text: impl FnOnce() -> String) {
     if CHOSEN.load(Ordering::Relaxed) == Voice::Verbose as u8 {
         let text = text();
-        let line = format!("note: {}\n", crate::source::shown(&text));
+        let line = format!("note: {}\n", ncfix_base::source::shown(&text));
         if SAID.lock().unwrap_or_else(PoisonError::into_inner).insert(text) {
             super::say(&line);
         }

@@ -11,10 +11,10 @@ use super::findings::Findings;
 use super::output::is_same_file;
 use super::stop::Stop;
 use super::{input, print};
-use crate::report::json;
-use crate::report::watch::{WatchChannel, WatchReport};
-use crate::sense::{Action, Config, Panel, Reading, State, Verdict};
-use crate::source::FileId;
+use ncfix_base::source::FileId;
+use ncfix_dnc::sense::{Action, Config, Panel, Reading, State, Verdict};
+use ncfix_report::json;
+use ncfix_report::watch::{WatchChannel, WatchReport};
 
 /// How often the sources are looked after.
 const LOOK: Duration = Duration::from_millis(50);

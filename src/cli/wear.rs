@@ -5,10 +5,10 @@ use super::findings::Findings;
 use super::machine_choice::Chosen;
 use super::program::{self, Running};
 use super::stop::Stop;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::emit;
-use crate::exec::{Options, Radius, RapidOrder};
-use crate::source::Source;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_language::exec::{Options, Radius, RapidOrder};
+use ncfix_path::emit;
 
 /// A motion to the contour up to this long is one block, mm: twice the part in which the control is told.
 const SHORTEST_STEP_MM: f64 = 10.0;

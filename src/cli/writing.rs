@@ -3,9 +3,9 @@
 use super::arguments::{ArcChoice, CorrectionChoice, FiveAxisChoice, FrameChoice, RapidChoice, RotaryChoice};
 use super::machine_choice::Chosen;
 use super::stop::Stop;
-use crate::emit;
-use crate::geometry::AxisVector;
-use crate::path::{self, Increments};
+use ncfix_base::geometry::AxisVector;
+use ncfix_path::emit;
+use ncfix_path::path::{self, Increments};
 
 /// Distance of the samples of the predicted error along the path, mm.
 const SAMPLE_MM: f64 = 1.0;

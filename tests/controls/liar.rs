@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::io;
 
-use ncfix::feed::Port;
+use ncfix_dnc::feed::Port;
 
 use super::Control;
 use crate::plant::random::Random;

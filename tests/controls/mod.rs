@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::Duration;
 
-use ncfix::feed::{Ended, Event, Halt, Line, Port, Record, Sender, Supplied, Supply};
+use ncfix_dnc::feed::{Ended, Event, Halt, Line, Port, Record, Sender, Supplied, Supply};
 
 use super::plant::random::Random;
 

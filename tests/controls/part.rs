@@ -1,18 +1,16 @@
 //! A part whose program is executed, corrected and written as for a real job: what a transfer of it left behind is held against the place at which it would
 //! be taken up again.
 
+use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::drip::restart::{Found, Search};
+use ncfix_dnc::drip::{Ends, Grammar, Heights, Lines, Settings};
+use ncfix_dnc::feed::{Line, Told};
+use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions};
+use ncfix_machine::machine::{Machine, file};
+use ncfix_model::Model;
+use ncfix_path::emit::{self, Stamp, WriterOptions};
+use ncfix_path::path::{Corrector, Increments, Options, Output, OutputFrame, Tips};
 use std::sync::LazyLock;
-
-use ncfix::dialect;
-use ncfix::drip::restart::{Found, Search};
-use ncfix::drip::{Ends, Grammar, Heights, Lines, Settings};
-use ncfix::emit::{self, Stamp, WriterOptions};
-use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
-use ncfix::feed::{Line, Told};
-use ncfix::machine::{Machine, file};
-use ncfix::model::Model;
-use ncfix::path::{Corrector, Increments, Options, Output, OutputFrame, Tips};
-use ncfix::source::{FileId, Source};
 
 use crate::support;
 
@@ -47,9 +45,9 @@ impl Part {
         let source = Source::new(FileId(0), &path, bytes).unwrap();
         let (machine, findings) = file::read_machine(&file::MachineFile::parse(&source).unwrap());
         let machine = machine.unwrap_or_else(|| panic!("{findings:?}"));
-        let base = Model::new(&machine, &ncfix::model::ErrorModel::default());
+        let base = Model::new(&machine, &ncfix_model::ErrorModel::default());
         let source = Source::new(FileId(0), "part.ngc", program().into_bytes()).unwrap();
-        let (parsed, _) = ncfix::syntax::parse(&source, dialect::find("rs274").unwrap());
+        let (parsed, _) = ncfix_language::syntax::parse(&source, ncfix_dialect::find("rs274").unwrap());
         let execution = Execution::new(parsed, &machine, Box::new(NoLibrary), ExecOptions::default());
         let outputs: Vec<Output> = Corrector::new(execution, &machine, &base, Options::default())
             .filter(|output| !matches!(output, Err(finding) if !finding.is_error()))
@@ -78,7 +76,7 @@ impl Part {
         let element = |number: u64| told.lines.iter().find(|line| line.number == number).map(|line| line.element);
         let until = element(sure + 1).or(element(sure)).unwrap_or(0);
         let sent = element(told.frozen).unwrap_or(0);
-        let grammar = Grammar::new(dialect::find("rs274").unwrap(), false);
+        let grammar = Grammar::new(ncfix_dialect::find("rs274").unwrap(), false);
         let mut search = Search::new(grammar, (from_start(), &heights), [until, sent], Some(CLEARANCE_MM));
         let mut lines = self.lines.iter().peekable();
         for (element, output) in (1..).zip(&self.outputs) {

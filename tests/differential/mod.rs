@@ -11,13 +11,13 @@ mod sinumerik;
 mod text;
 mod tree;
 
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::geometry::Axis;
-use ncfix::machine::{DecimalPoint, Machine};
-use ncfix::model::file;
-use ncfix::snc::Kind;
-use ncfix::source::{FileId, Source};
-use ncfix::syntax;
+use ncfix_base::geometry::Axis;
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_language::syntax;
+use ncfix_machine::machine::{DecimalPoint, Machine};
+use ncfix_machine::snc::Kind;
+use ncfix_model::file;
 
 use crate::bench_machine::Random;
 use crate::support::repository;
@@ -72,7 +72,7 @@ fn machine(language: &str) -> Machine {
 
 /// Positions of all moves of a program, or why there are none.
 fn executed(language: &str, machine: &Machine, text: &str) -> Result<Vec<[f64; 3]>, String> {
-    let dialect = ncfix::dialect::find(language).unwrap();
+    let dialect = ncfix_dialect::find(language).unwrap();
     let source = Source::new(FileId(0), "program", text.as_bytes().to_vec()).unwrap();
     let (program, findings) = syntax::parse(&source, dialect);
     if let Some(finding) = findings.first() {

@@ -3,17 +3,17 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
-use ncfix::emit;
-use ncfix::geometry::{AXES, Axis, Vector};
-use ncfix::machine::{IncrementSystem, Lever, Machine};
-use ncfix::model::motion::backlash::Backlash;
-use ncfix::model::motion::periodic::Periodic;
-use ncfix::model::motion::polynomial::Polynomial;
-use ncfix::model::motion::table::Table;
-use ncfix::model::motion::{Function, MotionError};
-use ncfix::model::name::DIRECTIONS;
-use ncfix::model::{ErrorModel, ErrorName, LocationError};
-use ncfix::path::{Arcs, FiveAxis, Options, OutputFrame, Rapids, Rotary, Subdivision};
+use ncfix_base::geometry::{AXES, Axis, Vector};
+use ncfix_machine::machine::{IncrementSystem, Lever, Machine};
+use ncfix_model::motion::backlash::Backlash;
+use ncfix_model::motion::periodic::Periodic;
+use ncfix_model::motion::polynomial::Polynomial;
+use ncfix_model::motion::table::Table;
+use ncfix_model::motion::{Function, MotionError};
+use ncfix_model::name::DIRECTIONS;
+use ncfix_model::{ErrorModel, ErrorName, LocationError};
+use ncfix_path::emit;
+use ncfix_path::path::{Arcs, FiveAxis, Options, OutputFrame, Rapids, Rotary, Subdivision};
 
 use crate::five_axis::with_tool;
 

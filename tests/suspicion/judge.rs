@@ -3,10 +3,10 @@
 //! With L the place of an axis, M its motion and D a small displacement (rotated by the exponential of EA EB EC, then shifted by EX EY EZ),
 //! an axis is L D(e0) M D(e) L⁻¹, or L D(e0) D(e) M L⁻¹ where the lever is fixed. The spindle is D(e0) at its gauge point.
 
-use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
-use ncfix::machine::{AxisData, Lever, State};
-use ncfix::model::Model;
-use ncfix::path::Increments;
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_machine::machine::{AxisData, Lever, State};
+use ncfix_model::Model;
+use ncfix_path::path::Increments;
 
 use super::draw::{Pair, Random, Shape};
 

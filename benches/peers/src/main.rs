@@ -2,13 +2,11 @@
 //!
 //! Usage: peers FILE.ngc ROUNDS
 
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Execution, NoLibrary, Options};
+use ncfix_machine::machine::file::DEMO;
 use std::hint::black_box;
 use std::time::Instant;
-
-use ncfix::dialect;
-use ncfix::exec::{Execution, NoLibrary, Options};
-use ncfix::machine::file::DEMO;
-use ncfix::source::{FileId, Source};
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
@@ -18,10 +16,10 @@ fn main() {
     let text = String::from_utf8(bytes.clone()).expect("plain text");
     let source = Source::new(FileId(0), &path, bytes).expect("less than 4 GB");
     let demo = Source::new(FileId(0), "demo.toml", DEMO.as_bytes().to_vec()).expect("small");
-    let (machine, _) = ncfix::model::file::load(&demo).0.expect("the embedded machine is sound");
-    let rs274 = dialect::find("rs274").expect("a known dialect");
+    let (machine, _) = ncfix_model::file::load(&demo).0.expect("the embedded machine is sound");
+    let rs274 = ncfix_dialect::find("rs274").expect("a known dialect");
 
-    let parse = || ncfix::syntax::parse(&source, rs274).0;
+    let parse = || ncfix_language::syntax::parse(&source, rs274).0;
     let ncfix_tree = || parse().block_count();
     let ncfix_run = || {
         let execution = Execution::new(parse(), &machine, Box::new(NoLibrary), Options::default());

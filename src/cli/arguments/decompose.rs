@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{MachineChoice, PageChoice};
-use crate::decompose::Smooth;
+use ncfix_metrology::decompose::Smooth;
 
 /// What `ncfix decompose --help` says last.
 pub(super) const AFTER_HELP: &str = "\

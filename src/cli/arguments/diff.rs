@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::super::value;
 use super::{FixArguments, MachineChoice, ProgramChoice, StateChoice};
-use crate::geometry::Axis;
+use ncfix_base::geometry::Axis;
 
 /// What `ncfix diff --help` says last.
 pub(super) const AFTER_HELP: &str = "\

@@ -7,8 +7,8 @@ use clap::Args;
 
 use super::super::value;
 use super::{CorrectionChoice, MachineChoice, ProgramChoice, StateChoice};
-use crate::feed::Limits;
-use crate::units::parse_length_mm;
+use ncfix_base::units::parse_length_mm;
+use ncfix_dnc::feed::Limits;
 
 /// What `ncfix feed --help` says last.
 pub(super) const AFTER_HELP: &str = "\

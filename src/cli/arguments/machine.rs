@@ -6,8 +6,8 @@ use clap::{Args, Subcommand};
 
 use super::{MachineChoice, examples};
 use crate::cli::value;
-use crate::geometry::AxisVector;
-use crate::machine::{Load, State};
+use ncfix_base::geometry::AxisVector;
+use ncfix_machine::machine::{Load, State};
 
 /// The condition of the machine.
 #[derive(Clone, Debug, Default, Args)]

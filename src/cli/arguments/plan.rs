@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::MachineChoice;
 use crate::cli::value;
-use crate::geometry::{Axis, Plane, Vector};
-use crate::measure::plan::{PLANS, PlanKind, find};
-use crate::model::ErrorName;
+use ncfix_base::geometry::{Axis, Plane, Vector};
+use ncfix_metrology::measure::plan::{PLANS, PlanKind, find};
+use ncfix_model::ErrorName;
 
 /// What `ncfix plan --help` says last.
 pub(super) const AFTER_HELP: &str = "\

@@ -6,8 +6,8 @@ use clap::{Args, ValueEnum};
 
 use super::super::value;
 use super::{MachineChoice, StateChoice};
-use crate::geometry::Axis;
-use crate::tables::{FORMATS, Format, Multiplication, Orientation, format};
+use ncfix_base::geometry::Axis;
+use ncfix_tables::tables::{FORMATS, Format, Multiplication, Orientation, format};
 
 /// What `ncfix tables --help` says last.
 pub(super) const AFTER_HELP: &str = "\

@@ -7,13 +7,13 @@ use crate::cli::findings::Findings;
 use crate::cli::fix;
 use crate::cli::machine_choice::whole_hash;
 use crate::cli::pair::Outcome;
-use crate::emit;
-use crate::geometry::{AXES, Axis};
-use crate::report::review::{Beyond, Figures, Limit, Review, Step};
-use crate::report::verdict::{LEFT, Verdict};
-use crate::review::{Summary, Trace};
-use crate::source::Source;
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_base::source::Source;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_path::emit;
+use ncfix_path::review::{Summary, Trace};
+use ncfix_report::review::{Beyond, Figures, Limit, Review, Step};
+use ncfix_report::verdict::{LEFT, Verdict};
 
 /// An angle counts what it makes at this arm, mm.
 const ARM_MM: f64 = 1000.0;

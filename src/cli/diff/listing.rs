@@ -4,12 +4,12 @@ use super::job::{axes_of, tolerance_of};
 use super::pager::Page;
 use crate::cli::arguments::DiffArguments;
 use crate::cli::stop::Stop;
-use crate::geometry::Axis;
-use crate::report::review::{Changed, Row as Shown};
-use crate::review::words::{Word, block_number, decimals, words};
-use crate::review::{Row, moves};
-use crate::source::Source;
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::geometry::Axis;
+use ncfix_base::source::Source;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_path::review::words::{Word, block_number, decimals, words};
+use ncfix_path::review::{Row, moves};
+use ncfix_report::review::{Changed, Row as Shown};
 
 /// A modal word stands at most so many lines above.
 const ABOVE: u32 = 200;

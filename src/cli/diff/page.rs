@@ -6,11 +6,11 @@ use crate::cli::input;
 use crate::cli::machine_choice::digest;
 use crate::cli::pair::Outcome;
 use crate::cli::stop::Stop;
-use crate::feed::{Shown, shown};
-use crate::report::page::review::{Journal, Program, Subject, review};
-use crate::report::review::Review;
-use crate::review::Trace;
-use crate::source::{FileId, Source};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::feed::{Shown, shown};
+use ncfix_path::review::Trace;
+use ncfix_report::page::review::{Journal, Program, Subject, review};
+use ncfix_report::review::Review;
 
 /// Its text.
 ///

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 
 use crate::cli::progress;
 use crate::cli::stop::Stop;
-use crate::report::review::Look;
+use ncfix_report::review::Look;
 
 /// Columns where no terminal says how many it has.
 const WIDTH: usize = 100;

@@ -8,9 +8,9 @@ use crate::cli::arguments::DiffArguments;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::stop::Stop;
 use crate::cli::{print, program};
-use crate::report::json;
-use crate::report::review::{TextLine, TextReview, TextWord, WordFigures};
-use crate::review::text::{Change, Pairing, compare};
+use ncfix_path::review::text::{Change, Pairing, compare};
+use ncfix_report::json;
+use ncfix_report::review::{TextLine, TextReview, TextWord, WordFigures};
 
 /// Rows in the object for programs where nothing else is said.
 const ROWS_OF_JSON: usize = 20;

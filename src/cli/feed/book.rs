@@ -10,8 +10,8 @@ use std::thread;
 use crate::cli::findings::Findings;
 use crate::cli::input::is_standard_stream;
 use crate::cli::stop::Stop;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::feed::{Store, Told, read_journal};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_dnc::feed::{Store, Told, read_journal};
 
 /// How the record begins of the end of a job that went on in another journal.
 pub(in crate::cli) const TAKEN_UP: &str = "taken up again in ";

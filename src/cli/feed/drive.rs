@@ -12,11 +12,11 @@ use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{complain, tell};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::drip::Lines;
-use crate::feed::port::{self, Opened};
-use crate::feed::{Ended, Event, Halt, Journal, Port, Progress, Sender};
-use crate::report::feed::{Before, Status};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_dnc::drip::Lines;
+use ncfix_dnc::feed::port::{self, Opened};
+use ncfix_dnc::feed::{Ended, Event, Halt, Journal, Port, Progress, Sender};
+use ncfix_report::feed::{Before, Status};
 
 use super::book::{self, Book};
 use super::job::Job;
@@ -256,7 +256,7 @@ impl Drive<'_> {
             Ended::Done => ExitCode::Done,
             Ended::Stopped => self.halted.as_ref().map_or(ExitCode::Interrupted, |(_, code, ..)| *code),
             Ended::Refused(..) => ExitCode::Control,
-            Ended::Lost(why) if why.starts_with(crate::feed::GONE) => ExitCode::Link,
+            Ended::Lost(why) if why.starts_with(ncfix_dnc::feed::GONE) => ExitCode::Link,
             Ended::Lost(_) | Ended::Held(_) => ExitCode::Control,
             Ended::Fault(_) => ExitCode::Refused,
         };

@@ -11,12 +11,12 @@ use crate::cli::program::{self, Opened};
 use crate::cli::state;
 use crate::cli::stop::Stop;
 use crate::cli::writing::Writing;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::dialect::Dialect;
-use crate::drip::Settings;
-use crate::emit;
-use crate::feed::{PROFILES, Profile};
-use crate::source::{FileId, Source};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dialect::Dialect;
+use ncfix_dnc::drip::Settings;
+use ncfix_dnc::feed::{PROFILES, Profile};
+use ncfix_path::emit;
 
 /// What a transfer is about.
 pub(in crate::cli) struct Job {

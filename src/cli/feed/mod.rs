@@ -20,12 +20,12 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::stop::Stop;
 use super::{input, print, tell};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::feed::{Dialogue, PROTOCOLS, port};
-use crate::report::feed::Before;
-use crate::report::json;
-use crate::sense::{Config, Panel};
-use crate::source::FileId;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::FileId;
+use ncfix_dnc::feed::{Dialogue, PROTOCOLS, port};
+use ncfix_dnc::sense::{Config, Panel};
+use ncfix_report::feed::Before;
+use ncfix_report::json;
 
 pub(super) use book::{TAKEN_UP, is_held};
 pub(super) use drive::Begin;

@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use crate::cli::stop::Stop;
 use crate::cli::{print, tell, voice};
-use crate::feed::Event;
-use crate::geometry::{AXES, AXIS_COUNT};
-use crate::report::feed::{Said, Status};
-use crate::report::json;
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::geometry::{AXES, AXIS_COUNT};
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_dnc::feed::Event;
+use ncfix_report::feed::{Said, Status};
+use ncfix_report::json;
 
 /// Time between two lines for people, and between two for programs.
 const REFRESH: Duration = Duration::from_millis(200);

@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 
 use crate::cli::arguments::FeedArguments;
 use crate::cli::program::{Opened, Running};
-use crate::drip::Lines;
-use crate::exec::RapidOrder;
-use crate::feed::{Line, Supplied, Supply};
-use crate::geometry::AXES;
-use crate::model::Model;
-use crate::path::{Corrector, Output};
-use crate::units::um_from_mm;
+use ncfix_base::geometry::AXES;
+use ncfix_base::units::um_from_mm;
+use ncfix_dnc::drip::Lines;
+use ncfix_dnc::feed::{Line, Supplied, Supply};
+use ncfix_language::exec::RapidOrder;
+use ncfix_model::Model;
+use ncfix_path::path::{Corrector, Output};
 
 use super::job::Job;
 use super::thermal::Thermal;

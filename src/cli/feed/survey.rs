@@ -5,14 +5,14 @@ use crate::cli::findings::Findings;
 use crate::cli::machine_choice::short_hash;
 use crate::cli::program::Running;
 use crate::cli::stop::Stop;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::drip::Lines;
-use crate::emit;
-use crate::exec::RapidOrder;
-use crate::feed::{Forecaster, Line, Link, port};
-use crate::path::{Corrector, Output};
-use crate::report::feed::{Before, Late, rate};
-use crate::source::Source;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_dnc::drip::Lines;
+use ncfix_dnc::feed::{Forecaster, Line, Link, port};
+use ncfix_language::exec::RapidOrder;
+use ncfix_path::emit;
+use ncfix_path::path::{Corrector, Output};
+use ncfix_report::feed::{Before, Late, rate};
 
 use super::job::Job;
 
@@ -62,7 +62,7 @@ pub(in crate::cli) fn run(
     if forecast.lines == 0 {
         return Err(Stop::Usage("the program has no line that could be sent".into()));
     }
-    let late = |stretch: &crate::feed::Stretch| Late {
+    let late = |stretch: &ncfix_dnc::feed::Stretch| Late {
         source_lines: stretch.source_lines,
         starved_s: stretch.starved_s,
         needed_per_s: stretch.needed_per_s,

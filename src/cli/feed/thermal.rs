@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::machine::Condition;
-use crate::model::Model;
-use crate::sense::{Action, Panel, Verdict};
+use ncfix_dnc::sense::{Action, Panel, Verdict};
+use ncfix_machine::machine::Condition;
+use ncfix_model::Model;
 
 use super::job::Job;
 use super::source::Now;

@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, Read as _};
 
-use crate::geometry::{AXES, Axis, AxisSet, AxisVector};
+use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector};
 
 /// Bytes of the longest line: nine numbers need far less.
 const LONGEST: u64 = 4096;

@@ -13,11 +13,11 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::stop::Stop;
 use super::tell;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::AxisVector;
-use crate::realtime::{Answer, Cycle, Histogram, Signals};
-use crate::report::number::grouped;
-use crate::units::{um_from_mm, urad_from_rad};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::AxisVector;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_report::number::grouped;
+use ncfix_tables::realtime::{Answer, Cycle, Histogram, Signals};
 
 use lines::{Fault, Lines};
 use prepare::Prepared;

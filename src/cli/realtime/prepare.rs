@@ -8,12 +8,12 @@ use crate::cli::machine_choice::{self, Chosen};
 use crate::cli::state;
 use crate::cli::stop::Stop;
 use crate::cli::value::ToolVector;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{AxisSet, Vector};
-use crate::model::{Model, Solve};
-use crate::realtime::{Agreement, Cycle, Dosing, INTERVALS, Kernel, Publisher, Updater, handover};
-use crate::report::number::{micrometers, significant};
-use crate::units::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{AxisSet, Vector};
+use ncfix_base::units::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
+use ncfix_model::{Model, Solve};
+use ncfix_report::number::{micrometers, significant};
+use ncfix_tables::realtime::{Agreement, Cycle, Dosing, INTERVALS, Kernel, Publisher, Updater, handover};
 
 /// Poses at which a kernel is held against its model.
 const POSES: usize = 1000;

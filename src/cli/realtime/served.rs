@@ -12,9 +12,9 @@ use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::tell;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::realtime::ring::{Overrun, Ring};
-use crate::report::number::grouped;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_report::number::grouped;
+use ncfix_tables::realtime::ring::{Overrun, Ring};
 
 /// Looks at an empty ring before the thread rests, and for how long it does.
 const LOOKS: u32 = 2000;

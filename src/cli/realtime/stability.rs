@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::output::{Old, Spool, Target};
 use crate::cli::stop::Stop;
-use crate::realtime::stability::{Compensation, approach_um, run, there_and_back_um, unrest_um};
-use crate::report::page::stability::{Rest, Stability, Trace, stability};
+use ncfix_report::page::stability::{Rest, Stability, Trace, stability};
+use ncfix_tables::realtime::stability::{Compensation, approach_um, run, there_and_back_um, unrest_um};
 
 /// Steps of the table in the pictures over time, µm: that of the limit cycle, and the one of an increment, both as measured by Spaan.
 const STEPS_UM: [f64; 2] = [-2.0, -1.0];
