@@ -1,6 +1,6 @@
 //! Values of expressions, and the E parameters that they read.
 
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{ExprId, Function, Node, Operator, Program, UnaryOperator};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

@@ -3,7 +3,7 @@
 use super::Interpreter;
 use super::gathered::Gathered;
 use super::level::{Level, LevelKind, Repeat};
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{Block, PartKind};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use super::channel::Channel;
 use super::gathered::Gathered;
 use super::modal::plus;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, FrameParts, Matrix, Plane, Vector};
 use ncfix_base::source::Span;

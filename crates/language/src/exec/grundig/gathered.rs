@@ -2,8 +2,8 @@
 
 use super::expression::Scope;
 use super::modal::Modal;
-use crate::exec::fault::{Fault, bad_value, fault};
-use crate::exec::grid::on_grid;
+use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::grid::on_grid;
 use crate::syntax::words::{Address, Block, Program, Value};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::exec::contour::crossing;
+use crate::exec::core::contour::crossing;
 
 type Flat = [f64; 2];
 

@@ -1,6 +1,6 @@
 //! Where the execution is: the program, the next block, the sections that are being repeated.
 
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 

@@ -1,7 +1,7 @@
 //! Programs that are loaded, and where macros and programs are found.
 
 use super::Interpreter;
-use crate::exec::flags::Flags;
+use crate::exec::core::flags::Flags;
 use crate::syntax::words::{self, Block, PartKind, Program};
 use ncfix_base::source::Source;
 

@@ -5,7 +5,7 @@ use super::channel::Channel;
 use super::cycles::{self, At, Cycle, CycleFault, CycleWords, Feed, Flat, Step, bolt_circle};
 use super::gathered::Gathered;
 use super::target::Target;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane};
 use ncfix_base::source::Span;

@@ -27,9 +27,11 @@ use std::collections::{HashMap, VecDeque};
 
 pub(super) use tables::apply as apply_tables;
 
-use crate::exec::fault::{Fault, bad_value};
-use crate::exec::ledger::Ledger;
-use crate::exec::{Executor, Library, Options};
+use crate::exec::core::executor::Executor;
+use crate::exec::core::fault::{Fault, bad_value};
+use crate::exec::core::ledger::Ledger;
+use crate::exec::core::library::Library;
+use crate::exec::core::options::Options;
 use crate::syntax::words::{self, Address, Block, Body, PartKind, Program, Value};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::FileId;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::frames::Frames;
 use super::machining::Defined;
-use crate::exec::contour::ContourModal;
+use crate::exec::core::contour::ContourModal;
 use ncfix_base::geometry::{AxisSet, AxisVector, Plane};
 use ncfix_base::units::{MM_PER_INCH, sin_deg};
 use ncfix_machine::machine::{Control, Machine};

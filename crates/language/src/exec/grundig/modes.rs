@@ -3,7 +3,7 @@
 use super::channel::Channel;
 use super::gathered::{Gathered, name};
 use super::modal::MotionKind;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Plane};
 use ncfix_base::source::Span;

@@ -3,8 +3,8 @@
 use super::channel::Channel;
 use super::gathered::{Found, Gathered};
 use super::modal::{Point, plus};
-use crate::exec::fault::{Fault, bad_value, fault};
-use crate::exec::rollover;
+use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::rollover;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_base::source::Span;

@@ -2,8 +2,8 @@
 
 use super::channel::Channel;
 use super::gathered::Gathered;
-use crate::exec::contour::{FeedAt, Reach, Side};
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::contour::{FeedAt, Reach, Side};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;

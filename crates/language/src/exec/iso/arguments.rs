@@ -1,7 +1,7 @@
 //! Arguments of macro calls: which variable each word of the block of G65 or G66 sets.
 
 use super::expression::Scope;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{Address, Value, Word};
 use ncfix_base::diagnostic::Code;
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::channel::Channel;
 use super::gather::whole;
 use super::gathered::Gathered;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;

@@ -7,7 +7,7 @@ use super::arguments::Arguments;
 use super::expression::Scope;
 use super::flow::{Action, check_loops};
 use super::level::Level;
-use crate::exec::fault::{Fault, at, fault};
+use crate::exec::core::fault::{Fault, at, fault};
 use crate::syntax::words::{Block, ExprId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

@@ -11,7 +11,7 @@ use super::gathered::Gathered;
 use super::motion::Step;
 use super::polar;
 use super::trip::{Action, Place};
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_base::source::Span;

@@ -7,7 +7,7 @@ use super::codes::Group;
 use super::gathered::Gathered;
 use super::length::ToolOffset;
 use super::offsets::System;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts};
 use ncfix_base::source::Span;

@@ -3,8 +3,8 @@
 use super::channel::Channel;
 use super::functions::{Arithmetic, NoValue};
 use super::variables::{Place, number_of};
-use crate::exec::fault::{Fault, at, fault};
-use crate::exec::grid::on_grid;
+use crate::exec::core::fault::{Fault, at, fault};
+use crate::exec::core::grid::on_grid;
 use crate::syntax::words::{Address, ExprId, Function, NameId, Node, Operator, Program, UnaryOperator, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

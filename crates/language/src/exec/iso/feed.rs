@@ -6,7 +6,7 @@ use super::channel::Channel;
 use super::codes::Group;
 use super::gather::whole;
 use super::gathered::Gathered;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Word, WordValue};
 

@@ -4,7 +4,7 @@
 use super::channel::Channel;
 use super::codes::{Group, name_of};
 use super::gathered::Gathered;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Plane;
 use ncfix_base::source::Span;

@@ -3,7 +3,7 @@
 use super::codes::{G80, Group, group_of, name_of};
 use super::expression::Scope;
 use super::gathered::Gathered;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{Address, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

@@ -3,7 +3,7 @@
 use super::Interpreter;
 use super::call::{Call, Callee};
 use super::loaded::Loaded;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::words::{self, Label, PartKind, Program};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::{Source, Span};

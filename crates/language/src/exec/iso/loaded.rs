@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::flow::{breaks_of, loops_of};
-use crate::exec::flags::Flags;
-use crate::exec::ledger::Ledger;
+use crate::exec::core::flags::Flags;
+use crate::exec::core::ledger::Ledger;
 use crate::syntax::words::{Block, Program};
 
 /// A program file, ready to run.

@@ -2,8 +2,8 @@
 
 use super::channel::Channel;
 use super::gathered::Gathered;
-use crate::exec::fault::{Fault, fault};
-use crate::exec::grid::on_grid;
+use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::grid::on_grid;
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::DecimalPoint;
 

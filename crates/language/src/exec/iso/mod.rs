@@ -57,8 +57,10 @@ mod variables;
 
 use std::collections::{HashMap, VecDeque};
 
-use crate::exec::ledger::Ledger;
-use crate::exec::{Executor, Library, Options};
+use crate::exec::core::executor::Executor;
+use crate::exec::core::ledger::Ledger;
+use crate::exec::core::library::Library;
+use crate::exec::core::options::Options;
 use crate::syntax::words::{Comment, CommentKind, Program};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::Span;

@@ -3,7 +3,7 @@
 use super::codes::G80;
 use super::offsets::System;
 use super::transform::Transforms;
-use crate::exec::contour::ContourModal;
+use crate::exec::core::contour::ContourModal;
 use ncfix_base::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_dialect::Language;

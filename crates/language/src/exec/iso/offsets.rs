@@ -4,7 +4,7 @@ use super::channel::Channel;
 use super::codes::{Group, name_of};
 use super::gathered::Gathered;
 use super::motion::unknown_start;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisVector, Frame, FrameParts};
 use ncfix_base::source::Span;

@@ -6,7 +6,7 @@
 use super::channel::Channel;
 use super::gathered::Gathered;
 use super::transform::Transforms;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_base::source::Span;

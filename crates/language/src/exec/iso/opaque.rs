@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::Interpreter;
 use super::arguments::letter_of;
 use super::call::{Call, CallKind, Callee};
-use crate::exec::fault::{Fault, at};
+use crate::exec::core::fault::{Fault, at};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_machine::snc::{FeedUnit, Kind};

@@ -3,7 +3,7 @@
 use super::channel::Channel;
 use super::expression::Missing;
 use super::offsets::System;
-use crate::exec::contour::Side;
+use crate::exec::core::contour::Side;
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::snc::{FeedUnit, Kind};
 

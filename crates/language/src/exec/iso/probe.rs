@@ -4,7 +4,7 @@ use super::channel::Channel;
 use super::codes::name_of;
 use super::gathered::Gathered;
 use super::motion::Step;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::{FeedUnit, Kind, Manner};
 

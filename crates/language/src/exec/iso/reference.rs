@@ -6,8 +6,8 @@ use super::channel::Channel;
 use super::codes::Group;
 use super::gathered::Gathered;
 use super::motion::Step;
-use crate::exec::fault::{Fault, bad_value};
-use crate::exec::path::Shape;
+use crate::exec::core::fault::{Fault, bad_value};
+use crate::exec::core::path::Shape;
 
 impl Channel<'_> {
     /// `G27` goes to its point, which should be the reference point; `G29` by way of the point of the last G28 or G30.

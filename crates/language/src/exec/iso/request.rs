@@ -6,7 +6,7 @@ use super::channel::Channel;
 use super::expression::Scope;
 use super::flow::Action;
 use super::level::Level;
-use crate::exec::fault::{Fault, at, bad_value, fault};
+use crate::exec::core::fault::{Fault, at, bad_value, fault};
 use crate::syntax::words::{Address, Program, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

@@ -2,8 +2,8 @@
 
 use super::channel::Channel;
 use super::modal::Modal;
-use crate::exec::contour::Side;
-use crate::exec::fault::{Fault, bad_value};
+use crate::exec::core::contour::Side;
+use crate::exec::core::fault::{Fault, bad_value};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{FeedUnit, FrameWords, Kind, Word, WordValue};
 

@@ -5,7 +5,7 @@ use super::codes::name_of;
 use super::cycles::threading::{Thread as Cut, moves};
 use super::gathered::Gathered;
 use super::motion::Step;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Plane};
 use ncfix_machine::snc::{Manner, Thread, ThreadCode};

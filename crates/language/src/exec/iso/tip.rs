@@ -1,13 +1,13 @@
 //! Tool center point control: G43.4 and G43.5.
 //!
-//! Under it the positions of the channel are those of the tip, fixed to the workpiece; [`crate::exec::five_axis`] makes axis commands
+//! Under it the positions of the channel are those of the tip, fixed to the workpiece; [`crate::exec::core::five_axis`] makes axis commands
 //! of them.
 
 use std::f64::consts::TAU;
 
 use super::channel::Channel;
 use super::gathered::Gathered;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES, Vector};
 use ncfix_base::source::Span;

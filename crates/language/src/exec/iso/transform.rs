@@ -8,7 +8,7 @@ use super::frames::Within;
 use super::gathered::Gathered;
 use super::length::turned_length;
 use super::polar::Polar;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet};
 use ncfix_base::source::Span;

@@ -5,7 +5,7 @@
 
 use super::gather::{Gatherer, twice};
 use super::gathered::{Gathered, NamedValue};
-use crate::exec::fault::Fault;
+use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{Value, Word};
 
 /// An address that is a name.

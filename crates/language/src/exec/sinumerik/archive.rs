@@ -11,7 +11,7 @@ use super::value::Value as ExecValue;
 use super::variables::List;
 use super::{Loaded, scope_of};
 use crate::exec::Options;
-use crate::exec::fault::{Fault, at};
+use crate::exec::core::fault::{Fault, at};
 use crate::syntax::sinumerik::{self, Address, ArgumentRange, Body, ExprId, Node, Value, Word};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;

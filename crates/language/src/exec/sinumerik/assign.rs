@@ -6,7 +6,7 @@ use super::system_write::{SystemName, assign_system};
 use super::value::Value as ExecValue;
 use super::variables::{List, Shape};
 use super::{Loaded, at, scope_of};
-use crate::exec::fault::Fault;
+use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{Address, Block, Definition, ExprId, NameId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

@@ -1,7 +1,7 @@
 //! Words of axes by the names that the machine file gives them: `X1=10`.
 
 use super::gather::Gatherer;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::Word;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;

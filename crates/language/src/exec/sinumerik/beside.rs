@@ -7,7 +7,7 @@ use super::assign::is_assignable;
 use super::channel::Channel;
 use super::names::Meaning;
 use super::{Loaded, at};
-use crate::exec::fault::Fault;
+use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, ExprId, NameId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 

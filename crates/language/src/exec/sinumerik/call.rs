@@ -11,7 +11,7 @@ use super::pass::opaque_statement;
 use super::value::Value;
 use super::variables::Locals;
 use super::{Interpreter, Loaded, library, names, scope_of};
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ArgumentRange, Block, CallKind, CallStatement, Callee, JumpTarget, Search};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::{FileId, Span};

@@ -1,7 +1,7 @@
 //! What a variable holds: one value, or an array of up to three dimensions, row by row.
 
 use super::value::Value;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::DefinitionType;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

@@ -5,11 +5,11 @@ use super::angle::without_end;
 use super::channel::Channel;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::MotionKind;
-use crate::exec::contour::{
+use crate::exec::core::contour::{
     Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish, unstated,
 };
-use crate::exec::fault::{Fault, bad_value, fault};
-use crate::exec::path::Path;
+use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::path::Path;
 use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

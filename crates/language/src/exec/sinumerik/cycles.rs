@@ -8,7 +8,7 @@ use super::gather::Gatherer;
 use super::gathered::Call;
 use super::level::Level;
 use super::{Interpreter, scope_of};
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, Body, Word};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{FileId, Span};

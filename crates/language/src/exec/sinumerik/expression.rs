@@ -5,7 +5,7 @@ use super::modal::Modal;
 use super::system::System;
 use super::value::{Value, is_int};
 use super::variables::Variables;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ExprId, Node, Operator, Program, UnaryOperator};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::Machine;

@@ -10,7 +10,7 @@ use super::level::Level;
 use super::part;
 use super::value::{Value as ExecValue, is_same};
 use super::{Loaded, at, gatherer, scope_of, sync_action};
-use crate::exec::fault::Fault;
+use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{ArgumentRange, Block, Body};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::Machine;

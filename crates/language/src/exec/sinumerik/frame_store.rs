@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::expression::Scope;
 use super::value::Value;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ArgumentRange, ExprId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Frame, FrameParts, RotationOrder};

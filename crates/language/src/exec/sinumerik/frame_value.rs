@@ -3,7 +3,7 @@
 use super::expression::Scope;
 use super::frames::frame_of;
 use super::value::Value;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ArgumentRange, ExprId, Node};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, FrameParts, Plane, RotationOrder};

@@ -4,7 +4,7 @@ use super::address::Named;
 use super::channel::Channel;
 use super::frame_store::settable_number;
 use super::gathered::Gathered;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector, about, by_solid_angles};
 use ncfix_base::source::Span;

@@ -7,7 +7,7 @@ use super::names::Meaning;
 use super::operand::undefined;
 use super::polar::PoleBase;
 use super::spline::End;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, NameId, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet};

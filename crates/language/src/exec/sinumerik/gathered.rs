@@ -5,7 +5,7 @@ use super::modal::MotionKind;
 use super::polar::PoleBase;
 use super::polynomial::CurveWords;
 use super::transform::TransformWords;
-use crate::exec::fault::Fault;
+use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{ArgumentRange, DimensionFunction};
 use ncfix_base::geometry::{AXIS_COUNT, AxisSet, AxisVector};
 use ncfix_base::source::Span;

@@ -4,7 +4,7 @@ use super::gather::Gatherer;
 use super::gathered::Gathered;
 use super::groups::code_of;
 use super::names::Meaning;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ExprId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 

@@ -7,7 +7,7 @@ use super::channel::Channel;
 use super::flow::Action;
 use super::value::Value;
 use super::{Loaded, at, scope_of};
-use crate::exec::fault::Fault;
+use crate::exec::core::fault::Fault;
 use crate::syntax::Shelf;
 use crate::syntax::sinumerik::{Block, BlockNumber, Jump, JumpTarget, NameId, Search};
 use ncfix_base::diagnostic::Code;

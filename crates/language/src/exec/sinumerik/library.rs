@@ -1,6 +1,6 @@
 //! Programs that are loaded.
 
-use crate::exec::flags::Flags;
+use crate::exec::core::flags::Flags;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::channel::Channel;
 use super::jump::Place;
 use super::names::{self, Meaning};
 use super::{Interpreter, cycles};
-use crate::exec::library::Library;
+use crate::exec::core::library::Library;
 use crate::syntax::sinumerik::{self, Block, Body, Definition, Macros, Parameter, Program};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Control;

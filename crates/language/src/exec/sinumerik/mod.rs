@@ -65,9 +65,11 @@ pub(super) use archive::apply_archive;
 
 use std::collections::{HashMap, VecDeque};
 
-use crate::exec::fault::{Fault, at};
-use crate::exec::ledger::Ledger;
-use crate::exec::{Executor, Library, Options};
+use crate::exec::core::executor::Executor;
+use crate::exec::core::fault::{Fault, at};
+use crate::exec::core::ledger::Ledger;
+use crate::exec::core::library::Library;
+use crate::exec::core::options::Options;
 use crate::syntax::sinumerik::{self, Block, Macros, Program};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_machine::machine::Machine;

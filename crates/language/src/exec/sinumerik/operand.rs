@@ -3,7 +3,7 @@
 use super::expression::Scope;
 use super::value::{Value, axis_of, is_axis_name};
 use super::variables::List;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ArgumentRange, ExprId, NameId, Node};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;

@@ -3,9 +3,9 @@
 use super::address::Named;
 use super::channel::Channel;
 use super::gathered::Gathered;
-use crate::exec::fault::{Fault, bad_value, fault};
-use crate::exec::five_axis;
-use crate::exec::path::Path;
+use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::five_axis;
+use crate::exec::core::path::Path;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_base::source::Span;
@@ -68,7 +68,7 @@ impl Channel<'_> {
             modal.programmed[axis] = found[axis] - modal.frame().shift(axis);
             modal.known.insert(axis);
         }
-        if let crate::exec::path::Shape::Chords(ends) = &mut path.shape {
+        if let crate::exec::core::path::Shape::Chords(ends) = &mut path.shape {
             five_axis::spread_rotaries(kinematics, &path.start, &path.motion.target, ends);
         }
         Ok(())

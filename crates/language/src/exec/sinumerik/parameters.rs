@@ -4,7 +4,7 @@ use super::cells::Cells;
 use super::channel::Channel;
 use super::variables::List;
 use super::{Loaded, assign, scope_of};
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ArgumentRange, ExprId, NameId, Node, Parameter};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

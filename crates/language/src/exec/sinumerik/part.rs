@@ -6,7 +6,7 @@ use super::channel::Channel;
 use super::jump::{Place, place_of};
 use super::level::Level;
 use super::{Loaded, scope_of};
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::Repetition;
 use ncfix_base::diagnostic::Code;
 

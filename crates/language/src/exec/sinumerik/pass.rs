@@ -11,7 +11,7 @@ use super::kept::{INDEXED_LETTERS, Treatment, Unit};
 use super::names::Meaning;
 use super::value::Value as ExecValue;
 use super::{Loaded, assign::assign_value, gatherer};
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, ExprId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;

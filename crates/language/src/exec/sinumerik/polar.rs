@@ -6,7 +6,7 @@ use super::frames::shares_its_block;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::Modal;
 use super::motion::MotionContext;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, Plane};

@@ -7,7 +7,7 @@ use super::gather::Gatherer;
 use super::gathered::Gathered;
 use super::kept::Unit;
 use super::value::Value as ExecValue;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{Address, Block, ExprId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;

@@ -7,7 +7,7 @@ use super::gather::Gatherer;
 use super::gathered::Gathered;
 use super::kept::Unit;
 use super::names::Meaning;
-use crate::exec::fault::Fault;
+use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{Address, Block, Value, Word};
 use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_dialect::{CodeEntry, Effect};

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::gathered::Gathered;
 use super::motion::MotionContext;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, ROTARY_AXES};

@@ -2,7 +2,7 @@
 
 use super::channel::Channel;
 use super::modal::Modal;
-use crate::exec::fault::fault;
+use crate::exec::core::fault::fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, AxisVector, Plane};
 use ncfix_dialect::{CodeTable, Effect};

@@ -7,9 +7,9 @@ use super::address::Named;
 use super::channel::Channel;
 use super::gathered::Gathered;
 use super::modal::{Modal, MotionKind};
-use crate::exec::contour::Wish;
-use crate::exec::fault::{Fault, bad_value, fault};
-use crate::exec::path::{Path, Shape};
+use crate::exec::core::contour::Wish;
+use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::path::{Path, Shape};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{
     Arc, AxisVector, BSpline, Bezier, CurveFault, Plane, SplineEnd, akima_slopes, cubic_slopes, weighted,

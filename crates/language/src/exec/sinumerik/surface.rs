@@ -6,8 +6,8 @@
 use super::address::Named;
 use super::channel::Channel;
 use super::gathered::{Gathered, NamedValue};
-use crate::exec::fault::{Fault, bad_value, fault};
-use crate::exec::path::{Path, Shape};
+use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::path::{Path, Shape};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, Vector};
 use ncfix_base::source::Span;

@@ -9,7 +9,7 @@ use super::functions::is_function;
 use super::pass::number_text;
 use super::value::Value as ExecValue;
 use super::{Loaded, scope_of};
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_base::source::Span;

@@ -8,7 +8,7 @@ use super::frame_store::{FrameStore, settable_number};
 use super::frame_value::plane_axis;
 use super::tool_data::ToolData;
 use super::value::Value;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ArgumentRange, ExprId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;

@@ -7,7 +7,7 @@ use super::system::tool_parameter;
 use super::value::Value;
 use super::variables::List;
 use super::{Loaded, scope_of};
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::ArgumentRange;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, RotationOrder};

@@ -4,7 +4,7 @@ use super::call::Entry;
 use super::gathered::Call;
 use super::value::Value;
 use super::{Interpreter, Loaded, scope_of};
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{self, Block, Body, NameId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::{FileId, Source, Span};

@@ -2,7 +2,7 @@
 
 use super::channel::Channel;
 use super::gathered::Gathered;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::LINEAR_AXES;
 use ncfix_base::source::Span;

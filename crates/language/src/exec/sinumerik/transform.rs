@@ -1,13 +1,13 @@
 //! Five-axis transformation on and off: `TRAORI`, `TRAFOOF`, and the codes that say how orientations are meant.
 //!
 //! Under a transformation the positions of the channel are those of the tip, fixed to the workpiece, with the tool at its zero pose
-//! taken off ([`ncfix_machine::machine::Kinematics::on_workpiece`]); [`crate::exec::five_axis`] makes axis commands of them.
+//! taken off ([`ncfix_machine::machine::Kinematics::on_workpiece`]); [`crate::exec::core::five_axis`] makes axis commands of them.
 
 use super::channel::Channel;
 use super::gather::Gatherer;
 use super::gathered::Gathered;
 use super::surface::Surface;
-use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::{ArgumentRange, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, LINEAR_AXES, ROTARY_AXES};

@@ -6,7 +6,7 @@ use super::cells::{Cells, wrong_type};
 use super::functions::is_function;
 use super::system;
 use super::value::Value;
-use crate::exec::fault::{Fault, fault};
+use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{DefinitionType, NameId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

@@ -1,0 +1,94 @@
+//! Arcs of the working plane, whatever the language: the center of a radius, and what a frame makes of an arc.
+
+use super::path::Shape;
+use super::resolve::chord_count;
+use ncfix_base::geometry::{Arc, AxisVector, PlaneBasis};
+use ncfix_machine::snc::Setup;
+
+/// Why there is no arc of a radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::exec) enum RadiusFault {
+    /// Start and end coincide, or the radius is 0.
+    NoChord,
+    /// Start and end are further apart than twice the radius, mm.
+    TooFar {
+        /// Size of the radius.
+        radius_mm: f64,
+        /// Half the distance.
+        half_chord_mm: f64,
+    },
+}
+
+impl RadiusFault {
+    /// In words; `word` is the address of the radius.
+    pub(in crate::exec) fn message(&self, word: &str) -> String {
+        match self {
+            RadiusFault::NoChord => format!("start and end of an arc with {word} coincide, or {word} is 0"),
+            RadiusFault::TooFar { radius_mm, half_chord_mm } => {
+                format!("the radius is {radius_mm:.4} mm, half the chord {half_chord_mm:.4} mm")
+            }
+        }
+    }
+}
+
+/// Center of an arc of a signed radius between two points of the plane, mm: above 0 at most half a turn, below 0 more than that.
+/// `tolerance` says by how much half the chord may exceed a radius.
+///
+/// # Errors
+/// Where no arc has this radius.
+pub(in crate::exec) fn center_of_radius(
+    radius_mm: f64,
+    start: [f64; 2],
+    end: [f64; 2],
+    clockwise: bool,
+    tolerance: &impl Fn(f64) -> f64,
+) -> Result<[f64; 2], RadiusFault> {
+    let chord = [end[0] - start[0], end[1] - start[1]];
+    let length = chord[0].hypot(chord[1]);
+    if length == 0.0 || radius_mm == 0.0 {
+        return Err(RadiusFault::NoChord);
+    }
+    let half = length / 2.0;
+    if half - radius_mm.abs() > tolerance(radius_mm.abs()) {
+        return Err(RadiusFault::TooFar { radius_mm: radius_mm.abs(), half_chord_mm: half });
+    }
+    let height = (radius_mm * radius_mm - half * half).max(0.0).sqrt();
+    // The center of the short clockwise arc lies to the right of the chord.
+    let side = if clockwise == (radius_mm > 0.0) { 1.0 } else { -1.0 };
+    let right = [chord[1] / length, -chord[0] / length];
+    Ok([start[0].midpoint(end[0]) + side * height * right[0], start[1].midpoint(end[1]) + side * height * right[1]])
+}
+
+/// A programmed arc behind the frame: an arc where circles stay circles, else chords of the ellipse. `programmed` are its start and
+/// end as programmed, or in base coordinates where the frame only shifts and the arc is meant there; `target` is its end in base
+/// coordinates.
+pub(in crate::exec) fn behind_frame(
+    arc: &Arc,
+    programmed: [&AxisVector; 2],
+    target: &AxisVector,
+    setup: &Setup,
+    chord_tolerance_mm: f64,
+) -> Shape {
+    let (clockwise, extra_turns) = (arc.clockwise, arc.extra_turns);
+    let frame = &setup.frame;
+    if frame.is_translation() {
+        return Shape::Arc { clockwise, center: arc.center_mm, extra_turns };
+    }
+    let [abscissa, ordinate, _] = arc.plane.axes();
+    if let Some(basis) = PlaneBasis::behind(frame, arc.plane).filter(|_| frame.keeps_circles(arc.plane)) {
+        let mut center = *programmed[0];
+        center[abscissa] = arc.center_mm[0];
+        center[ordinate] = arc.center_mm[1];
+        return Shape::Arc { clockwise, center: basis.flat(&setup.command(&center)), extra_turns };
+    }
+    // No direction grows by more than the norm of the matrix.
+    let radius_mm = arc.radius_mm(programmed[0]) * frame.linear().norm();
+    let sweep_rad = arc.sweep_rad(programmed[0], programmed[1]);
+    let count = chord_count(radius_mm, sweep_rad, chord_tolerance_mm);
+    let mut ends: Vec<AxisVector> = (1..count)
+        .map(|k| arc.at(programmed[0], programmed[1], f64::from(k) / f64::from(count)))
+        .map(|position| setup.command(&position))
+        .collect();
+    ends.push(*target);
+    Shape::Chords(ends)
+}

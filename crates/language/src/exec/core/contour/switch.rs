@@ -1,0 +1,167 @@
+//! Words for the control in a motion that radius compensation begins or ends with: it works with wear alone.
+//!
+//! The way of the tool center ends square to the first contour element and begins square to the last one, so that a control which
+//! compensates it again by a small radius moves all of it sideways by that: the curve beside a curve beside the contour.
+
+use super::compensation::Compensation;
+use super::curve::SAME_MM;
+use super::moving::{Item, Moving};
+use super::rules::{Reach, Rules};
+use super::tracking::Held;
+use super::wish::Side;
+use crate::exec::core::fault::Fault;
+use crate::exec::core::path::Shape;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{AXES, AxisSet, Frame, Plane, PlaneBasis};
+use ncfix_machine::snc::Kind;
+
+/// How long the part of a motion to the contour is in which the control goes over to its radius, mm. It is one piece of the output, so that no corner
+/// lies between it and the contour.
+const LEAD_MM: f64 = 5.0;
+
+/// Normals of planes are the same to this.
+const SAME_PLANE: f64 = 1e-12;
+
+/// What a motion does to the compensation of the control.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::exec) enum Switch {
+    #[default]
+    None,
+    /// It leads to the contour.
+    On,
+    /// It leads off the contour.
+    Off,
+}
+
+/// The plane of the program as the frame of the output shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::exec) enum Shown {
+    #[default]
+    Same,
+    /// From the other side: what is left of the contour there is right of it here.
+    Mirrored,
+    /// Another plane.
+    Other,
+}
+
+impl Shown {
+    /// The plane behind the frame of the program, whose basis is given, as the frame of the output has it.
+    pub(in crate::exec) fn of(basis: &PlaneBasis, output: &Frame, plane: Plane) -> Shown {
+        let normal = |basis: &PlaneBasis| basis.lift([0.0, 0.0], 1.0);
+        let Some(shown) = PlaneBasis::behind(output, plane) else { return Shown::Other };
+        match normal(basis).dot(&normal(&shown)) {
+            along if along > 1.0 - SAME_PLANE => Shown::Same,
+            along if along < SAME_PLANE - 1.0 => Shown::Mirrored,
+            _ => Shown::Other,
+        }
+    }
+}
+
+impl Moving {
+    /// The words for it.
+    pub(in crate::exec) fn switch_words(&self) -> Option<String> {
+        let modal = &self.wish.modal;
+        let word = match self.switch {
+            Switch::None => return None,
+            Switch::Off => return Some("G40".to_owned()),
+            Switch::On if (modal.side == Side::Right) == (modal.shown == Shown::Mirrored) => "G41",
+            Switch::On => "G42",
+        };
+        Some(match (modal.rules, modal.register) {
+            // The way onto the contour and around its outer corners is there already. To intersections it is by any wear the way beside the contour,
+            // at inner corners with a wear below 0 too.
+            (Rules::Sinumerik, _) => format!("{word} NORM G451 {}", if modal.collision { "CDON" } else { "CDOF" }),
+            (_, Some(register)) => format!("{word} D{register}"),
+            (_, None) => word.to_owned(),
+        })
+    }
+
+    /// The parts of a motion before and behind the place where the control is told: nothing before it, or a long way that the control makes without
+    /// compensation.
+    pub(in crate::exec) fn parted(self: Box<Self>) -> (Option<Box<Moving>>, Box<Moving>, Option<Box<Moving>>) {
+        let way = (self.path.motion.target - self.path.start).xyz().norm();
+        let is_long = way > 2.0 * LEAD_MM && matches!(self.path.shape, Shape::Line) && !self.path.motion.rapid;
+        // A place between is known only where both ends are.
+        let (start, target) = (&self.path.start, &self.path.motion.target);
+        let moving: AxisSet = AXES.into_iter().filter(|&axis| start[axis] != target[axis]).collect();
+        let is_known = moving.union(self.path.motion.named).difference(self.path.start_known).is_empty();
+        if !is_long || !is_known {
+            return (None, self, None);
+        }
+        let share = if self.switch == Switch::On { 1.0 - LEAD_MM / way } else { LEAD_MM / way };
+        let between = self.path.start.lerp(&self.path.motion.target, share);
+        let (mut behind, mut before) = (Box::new(self.further()), self);
+        behind.path.start = between;
+        before.path.motion.target = between;
+        if before.switch == Switch::On { (Some(before), behind, None) } else { (None, before, Some(behind)) }
+    }
+
+    /// The finding about compensation that cannot be left to the control.
+    pub(super) fn no_wear(&self, message: &str, help: &str) -> Fault {
+        self.fault(Code::NO_WEAR, format!("{message}: with --compensation wear the control cannot do that"), help)
+    }
+}
+
+impl Compensation {
+    /// What the control must not see, or cannot follow with wear alone.
+    pub(super) fn told(&self, mut item: Item, findings: &mut Vec<Fault>) -> Item {
+        match &mut item {
+            // The motion that leads off the contour says it.
+            Item::Element(element) if self.is_on() && element.kind == Kind::Keep("G40") => element.kind = Kind::Empty,
+            Item::Element(_) => {}
+            Item::Path(moving) => findings.extend(self.no_wear_for(moving)),
+        }
+        item
+    }
+
+    fn no_wear_for(&self, moving: &Moving) -> Option<Fault> {
+        let modal = &moving.wish.modal;
+        let again = |last: u32| moving.wish.compensates() && modal.activation != last;
+        let is_rs274 = modal.rules == Rules::Rs274;
+        if modal.reach != Reach::End {
+            let help = "program G41 or G42 with the motion to the contour";
+            return Some(moving.no_wear("G43 and G44 end before or beyond a position by the radius alone", help));
+        }
+        if !moving.wish.compensates() {
+            return None;
+        }
+        if modal.shown == Shown::Other {
+            let help = "program the contour in a plane of the work offset";
+            return Some(moving.no_wear("the plane of the contour is tilted, and the output has no such plane", help));
+        }
+        if is_rs274 && modal.register.is_none() {
+            let help = "program G41 or G42 with the number of a tool";
+            return Some(moving.no_wear("G41.1 and G42.1 have the diameter in the program, and no register", help));
+        }
+        if is_rs274 && moving.wish.distance_mm == 0.0 && modal.register != Some(0) {
+            let help = "give the tool its radius in the machine file, or with --setup";
+            return Some(moving.no_wear("radius compensation with a tool of radius 0", help));
+        }
+        let changes = match (&self.active, &self.tracking) {
+            (Some(active), _) => {
+                let is_other = (moving.wish.distance_mm - active.distance).abs() > SAME_MM;
+                is_other
+                    || modal.register != active.last.wish.modal.register
+                    || again(active.last.wish.modal.activation)
+            }
+            (None, Some(tracking)) => again(tracking.activation),
+            (None, None) => false,
+        };
+        let help = "end it with G40 and a straight motion off the contour, and begin it again";
+        changes.then(|| {
+            moving.no_wear("radius compensation begins again, or its side or radius changes while it is on", help)
+        })
+    }
+
+    /// The program ends, or the control looks where the axes are, and no motion has led off the contour.
+    pub(super) fn no_wear_at_end(&self, findings: &mut Vec<Fault>) {
+        let held = self.tracking.as_ref().and_then(|tracking| {
+            tracking.held.iter().find_map(|held| if let Held::Piece(piece) = held { Some(&piece.moving) } else { None })
+        });
+        let last = self.active.as_ref().map(|active| &active.last).or(held);
+        if let Some(last) = last.filter(|_| self.limits.keeps_wear) {
+            let help = "program G40 and a straight motion off the contour";
+            findings.push(last.no_wear("no motion leads off the contour behind this element", help));
+        }
+    }
+}

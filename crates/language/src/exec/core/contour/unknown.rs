@@ -1,0 +1,123 @@
+//! What the contour stage must know and does not: places that the program has not stated, and what stands between contour elements –
+//! programs of the control, stops, tool changes, another zero or tool.
+
+use super::moving::{Item, Moving, plane_axes};
+use super::wish::Wish;
+use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::path::Path;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{AxisSet, Plane};
+use ncfix_machine::snc::{Element, Kind, Origin, Word, WordValue};
+
+/// Stops the look-ahead of a Sinumerik.
+const STOP_OF_LOOK_AHEAD: &str = "STOPRE";
+/// M functions at which an operator or a tool changer may move the axes: stops and the change of the tool.
+const STANDING: [f64; 4] = [0.0, 1.0, 6.0, 60.0];
+
+/// The finding about a motion that goes through the contour stage and depends on a place that the program has not stated.
+pub(in crate::exec) fn unstated(path: &Path, wish: &Wish, plane: Plane) -> Option<Fault> {
+    let needs_start = wish.corner.is_some() || wish.soft.is_some() || wish.modal.depends_on_start();
+    let known = if needs_start { path.start_known.intersection(path.motion.known) } else { path.motion.known };
+    let axes: AxisSet = plane.axes().into_iter().take(2).collect();
+    let shown: Vec<String> = axes.difference(known).iter().map(|axis| axis.to_string()).collect();
+    if shown.is_empty() {
+        return None;
+    }
+    let message = format!(
+        "the way of the tool center depends on {}, and the program has not stated where that is",
+        shown.join(" and ")
+    );
+    let help = "begin with an absolute position of this axis in a block before it, or give --start";
+    Some(fault(Code::UNKNOWN_START, wish.span, message, help))
+}
+
+/// A word at which the axes stand still until somebody lets the program go on, or the tool is changed.
+fn stands_still(words: &[Word]) -> Option<&Word> {
+    let is_standing = |word: &&Word| {
+        let is_function = word.letter == b'M' && word.extension.is_none();
+        matches!(word.value, WordValue::Number(number) if is_function && STANDING.contains(&number))
+    };
+    words.iter().find(is_standing)
+}
+
+/// The first item that a control may not look across for the element behind a transition; if possible one that has a name.
+fn first_of(items: &[Item]) -> Option<&Element> {
+    let is_unknown = |element: &&Element| match &element.kind {
+        Kind::Verbatim(_) | Kind::Message(_) => true,
+        Kind::Keep(word) => *word == STOP_OF_LOOK_AHEAD,
+        Kind::Before(words) | Kind::After(words) => stands_still(words).is_some(),
+        _ => false,
+    };
+    let is_lost = |element: &&Element| matches!(element.kind, Kind::Lost(_));
+    let elements = || items.iter().map(Item::element);
+    elements().find(is_unknown).or_else(|| elements().find(is_lost))
+}
+
+/// The finding about a transition behind an element, where what follows it before the next one is not known.
+pub(super) fn across(first: &Moving, behind: &[Item]) -> Option<Fault> {
+    first.wish.corner?;
+    let between = first_of(behind)?;
+    let (line, origin) = (first.element.origin.line, between.origin);
+    let shown = match &between.kind {
+        Kind::Verbatim(text) => String::from_utf8_lossy(text).into_owned(),
+        Kind::Message(_) => "MSG".to_owned(),
+        Kind::Keep(word) => (*word).to_owned(),
+        Kind::Before(words) | Kind::After(words) => match stands_still(words).map(|word| &word.value) {
+            Some(WordValue::Number(number)) => format!("M{number}"),
+            _ => "this block".to_owned(),
+        },
+        _ => "this block".to_owned(),
+    };
+    let shown: String = shown.chars().take(40).collect();
+    let message = format!(
+        "{shown} stands between the elements of the rounding or chamfer of line {line}: whether the control makes that is not known"
+    );
+    Some(fault(Code::CORNER_OVER_UNKNOWN, origin.span, message, BEFORE_OR_BEHIND).of_file(origin.file))
+}
+
+/// The finding about a transition behind an element where a block before the next one reads what the control knows when it gets there.
+pub(super) fn across_stop(first: &Moving, stop: Option<(Origin, &str)>) -> Option<Fault> {
+    let (origin, name) = stop.filter(|_| first.wish.corner.is_some())?;
+    let line = first.element.origin.line;
+    let message = format!(
+        "{name} is read between the elements of the rounding or chamfer of line {line}: the control stops there to read it, as with STOPRE, and whether it makes the transition is not known"
+    );
+    Some(fault(Code::CORNER_OVER_UNKNOWN, origin.span, message, BEFORE_OR_BEHIND).of_file(origin.file))
+}
+
+/// The finding about a transition whose second element begins elsewhere than the first one has ended, or in other coordinates.
+pub(super) fn between(first: &Moving, second: &Moving) -> Option<Fault> {
+    first.wish.corner.filter(|_| second.is_plane_motion())?;
+    let (old, new) = (&first.path.setup, &second.path.setup);
+    let lost = first.path.motion.known.difference(second.path.start_known);
+    let what = if old.tool_mm != new.tool_mm {
+        "the tool or its length changes"
+    } else if old.frame != new.frame || old.transform != new.transform {
+        "zero offset, frame or coordinates change"
+    } else if old.plane != new.plane {
+        "the working plane changes"
+    } else if !lost.intersection(plane_axes(&first.path.basis)).is_empty() {
+        "the place of the tool gets lost"
+    } else {
+        return None;
+    };
+    let line = first.element.origin.line;
+    let message = format!(
+        "{what} between the elements of the rounding or chamfer of line {line}, and where the control makes the transition then is not known"
+    );
+    let origin = second.element.origin;
+    Some(fault(Code::CORNER_OVER_UNKNOWN, origin.span, message, BEFORE_OR_BEHIND).of_file(origin.file))
+}
+
+const BEFORE_OR_BEHIND: &str = "put it before the first element or behind the second one, or take the transition out";
+
+/// The finding about a program of the control, or whatever else moves axes unseen, under radius compensation.
+pub(super) fn under_compensation(element: &Element) -> Option<Fault> {
+    let Kind::Lost(axes) = &element.kind else { return None };
+    if axes.intersection(AxisSet::XYZ).is_empty() {
+        return None;
+    }
+    let message = "the machine goes to a place that only the control knows, and radius compensation is on, or no motion has led the tool off its contour: on the control it acts there too, in the output it does not";
+    let help = "end it with G40 and a motion in the plane before, and begin it again behind";
+    Some(fault(Code::BAD_COMPENSATION, element.origin.span, message, help).of_file(element.origin.file))
+}

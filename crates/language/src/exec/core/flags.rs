@@ -1,0 +1,44 @@
+//! One bit for each block of a program.
+
+/// Whether something has been done with a block.
+#[derive(Clone, Debug, Default)]
+pub(in crate::exec) struct Flags {
+    bits: Vec<u64>,
+    count: usize,
+}
+
+impl Flags {
+    /// Of so many blocks: nothing has been done.
+    pub(in crate::exec) fn new(count: usize) -> Flags {
+        Flags { bits: vec![0; count.div_ceil(64)], count }
+    }
+
+    /// Notes that it has been done; whether it had been before. `None` where there is no such block.
+    pub(in crate::exec) fn note(&mut self, number: usize) -> Option<bool> {
+        let bit = 1 << (number % 64);
+        let bits = self.bits.get_mut(number / 64).filter(|_| number < self.count)?;
+        let before = *bits & bit != 0;
+        *bits |= bit;
+        Some(before)
+    }
+
+    /// Notes it of all.
+    pub(in crate::exec) fn note_all(&mut self) {
+        self.bits.fill(u64::MAX);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Flags;
+
+    #[test]
+    fn each_block_has_a_flag_of_its_own() {
+        let mut flags = Flags::new(130);
+        let noted = [63, 64, 129, 63, 129].map(|number| flags.note(number));
+        assert_eq!(noted, [Some(false), Some(false), Some(false), Some(true), Some(true)]);
+        assert_eq!((flags.note(130), flags.note(65)), (None, Some(false)));
+        flags.note_all();
+        assert_eq!((flags.note(0), flags.note(128)), (Some(true), Some(true)));
+    }
+}

@@ -1,0 +1,78 @@
+//! How far a curve is off the chords that stand for it.
+//!
+//! What has made the chords may have been changed since: an offset of a curve by the radius of a tool turns harder, or less hard, than the curve.
+//! So this looks at the chords alone: the curve through the ends of three of them turns like their circle.
+
+use ncfix_base::geometry::AxisVector;
+
+/// Curvatures at both ends of a chord that differ by more are those of a corner.
+const CORNER: f64 = 3.0;
+/// Where only one bend is known, the curve is off by at most this many times the tolerance of chords.
+const MOST_TOLERANCES: f64 = 4.0;
+
+/// How far the curve may be off chord `k` of those that lead from `start` to `ends` one after the other, mm. A single chord says nothing of a bend:
+/// it was made to keep the tolerance.
+pub(in crate::exec) fn off_mm(start: &AxisVector, ends: &[AxisVector], k: usize, tolerance_mm: f64) -> f64 {
+    let point = |place: usize| if place == 0 { Some(start) } else { ends.get(place - 1) };
+    let bend = |place: usize| {
+        let before = point(place.checked_sub(1)?)?;
+        Some(curvature(before, point(place)?, point(place + 1)?))
+    };
+    let (Some(from), Some(to)) = (point(k), point(k + 1)) else { return 0.0 };
+    let of = |curvature: f64| (to.xyz() - from.xyz()).norm_squared() * curvature / 8.0;
+    let beside = |near: Option<f64>, far: Option<f64>| match (near, far) {
+        (Some(near), Some(far)) => Some(smooth(near, far)),
+        (near, _) => near,
+    };
+    match (bend(k), bend(k + 1)) {
+        (Some(one), Some(other)) => of(smooth(one, other)),
+        // The first and the last chord: what comes beside it tells a corner.
+        (None, near) => beside(near, bend(k + 2)).map_or(tolerance_mm, of),
+        (near, None) => beside(near, k.checked_sub(1).and_then(bend)).map_or(tolerance_mm, of),
+    }
+    .min(if ends.len() < 3 { MOST_TOLERANCES * tolerance_mm } else { f64::INFINITY })
+}
+
+/// The larger of two curvatures; the smaller one where the larger one is a corner.
+fn smooth(one: f64, other: f64) -> f64 {
+    let (least, most) = (one.min(other), one.max(other));
+    if most > CORNER * least { least } else { most }
+}
+
+/// The curvature of the circle through three points, 1/mm.
+fn curvature(a: &AxisVector, b: &AxisVector, c: &AxisVector) -> f64 {
+    let [ab, bc, ac] = [b.xyz() - a.xyz(), c.xyz() - b.xyz(), c.xyz() - a.xyz()];
+    let sides = ab.norm() * bc.norm() * ac.norm();
+    if sides > 0.0 { 2.0 * ab.cross(&bc).norm() / sides } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(x: f64, y: f64) -> AxisVector {
+        AxisVector([x, y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    }
+
+    #[test]
+    fn chords_of_a_circle_are_off_by_their_sagitta() {
+        // R = 20 mm, chords of 3 degrees: R (1 - cos 1.5 degrees) = 6.853 um.
+        let points: Vec<AxisVector> = (0..=30)
+            .map(|k| (3.0 * f64::from(k)).to_radians().sin_cos())
+            .map(|(y, x)| at(20.0 * x, 20.0 * y))
+            .collect();
+        for k in 0..30 {
+            let off = off_mm(&points[0], &points[1..], k, 2.5e-4);
+            assert!((off - 6.853e-3).abs() < 5e-6, "{k}: {off}");
+        }
+    }
+
+    #[test]
+    fn corners_and_lines_are_no_curves() {
+        let points = [at(1.0, 0.0), at(2.0, 0.0), at(3.0, 0.0), at(3.0, 1.0), at(3.0, 2.0), at(3.0, 3.0)];
+        for k in 0..points.len() {
+            assert_eq!(off_mm(&at(0.0, 0.0), &points, k, 2.5e-4), 0.0, "{k}");
+        }
+        assert_eq!(off_mm(&at(0.0, 0.0), &points[..1], 0, 2.5e-4), 2.5e-4);
+    }
+}
