@@ -2,7 +2,7 @@
 //!
 //! Groups: `E01` what was written (syntax), `E02` what it means (execution), `E03` safety and machine limits,
 //! `E04` machine file and error model, `E05` state of the machine, `E06` measured data, `E07` links, `E08` the cycle of a control, `E09` compensation tables; `W…` the same groups as warnings. Codes are stable:
-//! one that is no longer used stays retired. A test demands a sample file that provokes each code. The file is long because it holds them all.
+//! one that is no longer used stays retired. A test demands a sample file that provokes each code.
 
 use std::fmt;
 
