@@ -1,7 +1,51 @@
 //! ncfix reads a part program, executes it into a flat stream of simple moves, adds the corrections that the measured error
 //! model of one machine asks for, and writes a program for exactly this machine.
 //!
+//! ```
+//! use ncfix::prelude::*;
+//!
+//! let machine = Machine::from_file("samples/machines/demo.toml")?;
+//! let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+//! assert!(!program.check(&machine).has_errors());
+//!
+//! let mut text = Vec::new();
+//! let report = program.correct(&machine, &Options::default()).write_to(&mut text)?;
+//! println!("{}", report.table());
+//! # Ok::<(), ncfix::Error>(())
+//! ```
+//!
+//! [`prelude`] has the names of the library. Lengths are mm and angles rad where no name says otherwise. Nothing reads a file but what has *file* in its name, and
+//! what runs a program that was read from one; why a file was read is logged with [`log`]. Everything that holds data is `Send` and `Sync`.
+//!
 //! Everything streams: no stage holds the path, so an endless program can be fed and memory is bounded by the program text. Inside are mm, rad and s; at the
 //! edges every name carries its unit. `ARCHITECTURE.md` of the project is the map of its crates, `docs/theory.md` has the formulas with their sources.
 
+pub mod prelude;
+
+mod channel;
+mod check;
+mod condition;
+mod correction;
+mod diagnostics;
+mod disk;
+mod error;
+mod machine;
+mod moves;
+mod options;
+mod program;
+mod recognition;
+mod run;
+mod support_file;
+mod tool;
+
+#[doc(hidden)]
 pub mod cli;
+
+pub use correction::{Correction, Pieces};
+pub use diagnostics::{Diagnostics, Located};
+pub use error::Error;
+pub use machine::Machine;
+pub use moves::Elements;
+pub use options::{Compensation, DialectChoice, Options};
+pub use program::Program;
+pub use tool::ToolVector;

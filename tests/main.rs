@@ -76,6 +76,7 @@ mod esmaeili;
 mod exec;
 mod exec_details;
 mod executed_curves;
+mod facade;
 mod faults;
 mod feed;
 mod feed_drift;

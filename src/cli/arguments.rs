@@ -24,9 +24,7 @@ mod verify;
 mod work;
 
 pub(super) use calibrate::CalibrateArguments;
-pub(super) use correction::{
-    ArcChoice, CompensationChoice, CorrectionChoice, FiveAxisChoice, FrameChoice, RapidChoice, RotaryChoice,
-};
+pub(super) use correction::{CompensationChoice, CorrectionChoice, RotaryChoice};
 pub(super) use decompose::DecomposeArguments;
 pub(super) use diagnose::DiagnoseArguments;
 pub(super) use diff::DiffArguments;
@@ -54,6 +52,7 @@ use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::value;
 use super::voice::Voice;
+use crate::options::{Compensation, Options};
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::file::nearest;
 
@@ -275,6 +274,21 @@ pub(super) struct FixArguments {
     /// Print the report as one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
+}
+
+impl FixArguments {
+    /// How the program is corrected.
+    pub(super) fn options(&self) -> Options {
+        Options {
+            compensation: match self.compensation {
+                CompensationChoice::Center => Compensation::Center,
+                CompensationChoice::Wear => Compensation::Wear(self.largest_wear),
+            },
+            feed_limit_mm: self.feed_limit,
+            threads: self.threads,
+            ..self.correction.options()
+        }
+    }
 }
 
 /// `ncfix check`.

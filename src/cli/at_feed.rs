@@ -1,6 +1,6 @@
 //! What the axes make of the elements of a program at feed, while they pass by on their way elsewhere: `ncfix verify --at-feed`.
 
-use super::feed_limit::contouring;
+use crate::correction::contouring;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::{Machine, Servo};
 use ncfix_machine::snc::{Element, Origin};

@@ -1,36 +1,28 @@
 //! `ncfix fix`: the whole way from a program to its corrected text.
 
-use std::collections::BTreeMap;
-use std::panic::resume_unwind;
+use std::path::PathBuf;
 use std::time::Instant;
 
-use super::arguments::{CompensationChoice, DiffArguments, FixArguments};
+use super::arguments::{DiffArguments, FixArguments};
 use super::diff;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::is_standard_stream;
-use super::lanes::{self, Lanes};
-use super::machine_choice::{self, Chosen, short_hash};
+use super::machine_choice;
 use super::output::{Old, Spool, Target, next_backup};
-use super::program::{self, Opened, Running};
+use super::program;
 use super::state;
 use super::stop::Stop;
 use super::together::Together;
-use super::writing::Writing;
-use super::{feed_limit, pages, print, tell, wear};
-use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use super::{pages, print, progress, tell};
+use crate::program::Program;
+use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, Axis};
-use ncfix_base::source::{Source, Span};
-use ncfix_base::units::{um_from_mm, urad_from_rad};
-use ncfix_dialect::Language;
-use ncfix_language::exec::{Options, Radius};
-use ncfix_language::syntax::Program;
-use ncfix_path::emit::{self, NumberSet};
-use ncfix_path::path::{self, Prediction};
+use ncfix_base::source::Source;
+use ncfix_base::units::um_from_mm;
 use ncfix_path::review::Trace;
 use ncfix_report::correction::Correction;
 use ncfix_report::json;
-use ncfix_report::number::micrometers;
 use ncfix_report::review::Limit;
 
 /// Corrects a program.
@@ -61,7 +53,7 @@ pub(super) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
 /// One program and where its correction goes.
 struct Job<'a> {
     arguments: &'a FixArguments,
-    source: Source,
+    program: Program,
     target: Target,
     /// The target as the user named it.
     target_name: String,
@@ -91,8 +83,8 @@ impl<'a> Job<'a> {
         }
         // First: what comes into being there while the program is read is newer.
         let target = Target::new(output)?;
-        let source = program::read(&arguments.input)?;
-        Ok(Job { arguments, source, target, target_name: output.display().to_string(), page })
+        let program = program::of(&arguments.input, &arguments.program)?;
+        Ok(Job { arguments, program, target, target_name: output.display().to_string(), page })
     }
 
     /// Reads the machine, corrects, and publishes the text if there is no error.
@@ -105,8 +97,8 @@ impl<'a> Job<'a> {
             return Ok(());
         }
         report.machine.clone_from(&chosen.machine.name);
-        if emit::is_stamped(self.source.bytes()) {
-            findings.add(corrected_before(&self.source), std::slice::from_ref(&self.source));
+        let correction = self.program.correct(&chosen, &arguments.options());
+        if correction.was_corrected_before(findings) {
             return Ok(());
         }
         let own = (!arguments.in_place).then_some(&arguments.input);
@@ -115,34 +107,18 @@ impl<'a> Job<'a> {
             program::protect(page, chosen.files.iter().chain([&arguments.input]), findings);
             self.keep_apart(page, findings);
         }
-        if arguments.feed_limit.is_some() && feed_limit::servo(&chosen.machine, findings).is_none() {
-            return Ok(());
-        }
-        if let Some(found) =
-            wear::refusal(&arguments.correction).filter(|_| arguments.compensation == CompensationChoice::Wear)
-        {
-            findings.add(found, &[]);
-            return Ok(());
-        }
-        if let Some(increment_mm) = arguments.correction.increment {
-            chosen.machine.control.increment_mm = increment_mm;
-        }
-        let bytes = self.source.bytes();
-        let threads = arguments.threads.unwrap_or_else(|| lanes::threads_for(bytes.len()));
-        // What the stamp says of the program is worked out beside its parsing.
-        let (opened, hash) = std::thread::scope(|scope| {
-            let hashing = (threads > 1).then(|| scope.spawn(|| short_hash([bytes])));
-            let opened = program::open(&self.source, &arguments.program, Some(&chosen), findings);
-            let hash = hashing.map(|hashing| hashing.join().unwrap_or_else(|fault| resume_unwind(fault)));
-            (opened, hash.unwrap_or_else(|| short_hash([bytes])))
-        });
-        let opened = opened?;
-        let Some(opened) = opened.filter(|_| !findings.has_errors()) else { return Ok(()) };
-        program::keep_unit(&self.source, opened.dialect, false, &mut chosen.machine);
+        let Some(prepared) = correction.prepare(findings)? else { return Ok(()) };
         let mut spool = Spool::new(self.target.clone())?;
-        let has_wear = self.write((opened, hash), &chosen, (&mut spool, threads), findings, report)?;
+        let guard = |read: &[PathBuf], findings: &mut Findings| {
+            program::protect_program(&self.target, read, findings);
+            if arguments.in_place {
+                self.keep_programs(findings);
+            }
+        };
+        let written = prepared.write(spool.writer(), Some(progress::watch()), findings, report, guard)?;
+        let has_wear = written.map_err(|error| spool.fault(&error))?;
         if has_wear && !findings.has_errors() {
-            wear::try_both(&self.text(&mut spool)?, arguments, &chosen, findings)?;
+            correction.try_wear(&self.text(&mut spool)?, findings)?;
         }
         if findings.has_errors() {
             // Numbers of an output that does not exist would be taken for its numbers.
@@ -155,7 +131,7 @@ impl<'a> Job<'a> {
             return Ok(());
         }
         let mut together = Together::default();
-        let old = if arguments.in_place { Old::Kept(self.source.bytes()) } else { Old::Replaced };
+        let old = if arguments.in_place { Old::Kept(self.program.bytes()) } else { Old::Replaced };
         if arguments.in_place { together.put(spool) } else { together.take(spool) }?;
         if let (Some(target), Some(page)) = (&self.page, page) {
             together.add(target.clone(), page.as_bytes())?;
@@ -197,8 +173,7 @@ impl<'a> Job<'a> {
 
     /// The text that was written.
     fn text(&self, spool: &mut Spool) -> Result<Source, Stop> {
-        Source::new(self.source.id(), &self.target_name, spool.text()?)
-            .map_err(|_| Stop::Usage(format!("{} is too long to be read again", self.target_name)))
+        Ok(crate::Correction::again(self.program.source(), &self.target_name, spool.text()?)?)
     }
 
     /// Executes both programs as they were read and will be written, and gives the page about what was changed.
@@ -218,7 +193,7 @@ impl<'a> Job<'a> {
         }
         let original = kept.unwrap_or_else(|| arguments.input.clone());
         let corrected = arguments.output.clone().unwrap_or_else(|| arguments.input.clone());
-        let sources = [self.source.clone(), self.text(spool)?];
+        let sources = [self.program.source().clone(), self.text(spool)?];
         let comparison = DiffArguments::of_fix(arguments, original, corrected);
         let allowed_um = um_from_mm(arguments.correction.max_correction);
         let limit = |trace: &Trace| {
@@ -237,139 +212,4 @@ impl<'a> Job<'a> {
         report.verdict = Some(verdict);
         Ok(Some(text))
     }
-
-    /// Executes, corrects and writes. Behind the first error nothing more is written, but all findings are gathered. Whether the control
-    /// compensates radii by wear.
-    fn write(
-        &self,
-        (opened, hash): (Opened, String),
-        chosen: &Chosen,
-        (spool, threads): (&mut Spool, usize),
-        findings: &mut Findings,
-        report: &mut Correction,
-    ) -> Result<bool, Stop> {
-        let arguments = self.arguments;
-        let machine = &chosen.machine;
-        let model = chosen.model();
-        let start = arguments.program.start;
-        let (correction, bytes) = (&arguments.correction, (self.source.bytes(), hash));
-        let limits_feed = arguments.feed_limit.is_some();
-        let keeps_wear = arguments.compensation == CompensationChoice::Wear;
-        let mut writing = Writing::new(correction, start, opened.dialect.name, chosen, bytes, limits_feed)?;
-        if keeps_wear {
-            writing.keep_wear();
-        }
-        let mut writer = writing.writer()?;
-        writer.keep_free(numbers_of(&opened.program));
-        let radius = if keeps_wear { Radius::Beside(0.0) } else { Radius::Whole };
-        let options = Options { strict: true, tells_compensation: true, radius, keeps_wear, ..Options::default() };
-        let mut running = Running::start_as(opened, &arguments.input, &arguments.program, machine, options);
-        let feed_limit = arguments.feed_limit.zip(machine.servo.as_ref());
-        let lanes = Lanes { machine, model: &model, options: &writing.options, feed_limit };
-        let passed = lanes.pass(&mut running, writer.as_mut(), spool.writer(), threads);
-        report.blocks_out = passed.blocks.map_err(|error| spool.fault(&error))?;
-        if let Some((limit, limited)) = arguments.feed_limit.zip(passed.limited) {
-            report.feed_limit = Some(feed_limit::report(limit, &limited));
-        }
-        let has_wear = passed.found.iter().any(|found| found.code == Code::WEAR_ALONE);
-        findings.extend(passed.found, running.sources());
-        if !running.moves() && !findings.has_errors() {
-            findings.add(program::without_motion(&self.source, Code::NO_MOTION), running.sources());
-        }
-        program::protect_program(&self.target, &running.files(), findings);
-        if arguments.in_place {
-            self.keep_programs(findings);
-        }
-        let sources = running.sources();
-        for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
-            findings.add(corrected_before(stamped), sources);
-        }
-        note(&passed.prediction, &running, report);
-        if let Some(finding) = worse(&passed.prediction, arguments.correction.tolerance) {
-            findings.add(finding, &[]);
-        }
-        let left = path::remaining(machine, &chosen.errors, &chosen.condition, &passed.poses);
-        report.remaining = left.iter().map(remaining).collect();
-        Ok(has_wear)
-    }
-}
-
-/// The finding for a correction that leaves more than there was, beyond what was asked for, mm.
-fn worse(prediction: &Prediction, tolerance_mm: f64) -> Option<Diagnostic> {
-    let [before_mm, after_mm] = [prediction.before(), prediction.after()].map(|spread| spread.rms_mm());
-    if after_mm <= before_mm.max(tolerance_mm) {
-        return None;
-    }
-    let [before, after] = [before_mm, after_mm].map(|mm| micrometers(um_from_mm(mm)));
-    let message = format!("the corrected program would leave {after} rms where the program as it is leaves {before}");
-    let help = "nothing was written; a smaller --increment, if the control has one, or a smaller --tolerance; else run the program as it is";
-    Some(Diagnostic::nowhere(Code::CORRECTION_MAKES_WORSE, message, help))
-}
-
-/// The block numbers of a program in a language that needs one on every line.
-fn numbers_of(program: &Program) -> NumberSet {
-    let mut numbers = NumberSet::default();
-    if let Program::Words(program) = program
-        && program.dialect.language == Language::Grundig
-    {
-        program.each_block_number(&mut |number| {
-            numbers.add(number);
-        });
-    }
-    numbers
-}
-
-/// The finding for a program that carries a stamp; it points at the name in the stamp.
-pub(super) fn corrected_before(source: &Source) -> Diagnostic {
-    const NAME: &[u8] = b"ncfix";
-    let is_name = |window: &[u8]| window.eq_ignore_ascii_case(NAME);
-    let at = source.bytes().windows(NAME.len()).position(is_name).unwrap_or(0);
-    Diagnostic::at(
-        Code::ALREADY_CORRECTED,
-        Place { file: source.id(), span: Span::new(at, at + NAME.len()) },
-        "this program was corrected before",
-        "correct the original program",
-    )
-}
-
-/// What is left of a source, in the units of reports.
-fn remaining(left: &path::Remaining) -> json::Remaining {
-    json::Remaining {
-        source: left.source,
-        position_um: um_from_mm(left.position_mm),
-        tilt_urad: urad_from_rad(left.tilt_rad),
-        roll_urad: urad_from_rad(left.roll_rad),
-    }
-}
-
-/// A spread in the units of reports.
-pub(super) fn spread(spread: &path::Spread) -> json::Spread {
-    json::Spread {
-        mean_um: um_from_mm(spread.mean_mm()),
-        rms_um: um_from_mm(spread.rms_mm()),
-        max_um: um_from_mm(spread.max_mm),
-    }
-}
-
-/// Takes the numbers of a prediction into the report.
-fn note(prediction: &Prediction, running: &Running, report: &mut Correction) {
-    report.before = Some(spread(prediction.before()));
-    report.after = Some(spread(prediction.after()));
-    report.rapids_as_programmed = prediction.as_programmed;
-    report.off_at_rapids_um = um_from_mm(prediction.off_cut_mm);
-    report.blocks_in = running.blocks();
-    if let Some(origin) = prediction.max_at() {
-        report.max_at_line = Some(origin.line);
-        let source = running.sources().iter().find(|source| source.id() == origin.file);
-        report.max_at_file = source.map(|source| source.name().to_owned());
-    }
-    report.max_correction = AXES
-        .into_iter()
-        .filter(|&axis| prediction.max_correction[axis] > 0.0)
-        .map(|axis| {
-            let size = prediction.max_correction[axis];
-            let (unit, size) = if axis.is_rotary() { ("urad", urad_from_rad(size)) } else { ("um", um_from_mm(size)) };
-            (format!("{}_{unit}", char::from(axis.letter())), size)
-        })
-        .collect::<BTreeMap<_, _>>();
 }

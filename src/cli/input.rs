@@ -1,30 +1,7 @@
-//! Reads program and machine files; `-` is standard input.
+//! What commands read; `-` is standard input.
 
-use std::collections::BTreeSet;
-use std::fs::File;
-use std::io::{self, Read as _};
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
-
-use super::fingerprint::Fingerprint;
-use super::progress;
 use super::stop::Stop;
-use super::voice;
-use ncfix_base::source::{FileId, MAX_BYTES, Source};
-
-/// The name shown for standard input.
-pub(super) const STANDARD_INPUT: &str = "<stdin>";
-
-/// The largest file that people write – a machine, a set-up, a state, a link, a description –, in bytes.
-const MAX_WRITTEN_BYTES: usize = 8 << 20;
-
-/// What is read of a pipe or a device, which do not say where they end.
-const MAX_STREAM_BYTES: usize = 1 << 30;
-
-/// Whether a path on the command line means standard input or output.
-pub(super) fn is_standard_stream(path: &Path) -> bool {
-    path.as_os_str() == "-"
-}
+pub(super) use crate::disk::files::{first_read, is_standard_stream, read, read_written};
 
 /// Standard output takes one of both.
 ///
@@ -37,95 +14,4 @@ pub(super) fn one_stream(is_json: bool, machine_goes_out: bool) -> Result<(), St
         ));
     }
     Ok(())
-}
-
-/// The bytes of a file with the name to show for it; `role` says in a note what it is and how it was found; without one nothing
-/// is noted, where a file is read again.
-///
-/// # Errors
-/// A sentence where the file cannot be read or is too large.
-pub(super) fn read(path: &Path, id: FileId, role: &str) -> Result<Source, Stop> {
-    read_up_to(path, id, role, MAX_BYTES)
-}
-
-/// The same of a file that people write, which is never large.
-///
-/// # Errors
-/// A sentence where the file cannot be read or is too large.
-pub(super) fn read_written(path: &Path, id: FileId, role: &str) -> Result<Source, Stop> {
-    read_up_to(path, id, role, MAX_WRITTEN_BYTES)
-}
-
-fn read_up_to(path: &Path, id: FileId, role: &str, most: usize) -> Result<Source, Stop> {
-    // An option that named the file is named in turn.
-    let is_option = role.contains("--") || role.contains("NCFIX_");
-    let fault = |error: io::Error| match Stop::file("read", path, &error) {
-        Stop::Usage(sentence) if is_option => Stop::Usage(format!("{sentence} ({role})")),
-        stop => stop,
-    };
-    let (name, bytes) = if is_standard_stream(path) {
-        // Whoever types it sees what he types.
-        progress::end();
-        let bytes = bounded(&mut io::stdin().lock(), most.min(MAX_STREAM_BYTES)).map_err(fault)?;
-        (STANDARD_INPUT.to_owned(), bytes)
-    } else {
-        (path.display().to_string(), bytes_of(path, most).map_err(fault)?)
-    };
-    if !role.is_empty() {
-        voice::note(|| format!("read {name}: {role}"));
-    }
-    Source::new(id, &name, bytes).map_err(|_| fault(too_large(MAX_BYTES)))
-}
-
-/// The bytes of a file with at most so many of them. Nothing is read of a file that says itself that it has more.
-///
-/// # Errors
-/// Where it cannot be read, or has more.
-pub(super) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
-    // Some systems open a folder and fail with an odd reason when it is read.
-    if path.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
-    }
-    let mut file = File::open(path)?;
-    let found = file.metadata()?;
-    if !found.is_file() {
-        return bounded(&mut file, most.min(MAX_STREAM_BYTES));
-    }
-    let before = Fingerprint::of(&found);
-    READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_path_buf());
-    let length = usize::try_from(found.len()).unwrap_or(usize::MAX);
-    if length > most {
-        return Err(too_large(most));
-    }
-    let mut bytes = Vec::new();
-    bytes.try_reserve_exact(length)?;
-    let bytes = read_bounded(&mut file, most, bytes)?;
-    if Fingerprint::of(&file.metadata()?) != before {
-        // Half of it may be old and half of it new.
-        return Err(io::Error::other("somebody wrote to it while it was read; run the command again"));
-    }
-    Ok(bytes)
-}
-
-/// Files that this run has read, by whatever option or program.
-static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-
-/// The first by name of the files that this run has read for which something holds.
-pub(super) fn first_read(holds: impl Fn(&Path) -> bool) -> Option<PathBuf> {
-    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
-    read.iter().find(|path| holds(path)).cloned()
-}
-
-fn bounded(reader: &mut dyn io::Read, most: usize) -> io::Result<Vec<u8>> {
-    read_bounded(reader, most, Vec::new())
-}
-
-/// Reads to the end, or until there are too many bytes: a file may grow, and a device has no end.
-fn read_bounded(reader: &mut dyn io::Read, most: usize, mut bytes: Vec<u8>) -> io::Result<Vec<u8>> {
-    reader.take(most as u64 + 1).read_to_end(&mut bytes)?;
-    if bytes.len() > most { Err(too_large(most)) } else { Ok(bytes) }
-}
-
-fn too_large(most: usize) -> io::Error {
-    io::Error::new(io::ErrorKind::FileTooLarge, format!("it has more than {most} bytes"))
 }

@@ -130,5 +130,5 @@ fn locate(arguments: &MachineArguments, findings: &mut Findings) -> Result<(Sour
 /// Reads the machine file with its set-up files.
 fn read(arguments: &MachineArguments, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
     let (source, _) = locate(arguments, findings)?;
-    machine_choice::read(&source, &arguments.setup, findings)
+    Ok(machine_choice::read(&source, &arguments.setup, findings)?)
 }

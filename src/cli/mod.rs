@@ -1,9 +1,8 @@
-//! The command line: one file per command. The only room that opens files, but for the sources of sensors.
+//! The command line of the binary `ncfix`, which is no part of the library: arguments, a call of the library, a view of its result.
 //!
 //! [`run`] reads the arguments and ends with an [`ExitCode`]. A command returns findings through `findings`, draws what `report`
 //! makes of them on standard error, and writes results through `output`, completely or not at all.
 
-mod archive;
 mod arguments;
 mod at_feed;
 mod calibrate;
@@ -23,18 +22,12 @@ mod exit_code;
 mod explain;
 mod extended;
 mod feed;
-mod feed_limit;
 mod figures;
 mod findings;
-mod fingerprint;
 mod fix;
 mod header;
 mod identifiable;
 mod input;
-mod lanes;
-mod library;
-#[cfg(test)]
-mod library_tests;
 mod load;
 mod machine;
 mod machine_choice;
@@ -51,8 +44,6 @@ mod presets;
 mod program;
 mod progress;
 mod realtime;
-mod recognition;
-mod relay;
 mod repeated;
 mod replace;
 mod resume;
@@ -65,11 +56,9 @@ mod stamp_check;
 mod state;
 mod steps;
 mod stop;
-mod support_file;
 mod tables;
 mod tables_compare;
 mod tables_job;
-mod tables_read;
 mod tables_reread;
 mod tables_write;
 mod target;
@@ -79,14 +68,13 @@ mod value;
 mod verify;
 mod voice;
 mod watch;
-mod wear;
-mod writing;
 
 pub use exit_code::ExitCode;
 
 use std::ffi::OsString;
 use std::io::Write as _;
 
+use crate::disk::{files, fingerprint, table_files as tables_read};
 use arguments::Command;
 use ncfix_base::source::shown;
 use stop::Stop;
@@ -102,7 +90,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     voice::choose(voice);
-    voice::note(voice::version);
+    log::info!("{}", voice::version());
+    files::begin_run(progress::end);
     if let Some(name) = command.silent_work() {
         progress::begin(name);
     }

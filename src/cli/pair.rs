@@ -7,14 +7,15 @@ use std::path::Path;
 
 use super::arguments::{MachineChoice, ProgramChoice, StateChoice, VerifyArguments};
 use super::at_feed::Driven;
-use super::feed_limit;
 use super::findings::Findings;
 use super::header::Header;
 use super::machine_choice::{self, Chosen};
 use super::program::{self, Running};
-use super::relay::{Filler, Taker, relay};
 use super::stop::Stop;
-use super::{differences, stamp_check, state, wear};
+use super::{differences, stamp_check, state};
+use crate::channel::{Filler, Taker, channel};
+use crate::correction::servo;
+use crate::run::is_wear_alone;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_base::source::{FileId, Source};
@@ -66,7 +67,7 @@ impl<'p> Pair<'p> {
         if !state::apply(self.state, &mut chosen, findings)? {
             return Ok(None);
         }
-        if self.at_feed && feed_limit::servo(&chosen.machine, findings).is_none() {
+        if self.at_feed && servo(&chosen.machine, findings).is_none() {
             return Ok(None);
         }
         let open = |source: &Source| {
@@ -92,14 +93,14 @@ impl<'p> Pair<'p> {
         findings: &mut Findings,
         see: &mut dyn FnMut(Follow<'_>),
     ) -> Option<Outcome> {
-        let is_wear_alone = wear::is_alone(&sources[1]);
+        let has_wear_alone = is_wear_alone(&sources[1]);
         let start = |opened: program::Opened, path: &'p Path| {
             let is_stamped = emit::is_stamped(opened.source.bytes());
             let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
             // Where the control has the wear, the original has none.
-            let radius = if is_wear_alone && !is_stamped { Radius::Beside(0.0) } else { Radius::Whole };
+            let radius = if has_wear_alone && !is_stamped { Radius::Beside(0.0) } else { Radius::Whole };
             let options = Options { rapid_order, radius, ..Options::default() };
-            Running::start_as(opened, path, self.program, &chosen.machine, options)
+            program::start_as(opened, path, self.program, &chosen.machine, options)
         };
         let mut promise = stamp_check::promise(sources, chosen, self.promised, findings);
         if let Some(promise) = &mut promise {
@@ -114,7 +115,7 @@ impl<'p> Pair<'p> {
         let feeds = [&original, &corrected]
             .map(|opened| emit::entry(opened.dialect.name).map_or(Feeds::default(), |entry| entry.feeds));
         let assumed = emit::entry(corrected.dialect.name).map_or("", |entry| entry.assumed);
-        let (filler, ahead) = relay();
+        let (filler, ahead) = channel();
         std::thread::scope(|scope| {
             // One core executes the corrected program ahead, the other one the original, and compares.
             let run = move || send(start(corrected, self.corrected).silent(), filler);

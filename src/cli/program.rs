@@ -1,42 +1,36 @@
-//! Opens a program: bytes, dialect, syntax tree, execution.
+//! Programs as commands open and run them: with their arguments, with a line of progress, and never over a file that was read.
 
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 
-use super::archive;
 use super::arguments::ProgramChoice;
-use super::findings::{Findings, Hint};
-use super::input::{self, STANDARD_INPUT, is_standard_stream};
-use super::library::FolderLibrary;
-use super::machine_choice::{Chosen, dialect_names};
+use super::findings::Findings;
+use super::machine_choice::Chosen;
 use super::output::Target;
-use super::progress::Progress;
-use super::recognition;
+use super::progress;
 use super::stop::Stop;
-use super::voice;
-use super::wear;
-use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::source::{FileId, Source, Span};
-use ncfix_dialect::{Dialect, Language};
-use ncfix_language::exec::{Execution, Library, NoLibrary, Options, Radius, RapidOrder};
-use ncfix_language::syntax::sinumerik::Macros;
-use ncfix_language::syntax::{self, Program};
+use crate::options::Reading;
+use crate::program::Program;
+use crate::run::{self, Subprograms};
+pub(super) use crate::run::{Opened, Running, is_in_archive, keep_unit, without_motion};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_language::exec::{Options, RapidOrder};
 use ncfix_machine::machine::Machine;
-use ncfix_machine::machine::file::nearest;
-use ncfix_machine::snc::{Element, Kind};
 
-/// Blocks executed in search of further findings in a program that was not understood.
-const BLOCKS_IN_SEARCH: u64 = 100_000;
+/// A program of the command line.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(super) fn of(path: &Path, choice: &ProgramChoice) -> Result<Program, Stop> {
+    Ok(Program::new(run::read(path)?, path, Reading::from(choice)))
+}
 
-/// A program that was understood.
-pub(super) struct Opened {
-    /// Its bytes.
-    pub(super) source: Source,
-    /// Its syntax tree.
-    pub(super) program: Program,
-    /// Its dialect.
-    pub(super) dialect: &'static Dialect,
+/// Reads the bytes of a program.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(super) fn read(path: &Path) -> Result<Source, Stop> {
+    Ok(run::read(path)?)
 }
 
 /// Parses the program in `source`; `None` where it was not understood, which findings say.
@@ -49,142 +43,41 @@ pub(super) fn open(
     chosen: Option<&Chosen>,
     findings: &mut Findings,
 ) -> Result<Option<Opened>, Stop> {
-    let (dialect, why) = resolve(choice.dialect.as_deref(), chosen, source)?;
-    voice::note(|| format!("dialect of {}: {}, {why}", source.name(), dialect.name));
-    if !dialect.is_executable {
-        findings.add(
-            Diagnostic::nowhere(
-                Code::NOT_SUPPORTED,
-                format!("programs in the dialect '{}' ({}) are not supported yet", dialect.name, dialect.title),
-                "if the program is in another dialect, say so with --dialect",
-            ),
-            &[],
-        );
-        return Ok(None);
-    }
-    if let Some(found) = recognition::refusal(source, dialect, chosen) {
-        findings.add(found, std::slice::from_ref(source));
-        return Ok(None);
-    }
-    if let Some(other) = ncfix_dialect::guess(source.name(), source.bytes()).filter(|other| other.name != dialect.name)
-    {
-        // Where the program is understood all the same nothing is said.
-        let help =
-            format!("the file reads like {}: try --dialect {} and a machine file of it", other.title, other.name);
-        let sentence = format!(
-            "{} reads like {} and was read as {} ({why}): try --dialect {} and a machine file of it",
-            source.name(),
-            other.title,
-            dialect.title,
-            other.name
-        );
-        findings.hint(source, Hint { help, sentence: choice.dialect.is_none().then_some(sentence) });
-    }
-    let path = Path::new(source.name());
-    let search_path = chosen.map_or(&[][..], |chosen| &chosen.machine.control.search_path);
-    let (mut library, _) = library_of((source.name() != STANDARD_INPUT).then_some(path), search_path);
-    let mut macros = Macros::default();
-    library.definitions().iter().for_each(|(_, bytes)| macros.read(bytes));
-    let (program, found) = syntax::parse_with(source, dialect, &macros);
-    let is_understood = !found.iter().any(Diagnostic::is_error);
-    findings.extend(found, std::slice::from_ref(source));
-    if let (false, Some(chosen)) = (is_understood, chosen) {
-        // What is not supported yet should come up in the same run; anything else may only follow from the faulty blocks.
-        let options = Options { max_blocks: Some(BLOCKS_IN_SEARCH), ..Options::default() };
-        let execution = Execution::new(program, &chosen.machine, Box::new(NoLibrary), options);
-        let unsupported = execution.filter_map(Result::err).filter(|found| found.code == Code::NOT_SUPPORTED);
-        let more: Vec<Diagnostic> = unsupported.collect();
-        findings.extend(more, std::slice::from_ref(source));
-        return Ok(None);
-    }
-    Ok(is_understood.then(|| Opened { source: source.clone(), program, dialect }))
+    Ok(run::open(source, &Subprograms::Disk(None), &Reading::from(choice), chosen, findings)?)
 }
 
-/// Where the subprograms of a program come from, and the files that were read.
-fn library_of(program: Option<&Path>, search_path: &[String]) -> (Box<dyn Library>, Rc<RefCell<Vec<PathBuf>>>) {
-    if let Some(archive) = program.and_then(|path| archive::open(path).ok().flatten()) {
-        let loaded = Rc::new(RefCell::new(vec![archive.path().to_path_buf()]));
-        return (Box::new(archive), loaded);
-    }
-    let (library, loaded) = FolderLibrary::beside(program, search_path);
-    (Box::new(library), loaded)
+/// Starts a program with a line of progress. With `is_strict` a position that is not known for sure is an error, else a warning; `rapid_order`
+/// says which rapid moves are taken apart.
+pub(super) fn start<'a>(
+    opened: Opened,
+    path: &Path,
+    choice: &ProgramChoice,
+    machine: &'a Machine,
+    is_strict: bool,
+    rapid_order: RapidOrder,
+) -> Running<'a> {
+    // In a correction the control loses radius compensation.
+    let options = Options { strict: is_strict, tells_compensation: is_strict, rapid_order, ..Options::default() };
+    start_as(opened, path, choice, machine, options)
 }
 
-/// The dialect: the option, then the machine file, then file name and content. The demo machine was not chosen by anybody,
-/// so its dialect is the last resort.
-/// The second value says why it is this one.
-fn resolve(name: Option<&str>, chosen: Option<&Chosen>, source: &Source) -> Result<(&'static Dialect, String), Stop> {
-    if let Some(name) = name {
-        let found = ncfix_dialect::find(name).map(|dialect| (dialect, "--dialect".to_owned()));
-        return found.ok_or_else(|| {
-            let guess = nearest(name, ncfix_dialect::DIALECTS.iter().map(|dialect| dialect.name));
-            let guess = guess.map_or_else(String::new, |near| format!("; did you mean --dialect {near}?"));
-            Stop::Usage(format!("there is no dialect '{name}'; for --dialect there are {}{guess}", dialect_names()))
-        });
-    }
-    let of_machine = chosen.filter(|chosen| !chosen.is_demo).and_then(|chosen| {
-        Some((ncfix_dialect::find(&chosen.machine.controller)?, "the controller of the machine file".to_owned()))
-    });
-    let of_file =
-        || Some((ncfix_dialect::guess(source.name(), source.bytes())?, "by the name or the first lines".to_owned()));
-    Ok(of_machine
-        .or_else(of_file)
-        .unwrap_or_else(|| (ncfix_dialect::sinumerik(), "as nothing says otherwise".to_owned())))
+/// The same as options say.
+pub(super) fn start_as<'a>(
+    opened: Opened,
+    path: &Path,
+    choice: &ProgramChoice,
+    machine: &'a Machine,
+    options: Options,
+) -> Running<'a> {
+    let running = Running::start(opened, &Subprograms::of(path), &Reading::from(choice), machine, options);
+    running.watched(progress::watch())
 }
 
-/// The output keeps the unit of the program: G20 or G21 outlives it on these controls, and a Fanuc reads its offsets by it. With `is_sent`
-/// line by line only a Fanuc's does.
-pub(super) fn keep_unit(source: &Source, dialect: &Dialect, is_sent: bool, machine: &mut Machine) {
-    if !matches!(dialect.language, Language::Fanuc | Language::Rs274) || is_sent && dialect.language == Language::Rs274
-    {
-        return;
+impl From<&ProgramChoice> for Reading {
+    fn from(choice: &ProgramChoice) -> Reading {
+        let ProgramChoice { dialect, max_blocks, skip, start } = choice;
+        Reading { dialect: dialect.clone(), max_blocks: *max_blocks, skip: skip.unwrap_or_default(), start: *start }
     }
-    let control = &mut machine.control;
-    control.has_inch_grid = dialect.language == Language::Fanuc;
-    control.output_inch = last_unit(source.bytes()).or_else(|| last_unit(control.iso.startup_code.as_bytes()));
-}
-
-/// Whether the last G20 or G21 outside of comments is G20.
-fn last_unit(bytes: &[u8]) -> Option<bool> {
-    let (mut found, mut at) = (None, 0);
-    while let Some(&byte) = bytes.get(at) {
-        at += 1;
-        let end = match byte {
-            b'(' => bytes[at..].iter().position(|byte| matches!(byte, b')' | b'\n' | b'\r')),
-            b';' => bytes[at..].iter().position(|byte| matches!(byte, b'\n' | b'\r')),
-            b'G' | b'g' => {
-                let rest = bytes[at..].trim_ascii_start();
-                let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
-                let is_whole = rest.get(digits) != Some(&b'.');
-                match &rest[rest[..digits].iter().take_while(|byte| **byte == b'0').count()..digits] {
-                    b"20" if is_whole => found = Some(true),
-                    b"21" if is_whole => found = Some(false),
-                    _ => {}
-                }
-                continue;
-            }
-            _ => continue,
-        };
-        at = end.map_or(bytes.len(), |end| at + end);
-    }
-    found
-}
-
-/// Reads the bytes of a program.
-///
-/// # Errors
-/// Where the file cannot be read.
-pub(super) fn read(path: &Path) -> Result<Source, Stop> {
-    if let Some(archive) = archive::open(path)? {
-        voice::note(|| format!("read {}: program in an archive of the control", path.display()));
-        return archive.main();
-    }
-    input::read(path, FileId(0), "program")
-}
-
-/// Whether a program lies in an archive of the control.
-pub(super) fn is_in_archive(path: &Path) -> bool {
-    path.ancestors().any(|ancestor| ancestor.is_file() && archive::is_archive(ancestor))
 }
 
 /// Adds a finding where the output would overwrite one of the files that were read.
@@ -218,109 +111,4 @@ fn protect_with<'f>(
             &[],
         );
     }
-}
-
-/// A running program: its elements and findings, with a progress line while they are pulled.
-pub(super) struct Running<'a> {
-    execution: Execution<'a>,
-    progress: Progress,
-    loaded: Rc<RefCell<Vec<PathBuf>>>,
-    length: usize,
-    moves: bool,
-}
-
-impl<'a> Running<'a> {
-    /// Starts a program. With `is_strict` a position that is not known for sure is an error, else a warning; `rapid_order` says which
-    /// rapid moves are taken apart.
-    pub(super) fn start(
-        opened: Opened,
-        path: &Path,
-        choice: &ProgramChoice,
-        machine: &'a Machine,
-        is_strict: bool,
-        rapid_order: RapidOrder,
-    ) -> Running<'a> {
-        // In a correction the control loses radius compensation.
-        let options = Options { strict: is_strict, tells_compensation: is_strict, rapid_order, ..Options::default() };
-        Running::start_as(opened, path, choice, machine, options)
-    }
-
-    /// The same as options say. A program that leaves wear to the control is read with the radius that its registers have: none.
-    pub(super) fn start_as(
-        opened: Opened,
-        path: &Path,
-        choice: &ProgramChoice,
-        machine: &'a Machine,
-        options: Options,
-    ) -> Running<'a> {
-        let (library, loaded) = library_of((!is_standard_stream(path)).then_some(path), &machine.control.search_path);
-        let is_wear_alone = wear::is_alone(&opened.source) && options.radius == Radius::Whole;
-        let options = Options {
-            skip_levels: choice.skip.unwrap_or_default(),
-            max_blocks: choice.max_blocks,
-            start: choice.start,
-            radius: if is_wear_alone { Radius::Alone(0.0) } else { options.radius },
-            ..options
-        };
-        let length = opened.source.bytes().len();
-        let execution = Execution::new(opened.program, machine, library, options);
-        Running { execution, progress: Progress::new(), loaded, length, moves: false }
-    }
-
-    /// The same without a progress line.
-    pub(super) fn silent(self) -> Self {
-        Running { progress: Progress::hidden(), ..self }
-    }
-
-    /// The main program and every subprogram read so far, for drawing findings.
-    pub(super) fn sources(&self) -> &[Source] {
-        self.execution.sources()
-    }
-
-    /// The lines that called the program of an element, innermost first.
-    pub(super) fn call_lines(&self, element: &Element) -> Vec<u32> {
-        self.execution.call_lines(&element.origin)
-    }
-
-    /// Blocks executed so far.
-    pub(super) fn blocks(&self) -> u64 {
-        self.execution.executed_blocks()
-    }
-
-    /// Whether a motion has come by so far.
-    pub(super) fn moves(&self) -> bool {
-        self.moves
-    }
-
-    /// The files of the subprograms that were read.
-    pub(super) fn files(&self) -> Vec<PathBuf> {
-        self.loaded.borrow().clone()
-    }
-}
-
-impl Iterator for Running<'_> {
-    type Item = Result<Element, Diagnostic>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let item = self.execution.next();
-        self.moves |= matches!(&item, Some(Ok(Element { kind: Kind::Move(_), .. })));
-        match &item {
-            Some(Ok(element)) if element.starts_block => {
-                // In a subprogram the main program stands still.
-                let offset = (element.origin.file == FileId(0)).then_some(element.origin.span.start);
-                self.progress.note(self.execution.executed_blocks(), offset, self.length);
-            }
-            Some(_) => {}
-            // Whatever is printed behind the end shall not stand behind the progress line.
-            None => self.progress.clear(),
-        }
-        item
-    }
-}
-
-/// The finding for a program that moves nothing.
-pub(super) fn without_motion(source: &Source, code: Code) -> Diagnostic {
-    let place = Place { file: source.id(), span: Span::new(0, 1) };
-    let help = "look where its motions are: behind M30, in a program that nothing calls, in skip blocks";
-    Diagnostic::at(code, place, "this program moves no axis: there is nothing to correct", help)
 }

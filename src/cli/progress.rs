@@ -8,6 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::voice;
+use crate::run::Watch;
 use ncfix_report::number::grouped;
 
 /// A run shorter than this shows nothing.
@@ -84,11 +85,6 @@ impl Progress {
         Progress { is_wanted: is_wanted(), notes: 0, offset: 0, next: Instant::now() + SILENT }
     }
 
-    /// One that never shows.
-    pub(super) fn hidden() -> Progress {
-        Progress { is_wanted: false, ..Progress::new() }
-    }
-
     /// Notes that `blocks` were executed and that the current one starts at byte `offset` of the `length` of the main program;
     /// without an offset it is in a subprogram.
     pub(super) fn note(&mut self, blocks: u64, offset: Option<u32>, length: usize) {
@@ -123,6 +119,22 @@ impl Progress {
             clear();
         }
     }
+}
+
+impl Watch for Progress {
+    fn note(&mut self, blocks: u64, offset: Option<u32>, length: usize) {
+        Progress::note(self, blocks, offset, length);
+    }
+
+    // Whatever is printed behind the end shall not stand behind the progress line.
+    fn end(&mut self) {
+        self.clear();
+    }
+}
+
+/// Shows how far a program is.
+pub(super) fn watch() -> Box<dyn Watch> {
+    Box::new(Progress::new())
 }
 
 impl Drop for Progress {

@@ -13,7 +13,8 @@ use super::output::{Spool, Target};
 use super::program::{self, Running};
 use super::stop::Stop;
 use super::together::Together;
-use super::{feed_limit, machine_choice, state, tell};
+use super::{machine_choice, state, tell};
+use crate::correction::servo;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_base::source::Source;
@@ -86,7 +87,7 @@ fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Opti
     for target in [&data, &description] {
         program::protect(target, chosen.files.iter().chain(&inputs), findings);
     }
-    let Some(servo) = feed_limit::servo(&chosen.machine, findings) else { return Ok(None) };
+    let Some(servo) = servo(&chosen.machine, findings) else { return Ok(None) };
     let model = chosen.model();
     let mut recorder = Recorder { arguments, chosen: &chosen, servo, model: &model, seen: Seen::default() };
     let mut table = Spool::new(data)?;
@@ -103,7 +104,7 @@ fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Opti
             return Ok(None);
         };
         let order = RapidOrder::Stated;
-        let mut running = Running::start(opened, &arguments.plan, &arguments.program, &chosen.machine, false, order);
+        let mut running = program::start(opened, &arguments.plan, &arguments.program, &chosen.machine, false, order);
         let result = recorder.pass(&mut running, feed, &mut noise, &mut own, table.writer());
         result.map_err(|error| table.fault(&error))?;
         for target in [table.target(), &description] {

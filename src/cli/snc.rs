@@ -44,7 +44,7 @@ fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> 
         return Ok(());
     }
     let mut running =
-        Running::start(opened, &arguments.input, &arguments.program, &chosen.machine, false, RapidOrder::All);
+        program::start(opened, &arguments.input, &arguments.program, &chosen.machine, false, RapidOrder::All);
     let start = arguments.program.start;
     if target == Target::Standard {
         let out = BufWriter::new(io::stdout().lock());

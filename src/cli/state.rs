@@ -2,22 +2,17 @@
 
 use super::arguments::StateChoice;
 use super::findings::Findings;
-use super::input;
-use super::machine_choice::{Chosen, short_hash};
+use super::machine_choice::Chosen;
 use super::stop::Stop;
-use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{Axis, Vector};
-use ncfix_base::source::FileId;
-use ncfix_machine::machine::condition::{file, log};
-use ncfix_machine::machine::{Condition, Load, Machine, ZeroPose};
-use ncfix_model::Effect;
+use crate::condition;
+use crate::options::ConditionFiles;
 
 /// Reads the condition into the machine, and says what the model needs and it lacks; whether it can be used.
 ///
 /// # Errors
 /// Where the file cannot be read.
 pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Findings) -> Result<bool, Stop> {
-    Ok(read(choice, chosen, findings)? && check(choice, chosen, &chosen.condition, findings))
+    Ok(condition::apply(&ConditionFiles::from(choice), chosen, findings)?)
 }
 
 /// Reads the condition into the machine; whether it is one.
@@ -25,134 +20,12 @@ pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Fi
 /// # Errors
 /// Where the file cannot be read.
 pub(super) fn read(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Findings) -> Result<bool, Stop> {
-    let mut condition = Condition::default();
-    let mut parts = Vec::new();
-    let mut is_logged = false;
-    for path in &choice.state {
-        let source = input::read(path, FileId(0), "state, --state")?;
-        let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
-        let is_log = is_table || log::is_log(&source);
-        is_logged |= is_log;
-        let (read, found) = if is_log { log::load(&source) } else { file::load(&source) };
-        findings.extend(found, std::slice::from_ref(&source));
-        let Some(read) = read else { return Ok(false) };
-        condition.lay_over(read);
-        parts.push(short_hash([source.bytes()]));
-        chosen.files.push(path.clone());
-    }
-    set_times(choice, &mut condition, is_logged)?;
-    if let Some(command) = choice.zero_at {
-        condition.set_zero_pose(ZeroPose { command, tool_mm: Vector::zeros() });
-    }
-    if choice.time.is_some() || choice.zero_time.is_some() || choice.zero_at.is_some() {
-        parts.push(format!("{:?} {:?} {:?}", choice.time, choice.zero_time, choice.zero_at));
-    }
-    if let Some(load) = choice.load {
-        condition.clear_loads();
-        condition.add_load(load);
-        parts.push(format!("{load:?}"));
-    }
-    if !parts.is_empty() {
-        chosen.state = Some(short_hash(parts.iter().map(String::as_bytes)));
-    }
-    chosen.condition = condition;
-    check_load(choice, chosen, findings);
-    Ok(true)
+    Ok(condition::read(&ConditionFiles::from(choice), chosen, findings)?)
 }
 
-/// Moves to the instants that were asked for, which must lie in the log.
-fn set_times(choice: &StateChoice, condition: &mut Condition, is_logged: bool) -> Result<(), Stop> {
-    let wanted = [("--time", choice.time), ("--zero-time", choice.zero_time)];
-    for (option, time_s) in wanted.into_iter().filter_map(|(option, time_s)| Some((option, time_s?))) {
-        if !is_logged {
-            return Err(Stop::Usage(format!("{option} needs a log (CSV with t_s) in --state")));
-        }
-        let [first, last] = condition.time_range_s().unwrap_or_default();
-        if !(first..=last).contains(&time_s) {
-            let sentence = format!("{option} {time_s} lies outside the log, which runs from {first} to {last} s");
-            return Err(Stop::Usage(sentence));
-        }
+impl From<&StateChoice> for ConditionFiles {
+    fn from(choice: &StateChoice) -> ConditionFiles {
+        let StateChoice { state, time, zero_time, zero_at, load } = choice.clone();
+        ConditionFiles { files: state, time_s: time, zero_time_s: zero_time, zero_at, load }
     }
-    if let Some(time_s) = choice.time {
-        condition.set_time(time_s);
-    }
-    if let Some(zero_s) = choice.zero_time {
-        if zero_s > condition.time_s() {
-            let now_s = condition.time_s();
-            return Err(Stop::Usage(format!("--zero-time {zero_s} lies behind the instant of the state, {now_s} s")));
-        }
-        condition.set_zero_at(zero_s);
-    }
-    Ok(())
-}
-
-/// Says what the model needs and the condition lacks; whether the condition can be used.
-fn check(choice: &StateChoice, chosen: &Chosen, condition: &Condition, findings: &mut Findings) -> bool {
-    let sensors = chosen.errors.sensors();
-    let drifting: Vec<&str> =
-        chosen.errors.effects().filter(|effect| effect.drifts()).flat_map(Effect::sensors).collect();
-    let lacks = |condition: &Condition, wanted: &[&str]| -> Vec<String> {
-        let missing = wanted.iter().filter(|sensor| condition.temperature_c(sensor, 0.0).is_none());
-        missing.map(|&sensor| sensor.to_owned()).collect()
-    };
-    if !sensors.is_empty() && !condition.has_temperatures() && condition.zero().is_none() {
-        let message = format!(
-            "no temperatures are given: the {} sensors of the error model count as at their reference temperatures ({})",
-            sensors.len(),
-            sensors.join(", ")
-        );
-        let help = "give --state with the temperatures of these sensors";
-        findings.add(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help), &[]);
-    } else if !sensors.is_empty() {
-        let mut missing = lacks(condition, &sensors);
-        if let Some(zero) = condition.zero() {
-            missing.extend(lacks(zero, &drifting));
-        }
-        missing.sort_unstable();
-        missing.dedup();
-        if !missing.is_empty() {
-            let message =
-                format!("the state has no temperature of {}, and the error model needs it", missing.join(", "));
-            let help = "add it to --state (and to its [zero]), or correct its name in the machine file";
-            findings.add(Diagnostic::nowhere(Code::MISSING_SENSOR, message, help), &[]);
-            return false;
-        }
-    }
-    let needs_load = chosen.errors.effects().any(Effect::needs_load);
-    if needs_load && condition.loads().is_empty() && choice.state.is_empty() {
-        let message = "no workpiece weight is given: the table is taken as empty";
-        let help = "give --load with the weight in N, 0 for none, or --state with [[load]]";
-        findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
-    }
-    true
-}
-
-/// Says where a load does not count as it stands.
-fn check_load(choice: &StateChoice, chosen: &Chosen, findings: &mut Findings) {
-    let needs_load = chosen.errors.effects().any(Effect::needs_load);
-    if !needs_load && choice.load.is_some() {
-        let message = "the machine file says nothing about the weight of workpieces: --load changes nothing";
-        let help = "add [[load]] to the machine file, or leave --load out";
-        findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
-    }
-    if needs_load && let Some(axis) = turning(&chosen.machine, chosen.condition.loads()) {
-        let message = format!(
-            "{axis} turns a load that is off its center; the load counts where it stands with {axis} at 0 throughout"
-        );
-        let help = format!(
-            "give the place in the position of {axis} in which most is machined, along the axes of the machine"
-        );
-        findings.add(Diagnostic::nowhere(Code::LOAD_TURNS, message, help), &[]);
-    }
-}
-
-/// The first rotary axis under the table that moves the center of a load.
-fn turning(machine: &Machine, loads: &[Load]) -> Option<Axis> {
-    // What is nearer changes no error that can be corrected.
-    const CENTERED_MM: f64 = 1.0;
-    let is_off = |direction: &Vector| {
-        loads.iter().any(|load| load.force_n > 0.0 && load.position_mm.cross(direction).norm() > CENTERED_MM)
-    };
-    let rotary = machine.topology.workpiece.iter().filter(|axis| axis.is_rotary());
-    rotary.copied().find(|&axis| machine.axis(axis).is_some_and(|data| is_off(&data.direction)))
 }

@@ -11,7 +11,7 @@ use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
 use super::output::Target;
 use super::pages;
-use super::program::{self, Running};
+use super::program;
 use super::progress::{self, Progress};
 use super::state;
 use super::stop::Stop;
@@ -158,7 +158,7 @@ fn gather<'a>(
     let machine = &chosen.machine;
     let Some(opened) = program::open(source, &arguments.program, Some(chosen), findings)? else { return Ok(None) };
     let path = arguments.input.as_deref().unwrap_or(Path::new("-"));
-    let mut running = Running::start(opened, path, &arguments.program, machine, true, RapidOrder::All);
+    let mut running = program::start(opened, path, &arguments.program, machine, true, RapidOrder::All);
     let fixed_tool_mm = arguments.tool.map(|tool| tool_vector(machine, tool));
     let mut moves = Moves::new(machine, trial, fixed_tool_mm);
     if let Some(start) = arguments.program.start {

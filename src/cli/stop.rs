@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 
 use super::exit_code::ExitCode;
+use crate::error::{Error, reason};
 use ncfix_base::diagnostic::Diagnostic;
 
 /// Ends a command at once.
@@ -36,13 +37,9 @@ impl Stop {
     }
 }
 
-/// Why a file cannot be read or written, in words.
-pub(super) fn reason(error: &io::Error) -> String {
-    match error.kind() {
-        io::ErrorKind::NotFound => "there is no such file or folder".into(),
-        io::ErrorKind::PermissionDenied => "permission denied".into(),
-        io::ErrorKind::IsADirectory => "it is a folder".into(),
-        _ => error.to_string(),
+impl From<Error> for Stop {
+    fn from(error: Error) -> Stop {
+        Stop::Usage(error.to_string())
     }
 }
 

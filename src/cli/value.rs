@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use crate::correction::MOST_THREADS;
+use crate::error::Error;
+pub(super) use crate::tool::ToolVector;
+use ncfix_base::geometry::AxisVector;
 use ncfix_base::units::parse_length_mm;
 use ncfix_machine::machine::range::range_of;
 use ncfix_machine::machine::{Load, State};
@@ -35,8 +38,8 @@ pub(super) fn step_mm(text: &str) -> Result<f64, String> {
 
 /// Threads to work in.
 pub(super) fn threads(text: &str) -> Result<usize, String> {
-    let value = text.parse().ok().filter(|value| (1..=super::lanes::MOST_THREADS).contains(value));
-    value.ok_or_else(|| format!("write a whole number from 1 to {}", super::lanes::MOST_THREADS))
+    let value = text.parse().ok().filter(|value| (1..=MOST_THREADS).contains(value));
+    value.ok_or_else(|| format!("write a whole number from 1 to {}", MOST_THREADS))
 }
 
 /// A share in percent, as a number.
@@ -95,74 +98,22 @@ pub(super) fn skip_levels(text: &str) -> Result<SkipLevels, String> {
 
 /// `X0,Y0,Z100,A90`: mm and degrees; axes that are not given are zero.
 pub(super) fn start(text: &str) -> Result<AxisVector, String> {
-    let mut position = AxisVector::ZERO;
-    for part in text.split(',').map(str::trim) {
-        let wrong = || format!("'{part}' is no axis position; write for example X0,Y0,Z100");
-        let letter = part.bytes().next().ok_or_else(wrong)?;
-        let axis = Axis::from_letter(letter.to_ascii_uppercase()).ok_or_else(wrong)?;
-        let number = part.get(1..).map(|number| number.trim_start().trim_start_matches('=').trim());
-        let number: f64 = number.and_then(|number| number.parse().ok()).ok_or_else(wrong)?;
-        if !number.is_finite() {
-            return Err(wrong());
-        }
-        position[axis] = if axis.is_rotary() { number.to_radians() } else { number };
-    }
-    Ok(position)
-}
-
-/// A tool vector as a user gives it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum ToolVector {
-    /// Its length along the spindle, mm.
-    Length(f64),
-    /// From the gauge point to the tip, in F at the zero pose, mm.
-    Tip(Vector),
+    text.parse()
 }
 
 /// `120` or `0,0,-120`.
 pub(super) fn tool(text: &str) -> Result<ToolVector, String> {
-    match numbers(text).as_deref() {
-        Some([length_mm]) => Ok(ToolVector::Length(*length_mm)),
-        Some([x, y, z]) => Ok(ToolVector::Tip(Vector::new(*x, *y, *z))),
-        _ => Err(format!("'{text}' is no length and no vector; write for example 120 or 0,0,-120")),
-    }
+    text.parse().map_err(|error: Error| error.to_string())
 }
 
 /// `1700` or `1700@0,0,-280`.
 pub(super) fn load(text: &str) -> Result<Load, String> {
-    let wrong = || format!("'{text}' is no load; write newtons, and where it stands: 1700 or 1700@0,0,-280");
-    let (force, place) = text.split_once('@').map_or((text, None), |(force, place)| (force, Some(place)));
-    let force = force.trim().trim_end_matches('N');
-    let force_n = numbers(force).and_then(|all| <[f64; 1]>::try_from(all).ok()).map(|[force_n]| force_n);
-    let force_n = force_n.filter(|&force_n| force_n >= 0.0).ok_or_else(wrong)?;
-    let position_mm = match place.map(numbers) {
-        None => Vector::zeros(),
-        Some(Some(place)) if place.len() == 3 => Vector::new(place[0], place[1], place[2]),
-        Some(_) => return Err(wrong()),
-    };
-    let load = Load { force_n, position_mm };
-    if load.is_plausible() { Ok(load) } else { Err(format!("'{text}': no machine tool carries this load")) }
+    text.parse()
 }
 
 /// `X+,Y-`.
 pub(super) fn sense(text: &str) -> Result<State, String> {
-    let mut state = State::default();
-    for part in text.split(',').map(str::trim) {
-        let wrong = || format!("'{part}' is no sense of motion; write for example X+,Y-");
-        let (axis, sense) = match *part.as_bytes() {
-            [letter, b'+'] => (Axis::from_letter(letter.to_ascii_uppercase()), 1),
-            [letter, b'-'] => (Axis::from_letter(letter.to_ascii_uppercase()), -1),
-            _ => (None, 0),
-        };
-        state.direction[axis.ok_or_else(wrong)?.slot()] = sense;
-    }
-    Ok(state)
-}
-
-/// Finite numbers, separated by commas.
-fn numbers(text: &str) -> Option<Vec<f64>> {
-    let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
-    text.split(',').map(number).collect()
+    text.parse()
 }
 
 /// `X0,Z-280`: coordinates in mm, `None` where they are not given.
@@ -184,6 +135,7 @@ pub(super) fn place(text: &str) -> Result<[Option<f64>; 3], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ncfix_base::geometry::{Axis, Vector};
 
     #[test]
     fn levels_are_listed() {

@@ -8,7 +8,8 @@ use super::findings::Findings;
 use super::pages::{Pages, input};
 use super::pair::{Outcome, Pair};
 use super::stop::Stop;
-use super::{fix, print, program};
+use super::{print, program};
+use crate::correction::spread;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::units::um_from_mm;
 use ncfix_path::path::{Follow, Promise};
@@ -56,8 +57,8 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
     if let (Some(pages), Some(outcome)) = (pages, &outcome) {
         pages.publish(&verification(&along.verification(outcome, &findings)))?;
     }
-    let before = outcome.as_ref().map(|outcome| fix::spread(&outcome.comparison.before));
-    let after = outcome.as_ref().map(|outcome| fix::spread(&outcome.comparison.after));
+    let before = outcome.as_ref().map(|outcome| spread(&outcome.comparison.before));
+    let after = outcome.as_ref().map(|outcome| spread(&outcome.comparison.after));
     let verdict = outcome
         .as_ref()
         .map(|_| Verdict::of(&Review { before, after, diagnostics: findings.json(), ..Review::default() }));
@@ -126,8 +127,8 @@ impl Along {
         Verification {
             files: [name(0), name(1)],
             machine: machine.name.clone(),
-            before: Some(fix::spread(&outcome.comparison.before)),
-            after: Some(fix::spread(&outcome.comparison.after)),
+            before: Some(spread(&outcome.comparison.before)),
+            after: Some(spread(&outcome.comparison.after)),
             samples: outcome.comparison.samples,
             largest: self.largest(outcome),
             pieces: self.pieces,

@@ -24,6 +24,11 @@ static CHOSEN: AtomicU8 = AtomicU8::new(Voice::Usual as u8);
 /// Chooses.
 pub(super) fn choose(voice: Voice) {
     CHOSEN.store(voice as u8, Ordering::Relaxed);
+    if voice == Voice::Verbose {
+        // A second run in one process has the same logger.
+        let _ = log::set_logger(&Notes);
+        log::set_max_level(log::LevelFilter::Info);
+    }
 }
 
 /// Whether only errors are said.
@@ -34,15 +39,25 @@ pub(super) fn is_quiet() -> bool {
 /// Notes that were said: a file that is read again is no news.
 static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 
-/// Says something that is only worth knowing where it is asked how a result came about.
-pub(super) fn note(text: impl FnOnce() -> String) {
-    if CHOSEN.load(Ordering::Relaxed) == Voice::Verbose as u8 {
-        let text = text();
-        let line = format!("note: {}\n", ncfix_base::source::shown(&text));
-        if SAID.lock().unwrap_or_else(PoisonError::into_inner).insert(text) {
-            super::say(&line);
+/// Says what is only worth knowing where it is asked how a result came about: what the library logs, not what its dependencies do.
+struct Notes;
+
+impl log::Log for Notes {
+    fn enabled(&self, of: &log::Metadata<'_>) -> bool {
+        of.level() <= log::Level::Info && of.target().starts_with("ncfix")
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        if self.enabled(record.metadata()) {
+            let text = record.args().to_string();
+            let line = format!("note: {}\n", ncfix_base::source::shown(&text));
+            if SAID.lock().unwrap_or_else(PoisonError::into_inner).insert(text) {
+                super::say(&line);
+            }
         }
     }
+
+    fn flush(&self) {}
 }
 
 /// Which version this is, and how it was built.

@@ -3,6 +3,8 @@
 use clap::{Args, ValueEnum};
 
 use super::super::value;
+use crate::options::Options;
+use ncfix_path::path::{Arcs, FiveAxis, OutputFrame, Rapids, Rotary};
 
 /// Corrections beyond this are refused where nothing else is said: a machine that is further off is not a machine but a wrong unit.
 pub(in crate::cli) const MOST_CORRECTION: &str = "0.2mm";
@@ -101,4 +103,39 @@ pub(in crate::cli) struct CorrectionChoice {
     /// Refuse corrections beyond this, with its unit
     #[arg(long, value_name = "LENGTH", default_value = MOST_CORRECTION, value_parser = value::positive_length_mm)]
     pub(in crate::cli) max_correction: f64,
+}
+
+impl CorrectionChoice {
+    /// The same for the library.
+    pub(in crate::cli) fn options(&self) -> Options {
+        Options {
+            tolerance_mm: self.tolerance,
+            step_mm: self.step,
+            arcs: match self.arcs {
+                ArcChoice::Keep => Arcs::Keep,
+                ArcChoice::Chords => Arcs::Chords,
+            },
+            rapids: match self.rapids {
+                RapidChoice::Ends => Rapids::Ends,
+                RapidChoice::None => Rapids::None,
+                RapidChoice::All => Rapids::All,
+            },
+            frame: match self.frame {
+                FrameChoice::Work => OutputFrame::Work,
+                FrameChoice::Machine => OutputFrame::Machine,
+            },
+            five_axis: match self.five_axis {
+                FiveAxisChoice::Tcp => FiveAxis::Tcp,
+                FiveAxisChoice::Axes => FiveAxis::Axes,
+            },
+            rotary: match self.rotary {
+                RotaryChoice::Auto => Rotary::Auto,
+                RotaryChoice::Correct => Rotary::Correct,
+                RotaryChoice::Hold => Rotary::Hold,
+            },
+            increment_mm: self.increment,
+            max_correction_mm: self.max_correction,
+            ..Options::default()
+        }
+    }
 }

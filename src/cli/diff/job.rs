@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::cli::arguments::DiffArguments;
 use crate::cli::findings::Findings;
-use crate::cli::fix;
 use crate::cli::machine_choice::whole_hash;
 use crate::cli::pair::Outcome;
+use crate::correction::spread;
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::source::Source;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
@@ -81,8 +81,8 @@ impl Job<'_> {
                 Step { um: um_from_mm(mm), line, file: self.subprogram(file) }
             }),
             longest_line: longest(self.corrected),
-            before: Some(fix::spread(&self.outcome.comparison.before)),
-            after: Some(fix::spread(&self.outcome.comparison.after)),
+            before: Some(spread(&self.outcome.comparison.before)),
+            after: Some(spread(&self.outcome.comparison.after)),
             limits: limits.into_iter().collect(),
             provenance: self.provenance(),
             diagnostics: findings.json(),

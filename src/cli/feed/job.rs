@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::arguments::FeedArguments;
 use crate::cli::findings::Findings;
-use crate::cli::fix::corrected_before;
 use crate::cli::input;
 use crate::cli::machine_choice::{self, Chosen, short_hash};
 use crate::cli::program::{self, Opened};
 use crate::cli::state;
 use crate::cli::stop::Stop;
-use crate::cli::writing::Writing;
+use crate::correction::{Writing, corrected_before};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 use ncfix_dialect::Dialect;
@@ -70,7 +69,7 @@ impl Job {
         program::keep_unit(&source, opened.dialect, true, &mut chosen.machine);
         let start = arguments.program.start;
         let bytes = (source.bytes(), short_hash([source.bytes()]));
-        let writing = Writing::new(&arguments.correction, start, opened.dialect.name, &chosen, bytes, false)?;
+        let writing = Writing::new(&arguments.correction.options(), start, opened.dialect.name, &chosen, bytes)?;
         let settings = Settings {
             limits: arguments.dosing.limits(),
             rapids_only: arguments.dosing.rapids_only,

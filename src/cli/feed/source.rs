@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError};
 use std::time::{Duration, Instant};
 
 use crate::cli::arguments::FeedArguments;
-use crate::cli::program::{Opened, Running};
+use crate::cli::program::{self, Opened};
 use ncfix_base::geometry::AXES;
 use ncfix_base::units::um_from_mm;
 use ncfix_dnc::drip::Lines;
@@ -43,7 +43,7 @@ pub(super) enum Made {
 /// Executes and corrects until the program ends, or nobody wants it any more.
 pub(super) fn produce(arguments: &FeedArguments, job: &Job, model: &Model, opened: Opened, to: &SyncSender<Made>) {
     let machine = &job.chosen.machine;
-    let running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All).silent();
+    let running = program::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All).silent();
     let mut last = Made::End;
     let mut batch = Vec::with_capacity(BATCH);
     let mut begun = Instant::now();

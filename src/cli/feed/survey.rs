@@ -3,7 +3,7 @@
 use crate::cli::arguments::FeedArguments;
 use crate::cli::findings::Findings;
 use crate::cli::machine_choice::short_hash;
-use crate::cli::program::Running;
+use crate::cli::program;
 use crate::cli::stop::Stop;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;
@@ -112,7 +112,7 @@ pub(in crate::cli) fn walk(
     let machine = &job.chosen.machine;
     let model = job.chosen.model();
     let opened = job.open(arguments)?;
-    let running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
+    let running = program::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
     let mut corrector = Corrector::new(running, machine, &model, job.writing.options.clone());
     let mut lines = Lines::new(machine, &model, &job.writing.options, job.writing.writer()?, job.settings);
     let mut found = Vec::new();
@@ -143,7 +143,7 @@ pub(in crate::cli) fn walk(
     let sources = corrector.elements().sources();
     findings.extend(found, sources);
     for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
-        findings.add(crate::cli::fix::corrected_before(stamped), sources);
+        findings.add(crate::correction::corrected_before(stamped), sources);
     }
     Ok(short_hash(sources.iter().map(Source::bytes)))
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::ops::{Add, Index, IndexMut, Sub};
+use std::str::FromStr;
 
 use super::Vector;
 
@@ -183,6 +184,27 @@ impl AxisVector {
     #[must_use]
     pub fn max_abs(&self, axes: &[Axis]) -> f64 {
         axes.iter().fold(0.0, |max, &axis| self[axis].abs().max(max))
+    }
+}
+
+impl FromStr for AxisVector {
+    type Err = String;
+
+    /// `X0,Y0,Z100,A90`: mm and degrees, which become mm and rad; axes that are not given are zero.
+    fn from_str(text: &str) -> Result<AxisVector, String> {
+        let mut position = AxisVector::ZERO;
+        for part in text.split(',').map(str::trim) {
+            let wrong = || format!("'{part}' is no axis position; write for example X0,Y0,Z100");
+            let letter = part.bytes().next().ok_or_else(wrong)?;
+            let axis = Axis::from_letter(letter.to_ascii_uppercase()).ok_or_else(wrong)?;
+            let number = part.get(1..).map(|number| number.trim_start().trim_start_matches('=').trim());
+            let number: f64 = number.and_then(|number| number.parse().ok()).ok_or_else(wrong)?;
+            if !number.is_finite() {
+                return Err(wrong());
+            }
+            position[axis] = if axis.is_rotary() { number.to_radians() } else { number };
+        }
+        Ok(position)
     }
 }
 

@@ -1,5 +1,7 @@
 //! What changes while a machine runs and the error model may depend on.
 
+use std::str::FromStr;
+
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
 
 /// The state of the machine at one instant.
@@ -43,5 +45,24 @@ impl State {
                 self.direction[slot] = -1;
             }
         }
+    }
+}
+
+impl FromStr for State {
+    type Err = String;
+
+    /// `X+,Y-`: the sense of the last motion of axes.
+    fn from_str(text: &str) -> Result<State, String> {
+        let mut state = State::default();
+        for part in text.split(',').map(str::trim) {
+            let wrong = || format!("'{part}' is no sense of motion; write for example X+,Y-");
+            let (axis, sense) = match *part.as_bytes() {
+                [letter, b'+'] => (Axis::from_letter(letter.to_ascii_uppercase()), 1),
+                [letter, b'-'] => (Axis::from_letter(letter.to_ascii_uppercase()), -1),
+                _ => (None, 0),
+            };
+            state.direction[axis.ok_or_else(wrong)?.slot()] = sense;
+        }
+        Ok(state)
     }
 }

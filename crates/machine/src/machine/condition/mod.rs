@@ -11,6 +11,7 @@ mod trace;
 pub use trace::Trace;
 
 use std::collections::BTreeMap;
+use std::str::FromStr;
 use std::sync::Arc;
 
 use ncfix_base::geometry::{AxisVector, Vector};
@@ -53,6 +54,26 @@ impl Load {
     #[must_use]
     pub fn is_plausible(&self) -> bool {
         (0.0..=MOST_FORCE_N).contains(&self.force_n) && self.position_mm.iter().all(|mm| mm.abs() <= FARTHEST_MM)
+    }
+}
+
+impl FromStr for Load {
+    type Err = String;
+
+    /// `1700` or `1700@0,0,-280`: newtons, and where they stand, mm.
+    fn from_str(text: &str) -> Result<Load, String> {
+        let wrong = || format!("'{text}' is no load; write newtons, and where it stands: 1700 or 1700@0,0,-280");
+        let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
+        let (force, place) = text.split_once('@').map_or((text, None), |(force, place)| (force, Some(place)));
+        let force_n = number(force.trim().trim_end_matches('N')).filter(|&force_n| force_n >= 0.0).ok_or_else(wrong)?;
+        let place: Option<Option<Vec<f64>>> = place.map(|place| place.split(',').map(number).collect());
+        let position_mm = match place {
+            None => Vector::zeros(),
+            Some(Some(place)) if place.len() == 3 => Vector::new(place[0], place[1], place[2]),
+            Some(_) => return Err(wrong()),
+        };
+        let load = Load { force_n, position_mm };
+        if load.is_plausible() { Ok(load) } else { Err(format!("'{text}': no machine tool carries this load")) }
     }
 }
 

@@ -7,8 +7,8 @@ use std::io::{self, Write};
 use std::panic::resume_unwind;
 use std::thread::{available_parallelism, scope};
 
-use super::program::Running;
-use super::relay::relay;
+use crate::channel::channel;
+use crate::run::Running;
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_machine::machine::{Machine, Servo};
 use ncfix_machine::snc::Element;
@@ -18,12 +18,12 @@ use ncfix_path::path::{Corrector, Options, Output, PoseSample, Prediction};
 use ncfix_path::servo::{Limited, Limiter};
 
 /// Stages, and so the most threads that are of any use.
-pub(super) const MOST_THREADS: usize = 3;
+pub(crate) const MOST_THREADS: usize = 3;
 /// Bytes of a program below which threads cost more than they save.
 const WORTH_THREADS: usize = 256 * 1024;
 
 /// What is done to a program on its way.
-pub(super) struct Lanes<'a> {
+pub(super) struct Pipeline<'a> {
     pub(super) machine: &'a Machine,
     pub(super) model: &'a Model,
     pub(super) options: &'a Options,
@@ -55,7 +55,7 @@ pub(super) fn threads_for(bytes: usize) -> usize {
     if cores > 1 { MOST_THREADS } else { 1 }
 }
 
-impl Lanes<'_> {
+impl Pipeline<'_> {
     /// Executes, corrects and writes to the end of the program. Behind the first error nothing more is written, but all findings are gathered.
     pub(super) fn pass(
         &self,
@@ -70,15 +70,15 @@ impl Lanes<'_> {
         let (blocks, (prediction, poses, limited)) = match threads {
             0 | 1 => self.correct(running, |outputs| emit::emit(outputs, writer, sink, note)),
             2 => scope(|scope| {
-                let (elements, executed) = relay();
+                let (elements, executed) = channel();
                 let rest =
                     scope.spawn(move || self.correct(executed, |outputs| emit::emit(outputs, writer, sink, note)));
                 elements.put_all(running);
                 rest.join().unwrap_or_else(|fault| resume_unwind(fault))
             }),
             _ => scope(|scope| {
-                let (elements, executed) = relay();
-                let (outputs, corrected) = relay();
+                let (elements, executed) = channel();
+                let (outputs, corrected) = channel();
                 let correction = scope.spawn(move || self.correct(executed, |pieces| outputs.put_all(pieces)));
                 let writing = scope.spawn(move || emit::emit(corrected, writer, sink, note));
                 elements.put_all(running);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::library::FolderLibrary;
+use super::folder_library::FolderLibrary;
 use ncfix_language::exec::Library as _;
 
 fn folder(files: &[&str]) -> tempfile::TempDir {

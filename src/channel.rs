@@ -12,21 +12,21 @@ const PART: usize = 1024;
 const AHEAD: usize = 4;
 
 /// The side that fills.
-pub(super) struct Filler<T> {
+pub(crate) struct Filler<T> {
     full: SyncSender<VecDeque<T>>,
     empty: Receiver<VecDeque<T>>,
     part: VecDeque<T>,
 }
 
 /// The side that takes: an iterator that ends where the other side was dropped.
-pub(super) struct Taker<T> {
+pub(crate) struct Taker<T> {
     full: Receiver<VecDeque<T>>,
     empty: SyncSender<VecDeque<T>>,
     part: VecDeque<T>,
 }
 
-/// Both sides of a relay.
-pub(super) fn relay<T>() -> (Filler<T>, Taker<T>) {
+/// Both sides of a channel.
+pub(crate) fn channel<T>() -> (Filler<T>, Taker<T>) {
     let (full_in, full_out) = sync_channel(AHEAD);
     // Room for all that there are, so that giving one back never waits.
     let (empty_in, empty_out) = sync_channel(AHEAD + 2);
@@ -36,7 +36,7 @@ pub(super) fn relay<T>() -> (Filler<T>, Taker<T>) {
 
 impl<T> Filler<T> {
     /// Hands an item on; `false` where nobody wants any more.
-    pub(super) fn put(&mut self, item: T) -> bool {
+    pub(crate) fn put(&mut self, item: T) -> bool {
         self.part.push_back(item);
         self.part.len() < PART || self.hand_on()
     }
@@ -47,7 +47,7 @@ impl<T> Filler<T> {
     }
 
     /// Hands on a whole stream, or as much of it as is wanted.
-    pub(super) fn put_all(mut self, stream: impl IntoIterator<Item = T>) {
+    pub(crate) fn put_all(mut self, stream: impl IntoIterator<Item = T>) {
         for item in stream {
             if !self.put(item) {
                 return;
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn every_item_comes_out_once_and_in_order() {
         for count in [0, 1, PART - 1, PART, PART + 1, 40 * PART + 7] {
-            let (filler, taker) = relay();
+            let (filler, taker) = channel();
             let all: Vec<usize> = std::thread::scope(|scope| {
                 scope.spawn(move || filler.put_all(0..count));
                 taker.collect()
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_stream_without_end_stops_when_nobody_takes() {
-        let (filler, taker) = relay();
+        let (filler, taker) = channel();
         let first: Vec<u64> = std::thread::scope(|scope| {
             scope.spawn(move || filler.put_all(0..));
             taker.take(1000).collect()
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn no_more_parts_are_made_than_may_wait() {
-        let (mut filler, mut taker) = relay();
+        let (mut filler, mut taker) = channel();
         // The taker keeps pace: parts are used again.
         for k in 0..100 * PART {
             assert!(filler.put(k));

@@ -7,7 +7,7 @@ use std::time::SystemTime;
 
 /// Which file it was, how long, and when somebody last wrote to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Fingerprint {
+pub(crate) struct Fingerprint {
     length: u64,
     modified: Option<SystemTime>,
     /// The disk and the number of the file on it; a text editor that writes beside the file and renames makes another one.
@@ -16,7 +16,7 @@ pub(super) struct Fingerprint {
 
 impl Fingerprint {
     /// Of a file that was looked at.
-    pub(super) fn of(found: &Metadata) -> Fingerprint {
+    pub(crate) fn of(found: &Metadata) -> Fingerprint {
         #[cfg(unix)]
         let identity = {
             use std::os::unix::fs::MetadataExt as _;
@@ -31,7 +31,7 @@ impl Fingerprint {
     ///
     /// # Errors
     /// Where nobody can tell.
-    pub(super) fn at(path: &Path) -> io::Result<Option<Fingerprint>> {
+    pub(crate) fn at(path: &Path) -> io::Result<Option<Fingerprint>> {
         match fs::metadata(path) {
             Ok(found) => Ok(Some(Fingerprint::of(&found))),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
@@ -42,11 +42,11 @@ impl Fingerprint {
 
 /// What a run expects in the place of its output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Expected<'a> {
+pub(crate) struct Expected<'a> {
     /// The file that was there when the run began; `None`: there was none.
-    pub(super) before: Option<Fingerprint>,
+    pub(crate) before: Option<Fingerprint>,
     /// What the run has read of it, where it has: a clock may be too coarse to show that somebody wrote to it.
-    pub(super) content: Option<&'a [u8]>,
+    pub(crate) content: Option<&'a [u8]>,
 }
 
 impl Expected<'_> {
@@ -54,7 +54,7 @@ impl Expected<'_> {
     ///
     /// # Errors
     /// Where it cannot be read.
-    pub(super) fn is(&self, path: &Path) -> io::Result<bool> {
+    pub(crate) fn is(&self, path: &Path) -> io::Result<bool> {
         if Fingerprint::at(path)? != self.before {
             return Ok(false);
         }

@@ -1,28 +1,22 @@
 //! `--compensation wear`: what it does not go together with, and whether the control could follow what was written with wear.
 
-use super::arguments::{CorrectionChoice, FiveAxisChoice, FixArguments, FrameChoice, ProgramChoice, RapidChoice};
-use super::findings::Findings;
-use super::machine_choice::Chosen;
-use super::program::{self, Running};
-use super::stop::Stop;
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::options::Options;
+use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::source::Source;
-use ncfix_language::exec::{Options, Radius, RapidOrder};
-use ncfix_path::emit;
+use ncfix_language::exec::{self, Radius, RapidOrder};
+use ncfix_path::path::{FiveAxis, OutputFrame, Rapids};
 
 /// A motion to the contour up to this long is one block, mm: twice the part in which the control is told.
 const SHORTEST_STEP_MM: f64 = 10.0;
 
-/// Whether the control is to have nothing but wear in the registers of a program's tools: its stamp says so.
-pub(super) fn is_alone(source: &Source) -> bool {
-    emit::stamped_promise(source.bytes()).is_some_and(|promise| promise.keeps_wear)
-}
-
 /// The finding about an output in which G41 is not allowed, or does not lead straight to the contour.
-pub(super) fn refusal(choice: &CorrectionChoice) -> Option<Diagnostic> {
-    let message = if (choice.frame, choice.five_axis) != (FrameChoice::Work, FiveAxisChoice::Tcp) {
+pub(super) fn refusal(choice: &Options) -> Option<Diagnostic> {
+    let message = if (choice.frame, choice.five_axis) != (OutputFrame::Work, FiveAxis::Tcp) {
         "--compensation wear with --frame machine or --five-axis axes: controls compensate no radius in blocks with machine coordinates"
-    } else if choice.rapids == RapidChoice::All || choice.step.is_some_and(|step_mm| step_mm < SHORTEST_STEP_MM) {
+    } else if choice.rapids == Rapids::All || choice.step_mm.is_some_and(|step_mm| step_mm < SHORTEST_STEP_MM) {
         "--compensation wear with --rapids all or a --step below 10 mm: the motion to the contour would be several pieces, with a corner between the first one, where the control begins with the wear, and the contour"
     } else {
         return None;
@@ -35,20 +29,21 @@ pub(super) fn refusal(choice: &CorrectionChoice) -> Option<Diagnostic> {
 /// # Errors
 /// Where it cannot be opened.
 pub(super) fn try_both(
-    text: &Source,
-    arguments: &FixArguments,
-    chosen: &Chosen,
-    findings: &mut Findings,
-) -> Result<(), Stop> {
-    let choice = ProgramChoice { max_blocks: None, ..arguments.program.clone() };
-    for wear_mm in [arguments.largest_wear, -arguments.largest_wear] {
-        let mut own = Findings::default();
-        let Some(opened) = program::open(text, &choice, Some(chosen), &mut own)? else {
+    text: &Program,
+    largest_mm: f64,
+    machine: &Machine,
+    findings: &mut Diagnostics,
+) -> Result<(), Error> {
+    let text = text.clone().without_block_limit();
+    for wear_mm in [largest_mm, -largest_mm] {
+        let mut own = Diagnostics::default();
+        let Some(opened) = text.open(Some(machine), &mut own)? else {
             findings.absorb(own);
             return Ok(());
         };
-        let options = Options { radius: Radius::Alone(wear_mm), rapid_order: RapidOrder::None, ..Options::default() };
-        let mut running = Running::start_as(opened, &arguments.input, &choice, &chosen.machine, options).silent();
+        let options =
+            exec::Options { radius: Radius::Alone(wear_mm), rapid_order: RapidOrder::None, ..exec::Options::default() };
+        let mut running = text.start_as(opened, &machine.machine, options);
         // That the way of the tool center is no wall of the part does not matter.
         let is_other = |found: &Diagnostic| found.is_error() || found.code == Code::ELEMENT_LEFT_OUT;
         let Some(found) = running.find_map(|item| item.err().filter(is_other)) else { continue };

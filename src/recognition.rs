@@ -1,12 +1,12 @@
 //! Refuses programs that are not what the machine file says: those of lathes, and of controls whose language is not read.
 
-use super::machine_choice::Chosen;
+use crate::machine::Machine;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::{Dialect, Mark};
 
 /// Why a program must not be read in a dialect.
-pub(super) fn refusal(source: &Source, dialect: &Dialect, chosen: Option<&Chosen>) -> Option<Diagnostic> {
+pub(crate) fn refusal(source: &Source, dialect: &Dialect, chosen: Option<&Machine>) -> Option<Diagnostic> {
     let bytes = source.bytes();
     if let Some(found) = ncfix_dialect::foreign(bytes) {
         let message = format!("this is {}: '{}'", found.name, found.found);

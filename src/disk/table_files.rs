@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::archive;
-use super::findings::Findings;
-use super::input;
-use super::stop::Stop;
+use super::files;
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{AXES, Axis, Vector};
 use ncfix_base::source::{FileId, Source, Span};
@@ -15,32 +15,32 @@ use ncfix_report::tables::rounded_mm;
 use ncfix_tables::tables::{Control, FORMATS, Format, Multiplication, Sense, Tables, Wiring, format};
 
 /// Tables that were read.
-pub(super) struct ReadTables {
-    pub(super) tables: Tables,
+pub(crate) struct ReadTables {
+    pub(crate) tables: Tables,
     /// The formats that they were in: a control may save tables of several kinds in one file.
-    pub(super) formats: Vec<&'static Format>,
+    pub(crate) formats: Vec<&'static Format>,
     /// The tool that remarks of the file say they are for, from the gauge point to the tip, mm.
-    pub(super) tool_mm: Option<Vector>,
+    pub(crate) tool_mm: Option<Vector>,
 }
 
 impl ReadTables {
     /// `cec, enc`
-    pub(super) fn names(&self) -> String {
+    pub(crate) fn names(&self) -> String {
         self.formats.iter().map(|format| format.name).collect::<Vec<_>>().join(", ")
     }
 }
 
 /// How files are read.
 #[derive(Clone, Copy)]
-pub(super) struct Reading<'a> {
+pub(crate) struct Reading<'a> {
     /// The format; told by the files where it is not said.
-    pub(super) format: Option<&'static Format>,
+    pub(crate) format: Option<&'static Format>,
     /// What the control does with products; that of the files where it is not said.
-    pub(super) multiplication: Option<Multiplication>,
+    pub(crate) multiplication: Option<Multiplication>,
     /// The machine whose control has the tables, where it is known.
-    pub(super) machine: Option<&'a Machine>,
+    pub(crate) machine: Option<&'a Machine>,
     /// How the control names the axes.
-    pub(super) wiring: &'a Wiring,
+    pub(crate) wiring: &'a Wiring,
 }
 
 /// Files as far as they were read.
@@ -91,11 +91,11 @@ impl Files {
 ///
 /// # Errors
 /// Where a file cannot be read, or nothing tells its format.
-pub(super) fn read(
+pub(crate) fn read(
     paths: &[PathBuf],
     reading: &Reading<'_>,
-    findings: &mut Findings,
-) -> Result<Option<ReadTables>, Stop> {
+    findings: &mut Diagnostics,
+) -> Result<Option<ReadTables>, Error> {
     let mut files = Files::default();
     for path in paths {
         let (sources, programs) = members(path)?;
@@ -135,7 +135,7 @@ pub(super) fn read(
     let formats: Vec<_> = files.sets.iter().filter(|(_, set)| !set.is_empty()).map(|(format, _)| *format).collect();
     let mut tables = joined(files.sets, &names, reading, findings);
     if tables.is_empty() && !findings.has_errors() {
-        return Err(Stop::Usage(format!("no compensation table is in use in {names}")));
+        return Err(Error::usage(format!("no compensation table is in use in {names}")));
     }
     tables.multiplication = Multiplication::Instead;
     if tables.lookups.iter().any(|one| one.factor.is_some()) {
@@ -145,7 +145,12 @@ pub(super) fn read(
 }
 
 /// The tables of all formats together, where the control takes those of each.
-fn joined(sets: Vec<(&'static Format, Tables)>, names: &str, reading: &Reading<'_>, findings: &mut Findings) -> Tables {
+fn joined(
+    sets: Vec<(&'static Format, Tables)>,
+    names: &str,
+    reading: &Reading<'_>,
+    findings: &mut Diagnostics,
+) -> Tables {
     let mut all = Tables::default();
     let mut fault = |message: String, help: &str| {
         findings.add(Diagnostic::nowhere(Code::BAD_TABLES, format!("{names}: {message}"), help), &[]);
@@ -176,7 +181,7 @@ fn multiplication(
     names: &str,
     asked: Option<Multiplication>,
     mark: Option<Multiplication>,
-    findings: &mut Findings,
+    findings: &mut Diagnostics,
 ) -> Multiplication {
     match (asked, mark) {
         (Some(asked), Some(mark)) if asked != mark => {
@@ -217,7 +222,7 @@ const TOOL: [&str; 2] = ["tool ", " mm from the gauge point"];
 const REMARKS: usize = 40;
 
 /// The remark that says for which tool the tables are.
-pub(super) fn tool_remark(tool_mm: &Vector) -> String {
+pub(crate) fn tool_remark(tool_mm: &Vector) -> String {
     let [x, y, z] = rounded_mm(tool_mm);
     format!("{}{x} {y} {z}{}", TOOL[0], TOOL[1])
 }
@@ -270,11 +275,11 @@ fn second(source: &Source, new: &[(Axis, Axis, Sense)], known: &[(Axis, Axis, Se
 ///
 /// # Errors
 /// Where a file cannot be read, or nothing tells its format.
-pub(super) fn active(
+pub(crate) fn active(
     paths: &[PathBuf],
     machine: &Machine,
-    findings: &mut Findings,
-) -> Result<Option<(Control, Vec<Source>)>, Stop> {
+    findings: &mut Diagnostics,
+) -> Result<Option<(Control, Vec<Source>)>, Error> {
     let wiring = Wiring::of(machine);
     let multiplication = machine.active_tables.multiplication.map(Multiplication::from);
     let reading = Reading { format: None, multiplication, machine: Some(machine), wiring: &wiring };
@@ -287,10 +292,10 @@ pub(super) fn active(
 }
 
 /// The files with tables at a path: the file itself, or those in an archive; and programs of the archive that have such variables.
-fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Stop> {
+fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Error> {
     const PROGRAMS: [&str; 3] = [".MPF", ".SPF", ".CPF"];
-    let source = input::read(path, FileId(0), "compensation tables")?;
-    let Some(files) = archive::files(path, source.bytes())? else { return Ok((vec![source], Vec::new())) };
+    let source = files::read(path, FileId(0), "compensation tables")?;
+    let Some(files) = archive::members(path, source.bytes())? else { return Ok((vec![source], Vec::new())) };
     // Only formats that name their variables are told from anything else that a control saves.
     let is_table =
         |file: &Source| format::guess(file.name(), file.bytes()).is_some_and(|format| !format.beside.is_empty());
@@ -308,7 +313,7 @@ fn not_read(program: &Source) -> Diagnostic {
     Diagnostic::at(Code::UNUSED_TABLE, place, "a program with variables of tables, which is not read", help)
 }
 
-fn unknown(path: &Path) -> Stop {
+fn unknown(path: &Path) -> Error {
     let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-    Stop::Usage(format!("nothing in {} tells its format; give --format: {}", path.display(), names.join(", ")))
+    Error::usage(format!("nothing in {} tells its format; give --format: {}", path.display(), names.join(", ")))
 }

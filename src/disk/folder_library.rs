@@ -12,7 +12,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::{input, stop, voice};
+use super::files;
+use crate::error::reason;
 use ncfix_base::source::MAX_BYTES;
 use ncfix_language::exec::Library;
 
@@ -24,7 +25,7 @@ const TOP: [&str; 7] = ["WKS", "MPF", "SPF", "CUS", "CMA", "CST", "DEF"];
 /// The folder of definition files.
 const DEFINITIONS: &str = "DEF";
 /// Definition files of a control in the order in which it reads them, macros first.
-pub(super) const DEFINITION_FILES: [&str; 14] =
+pub(crate) const DEFINITION_FILES: [&str; 14] =
     ["SMAC", "MMAC", "PMAC", "UMAC", "SGUD", "PGUD", "MGUD", "UGUD", "GUD4", "GUD5", "GUD6", "GUD7", "GUD8", "GUD9"];
 /// So many folders above that of the program may be the root of the control's file system.
 const LEVELS_UP: usize = 2;
@@ -39,7 +40,7 @@ struct Folder {
 }
 
 /// The folders of the main program and its control.
-pub(super) struct FolderLibrary {
+pub(crate) struct FolderLibrary {
     /// Searched first: the program's own, those of the machine file, `SPF.DIR`.
     first: Vec<Folder>,
     /// Added by CALLPATH.
@@ -58,7 +59,7 @@ pub(super) struct FolderLibrary {
 impl FolderLibrary {
     /// The folder of `program` and what belongs to it; none for a program from standard input. The second value lists, as the
     /// program runs, the files that were read: none of them may be overwritten.
-    pub(super) fn beside(program: Option<&Path>, search_path: &[String]) -> (FolderLibrary, Rc<RefCell<Vec<PathBuf>>>) {
+    pub(crate) fn beside(program: Option<&Path>, search_path: &[String]) -> (FolderLibrary, Rc<RefCell<Vec<PathBuf>>>) {
         let loaded = Rc::default();
         let own = program.map(|program| match program.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_path_buf(),
@@ -133,15 +134,15 @@ impl FolderLibrary {
                 return None;
             }
         }
-        match input::bytes_of(&path, MAX_BYTES) {
+        match files::bytes_of(&path, MAX_BYTES) {
             Ok(bytes) => {
                 self.refused = None;
-                voice::note(|| format!("read {shown}: {role}"));
+                log::info!("read {shown}: {role}");
                 self.loaded.borrow_mut().push(path);
                 Some((shown, bytes))
             }
             Err(error) => {
-                self.refused = Some(format!("{shown} cannot be read: {}", stop::reason(&error)));
+                self.refused = Some(format!("{shown} cannot be read: {}", reason(&error)));
                 None
             }
         }

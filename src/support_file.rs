@@ -19,7 +19,7 @@ const KINDS: [(&[&str], &str); 6] = [
 ];
 
 /// What a file that cannot be a program is, by its name and its first lines.
-pub(super) fn kind_of_text(source: &Source) -> Option<&'static str> {
+pub(crate) fn kind_of_text(source: &Source) -> Option<&'static str> {
     let name = source.name().to_ascii_lowercase();
     let first =
         source.bytes().split(|&byte| byte == source.line_end()).map(<[u8]>::trim_ascii).find(|line| !line.is_empty());
@@ -67,7 +67,7 @@ fn is_sentence(line: &[u8]) -> bool {
 }
 
 /// What a file that was parsed is, where it is no program: nothing in it but definitions, or assignments of data. A large file is taken for a program.
-pub(super) fn kind(program: &Program) -> Option<&'static str> {
+pub(crate) fn kind(program: &Program) -> Option<&'static str> {
     if program.has_pages() {
         return None;
     }

@@ -1,6 +1,6 @@
 //! `ncfix fix --feed-limit`: the servo loops that it needs, and what it did, for the report.
 
-use super::findings::Findings;
+use crate::diagnostics::Diagnostics;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::units::um_from_mm;
 use ncfix_machine::machine::{Machine, Servo};
@@ -8,7 +8,7 @@ use ncfix_path::servo::{Limited, Tally};
 use ncfix_report::json::{Contouring, FeedLimit};
 
 /// What `[servo]` of the machine file says; a finding where there is none.
-pub(super) fn servo<'m>(machine: &'m Machine, findings: &mut Findings) -> Option<&'m Servo> {
+pub(crate) fn servo<'m>(machine: &'m Machine, findings: &mut Diagnostics) -> Option<&'m Servo> {
     if machine.servo.is_none() {
         let message =
             format!("the machine file of {} does not say how its axes follow a program at feed", machine.name);
@@ -20,12 +20,12 @@ pub(super) fn servo<'m>(machine: &'m Machine, findings: &mut Findings) -> Option
 }
 
 /// A contouring error in the units of reports.
-pub(super) fn contouring(tally: &Tally) -> Contouring {
+pub(crate) fn contouring(tally: &Tally) -> Contouring {
     Contouring { rms_um: um_from_mm(tally.rms_mm()), max_um: um_from_mm(tally.max_mm) }
 }
 
 /// What limiting the feed did, in the units of reports.
-pub(super) fn report(limit_mm: f64, limited: &Limited) -> FeedLimit {
+pub(crate) fn report(limit_mm: f64, limited: &Limited) -> FeedLimit {
     FeedLimit {
         limit_um: um_from_mm(limit_mm),
         contouring_before: contouring(&limited.before),

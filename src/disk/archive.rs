@@ -8,9 +8,9 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::input;
-use super::library::DEFINITION_FILES;
-use super::stop::Stop;
+use super::files;
+use super::folder_library::DEFINITION_FILES;
+use crate::error::Error;
 use ncfix_base::source::{FileId, MAX_BYTES, Source};
 use ncfix_language::exec::Library;
 
@@ -34,7 +34,7 @@ struct Entry {
 }
 
 /// An archive in memory.
-pub(super) struct Archive {
+pub(crate) struct Archive {
     path: PathBuf,
     bytes: Vec<u8>,
     entries: Vec<Entry>,
@@ -45,15 +45,15 @@ pub(super) struct Archive {
 ///
 /// # Errors
 /// Where the archive is damaged, or it does not say which of its programs is meant.
-pub(super) fn open(path: &Path) -> Result<Option<Archive>, Stop> {
+pub(crate) fn open(path: &Path) -> Result<Option<Archive>, Error> {
     let Some(file) = path.ancestors().find(|ancestor| ancestor.is_file()) else { return Ok(None) };
     if !is_archive(file) {
         return Ok(None);
     }
-    let bytes = input::bytes_of(file, MAX_BYTES).map_err(|error| Stop::file("read", file, &error))?;
+    let bytes = files::bytes_of(file, MAX_BYTES).map_err(|error| Error::file("read", file, &error))?;
     let shown = file.display();
     let entries = entries(&bytes).map_err(|at| {
-        Stop::Usage(format!(
+        Error::usage(format!(
             "{shown} is damaged: at byte {at} there is no entry whose sum is right; copy it from the control again"
         ))
     })?;
@@ -69,15 +69,15 @@ pub(super) fn open(path: &Path) -> Result<Option<Archive>, Stop> {
     let found: Vec<&Entry> = entries.iter().filter(is_meant).collect();
     let main = match found.as_slice() {
         [only] => entries.iter().position(|entry| entry == *only).unwrap_or(0),
-        [] if member.is_empty() => return Err(Stop::Usage(format!("{shown} holds no main program"))),
-        [] => return Err(Stop::Usage(format!("{shown} holds no file {member}"))),
+        [] if member.is_empty() => return Err(Error::usage(format!("{shown} holds no main program"))),
+        [] => return Err(Error::usage(format!("{shown} holds no file {member}"))),
         several => {
             let mut names: Vec<String> =
                 several.iter().map(|entry| format!("{}/{}", entry.folder, entry.name)).collect();
             names.sort();
             let more = if names.len() > SHOWN { " …" } else { "" };
             let list = names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
-            return Err(Stop::Usage(format!(
+            return Err(Error::usage(format!(
                 "{shown} holds {} such programs; name one behind the archive, for example {shown}/{}: {list}{more}",
                 names.len(),
                 names.first().map_or("", String::as_str)
@@ -88,7 +88,7 @@ pub(super) fn open(path: &Path) -> Result<Option<Archive>, Stop> {
 }
 
 /// Whether a file begins as an archive does.
-pub(super) fn is_archive(file: &Path) -> bool {
+pub(crate) fn is_archive(file: &Path) -> bool {
     use std::io::Read as _;
     let mut head = [0; 8];
     fs::File::open(file).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == MAGIC
@@ -119,22 +119,22 @@ fn entries(bytes: &[u8]) -> Result<Vec<Entry>, usize> {
 }
 
 /// Files with data of an archive in memory: tools, zero offsets, parameters, variables. `None` where the bytes are no archive.
-pub(super) fn saved_data(path: &Path, bytes: &[u8]) -> Result<Option<Vec<Source>>, Stop> {
+pub(crate) fn saved_data(path: &Path, bytes: &[u8]) -> Result<Option<Vec<Source>>, Error> {
     const ENDINGS: [&str; 6] = [".TOA", ".UFR", ".RPA", ".GUD", ".INI", ".TMA"];
     let is_data = |file: &Source| {
         let name = file.name().to_ascii_uppercase();
         ENDINGS.iter().any(|ending| name.ends_with(ending))
     };
-    Ok(files(path, bytes)?.map(|files| files.into_iter().filter(is_data).collect()))
+    Ok(members(path, bytes)?.map(|files| files.into_iter().filter(is_data).collect()))
 }
 
 /// All files of an archive in memory. `None` where the bytes are no archive.
-pub(super) fn files(path: &Path, bytes: &[u8]) -> Result<Option<Vec<Source>>, Stop> {
+pub(crate) fn members(path: &Path, bytes: &[u8]) -> Result<Option<Vec<Source>>, Error> {
     if !bytes.starts_with(MAGIC) {
         return Ok(None);
     }
     let shown = path.display();
-    let entries = entries(bytes).map_err(|at| Stop::Usage(format!("{shown} is damaged at byte {at}")))?;
+    let entries = entries(bytes).map_err(|at| Error::usage(format!("{shown} is damaged at byte {at}")))?;
     let content = |entry: Entry| {
         let bytes = bytes.get(entry.content.clone()).unwrap_or_default().to_vec();
         Source::new(FileId(0), &format!("{shown}/{}/{}", entry.folder, entry.name), bytes).ok()
@@ -160,14 +160,14 @@ impl Archive {
     ///
     /// # Errors
     /// Where it is too large.
-    pub(super) fn main(&self) -> Result<Source, Stop> {
+    pub(crate) fn main(&self) -> Result<Source, Error> {
         let (name, bytes) = self.entries.get(self.main).map(|entry| self.content(entry)).unwrap_or_default();
         let too_large = format!("cannot read {name}: it has more than {MAX_BYTES} bytes");
-        Source::new(FileId(0), &name, bytes).map_err(|_| Stop::Usage(too_large))
+        Source::new(FileId(0), &name, bytes).map_err(|_| Error::usage(too_large))
     }
 
     /// The archive itself.
-    pub(super) fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 

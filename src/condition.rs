@@ -1,0 +1,159 @@
+//! The condition of the machine: `--state` and `--load`.
+
+use crate::diagnostics::Diagnostics;
+use crate::disk::files;
+use crate::disk::hash::short_hash;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::options::ConditionFiles;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::source::FileId;
+use ncfix_machine::machine::condition::{file, log};
+use ncfix_machine::machine::{Condition, Load, ZeroPose};
+use ncfix_model::Effect;
+
+/// Reads the condition into the machine, and says what the model needs and it lacks; whether it can be used.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(crate) fn apply(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut Diagnostics) -> Result<bool, Error> {
+    Ok(read(choice, chosen, findings)? && check(choice, chosen, &chosen.condition, findings))
+}
+
+/// Reads the condition into the machine; whether it is one.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(crate) fn read(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut Diagnostics) -> Result<bool, Error> {
+    let mut condition = Condition::default();
+    let mut parts = Vec::new();
+    let mut is_logged = false;
+    for path in &choice.files {
+        let source = files::read(path, FileId(0), "state, --state")?;
+        let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+        let is_log = is_table || log::is_log(&source);
+        is_logged |= is_log;
+        let (read, found) = if is_log { log::load(&source) } else { file::load(&source) };
+        findings.extend(found, std::slice::from_ref(&source));
+        let Some(read) = read else { return Ok(false) };
+        condition.lay_over(read);
+        parts.push(short_hash([source.bytes()]));
+        chosen.files.push(path.clone());
+    }
+    set_times(choice, &mut condition, is_logged)?;
+    if let Some(command) = choice.zero_at {
+        condition.set_zero_pose(ZeroPose { command, tool_mm: Vector::zeros() });
+    }
+    if choice.time_s.is_some() || choice.zero_time_s.is_some() || choice.zero_at.is_some() {
+        parts.push(format!("{:?} {:?} {:?}", choice.time_s, choice.zero_time_s, choice.zero_at));
+    }
+    if let Some(load) = choice.load {
+        condition.clear_loads();
+        condition.add_load(load);
+        parts.push(format!("{load:?}"));
+    }
+    if !parts.is_empty() {
+        chosen.state = Some(short_hash(parts.iter().map(String::as_bytes)));
+    }
+    chosen.condition = condition;
+    check_load(choice, chosen, findings);
+    Ok(true)
+}
+
+/// Moves to the instants that were asked for, which must lie in the log.
+fn set_times(choice: &ConditionFiles, condition: &mut Condition, is_logged: bool) -> Result<(), Error> {
+    let wanted = [("--time", choice.time_s), ("--zero-time", choice.zero_time_s)];
+    for (option, time_s) in wanted.into_iter().filter_map(|(option, time_s)| Some((option, time_s?))) {
+        if !is_logged {
+            return Err(Error::usage(format!("{option} needs a log (CSV with t_s) in --state")));
+        }
+        let [first, last] = condition.time_range_s().unwrap_or_default();
+        if !(first..=last).contains(&time_s) {
+            let sentence = format!("{option} {time_s} lies outside the log, which runs from {first} to {last} s");
+            return Err(Error::usage(sentence));
+        }
+    }
+    if let Some(time_s) = choice.time_s {
+        condition.set_time(time_s);
+    }
+    if let Some(zero_s) = choice.zero_time_s {
+        if zero_s > condition.time_s() {
+            let now_s = condition.time_s();
+            return Err(Error::usage(format!("--zero-time {zero_s} lies behind the instant of the state, {now_s} s")));
+        }
+        condition.set_zero_at(zero_s);
+    }
+    Ok(())
+}
+
+/// Says what the model needs and the condition lacks; whether the condition can be used.
+fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findings: &mut Diagnostics) -> bool {
+    let sensors = chosen.errors.sensors();
+    let drifting: Vec<&str> =
+        chosen.errors.effects().filter(|effect| effect.drifts()).flat_map(Effect::sensors).collect();
+    let lacks = |condition: &Condition, wanted: &[&str]| -> Vec<String> {
+        let missing = wanted.iter().filter(|sensor| condition.temperature_c(sensor, 0.0).is_none());
+        missing.map(|&sensor| sensor.to_owned()).collect()
+    };
+    if !sensors.is_empty() && !condition.has_temperatures() && condition.zero().is_none() {
+        let message = format!(
+            "no temperatures are given: the {} sensors of the error model count as at their reference temperatures ({})",
+            sensors.len(),
+            sensors.join(", ")
+        );
+        let help = "give --state with the temperatures of these sensors";
+        findings.add(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help), &[]);
+    } else if !sensors.is_empty() {
+        let mut missing = lacks(condition, &sensors);
+        if let Some(zero) = condition.zero() {
+            missing.extend(lacks(zero, &drifting));
+        }
+        missing.sort_unstable();
+        missing.dedup();
+        if !missing.is_empty() {
+            let message =
+                format!("the state has no temperature of {}, and the error model needs it", missing.join(", "));
+            let help = "add it to --state (and to its [zero]), or correct its name in the machine file";
+            findings.add(Diagnostic::nowhere(Code::MISSING_SENSOR, message, help), &[]);
+            return false;
+        }
+    }
+    let needs_load = chosen.errors.effects().any(Effect::needs_load);
+    if needs_load && condition.loads().is_empty() && choice.files.is_empty() {
+        let message = "no workpiece weight is given: the table is taken as empty";
+        let help = "give --load with the weight in N, 0 for none, or --state with [[load]]";
+        findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
+    }
+    true
+}
+
+/// Says where a load does not count as it stands.
+fn check_load(choice: &ConditionFiles, chosen: &Machine, findings: &mut Diagnostics) {
+    let needs_load = chosen.errors.effects().any(Effect::needs_load);
+    if !needs_load && choice.load.is_some() {
+        let message = "the machine file says nothing about the weight of workpieces: --load changes nothing";
+        let help = "add [[load]] to the machine file, or leave --load out";
+        findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
+    }
+    if needs_load && let Some(axis) = turning(&chosen.machine, chosen.condition.loads()) {
+        let message = format!(
+            "{axis} turns a load that is off its center; the load counts where it stands with {axis} at 0 throughout"
+        );
+        let help = format!(
+            "give the place in the position of {axis} in which most is machined, along the axes of the machine"
+        );
+        findings.add(Diagnostic::nowhere(Code::LOAD_TURNS, message, help), &[]);
+    }
+}
+
+/// The first rotary axis under the table that moves the center of a load.
+fn turning(machine: &ncfix_machine::machine::Machine, loads: &[Load]) -> Option<Axis> {
+    // What is nearer changes no error that can be corrected.
+    const CENTERED_MM: f64 = 1.0;
+    let is_off = |direction: &Vector| {
+        loads.iter().any(|load| load.force_n > 0.0 && load.position_mm.cross(direction).norm() > CENTERED_MM)
+    };
+    let rotary = machine.topology.workpiece.iter().filter(|axis| axis.is_rotary());
+    rotary.copied().find(|&axis| machine.axis(axis).is_some_and(|data| is_off(&data.direction)))
+}

@@ -1,0 +1,417 @@
+//! The way from a program to its corrected text: executed, corrected, written, judged.
+
+mod feed_limit;
+mod pieces;
+mod pipeline;
+mod wear;
+mod writing;
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::panic::resume_unwind;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use crate::diagnostics::Diagnostics;
+use crate::disk::hash::short_hash;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::options::{Compensation, Options};
+use crate::program::Program;
+use crate::run::{self, Opened, Running, Watch};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::AXES;
+use ncfix_base::source::{Source, Span};
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_dialect::Language;
+use ncfix_language::exec::{self, Radius};
+use ncfix_language::syntax;
+use ncfix_model::Model;
+use ncfix_path::emit::{self, NumberSet};
+use ncfix_path::path::{self, Prediction};
+use ncfix_report::correction::Correction as CorrectionReport;
+use ncfix_report::json;
+use ncfix_report::number::micrometers;
+
+pub(crate) use feed_limit::{contouring, servo};
+pub use pieces::Pieces;
+pub(crate) use pipeline::MOST_THREADS;
+use pipeline::{Pipeline, threads_for};
+pub(crate) use writing::Writing;
+
+/// A program that will be corrected for a machine. Nothing is executed before its text, its pieces or its report are asked for.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let machine = Machine::demo();
+/// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+/// let correction = program.correct(&machine, &Options::default());
+/// let mut text = Vec::new();
+/// let report = correction.write_to(&mut text)?;
+/// assert!(report.after.unwrap().max_um < report.before.unwrap().max_um);
+/// assert!(text.starts_with(b"; ncfix"));
+/// # Ok::<(), ncfix::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Correction<'a> {
+    program: &'a Program,
+    /// With the increments and the unit of the output.
+    machine: Machine,
+    model: Model,
+    options: Options,
+}
+
+impl<'a> Correction<'a> {
+    pub(crate) fn new(program: &'a Program, machine: &Machine, options: &Options) -> Correction<'a> {
+        let mut machine = machine.clone();
+        if let Some(increment_mm) = options.increment_mm {
+            machine.machine.control.increment_mm = increment_mm;
+        }
+        // A dialect that does not exist is an error where the program is opened.
+        if let Ok((dialect, _)) = run::resolve(program.reading().dialect.as_deref(), Some(&machine), program.source()) {
+            run::keep_unit(program.source(), dialect, false, &mut machine.machine);
+        }
+        let model = machine.model();
+        Correction { program, machine, model, options: options.clone() }
+    }
+
+    /// Executes, corrects and writes the program. It streams: memory is bounded by the text of the program, and what was written before an
+    /// error was met stays written.
+    ///
+    /// # Errors
+    /// Where the program is not understood, refused or cannot be corrected, or `out` refuses the text. The text must not be used then.
+    pub fn write_to(&self, out: &mut (dyn Write + Send)) -> Result<CorrectionReport, Error> {
+        let started = Instant::now();
+        let mut found = Diagnostics::default();
+        let mut report = CorrectionReport { machine: self.machine.machine.name.clone(), ..CorrectionReport::default() };
+        self.correct_into(out, &mut found, &mut report)?;
+        if found.has_errors() {
+            return Err(Error::found(found));
+        }
+        report.seconds = started.elapsed().as_secs_f64();
+        report.diagnostics = found.json();
+        Ok(report)
+    }
+
+    fn correct_into(
+        &self,
+        out: &mut (dyn Write + Send),
+        found: &mut Diagnostics,
+        report: &mut CorrectionReport,
+    ) -> Result<(), Error> {
+        if self.was_corrected_before(found) {
+            return Ok(());
+        }
+        let Some(prepared) = self.prepare(found)? else { return Ok(()) };
+        let nothing = |_: &[PathBuf], _: &mut Diagnostics| {};
+        if self.options.compensation == Compensation::Center {
+            let written = prepared.write(out, None, found, report, nothing)?;
+            return written.map(drop).map_err(|error| Error::sink(&error));
+        }
+        // Whether the control can follow the wear is known when all is written.
+        let mut text = Vec::new();
+        let has_wear = prepared.write(&mut text, None, found, report, nothing)?.unwrap_or_default();
+        if has_wear && !found.has_errors() {
+            self.try_wear(&Self::again(self.program.source(), self.program.source().name(), text.clone())?, found)?;
+        }
+        if !found.has_errors() {
+            out.write_all(&text).map_err(|error| Error::sink(&error))?;
+        }
+        Ok(())
+    }
+
+    /// The corrected text as a whole.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let text = program.correct(&machine, &Options::default()).text()?;
+    /// assert!(text.lines().count() > program.correct(&machine, &Options::default()).pieces()?.count());
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`Correction::write_to`].
+    pub fn text(&self) -> Result<String, Error> {
+        let mut text = Vec::new();
+        self.write_to(&mut text)?;
+        Ok(String::from_utf8_lossy(&text).into_owned())
+    }
+
+    /// What the correction does, without its text: errors along the path before and after, corrections, times.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let report = program.correct(&machine, &Options::default()).report()?;
+    /// assert_eq!(report.blocks_in, 3);
+    /// assert!(report.max_correction["X_um"] > 10.0);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`Correction::write_to`].
+    pub fn report(&self) -> Result<CorrectionReport, Error> {
+        self.write_to(&mut io::sink())
+    }
+
+    /// The corrected pieces of moves, one after the other, and between them the elements without motion.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let mut ends_mm = Vec::new();
+    /// for output in program.correct(&machine, &Options::default()).pieces()? {
+    ///     if let Output::Piece(piece) = output? {
+    ///         ends_mm.push(piece.command[Axis::X]);
+    ///     }
+    /// }
+    /// let last_mm = ends_mm.last().unwrap();
+    /// assert!((last_mm - 600.0).abs() < 0.2 && *last_mm != 600.0);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the program is not understood or refused; the pieces say what is met while it runs.
+    pub fn pieces(&self) -> Result<Pieces<'_>, Error> {
+        let mut found = Diagnostics::default();
+        let prepared = if self.was_corrected_before(&mut found) { None } else { self.prepare(&mut found)? };
+        match prepared.filter(|_| !found.has_errors()) {
+            Some(prepared) => prepared.pieces(found),
+            None => Err(Error::found(found)),
+        }
+    }
+
+    /// Whether the program carries the stamp of a correction, which is a finding.
+    pub(crate) fn was_corrected_before(&self, found: &mut Diagnostics) -> bool {
+        let source = self.program.source();
+        let is_stamped = emit::is_stamped(source.bytes());
+        if is_stamped {
+            found.add(corrected_before(source), std::slice::from_ref(source));
+        }
+        is_stamped
+    }
+
+    /// Parses the program and looks whether it can be corrected like that; `None` where findings forbid it.
+    ///
+    /// # Errors
+    /// Where an option is wrong.
+    pub(crate) fn prepare(&self, found: &mut Diagnostics) -> Result<Option<Prepared<'_>>, Error> {
+        if self.options.feed_limit_mm.is_some() && servo(&self.machine.machine, found).is_none() {
+            return Ok(None);
+        }
+        let keeps_wear = self.options.compensation != Compensation::Center;
+        if let Some(refusal) = wear::refusal(&self.options).filter(|_| keeps_wear) {
+            found.add(refusal, &[]);
+            return Ok(None);
+        }
+        let bytes = self.program.source().bytes();
+        let threads = self.options.threads.unwrap_or_else(|| threads_for(bytes.len()));
+        // What the stamp says of the program is worked out beside its parsing.
+        let (opened, hash) = std::thread::scope(|scope| {
+            let hashing = (threads > 1).then(|| scope.spawn(|| short_hash([bytes])));
+            let opened = self.program.open(Some(&self.machine), found);
+            let hash = hashing.map(|hashing| hashing.join().unwrap_or_else(|fault| resume_unwind(fault)));
+            (opened, hash.unwrap_or_else(|| short_hash([bytes])))
+        });
+        let opened = opened?.filter(|_| !found.has_errors());
+        Ok(opened.map(|opened| Prepared { correction: self, opened, hash, threads }))
+    }
+
+    /// A text that was written, to be read again.
+    ///
+    /// # Errors
+    /// Where it is too long.
+    pub(crate) fn again(original: &Source, name: &str, text: Vec<u8>) -> Result<Source, Error> {
+        let too_long = format!("{name} is too long to be read again");
+        Source::new(original.id(), name, text).map_err(|_| Error::usage(too_long))
+    }
+
+    /// Executes a text that was written as the control would with the largest wear to either side.
+    ///
+    /// # Errors
+    /// Where it cannot be opened.
+    pub(crate) fn try_wear(&self, text: &Source, found: &mut Diagnostics) -> Result<(), Error> {
+        let Compensation::Wear(largest_mm) = self.options.compensation else { return Ok(()) };
+        wear::try_both(&self.program.with_source(text.clone()), largest_mm, &self.machine, found)
+    }
+}
+
+/// A program that is about to be corrected.
+pub(crate) struct Prepared<'a> {
+    correction: &'a Correction<'a>,
+    opened: Opened,
+    hash: String,
+    threads: usize,
+}
+
+impl<'a> Prepared<'a> {
+    /// The program as it begins to run, with how it is written.
+    ///
+    /// # Errors
+    /// Where it cannot be written like that.
+    fn start(self) -> Result<(Running<'a>, Writing, NumberSet), Error> {
+        let Prepared { correction, opened, hash, .. } = self;
+        let (program, options) = (correction.program, &correction.options);
+        let bytes = (program.source().bytes(), hash);
+        let start = program.reading().start;
+        let mut writing = Writing::new(options, start, opened.dialect.name, &correction.machine, bytes)?;
+        let keeps_wear = options.compensation != Compensation::Center;
+        if keeps_wear {
+            writing.keep_wear();
+        }
+        let numbers = numbers_of(&opened.program);
+        let radius = if keeps_wear { Radius::Beside(0.0) } else { Radius::Whole };
+        let run =
+            exec::Options { strict: true, tells_compensation: true, radius, keeps_wear, ..exec::Options::default() };
+        Ok((program.start_as(opened, &correction.machine.machine, run), writing, numbers))
+    }
+
+    /// Executes, corrects and writes. Behind the first error nothing more is written, but all findings are gathered. `guard` says what else
+    /// forbids the output, once the files are known that were read. Whether the control compensates radii by wear.
+    ///
+    /// # Errors
+    /// Where the program cannot be written like that; inside, where the text is refused.
+    pub(crate) fn write(
+        self,
+        sink: &mut (dyn Write + Send),
+        watch: Option<Box<dyn Watch>>,
+        found: &mut Diagnostics,
+        report: &mut CorrectionReport,
+        guard: impl FnOnce(&[PathBuf], &mut Diagnostics),
+    ) -> Result<io::Result<bool>, Error> {
+        let (correction, threads) = (self.correction, self.threads);
+        let Correction { program, machine, model, options } = correction;
+        let (running, writing, numbers) = self.start()?;
+        let mut running = match watch {
+            Some(watch) => running.watched(watch),
+            None => running,
+        };
+        let mut writer = writing.writer()?;
+        writer.keep_free(numbers);
+        let feed_limit = options.feed_limit_mm.zip(machine.machine.servo.as_ref());
+        let pipeline = Pipeline { machine: &machine.machine, model, options: &writing.options, feed_limit };
+        let passed = pipeline.pass(&mut running, writer.as_mut(), sink, threads);
+        report.blocks_out = match passed.blocks {
+            Ok(blocks) => blocks,
+            Err(error) => return Ok(Err(error)),
+        };
+        if let Some((limit, limited)) = options.feed_limit_mm.zip(passed.limited) {
+            report.feed_limit = Some(feed_limit::report(limit, &limited));
+        }
+        let has_wear = passed.found.iter().any(|found| found.code == Code::WEAR_ALONE);
+        found.extend(passed.found, running.sources());
+        if !running.moves() && !found.has_errors() {
+            found.add(run::without_motion(program.source(), Code::NO_MOTION), running.sources());
+        }
+        guard(&running.files(), found);
+        let sources = running.sources();
+        for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
+            found.add(corrected_before(stamped), sources);
+        }
+        note(&passed.prediction, &running, report);
+        if let Some(finding) = worse(&passed.prediction, options.tolerance_mm) {
+            found.add(finding, &[]);
+        }
+        let left = path::remaining(&machine.machine, &machine.errors, &machine.condition, &passed.poses);
+        report.remaining = left.iter().map(remaining).collect();
+        Ok(Ok(has_wear))
+    }
+
+    /// The corrected pieces, with what was found so far.
+    ///
+    /// # Errors
+    /// Where the program cannot be written like that.
+    fn pieces(self, found: Diagnostics) -> Result<Pieces<'a>, Error> {
+        let correction = self.correction;
+        let (running, writing, _) = self.start()?;
+        Ok(Pieces::new(running, &correction.machine.machine, &correction.model, writing.options, found))
+    }
+}
+
+/// The finding for a correction that leaves more than there was, beyond what was asked for, mm.
+fn worse(prediction: &Prediction, tolerance_mm: f64) -> Option<Diagnostic> {
+    let [before_mm, after_mm] = [prediction.before(), prediction.after()].map(|spread| spread.rms_mm());
+    if after_mm <= before_mm.max(tolerance_mm) {
+        return None;
+    }
+    let [before, after] = [before_mm, after_mm].map(|mm| micrometers(um_from_mm(mm)));
+    let message = format!("the corrected program would leave {after} rms where the program as it is leaves {before}");
+    let help = "nothing was written; a smaller --increment, if the control has one, or a smaller --tolerance; else run the program as it is";
+    Some(Diagnostic::nowhere(Code::CORRECTION_MAKES_WORSE, message, help))
+}
+
+/// The block numbers of a program in a language that needs one on every line.
+fn numbers_of(program: &syntax::Program) -> NumberSet {
+    let mut numbers = NumberSet::default();
+    if let syntax::Program::Words(program) = program
+        && program.dialect.language == Language::Grundig
+    {
+        program.each_block_number(&mut |number| {
+            numbers.add(number);
+        });
+    }
+    numbers
+}
+
+/// The finding for a program that carries a stamp; it points at the name in the stamp.
+pub(crate) fn corrected_before(source: &Source) -> Diagnostic {
+    const NAME: &[u8] = b"ncfix";
+    let is_name = |window: &[u8]| window.eq_ignore_ascii_case(NAME);
+    let at = source.bytes().windows(NAME.len()).position(is_name).unwrap_or(0);
+    Diagnostic::at(
+        Code::ALREADY_CORRECTED,
+        Place { file: source.id(), span: Span::new(at, at + NAME.len()) },
+        "this program was corrected before",
+        "correct the original program",
+    )
+}
+
+/// What is left of a source, in the units of reports.
+fn remaining(left: &path::Remaining) -> json::Remaining {
+    json::Remaining {
+        source: left.source,
+        position_um: um_from_mm(left.position_mm),
+        tilt_urad: urad_from_rad(left.tilt_rad),
+        roll_urad: urad_from_rad(left.roll_rad),
+    }
+}
+
+/// A spread in the units of reports.
+pub(crate) fn spread(spread: &path::Spread) -> json::Spread {
+    json::Spread {
+        mean_um: um_from_mm(spread.mean_mm()),
+        rms_um: um_from_mm(spread.rms_mm()),
+        max_um: um_from_mm(spread.max_mm),
+    }
+}
+
+/// Takes the numbers of a prediction into the report.
+fn note(prediction: &Prediction, running: &Running, report: &mut CorrectionReport) {
+    report.before = Some(spread(prediction.before()));
+    report.after = Some(spread(prediction.after()));
+    report.rapids_as_programmed = prediction.as_programmed;
+    report.off_at_rapids_um = um_from_mm(prediction.off_cut_mm);
+    report.blocks_in = running.blocks();
+    if let Some(origin) = prediction.max_at() {
+        report.max_at_line = Some(origin.line);
+        let source = running.sources().iter().find(|source| source.id() == origin.file);
+        report.max_at_file = source.map(|source| source.name().to_owned());
+    }
+    report.max_correction = AXES
+        .into_iter()
+        .filter(|&axis| prediction.max_correction[axis] > 0.0)
+        .map(|axis| {
+            let size = prediction.max_correction[axis];
+            let (unit, size) = if axis.is_rotary() { ("urad", urad_from_rad(size)) } else { ("um", um_from_mm(size)) };
+            (format!("{}_{unit}", char::from(axis.letter())), size)
+        })
+        .collect::<BTreeMap<_, _>>();
+}

@@ -1,0 +1,90 @@
+//! How a program is corrected and written: the options of `path` and `emit` from the arguments, the machine and the source.
+
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::options::Options;
+use ncfix_base::geometry::AxisVector;
+use ncfix_path::emit;
+use ncfix_path::path::{self, Increments};
+
+/// How one program is corrected and written.
+pub(crate) struct Writing {
+    /// How it is corrected.
+    pub(crate) options: path::Options,
+    dialect: &'static str,
+    entry: &'static emit::WriterEntry,
+    writer: emit::WriterOptions,
+}
+
+impl Writing {
+    /// For a program in a dialect, its bytes and their hash, with the position before its first block.
+    ///
+    /// # Errors
+    /// Where it cannot be written like that.
+    pub(crate) fn new(
+        choice: &Options,
+        start: Option<AxisVector>,
+        dialect: &'static str,
+        chosen: &Machine,
+        (source, hash): (&[u8], String),
+    ) -> Result<Writing, Error> {
+        let entry = emit::entry(dialect).ok_or_else(|| unwritable(dialect))?;
+        let options =
+            path::Options { turns: entry.turns, centers: entry.centers, feeds: entry.feeds, start, ..choice.of_path() };
+        if options.frame == path::OutputFrame::Machine && !entry.has_machine_frame {
+            return Err(Error::usage(format!(
+                "in the dialect '{dialect}' not every motion can be written in machine coordinates; leave out --frame machine \
+                 and --five-axis axes"
+            )));
+        }
+        let machine = &chosen.machine;
+        if choice.increment_mm.is_some() && machine.control.is_finer_than_read(dialect)[0] {
+            let read_mm = machine.control.word_grid(dialect).map_or(0.0, |[linear_mm, _]| linear_mm);
+            return Err(Error::usage(format!(
+                "--increment is finer than the {read_mm} mm on which the control puts the words that it reads: it would round what is written"
+            )));
+        }
+        let writer = emit::WriterOptions {
+            names: machine.written_names(),
+            increments: Increments::new(&machine.control),
+            frame: options.frame,
+            crlf: has_crlf(source),
+            last_block_number: machine.control.last_block_number,
+            stamp: emit::Stamp {
+                machine: machine.name.clone(),
+                model: chosen.hash.clone(),
+                state: chosen.state.clone(),
+                source: hash,
+                promise: path::Promise {
+                    increment_mm: choice.increment_mm,
+                    limits_feed: choice.feed_limit_mm.is_some(),
+                    ..path::Promise::of(&options)
+                },
+                is_demo: chosen.is_demo,
+            },
+        };
+        Ok(Writing { options, dialect, entry, writer })
+    }
+
+    /// The stamp says that the control has the wear of tools.
+    pub(crate) fn keep_wear(&mut self) {
+        self.writer.stamp.promise.keeps_wear = true;
+    }
+
+    /// A writer at the beginning of the program.
+    ///
+    /// # Errors
+    /// Where the increments of the machine cannot be written.
+    pub(crate) fn writer(&self) -> Result<Box<dyn emit::Writer>, Error> {
+        (self.entry.create)(&self.writer).ok_or_else(|| unwritable(self.dialect))
+    }
+}
+
+fn unwritable(dialect: &str) -> Error {
+    Error::usage(format!("programs in the dialect '{dialect}' cannot be written"))
+}
+
+/// Whether the lines of a program end with CR LF.
+fn has_crlf(bytes: &[u8]) -> bool {
+    bytes.iter().position(|&byte| byte == b'\n').is_some_and(|at| bytes[..at].ends_with(b"\r"))
+}

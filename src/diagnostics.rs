@@ -1,0 +1,398 @@
+//! Diagnostics of a run: gathered from all crates with the file that each belongs to.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::fmt;
+
+use ncfix_base::diagnostic::{Code, Diagnostic, Place, Severity};
+use ncfix_base::source::{Source, Span};
+use ncfix_report::{json, terminal};
+
+/// Diagnostics kept. A program with a fault in every block is understood after fewer; memory stays bounded.
+const MOST_KEPT: usize = 1000;
+
+/// Diagnostics drawn.
+const MOST_DRAWN: usize = 50;
+
+/// Faults drawn of a file that reads like another language.
+const MOST_MISREAD: usize = 3;
+
+/// Diagnostics of which there may be several in one line: those about a file as a whole, and words of one block.
+const ABOUT_FILES: &[Code] = &[
+    Code::NOT_TOLD,
+    Code::NOT_SETTLED,
+    Code::REDUCED,
+    Code::POOR_FIT,
+    Code::DATA_FAULT,
+    Code::FAULTY_DATA,
+    Code::OTHER_ACT,
+];
+
+/// What makes two findings the same: one in a loop is met again with every pass. Without a place the message decides.
+type Identity = (Code, String, Option<Place>);
+
+/// Diagnostics of a run, each once, in the order in which they were met; at most a thousand are kept.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let program = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?;
+/// for one in program.check(&Machine::demo()).errors() {
+///     println!("{}:{}: {}", one.file().unwrap_or("?"), one.line().unwrap_or(0), one.message());
+/// }
+/// # Ok::<(), ncfix::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Diagnostics {
+    kept: Vec<(Diagnostic, Option<Source>)>,
+    seen: HashSet<Identity>,
+    errors: usize,
+    warnings: usize,
+    has_language_error: bool,
+    /// What helps with the first error in the language of a file, by the name of the file.
+    hints: HashMap<String, Hint>,
+    /// The hints that were of use: files that turned out to be in another language.
+    misread: BTreeMap<String, Hint>,
+}
+
+impl fmt::Display for Diagnostics {
+    /// One line for each.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.iter().try_for_each(|one| writeln!(out, "{one}"))
+    }
+}
+
+/// A diagnostic with the place in its file.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let program = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?;
+/// let found = program.check(&Machine::demo());
+/// let one = found.errors().next().unwrap();
+/// assert_eq!((one.file(), one.line(), one.column()), (Some("part.mpf"), Some(1), Some(4)));
+/// assert_eq!(one.severity(), Severity::Error);
+/// assert_eq!(&b"G0 X9000"[one.span().unwrap().range()], b"X9000");
+/// # Ok::<(), ncfix::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Located<'a> {
+    diagnostic: &'a Diagnostic,
+    source: Option<&'a Source>,
+}
+
+impl<'a> Located<'a> {
+    /// Its stable code, such as E0203; `ncfix explain` has a long text for each.
+    #[must_use]
+    pub fn code(&self) -> Code {
+        self.diagnostic.code
+    }
+
+    /// Error or warning; it follows from the code.
+    #[must_use]
+    pub fn severity(&self) -> Severity {
+        self.diagnostic.severity()
+    }
+
+    /// What was found, with numbers and units.
+    #[must_use]
+    pub fn message(&self) -> &'a str {
+        &self.diagnostic.message
+    }
+
+    /// What to do about it.
+    #[must_use]
+    pub fn help(&self) -> &'a str {
+        &self.diagnostic.help
+    }
+
+    /// The name of its file; `None` where it has no place.
+    #[must_use]
+    pub fn file(&self) -> Option<&'a str> {
+        self.diagnostic.place.and(self.source).map(Source::name)
+    }
+
+    /// Its line, from 1.
+    #[must_use]
+    pub fn line(&self) -> Option<usize> {
+        self.as_data().line
+    }
+
+    /// Its column, from 1, in characters; in a line that is no UTF-8, in bytes.
+    #[must_use]
+    pub fn column(&self) -> Option<usize> {
+        self.as_data().column
+    }
+
+    /// The bytes of its file that it is about.
+    #[must_use]
+    pub fn span(&self) -> Option<Span> {
+        self.source.and(self.diagnostic.place).map(|place| place.span)
+    }
+
+    fn as_data(&self) -> json::Finding {
+        json::Finding::new(self.diagnostic, self.source)
+    }
+}
+
+impl fmt::Display for Located<'_> {
+    /// `part.mpf:1:4: error[E0401]: X leaves its travel …`
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let json::Finding { file, line, column, .. } = self.as_data();
+        if let (Some(file), Some(line), Some(column)) = (file, line, column) {
+            write!(out, "{file}:{line}:{column}: ")?;
+        }
+        write!(out, "{}[{}]: {}", self.severity().word(), self.code().as_str(), self.message())
+    }
+}
+
+/// What to say where a file turns out not to be in the language that it was read in.
+#[derive(Clone, Debug)]
+pub(crate) struct Hint {
+    /// What to try.
+    pub(crate) help: String,
+    /// What the file reads like and why it was read otherwise, for all of its faults at once; `None` where a person has chosen the
+    /// language, and means it.
+    pub(crate) sentence: Option<String>,
+}
+
+impl Diagnostics {
+    /// Adds a finding whose place, if any, is in one of `sources`.
+    pub(crate) fn add(&mut self, mut diagnostic: Diagnostic, sources: &[Source]) {
+        let source = diagnostic.place.and_then(|place| sources.iter().find(|source| source.id() == place.file));
+        let name = source.map_or(diagnostic.message.as_str(), Source::name);
+        let what = if ABOUT_FILES.contains(&diagnostic.code) { diagnostic.message.as_str() } else { name };
+        let identity = (diagnostic.code, what.to_owned(), diagnostic.place);
+        let is_full = self.seen.len() >= MOST_KEPT;
+        if self.seen.contains(&identity) {
+            return;
+        }
+        if diagnostic.is_error() {
+            if is_of_text(&diagnostic)
+                && let Some((file, hint)) = self.hints.remove_entry(name)
+            {
+                diagnostic.help = format!("{}; else {}", hint.help, diagnostic.help);
+                self.misread.insert(file, hint);
+            }
+            self.errors += 1;
+            self.has_language_error |= diagnostic.code.is_language();
+        } else {
+            self.warnings += 1;
+        }
+        if !is_full {
+            self.seen.insert(identity);
+            self.kept.push((diagnostic, source.cloned()));
+        }
+    }
+
+    /// Takes over what was found elsewhere.
+    pub(crate) fn absorb(&mut self, other: Diagnostics) {
+        for (finding, source) in other.kept {
+            self.add(finding, source.as_slice());
+        }
+        self.hints.extend(other.hints);
+        self.misread.extend(other.misread);
+    }
+
+    /// Says beforehand what helps where the language of a file turns out to be wrong.
+    pub(crate) fn hint(&mut self, source: &Source, hint: Hint) {
+        self.hints.insert(source.name().to_owned(), hint);
+    }
+
+    /// Adds findings whose places are in `sources`.
+    pub(crate) fn extend(&mut self, diagnostics: impl IntoIterator<Item = Diagnostic>, sources: &[Source]) {
+        diagnostics.into_iter().for_each(|diagnostic| self.add(diagnostic, sources));
+    }
+
+    /// The first finding of a code, with the file that it is about.
+    pub(crate) fn first_of(&self, code: Code) -> Option<&(Diagnostic, Option<Source>)> {
+        self.kept.iter().find(|(diagnostic, _)| diagnostic.code == code)
+    }
+
+    /// Whether anything forbids output.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// assert!(!Diagnostics::default().has_errors());
+    /// ```
+    #[must_use]
+    pub fn has_errors(&self) -> bool {
+        self.errors > 0
+    }
+
+    /// Whether an error is about the language of a program: it was not understood.
+    pub(crate) fn has_language_errors(&self) -> bool {
+        self.has_language_error
+    }
+
+    /// Whether nothing was found.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// assert!(Diagnostics::default().is_empty());
+    /// ```
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
+    /// How many are kept.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// assert_eq!(Diagnostics::default().len(), 0);
+    /// ```
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// All that are kept, errors and warnings.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let program = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?;
+    /// assert!(program.check(&Machine::demo()).iter().any(|one| one.line() == Some(1)));
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    pub fn iter(&self) -> impl Iterator<Item = Located<'_>> {
+        self.kept.iter().map(|(diagnostic, source)| Located { diagnostic, source: source.as_ref() })
+    }
+
+    /// Those that forbid output.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// assert_eq!(Diagnostics::default().errors().count(), 0);
+    /// ```
+    pub fn errors(&self) -> impl Iterator<Item = Located<'_>> {
+        self.iter().filter(|one| one.severity() == Severity::Error)
+    }
+
+    /// All of them as `ncfix` draws them, with the lines that they are about, without colors.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let program = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?;
+    /// assert!(program.check(&Machine::demo()).drawn().contains("1 | G0 X9000"));
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn drawn(&self) -> String {
+        self.drawing(terminal::Colors::Plain, true)
+    }
+
+    /// The errors, with the line of each where it is in one of these files.
+    pub(crate) fn errors_in(&self, sources: &[Source]) -> impl Iterator<Item = (Code, Option<usize>)> {
+        let line = |one: &Diagnostic, source: &Option<Source>| {
+            let source = source.as_ref().filter(|source| sources.iter().any(|one| one.name() == source.name()))?;
+            Some(source.line_column(one.place?.span.start).0)
+        };
+        let errors = self.kept.iter().filter(|(one, _)| one.severity() == Severity::Error);
+        errors.map(move |(one, source)| (one.code, line(one, source)))
+    }
+
+    /// Whether so many errors were met that more would help nobody.
+    pub(crate) fn is_hopeless(&self) -> bool {
+        self.errors >= MOST_KEPT
+    }
+
+    /// `2 errors, 1 warning`.
+    pub(crate) fn count(&self) -> String {
+        terminal::count(self.errors, self.warnings)
+    }
+
+    /// The findings as data.
+    pub(crate) fn json(&self) -> Vec<json::Finding> {
+        self.kept.iter().map(|(diagnostic, source)| json::Finding::new(diagnostic, source.as_ref())).collect()
+    }
+
+    /// The drawing of the first findings, errors before warnings (or alone), each group in the order in which it was met.
+    pub(crate) fn drawing(&self, colors: terminal::Colors, with_warnings: bool) -> String {
+        let mut shown: Vec<&(Diagnostic, Option<Source>)> = self.kept.iter().collect();
+        shown.retain(|(diagnostic, _)| with_warnings || diagnostic.is_error());
+        shown.sort_by_key(|(diagnostic, _)| !diagnostic.is_error());
+        let mut total = self.errors + if with_warnings { self.warnings } else { 0 };
+        let mut out = String::new();
+        for (name, hint) in &self.misread {
+            let Some(sentence) = &hint.sentence else { continue };
+            let before = shown.len();
+            let mut count = 0;
+            shown.retain(|(found, source)| {
+                let is_one = is_of_text(found) && source.as_ref().is_some_and(|source| source.name() == name.as_str());
+                count += usize::from(is_one);
+                !is_one || count <= MOST_MISREAD
+            });
+            let hidden = before - shown.len();
+            total -= hidden;
+            out.push_str(&terminal::hint(sentence, colors));
+            if hidden > 0 {
+                out.push_str(&format!(
+                    "of its {count} faults {MOST_MISREAD} are shown; --json has them all, and with --dialect they are drawn\n"
+                ));
+            }
+            out.push('\n');
+        }
+        for (diagnostic, source) in shown.iter().take(MOST_DRAWN) {
+            let said = self.without_hint(diagnostic, source.as_ref());
+            out.push_str(&terminal::draw(said.as_ref().unwrap_or(diagnostic), source.as_ref(), colors));
+            out.push('\n');
+        }
+        if total > MOST_DRAWN {
+            out.push_str(&format!("… and {} more\n\n", total - MOST_DRAWN));
+        }
+        out
+    }
+}
+
+impl Diagnostics {
+    /// A finding without the hint that stands above all of them.
+    fn without_hint(&self, diagnostic: &Diagnostic, source: Option<&Source>) -> Option<Diagnostic> {
+        let hint = self.misread.get(source?.name()).filter(|hint| hint.sentence.is_some())?;
+        let help = diagnostic.help.strip_prefix(hint.help.as_str())?.strip_prefix("; else ")?.to_owned();
+        Some(Diagnostic { help, ..diagnostic.clone() })
+    }
+}
+
+/// Whether a finding says that the text of a program breaks the rules of its language.
+fn is_of_text(diagnostic: &Diagnostic) -> bool {
+    diagnostic.is_error() && matches!(diagnostic.code.as_str().get(..3), Some("E01" | "E02"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ncfix_base::source::FileId;
+
+    fn at(code: Code, start: usize) -> Diagnostic {
+        Diagnostic::at(code, Place { file: FileId(0), span: Span::new(start, start + 1) }, "m", "h")
+    }
+
+    #[test]
+    fn a_finding_in_a_loop_counts_once() {
+        let source = Source::new(FileId(0), "a", b"N1 X\nN2 X\n".to_vec()).unwrap();
+        let mut findings = Diagnostics::default();
+        findings
+            .extend([at(Code::OUT_OF_TRAVEL, 3), at(Code::OUT_OF_TRAVEL, 3), at(Code::OUT_OF_TRAVEL, 8)], &[source]);
+        assert_eq!(findings.count(), "2 errors");
+        assert!(findings.has_errors() && !findings.has_language_errors());
+        let lines: Vec<_> = findings.json().iter().map(|finding| finding.line).collect();
+        assert_eq!(lines, [Some(1), Some(2)]);
+    }
+
+    #[test]
+    fn the_drawing_is_bounded_and_errors_come_first() {
+        let source = Source::new(FileId(0), "a", vec![b'X'; 5000]).unwrap();
+        let mut findings = Diagnostics::default();
+        findings.add(Diagnostic::nowhere(Code::NO_MACHINE, "demo", "h"), &[]);
+        findings.extend((0..2000).map(|start| at(Code::UNEXPECTED, start)), &[source]);
+        let drawing = findings.drawing(terminal::Colors::Plain, true);
+        assert_eq!(drawing.matches("error[E0101]").count(), MOST_DRAWN);
+        assert!(drawing.starts_with("error[E0101]"));
+        assert!(drawing.ends_with("… and 1951 more\n\n"), "{drawing}");
+        let errors = findings.drawing(terminal::Colors::Plain, false);
+        assert!(errors.ends_with("… and 1950 more\n\n") && !errors.contains("warning"), "{errors}");
+        assert_eq!(findings.json().len(), MOST_KEPT);
+        assert!(findings.is_hopeless());
+        assert!(findings.has_language_errors());
+    }
+}

@@ -1,0 +1,296 @@
+//! Finds and reads the machine: `--machine`, `NCFIX_MACHINE`, the nearest `ncfix.toml`, or the embedded demo machine.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::diagnostics::Diagnostics;
+use crate::disk::files::{self, is_standard_stream};
+use crate::disk::hash::short_hash;
+use crate::disk::{archive, table_files};
+use crate::error::Error;
+use crate::machine::Machine;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dialect::{Dialect, Effect};
+use ncfix_language::exec::apply_archive;
+use ncfix_machine::machine::Condition;
+use ncfix_machine::machine::file::{DEMO, apply_setup};
+use ncfix_model::file::load;
+
+/// The machine file that is looked for in the folder of the program and above it.
+const NEAREST: &str = "ncfix.toml";
+
+/// The variable of the environment that names a machine file.
+const VARIABLE: &str = "NCFIX_MACHINE";
+
+/// How a machine file was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// It is the argument of the command.
+    Named,
+    /// `--machine`.
+    Option,
+    /// `NCFIX_MACHINE`.
+    Environment,
+    /// The nearest `ncfix.toml` in the folder of the program or above it.
+    AboveProgram,
+    /// The same from the working folder.
+    AboveWorkingFolder,
+    /// None was found: the demo machine.
+    Demo,
+}
+
+impl Found {
+    /// The same in words.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Found::Named => "named on the command line",
+            Found::Option => "--machine",
+            Found::Environment => "NCFIX_MACHINE",
+            Found::AboveProgram => "the nearest ncfix.toml from the folder of the program upwards",
+            Found::AboveWorkingFolder => "the nearest ncfix.toml from the working folder upwards",
+            Found::Demo => "embedded, as no machine file was found",
+        }
+    }
+}
+
+/// Chooses and reads the machine for `program`; `None` where findings forbid to use it.
+///
+/// # Errors
+/// Where a file that was named cannot be read.
+pub(crate) fn choose(
+    named: Option<&Path>,
+    setups: &[PathBuf],
+    program: &Path,
+    findings: &mut Diagnostics,
+) -> Result<Option<Machine>, Error> {
+    let (path, found) = locate(named, program);
+    let source = source_of(path.as_deref(), found, findings)?;
+    let Some(mut chosen) = read(&source, setups, findings)? else { return Ok(None) };
+    chosen.is_demo = path.is_none();
+    lie_beside(&mut chosen, path.as_deref());
+    chosen.files.extend(path);
+    Ok(Some(chosen))
+}
+
+/// Reads the machine of a file; `None` where findings forbid to use it.
+///
+/// # Errors
+/// Where the file or a set-up file cannot be read.
+pub(crate) fn read_file(path: &Path, setups: &[PathBuf], findings: &mut Diagnostics) -> Result<Option<Machine>, Error> {
+    let source = files::read_written(path, FileId(0), "machine file")?;
+    let Some(mut machine) = read(&source, setups, findings)? else { return Ok(None) };
+    lie_beside(&mut machine, Some(path));
+    machine.files.push(path.to_path_buf());
+    Ok(Some(machine))
+}
+
+/// The machine of a text alone; `None` where findings forbid to use it.
+///
+/// # Errors
+/// Where it names tables in files.
+pub(crate) fn of_text(source: &Source, findings: &mut Diagnostics) -> Result<Option<Machine>, Error> {
+    if load(source).0.is_some_and(|(machine, _)| !machine.active_tables.files.is_empty()) {
+        let name = source.name();
+        return Err(Error::usage(format!("{name} names files of tables as active: read the machine from its file")));
+    }
+    read(source, &[], findings)
+}
+
+/// Folders of the machine file lie beside it where they are there, else beside the program.
+fn lie_beside(machine: &mut Machine, path: Option<&Path>) {
+    let base = path.and_then(Path::parent).unwrap_or(Path::new("."));
+    for entry in &mut machine.machine.control.search_path {
+        let folder = base.join(&*entry);
+        if let Some(full) = folder.canonicalize().ok().and_then(|full| full.to_str().map(str::to_owned)) {
+            *entry = full;
+        }
+    }
+}
+
+/// The text of a machine file that was located; without a path that of the demo machine, with a warning.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(crate) fn source_of(path: Option<&Path>, found: Found, findings: &mut Diagnostics) -> Result<Source, Error> {
+    match path {
+        Some(path) => files::read_written(path, FileId(0), &format!("machine file, {}", found.words())),
+        None => {
+            log::info!("machine: the demo machine, {}", found.words());
+            findings.add(
+                Diagnostic::nowhere(
+                    Code::NO_MACHINE,
+                    format!("the embedded demo machine is used: no --machine was given and no {NEAREST} was found"),
+                    format!(
+                        "give --machine M.toml, name the machine file in {VARIABLE}, or put it beside the program as {NEAREST}"
+                    ),
+                ),
+                &[],
+            );
+            demo()
+        }
+    }
+}
+
+/// Reads a machine from its file and its set-up files; `None` where findings forbid to use it.
+///
+/// # Errors
+/// Where a set-up file cannot be read.
+pub(crate) fn read(source: &Source, setups: &[PathBuf], findings: &mut Diagnostics) -> Result<Option<Machine>, Error> {
+    let (loaded, found) = load(source);
+    let mut is_usable = !found.iter().any(Diagnostic::is_error);
+    findings.extend(found, std::slice::from_ref(source));
+    let Some((mut machine, errors)) = loaded else { return Ok(None) };
+    if ncfix_dialect::find(&machine.controller).is_none() {
+        is_usable = false;
+        findings.add(
+            Diagnostic::nowhere(
+                Code::BAD_VALUE,
+                format!("controller '{}' in {} is no dialect", machine.controller, source.name()),
+                format!("write one of {}", dialect_names()),
+            ),
+            &[],
+        );
+    }
+    for word in &machine.control.initial_codes {
+        let table = ncfix_dialect::find(&machine.controller).map(Dialect::codes);
+        let row = table.and_then(|table| table.word(&word.to_ascii_uppercase()));
+        if row.is_none_or(|row| row.effect != Effect::Keep || row.group == 0) {
+            is_usable = false;
+            findings.add(
+                Diagnostic::nowhere(
+                    Code::BAD_VALUE,
+                    format!(
+                        "'{word}' in control.initial_codes of {} is no modal code that changes no position",
+                        source.name()
+                    ),
+                    "write codes such as \"G64\", \"CFTCP\", \"SOFT\"; the zero offset is control.initial_zero_offset",
+                ),
+                &[],
+            );
+        }
+    }
+    let mut files = Vec::new();
+    let mut parts = vec![source.bytes()];
+    let mut sources = Vec::new();
+    for path in setups {
+        let (setup, members) = members(path)?;
+        for Member { source: member, is_saved_data } in members {
+            let found =
+                if is_saved_data { apply_archive(&member, &mut machine) } else { apply_setup(&member, &mut machine) };
+            is_usable &= !found.iter().any(Diagnostic::is_error);
+            findings.extend(found, std::slice::from_ref(&member));
+        }
+        files.push(path.clone());
+        sources.push(setup);
+    }
+    let folder = Path::new(source.name()).parent().unwrap_or(Path::new("."));
+    let named: Vec<PathBuf> = machine.active_tables.files.iter().map(|file| folder.join(file)).collect();
+    let active = if named.is_empty() { None } else { table_files::active(&named, &machine, findings)? };
+    match &active {
+        Some((control, read)) => {
+            machine.active_tables.control = Some(Arc::new(control.clone()));
+            parts.extend(read.iter().map(Source::bytes));
+        }
+        None => is_usable &= named.is_empty(),
+    }
+    files.extend(named);
+    parts.extend(sources.iter().map(Source::bytes));
+    let hash = short_hash(parts);
+    Ok(is_usable.then_some(Machine {
+        machine,
+        errors,
+        condition: Condition::default(),
+        state: None,
+        is_demo: false,
+        hash,
+        files,
+    }))
+}
+
+/// What a set-up file holds.
+pub(crate) struct Member {
+    pub(crate) source: Source,
+    /// Whether it is in the control's own language rather than TOML.
+    pub(crate) is_saved_data: bool,
+}
+
+/// A set-up file and what it holds: itself, or the data of an archive.
+///
+/// # Errors
+/// Where it cannot be read.
+pub(crate) fn members(path: &Path) -> Result<(Source, Vec<Member>), Error> {
+    // An archive holds whatever the control has, and may be large.
+    let read = if path.is_file() && archive::is_archive(path) { files::read } else { files::read_written };
+    let setup = read(path, FileId(0), "set-up file, --setup")?;
+    let inside = archive::saved_data(path, setup.bytes())?.unwrap_or_else(|| vec![setup.clone()]);
+    let member = |source: Source| {
+        let is_saved_data = source.name() != setup.name() || is_saved_data(path, source.bytes());
+        Member { source, is_saved_data }
+    };
+    let members = inside.into_iter().map(member).collect();
+    Ok((setup, members))
+}
+
+/// Whether a set-up file is in the control's own language rather than TOML.
+fn is_saved_data(path: &Path, bytes: &[u8]) -> bool {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+        return false;
+    }
+    let lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r').map(<[u8]>::trim_ascii_start);
+    let is_mark = |line: &[u8]| matches!(line, [b'%' | b'$' | b';', ..] | [b'R' | b'N' | b'n', b'0'..=b'9', ..]);
+    let first = lines.into_iter().find(|line| !line.is_empty());
+    first.is_some_and(|line| is_mark(line) || line.starts_with(b"CHANDATA") || line.starts_with(b"METRIC"))
+}
+
+/// The demo machine as a file.
+pub(crate) fn demo() -> Result<Source, Error> {
+    Source::new(FileId(0), "<demo machine>", DEMO.as_bytes().to_vec())
+        .map_err(|_| Error::usage("the demo machine is too large".into()))
+}
+
+/// The machine file: `named`, else that of the environment, else the nearest one; none where the demo machine must do.
+pub(crate) fn locate(named: Option<&Path>, program: &Path) -> (Option<PathBuf>, Found) {
+    if let Some(named) = named {
+        return (Some(named.to_path_buf()), Found::Option);
+    }
+    // A variable that is set to nothing counts as one that is not set.
+    if let Some(path) = std::env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
+        return (Some(path.into()), Found::Environment);
+    }
+    match nearest(program) {
+        Some((path, found)) => (Some(path), found),
+        None => (None, Found::Demo),
+    }
+}
+
+/// The nearest machine file, from the folder of the program upwards, then from the working folder upwards.
+fn nearest(program: &Path) -> Option<(PathBuf, Found)> {
+    let upwards = |folder: PathBuf| {
+        let folder = folder.canonicalize().ok()?;
+        folder.ancestors().map(|folder| folder.join(NEAREST)).find(|file| file.is_file())
+    };
+    let beside = (!is_standard_stream(program)).then(|| program.parent().map(|parent| Path::new(".").join(parent)));
+    let above_program = beside.flatten().and_then(upwards).map(|file| (file, Found::AboveProgram));
+    above_program.or_else(|| Some((upwards(PathBuf::from("."))?, Found::AboveWorkingFolder)))
+}
+
+/// `sinumerik, grundig, …`.
+pub(crate) fn dialect_names() -> String {
+    ncfix_dialect::DIALECTS.iter().map(|dialect| dialect.name).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_file_is_found_upwards() {
+        let folder = tempfile::tempdir().unwrap();
+        let inner = folder.path().join("a/b");
+        std::fs::create_dir_all(&inner).unwrap();
+        std::fs::write(folder.path().join(NEAREST), "").unwrap();
+        let found = nearest(&inner.join("p.mpf")).unwrap();
+        assert_eq!(found, (folder.path().canonicalize().unwrap().join(NEAREST), Found::AboveProgram));
+    }
+}

@@ -1,0 +1,13 @@
+//! Files of a disk as the project reads them: programs with the folders beside them, archives of controls, tables, machine files.
+//!
+//! The library opens files here only, and only for functions whose names say so. What was read, and why, is logged.
+
+pub(crate) mod archive;
+pub(crate) mod files;
+pub(crate) mod fingerprint;
+pub(crate) mod folder_library;
+#[cfg(test)]
+mod folder_library_tests;
+pub(crate) mod hash;
+pub(crate) mod machine_file;
+pub(crate) mod table_files;

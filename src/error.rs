@@ -1,0 +1,97 @@
+//! Errors of the library: a sentence, and the diagnostics that it stands for where a text, a machine file or data are wrong.
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+use crate::diagnostics::{Diagnostics, Located};
+use ncfix_base::diagnostic::Code;
+
+/// Why a function of the library has no result.
+///
+/// It displays as one line for each diagnostic: `part.mpf:2:4: error[E0302]: …`.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let error = Program::parse("part.mpf", "N10 G1 X=(\n", DialectChoice::Sinumerik).unwrap_err();
+/// let first = error.diagnostics().iter().next().unwrap();
+/// assert_eq!((first.file(), first.line()), (Some("part.mpf"), Some(1)));
+/// assert!(error.code().unwrap().as_str().starts_with("E01"));
+/// assert!(!first.help().is_empty());
+/// ```
+#[derive(Clone, Debug)]
+pub struct Error {
+    message: String,
+    diagnostics: Box<Diagnostics>,
+}
+
+impl Error {
+    /// A sentence about arguments or files.
+    pub(crate) fn usage(message: String) -> Error {
+        Error { message, diagnostics: Box::default() }
+    }
+
+    /// A file that cannot be read or written: `cannot read part.mpf: no such file`.
+    pub(crate) fn file(doing: &str, path: &Path, error: &io::Error) -> Error {
+        Error::usage(format!("cannot {doing} {}: {}", path.display(), reason(error)))
+    }
+
+    /// A text that cannot be written.
+    pub(crate) fn sink(error: &io::Error) -> Error {
+        Error::usage(format!("the text cannot be written: {}", reason(error)))
+    }
+
+    /// Diagnostics, at least one of which is an error.
+    pub(crate) fn found(diagnostics: Diagnostics) -> Error {
+        let message = diagnostics.errors().next().map_or_else(String::new, |first| first.to_string());
+        Error { message, diagnostics: Box::new(diagnostics) }
+    }
+
+    /// One sentence: what cannot be read or done, or the first diagnostic that is an error.
+    #[must_use]
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// The code of the first diagnostic that is an error; `None` where a file cannot be read or an argument is wrong.
+    #[must_use]
+    pub fn code(&self) -> Option<Code> {
+        self.diagnostics.errors().next().map(|one| one.code())
+    }
+
+    /// What was found, warnings too; empty where a file cannot be read or an argument is wrong.
+    #[must_use]
+    pub fn diagnostics(&self) -> &Diagnostics {
+        &self.diagnostics
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.diagnostics.is_empty() {
+            return out.write_str(&self.message);
+        }
+        let lines: Vec<String> = self.diagnostics.errors().map(|one: Located<'_>| one.to_string()).collect();
+        out.write_str(&lines.join("\n"))
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<String> for Error {
+    /// The sentence of a value that cannot be parsed.
+    fn from(sentence: String) -> Error {
+        Error::usage(sentence)
+    }
+}
+
+/// Why a file cannot be read or written, in words.
+pub(crate) fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file or folder".into(),
+        io::ErrorKind::PermissionDenied => "permission denied".into(),
+        io::ErrorKind::IsADirectory => "it is a folder".into(),
+        _ => error.to_string(),
+    }
+}

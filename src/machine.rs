@@ -1,0 +1,172 @@
+//! Machines: axes, tools and errors of one machine, in one condition.
+
+use std::path::{Path, PathBuf};
+
+use crate::diagnostics::Diagnostics;
+use crate::disk::machine_file;
+use crate::error::Error;
+use crate::tool::ToolVector;
+use ncfix_base::geometry::AxisVector;
+use ncfix_base::source::{FileId, Source};
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_machine::machine::{Condition, State};
+use ncfix_model::{ErrorModel, Model};
+use ncfix_report::shares::Deviation;
+
+/// One machine: its axes, control, tools and zero offsets, its measured errors, and the condition in which it is.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let machine = Machine::demo();
+/// let at = "X600,Y0,Z100".parse()?;
+/// let error = machine.deviation(&at, ToolVector::Length(120.0), &State::default());
+/// assert!(error.position_um[0].abs() > 1.0, "{:?} µm", error.position_um);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Machine {
+    /// The machine, set-up applied.
+    pub(crate) machine: ncfix_machine::machine::Machine,
+    /// Its errors.
+    pub(crate) errors: ErrorModel,
+    /// Its condition.
+    pub(crate) condition: Condition,
+    /// Hash of what was said of its condition; `None` where nothing was.
+    pub(crate) state: Option<String>,
+    /// Whether it is the embedded demo machine because no other was found.
+    pub(crate) is_demo: bool,
+    /// Hash of machine file and set-up file, 12 hexadecimal digits.
+    pub(crate) hash: String,
+    /// The files that were read: none of them may be overwritten.
+    pub(crate) files: Vec<PathBuf>,
+}
+
+impl Machine {
+    /// The machine of a machine file, with the compensation tables that the file names as active in the control.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::from_file("samples/machines/maho700s.toml")?;
+    /// assert_eq!(machine.name(), "maho700s");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where a file cannot be read, or diagnostics forbid to use it.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Machine, Error> {
+        Machine::from_files(path, &[])
+    }
+
+    /// The same with set-up files of a job, whose zero offsets and tools override those of the machine file: TOML, or data as a control saves them; the
+    /// last one wins.
+    ///
+    /// ```no_run
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::from_files("mill.toml", &["job.toml".into()])?;
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where a file cannot be read, or diagnostics forbid to use it.
+    pub fn from_files(path: impl AsRef<Path>, setups: &[PathBuf]) -> Result<Machine, Error> {
+        let mut found = Diagnostics::default();
+        let machine = machine_file::read_file(path.as_ref(), setups, &mut found)?;
+        machine.ok_or_else(|| Error::found(found))
+    }
+
+    /// The machine of the text of a machine file; `name` is what diagnostics call it. No file is read.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let error = Machine::from_text("mill.toml", "[machine]\nname = 5\n").unwrap_err();
+    /// let place = error.diagnostics().errors().find_map(|one| one.line());
+    /// assert_eq!(place, Some(2));
+    /// ```
+    ///
+    /// # Errors
+    /// Where diagnostics forbid to use it, or where it names tables in files as active.
+    pub fn from_text(name: &str, text: &str) -> Result<Machine, Error> {
+        let too_large = |_| Error::usage(format!("{name} is too large"));
+        let source = Source::new(FileId(0), name, text.as_bytes().to_vec()).map_err(too_large)?;
+        let mut found = Diagnostics::default();
+        machine_file::of_text(&source, &mut found)?.ok_or_else(|| Error::found(found))
+    }
+
+    /// The machine that is built in for trying things out: three axes, made-up errors. What is corrected for it is good for looking at, not for
+    /// cutting.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// assert_eq!(Machine::demo().name(), "demo");
+    /// ```
+    ///
+    /// # Panics
+    /// Never: the tests read it.
+    #[must_use]
+    #[expect(clippy::expect_used, reason = "the machine is part of the program, and a test reads it")]
+    pub fn demo() -> Machine {
+        Machine::from_text("<demo machine>", ncfix_machine::machine::file::DEMO).expect("the demo machine is whole")
+    }
+
+    /// Its name.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// assert_eq!(Machine::demo().name(), "demo");
+    /// ```
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.machine.name
+    }
+
+    /// The same machine in another condition: temperatures, loads on the table.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::from_file("samples/machines/maho700s.toml")?;
+    /// let mut condition = Condition::default();
+    /// condition.add_load("1700@0,0,-280".parse()?);
+    /// let (at, tool) = ("X700".parse()?, ToolVector::Length(200.0));
+    /// let bare = machine.deviation(&at, tool, &State::default());
+    /// let loaded = machine.in_condition(condition).deviation(&at, tool, &State::default());
+    /// assert!((loaded.position_um[1] - bare.position_um[1] - 56.83).abs() < 0.01);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn in_condition(mut self, condition: Condition) -> Machine {
+        self.state = Some(crate::disk::hash::short_hash([format!("{condition:?}").as_bytes()]));
+        self.condition = condition;
+        self
+    }
+
+    /// The errors at a pose: deviation of the tool tip and of the tool relative to the workpiece, along and about the directions of the foundation.
+    /// `pose` has the axis commands, mm and rad (`"X100,C30".parse()` takes mm and degrees); `state` says how the axes moved last.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let near = machine.deviation(&"X0,Y0,Z0".parse()?, ToolVector::Length(0.0), &State::default());
+    /// assert!(near.distance_um() < 0.1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn deviation(&self, pose: &AxisVector, tool: ToolVector, state: &State) -> Deviation {
+        let twist = self.model().deviation(pose, &tool.vector_mm(&self.machine), state);
+        Deviation {
+            position_um: std::array::from_fn(|axis| um_from_mm(twist.translation[axis])),
+            rotation_urad: std::array::from_fn(|axis| urad_from_rad(twist.rotation[axis])),
+        }
+    }
+
+    /// The error model in the condition of the machine.
+    pub(crate) fn model(&self) -> Model {
+        Model::at(&self.machine, &self.errors, &self.condition)
+    }
+}

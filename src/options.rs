@@ -1,0 +1,182 @@
+//! Options of the library: how a program is read, in which condition the machine is, how a program is corrected.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use crate::error::Error;
+use ncfix_base::geometry::AxisVector;
+use ncfix_machine::machine::Load;
+use ncfix_path::path::{self, Arcs, FiveAxis, OutputFrame, Rapids, Rotary, Subdivision};
+
+/// Distance of the samples of the predicted error along the path, mm.
+const SAMPLE_MM: f64 = 1.0;
+
+/// In which language a program is.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// assert_eq!("fanuc".parse::<DialectChoice>().unwrap(), DialectChoice::Fanuc);
+/// assert!("klingon".parse::<DialectChoice>().is_err());
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum DialectChoice {
+    /// That of the machine's control, else what the name of the file or its first lines tell.
+    #[default]
+    Guess,
+    /// Siemens Sinumerik 840D, 828D.
+    Sinumerik,
+    /// Fanuc and controls like it.
+    Fanuc,
+    /// RS274/NGC as LinuxCNC reads it.
+    Rs274,
+    /// Grundig, Philips, MillPlus.
+    Grundig,
+}
+
+impl DialectChoice {
+    /// Its name, `None` where it is guessed.
+    #[must_use]
+    pub fn name(self) -> Option<&'static str> {
+        Some(match self {
+            DialectChoice::Guess => return None,
+            DialectChoice::Sinumerik => "sinumerik",
+            DialectChoice::Fanuc => "fanuc",
+            DialectChoice::Rs274 => "rs274",
+            DialectChoice::Grundig => "grundig",
+        })
+    }
+}
+
+impl FromStr for DialectChoice {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<DialectChoice, Error> {
+        use DialectChoice::{Fanuc, Grundig, Rs274, Sinumerik};
+        let all = [Sinumerik, Fanuc, Rs274, Grundig];
+        let found = all.into_iter().find(|one| one.name() == Some(name));
+        found.ok_or_else(|| Error::usage(format!("there is no dialect '{name}'")))
+    }
+}
+
+/// How a program is read and executed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Reading {
+    /// Name of the dialect; without it that of the machine file, then by file name and content.
+    pub(crate) dialect: Option<String>,
+    /// A program that executes more blocks than this is stopped; without it ten million, or twenty times its blocks if that is more.
+    pub(crate) max_blocks: Option<u64>,
+    /// Which levels of `/` blocks are skipped; `/` alone is level 0.
+    pub(crate) skip: [bool; 10],
+    /// Axis positions before the first block, machine coordinates.
+    pub(crate) start: Option<AxisVector>,
+}
+
+/// The condition of a machine as files and values say it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ConditionFiles {
+    /// Temperatures and loads: state files (TOML), or logs of them (CSV); laid over each other, the last one wins.
+    pub(crate) files: Vec<PathBuf>,
+    /// Time in the log, s; without it its last entry.
+    pub(crate) time_s: Option<f64>,
+    /// Time in the log at which the zero point of the workpiece was set, s.
+    pub(crate) zero_time_s: Option<f64>,
+    /// Axis positions at which the zero point was set.
+    pub(crate) zero_at: Option<AxisVector>,
+    /// The load on the table, instead of that of the files.
+    pub(crate) load: Option<Load>,
+}
+
+/// What becomes of radius compensation (G41, G42) in a corrected program.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Compensation {
+    /// The path of the tool center is written: radius and wear at the control have no effect.
+    #[default]
+    Center,
+    /// The path of the tool center with G41 and G42 for wear: the control must have the radius 0 plus wear. It must be able to follow the wear
+    /// that is given, mm, to both sides.
+    Wear(f64),
+}
+
+/// How a program is corrected. `Options::default()` is what `ncfix fix` does without options.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let mut options = Options::default();
+/// assert_eq!((options.tolerance_mm, options.max_correction_mm), (0.001, 0.2));
+/// options.tolerance_mm = 0.0005;
+/// options.arcs = Arcs::Chords;
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Options {
+    /// Largest deviation of an emitted piece from the exactly corrected path, mm.
+    pub tolerance_mm: f64,
+    /// Fixed step along the leading axis instead of subdivision by tolerance, mm.
+    pub step_mm: Option<f64>,
+    /// What becomes of arcs.
+    pub arcs: Arcs,
+    /// What becomes of rapid moves.
+    pub rapids: Rapids,
+    /// What the emitted coordinates relate to. [`FiveAxis::Axes`] implies machine coordinates.
+    pub frame: OutputFrame,
+    /// What becomes of five-axis transformations.
+    pub five_axis: FiveAxis,
+    /// Whether rotary axes take part in the correction.
+    pub rotary: Rotary,
+    /// Smallest increment of linear axes in the output, mm; `None`: that of the machine file.
+    pub increment_mm: Option<f64>,
+    /// Larger corrections are refused, mm.
+    pub max_correction_mm: f64,
+    /// What becomes of radius compensation.
+    pub compensation: Compensation,
+    /// Feeds are lowered where the axes would leave the tool farther off its path than this, mm; needs `[servo]` in the machine file.
+    pub feed_limit_mm: Option<f64>,
+    /// Threads to work in, 1 to 3; `None`: as many as help. The output does not depend on it.
+    pub threads: Option<usize>,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        let path::Options { tolerance_mm, arcs, rapids, frame, five_axis, rotary, max_correction_mm, .. } =
+            path::Options::default();
+        Options {
+            tolerance_mm,
+            step_mm: None,
+            arcs,
+            rapids,
+            frame,
+            five_axis,
+            rotary,
+            increment_mm: None,
+            max_correction_mm,
+            compensation: Compensation::default(),
+            feed_limit_mm: None,
+            threads: None,
+        }
+    }
+}
+
+impl Options {
+    /// The same for the corrector.
+    pub(crate) fn of_path(&self) -> path::Options {
+        path::Options {
+            tolerance_mm: self.tolerance_mm,
+            subdivision: self.step_mm.map_or(Subdivision::Adaptive, Subdivision::Step),
+            arcs: self.arcs,
+            rapids: self.rapids,
+            frame: match (self.frame, self.five_axis) {
+                (OutputFrame::Work, FiveAxis::Tcp) => OutputFrame::Work,
+                _ => OutputFrame::Machine,
+            },
+            five_axis: self.five_axis,
+            max_correction_mm: self.max_correction_mm,
+            rotary: self.rotary,
+            sample_mm: SAMPLE_MM,
+            ..path::Options::default()
+        }
+    }
+}

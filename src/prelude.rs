@@ -1,0 +1,18 @@
+//! The names of the library: `use ncfix::prelude::*`.
+
+pub use crate::correction::{Correction, Pieces};
+pub use crate::diagnostics::{Diagnostics, Located};
+pub use crate::error::Error;
+pub use crate::machine::Machine;
+pub use crate::moves::Elements;
+pub use crate::options::{Compensation, DialectChoice, Options};
+pub use crate::program::Program;
+pub use crate::tool::ToolVector;
+pub use ncfix_base::diagnostic::{Code, Severity};
+pub use ncfix_base::geometry::{Axis, AxisVector, Vector};
+pub use ncfix_machine::machine::{Condition, Load, State};
+pub use ncfix_machine::snc::{Element, Kind, Move};
+pub use ncfix_path::path::{Arcs, FiveAxis, Output, OutputFrame, Piece, Rapids, Rotary};
+pub use ncfix_report::correction::Correction as CorrectionReport;
+pub use ncfix_report::json::Spread;
+pub use ncfix_report::shares::Deviation;

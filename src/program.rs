@@ -1,0 +1,245 @@
+//! Part programs: read, checked, corrected, compared.
+
+use std::path::Path;
+
+use crate::correction::Correction;
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::moves::Elements;
+use crate::options::{DialectChoice, Options, Reading};
+use crate::run::{self, Opened, Running, Subprograms};
+use ncfix_base::geometry::AxisVector;
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec;
+
+/// The text of a part program and how it is read. It is parsed again for every run, so that memory is bounded by the text.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let machine = Machine::demo();
+/// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X900 F500\nM30\n", DialectChoice::Sinumerik)?;
+/// let found = program.check(&machine);
+/// let first = found.iter().next().unwrap();
+/// assert_eq!((first.line(), first.column()), (Some(2), Some(4)));
+/// assert!(first.message().contains("travel"), "X ends at 700 mm: {first}");
+/// # Ok::<(), ncfix::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Program {
+    source: Source,
+    reading: Reading,
+    subprograms: Subprograms,
+}
+
+impl Program {
+    /// A program from memory, in a language that is named or guessed. It has no subprograms but its own: no file is read.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let program = Program::parse("part.ngc", "G21 G0 X10\nM2\n", DialectChoice::Guess)?;
+    /// assert_eq!(program.name(), "part.ngc");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the text is not understood; all diagnostics are in the error.
+    pub fn parse(name: &str, text: impl Into<Vec<u8>>, dialect: DialectChoice) -> Result<Program, Error> {
+        let too_large = |_| Error::usage(format!("{name} is too large"));
+        let source = Source::new(FileId(0), name, text.into()).map_err(too_large)?;
+        Program { source, reading: Reading::default(), subprograms: Subprograms::None }.parsed(dialect)
+    }
+
+    /// A program from a file, or from an archive of a control (`SAVE.arc/PART.MPF`); `-` is standard input. Subprograms are read from the folders
+    /// beside it and those of the machine file when it runs.
+    ///
+    /// ```no_run
+    /// use ncfix::prelude::*;
+    ///
+    /// let program = Program::from_file("part.mpf", DialectChoice::Guess)?;
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the file cannot be read or its text is not understood.
+    pub fn from_file(path: impl AsRef<Path>, dialect: DialectChoice) -> Result<Program, Error> {
+        let path = path.as_ref();
+        Program::new(run::read(path)?, path, Reading::default()).parsed(dialect)
+    }
+
+    /// A program that was read from a file.
+    pub(crate) fn new(source: Source, path: &Path, reading: Reading) -> Program {
+        Program { source, reading, subprograms: Subprograms::of(path) }
+    }
+
+    /// The program, where it is understood.
+    fn parsed(mut self, dialect: DialectChoice) -> Result<Program, Error> {
+        self.reading.dialect = dialect.name().map(str::to_owned);
+        let mut found = Diagnostics::default();
+        let opened = self.open(None, &mut found)?;
+        if opened.is_some() { Ok(self) } else { Err(Error::found(found)) }
+    }
+
+    /// Says where the axes are before the first block, in machine coordinates, mm and rad: for programs that begin with an incremental move or an arc.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G91 G1 X5 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// assert!(program.correct(&machine, &Options::default()).report().is_err(), "nobody knows where X is");
+    /// let program = program.starting_at("X10,Y20,Z30".parse()?);
+    /// program.correct(&machine, &Options::default()).report()?;
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn starting_at(mut self, start: AxisVector) -> Program {
+        self.reading.start = Some(start);
+        self
+    }
+
+    /// Skips `/` blocks of these levels, 0 to 9, as the switches of the control do; others do not exist.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X1\n/G0 X2\nM30\n", DialectChoice::Sinumerik)?;
+    /// let moves = |program: &Program| program.moves(&machine).map(|moves| moves.filter(|one| one.is_ok()).count());
+    /// assert_eq!(moves(&program.clone().skipping(&[0]))?, moves(&program)? - 1);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn skipping(mut self, levels: &[usize]) -> Program {
+        levels.iter().for_each(|&level| self.reading.skip.iter_mut().skip(level).take(1).for_each(|skip| *skip = true));
+        self
+    }
+
+    /// Stops a program that executes more blocks than this, instead of after ten million, or twenty times its blocks if that is more.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let endless = Program::parse("part.mpf", "AGAIN:\nG0 X1\nGOTOB AGAIN\n", DialectChoice::Sinumerik)?;
+    /// assert!(endless.stopping_after(1000).check(&machine).has_errors());
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn stopping_after(mut self, blocks: u64) -> Program {
+        self.reading.max_blocks = Some(blocks);
+        self
+    }
+
+    /// Its name, as diagnostics show it.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// assert_eq!(Program::parse("part.ngc", "G0 X1", DialectChoice::Rs274)?.name(), "part.ngc");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.source.name()
+    }
+
+    /// Its text.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// assert_eq!(Program::parse("part.ngc", "G0 X1", DialectChoice::Rs274)?.bytes(), b"G0 X1");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        self.source.bytes()
+    }
+
+    /// The program as it will be corrected for a machine; nothing is executed yet. See [`Correction`].
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let report = program.correct(&machine, &Options::default()).report()?;
+    /// assert!(report.after.unwrap().max_um < 1.0);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn correct<'a>(&'a self, machine: &Machine, options: &Options) -> Correction<'a> {
+        Correction::new(self, machine, options)
+    }
+
+    /// The flat stream of the program: moves, dwells, tool and auxiliary words, without calls, loops, frames or cycles. Lazy: a program that never
+    /// ends can be looked at.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let mut ends_mm = Vec::new();
+    /// for element in program.moves(&machine)? {
+    ///     if let Kind::Move(motion) = element?.kind {
+    ///         ends_mm.push(motion.target[Axis::X]);
+    ///     }
+    /// }
+    /// assert_eq!(ends_mm, [0.0, 600.0]);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the program is not understood; the stream says what is met while it runs.
+    pub fn moves<'m>(&self, machine: &'m Machine) -> Result<Elements<'m>, Error> {
+        let mut found = Diagnostics::default();
+        match self.open(Some(machine), &mut found)?.filter(|_| !found.has_errors()) {
+            Some(opened) => {
+                let options = exec::Options { rapid_order: exec::RapidOrder::All, ..exec::Options::default() };
+                Ok(Elements::new(self.start_as(opened, &machine.machine, options), found))
+            }
+            None => Err(Error::found(found)),
+        }
+    }
+
+    /// The text.
+    pub(crate) fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// How it is read.
+    pub(crate) fn reading(&self) -> &Reading {
+        &self.reading
+    }
+
+    /// Another text in its place.
+    pub(crate) fn with_source(&self, source: Source) -> Program {
+        Program { source, ..self.clone() }
+    }
+
+    /// The same without a limit of its own.
+    pub(crate) fn without_block_limit(mut self) -> Program {
+        self.reading.max_blocks = None;
+        self
+    }
+
+    /// Parses it; `None` where it was not understood, which findings say.
+    ///
+    /// # Errors
+    /// Where the dialect does not exist.
+    pub(crate) fn open(&self, machine: Option<&Machine>, found: &mut Diagnostics) -> Result<Option<Opened>, Error> {
+        run::open(&self.source, &self.subprograms, &self.reading, machine, found)
+    }
+
+    /// Starts what was parsed.
+    pub(crate) fn start_as<'m>(
+        &self,
+        opened: Opened,
+        machine: &'m ncfix_machine::machine::Machine,
+        options: exec::Options,
+    ) -> Running<'m> {
+        Running::start(opened, &self.subprograms, &self.reading, machine, options)
+    }
+}

@@ -1,0 +1,335 @@
+//! Programs as they run: bytes, dialect, syntax tree, execution.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use crate::diagnostics::{Diagnostics, Hint};
+use crate::disk::archive;
+use crate::disk::files::{self, STANDARD_INPUT, is_standard_stream};
+use crate::disk::folder_library::FolderLibrary;
+use crate::disk::machine_file::dialect_names;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::options::Reading;
+use crate::recognition;
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{FileId, Source, Span};
+use ncfix_dialect::{Dialect, Language};
+use ncfix_language::exec::{Execution, Library, NoLibrary, Options, Radius, RapidOrder};
+use ncfix_language::syntax::sinumerik::Macros;
+use ncfix_language::syntax::{self, Program};
+use ncfix_machine::machine::file::nearest;
+use ncfix_machine::snc::{Element, Kind};
+use ncfix_path::emit;
+
+/// Blocks executed in search of further findings in a program that was not understood.
+const BLOCKS_IN_SEARCH: u64 = 100_000;
+
+/// A program that was understood.
+pub(crate) struct Opened {
+    /// Its bytes.
+    pub(crate) source: Source,
+    /// Its syntax tree.
+    pub(crate) program: Program,
+    /// Its dialect.
+    pub(crate) dialect: &'static Dialect,
+}
+
+/// Parses the program in `source`; `None` where it was not understood, which findings say.
+///
+/// # Errors
+/// Where the dialect does not exist.
+pub(crate) fn open(
+    source: &Source,
+    subprograms: &Subprograms,
+    choice: &Reading,
+    chosen: Option<&Machine>,
+    findings: &mut Diagnostics,
+) -> Result<Option<Opened>, Error> {
+    let (dialect, why) = resolve(choice.dialect.as_deref(), chosen, source)?;
+    log::info!("dialect of {}: {}, {why}", source.name(), dialect.name);
+    if !dialect.is_executable {
+        findings.add(
+            Diagnostic::nowhere(
+                Code::NOT_SUPPORTED,
+                format!("programs in the dialect '{}' ({}) are not supported yet", dialect.name, dialect.title),
+                "if the program is in another dialect, say so with --dialect",
+            ),
+            &[],
+        );
+        return Ok(None);
+    }
+    if let Some(found) = recognition::refusal(source, dialect, chosen) {
+        findings.add(found, std::slice::from_ref(source));
+        return Ok(None);
+    }
+    if let Some(other) = ncfix_dialect::guess(source.name(), source.bytes()).filter(|other| other.name != dialect.name)
+    {
+        // Where the program is understood all the same nothing is said.
+        let help =
+            format!("the file reads like {}: try --dialect {} and a machine file of it", other.title, other.name);
+        let sentence = format!(
+            "{} reads like {} and was read as {} ({why}): try --dialect {} and a machine file of it",
+            source.name(),
+            other.title,
+            dialect.title,
+            other.name
+        );
+        findings.hint(source, Hint { help, sentence: choice.dialect.is_none().then_some(sentence) });
+    }
+    let search_path = chosen.map_or(&[][..], |chosen| &chosen.machine.control.search_path);
+    let (mut library, _) = library_of(&subprograms.beside(source), search_path);
+    let mut macros = Macros::default();
+    library.definitions().iter().for_each(|(_, bytes)| macros.read(bytes));
+    let (program, found) = syntax::parse_with(source, dialect, &macros);
+    let is_understood = !found.iter().any(Diagnostic::is_error);
+    findings.extend(found, std::slice::from_ref(source));
+    if let (false, Some(chosen)) = (is_understood, chosen) {
+        // What is not supported yet should come up in the same run; anything else may only follow from the faulty blocks.
+        let options = Options { max_blocks: Some(BLOCKS_IN_SEARCH), ..Options::default() };
+        let execution = Execution::new(program, &chosen.machine, Box::new(NoLibrary), options);
+        let unsupported = execution.filter_map(Result::err).filter(|found| found.code == Code::NOT_SUPPORTED);
+        let more: Vec<Diagnostic> = unsupported.collect();
+        findings.extend(more, std::slice::from_ref(source));
+        return Ok(None);
+    }
+    Ok(is_understood.then(|| Opened { source: source.clone(), program, dialect }))
+}
+
+/// Where the subprograms of a program come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Subprograms {
+    /// From nowhere: the program is alone.
+    None,
+    /// From the disk: the folders of the program in this file, if it is in one, and those of the machine file.
+    Disk(Option<PathBuf>),
+}
+
+impl Subprograms {
+    /// Those of a program in a file or, for `-`, from standard input.
+    pub(crate) fn of(path: &Path) -> Subprograms {
+        Subprograms::Disk((!is_standard_stream(path)).then(|| path.to_path_buf()))
+    }
+
+    /// Those beside the text itself, by its name: a program in an archive has the definitions of the archive.
+    fn beside(&self, source: &Source) -> Subprograms {
+        match self {
+            Subprograms::None => Subprograms::None,
+            Subprograms::Disk(_) => Subprograms::Disk((source.name() != STANDARD_INPUT).then(|| source.name().into())),
+        }
+    }
+}
+
+/// The library of a program, and the files that it has read.
+fn library_of(subprograms: &Subprograms, search_path: &[String]) -> (Box<dyn Library>, Rc<RefCell<Vec<PathBuf>>>) {
+    let Subprograms::Disk(program) = subprograms else { return (Box::new(NoLibrary), Rc::default()) };
+    if let Some(archive) = program.as_deref().and_then(|path| archive::open(path).ok().flatten()) {
+        let loaded = Rc::new(RefCell::new(vec![archive.path().to_path_buf()]));
+        return (Box::new(archive), loaded);
+    }
+    let (library, loaded) = FolderLibrary::beside(program.as_deref(), search_path);
+    (Box::new(library), loaded)
+}
+
+/// The dialect: the option, then the machine file, then file name and content. The demo machine was not chosen by anybody,
+/// so its dialect is the last resort.
+/// The second value says why it is this one.
+pub(crate) fn resolve(
+    name: Option<&str>,
+    chosen: Option<&Machine>,
+    source: &Source,
+) -> Result<(&'static Dialect, String), Error> {
+    if let Some(name) = name {
+        let found = ncfix_dialect::find(name).map(|dialect| (dialect, "--dialect".to_owned()));
+        return found.ok_or_else(|| {
+            let guess = nearest(name, ncfix_dialect::DIALECTS.iter().map(|dialect| dialect.name));
+            let guess = guess.map_or_else(String::new, |near| format!("; did you mean --dialect {near}?"));
+            Error::usage(format!("there is no dialect '{name}'; for --dialect there are {}{guess}", dialect_names()))
+        });
+    }
+    let of_machine = chosen.filter(|chosen| !chosen.is_demo).and_then(|chosen| {
+        Some((ncfix_dialect::find(&chosen.machine.controller)?, "the controller of the machine file".to_owned()))
+    });
+    let of_file =
+        || Some((ncfix_dialect::guess(source.name(), source.bytes())?, "by the name or the first lines".to_owned()));
+    Ok(of_machine
+        .or_else(of_file)
+        .unwrap_or_else(|| (ncfix_dialect::sinumerik(), "as nothing says otherwise".to_owned())))
+}
+
+/// The output keeps the unit of the program: G20 or G21 outlives it on these controls, and a Fanuc reads its offsets by it. With `is_sent`
+/// line by line only a Fanuc's does.
+pub(crate) fn keep_unit(
+    source: &Source,
+    dialect: &Dialect,
+    is_sent: bool,
+    machine: &mut ncfix_machine::machine::Machine,
+) {
+    if !matches!(dialect.language, Language::Fanuc | Language::Rs274) || is_sent && dialect.language == Language::Rs274
+    {
+        return;
+    }
+    let control = &mut machine.control;
+    control.has_inch_grid = dialect.language == Language::Fanuc;
+    control.output_inch = last_unit(source.bytes()).or_else(|| last_unit(control.iso.startup_code.as_bytes()));
+}
+
+/// Whether the last G20 or G21 outside of comments is G20.
+fn last_unit(bytes: &[u8]) -> Option<bool> {
+    let (mut found, mut at) = (None, 0);
+    while let Some(&byte) = bytes.get(at) {
+        at += 1;
+        let end = match byte {
+            b'(' => bytes[at..].iter().position(|byte| matches!(byte, b')' | b'\n' | b'\r')),
+            b';' => bytes[at..].iter().position(|byte| matches!(byte, b'\n' | b'\r')),
+            b'G' | b'g' => {
+                let rest = bytes[at..].trim_ascii_start();
+                let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+                let is_whole = rest.get(digits) != Some(&b'.');
+                match &rest[rest[..digits].iter().take_while(|byte| **byte == b'0').count()..digits] {
+                    b"20" if is_whole => found = Some(true),
+                    b"21" if is_whole => found = Some(false),
+                    _ => {}
+                }
+                continue;
+            }
+            _ => continue,
+        };
+        at = end.map_or(bytes.len(), |end| at + end);
+    }
+    found
+}
+
+/// Reads the bytes of a program.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(crate) fn read(path: &Path) -> Result<Source, Error> {
+    if let Some(archive) = archive::open(path)? {
+        log::info!("read {}: program in an archive of the control", path.display());
+        return archive.main();
+    }
+    files::read(path, FileId(0), "program")
+}
+
+/// Whether a program lies in an archive of the control.
+pub(crate) fn is_in_archive(path: &Path) -> bool {
+    path.ancestors().any(|ancestor| ancestor.is_file() && archive::is_archive(ancestor))
+}
+
+/// Who is told how far a program is while it runs.
+pub(crate) trait Watch {
+    /// So many blocks were executed, and the current one starts at byte `offset` of the `length` of the main program; without an offset it is
+    /// in a subprogram.
+    fn note(&mut self, blocks: u64, offset: Option<u32>, length: usize);
+    /// The program has ended.
+    fn end(&mut self);
+}
+
+/// A running program: its elements and findings.
+pub(crate) struct Running<'a> {
+    execution: Execution<'a>,
+    watch: Option<Box<dyn Watch>>,
+    loaded: Rc<RefCell<Vec<PathBuf>>>,
+    length: usize,
+    moves: bool,
+}
+
+impl<'a> Running<'a> {
+    /// Starts a program. A program that leaves wear to the control is read with the radius that its registers have: none.
+    pub(crate) fn start(
+        opened: Opened,
+        subprograms: &Subprograms,
+        choice: &Reading,
+        machine: &'a ncfix_machine::machine::Machine,
+        options: Options,
+    ) -> Running<'a> {
+        let (library, loaded) = library_of(subprograms, &machine.control.search_path);
+        let is_alone = is_wear_alone(&opened.source) && options.radius == Radius::Whole;
+        let options = Options {
+            skip_levels: choice.skip,
+            max_blocks: choice.max_blocks,
+            start: choice.start,
+            radius: if is_alone { Radius::Alone(0.0) } else { options.radius },
+            ..options
+        };
+        let length = opened.source.bytes().len();
+        let execution = Execution::new(opened.program, machine, library, options);
+        Running { execution, watch: None, loaded, length, moves: false }
+    }
+
+    /// The same with nobody who is told.
+    pub(crate) fn silent(self) -> Self {
+        Running { watch: None, ..self }
+    }
+
+    /// The same with somebody who is told how far it is.
+    pub(crate) fn watched(self, watch: Box<dyn Watch>) -> Self {
+        Running { watch: Some(watch), ..self }
+    }
+
+    /// The main program and every subprogram read so far, for drawing findings.
+    pub(crate) fn sources(&self) -> &[Source] {
+        self.execution.sources()
+    }
+
+    /// The lines that called the program of an element, innermost first.
+    pub(crate) fn call_lines(&self, element: &Element) -> Vec<u32> {
+        self.execution.call_lines(&element.origin)
+    }
+
+    /// Blocks executed so far.
+    pub(crate) fn blocks(&self) -> u64 {
+        self.execution.executed_blocks()
+    }
+
+    /// Whether a motion has come by so far.
+    pub(crate) fn moves(&self) -> bool {
+        self.moves
+    }
+
+    /// The files of the subprograms that were read.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        self.loaded.borrow().clone()
+    }
+}
+
+impl Iterator for Running<'_> {
+    type Item = Result<Element, Diagnostic>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let item = self.execution.next();
+        self.moves |= matches!(&item, Some(Ok(Element { kind: Kind::Move(_), .. })));
+        match &item {
+            Some(Ok(element)) if element.starts_block => {
+                if let Some(watch) = &mut self.watch {
+                    // In a subprogram the main program stands still.
+                    let offset = (element.origin.file == FileId(0)).then_some(element.origin.span.start);
+                    watch.note(self.execution.executed_blocks(), offset, self.length);
+                }
+            }
+            Some(_) => {}
+            None => self.watch.iter_mut().for_each(|watch| watch.end()),
+        }
+        item
+    }
+}
+
+/// Whether the control is to have nothing but wear in the registers of a program's tools: its stamp says so.
+pub(crate) fn is_wear_alone(source: &Source) -> bool {
+    emit::stamped_promise(source.bytes()).is_some_and(|promise| promise.keeps_wear)
+}
+
+/// Options of a program that will be written: a position that is not known for sure is an error, and the control loses radius compensation.
+/// `rapid_order` says which rapid moves are taken apart.
+pub(crate) fn strict(rapid_order: RapidOrder) -> Options {
+    Options { strict: true, tells_compensation: true, rapid_order, ..Options::default() }
+}
+
+/// The finding for a program that moves nothing.
+pub(crate) fn without_motion(source: &Source, code: Code) -> Diagnostic {
+    let place = Place { file: source.id(), span: Span::new(0, 1) };
+    let help = "look where its motions are: behind M30, in a program that nothing calls, in skip blocks";
+    Diagnostic::at(code, place, "this program moves no axis: there is nothing to correct", help)
+}
