@@ -1,9 +1,10 @@
-//! The code tables as the documentation shows them, and that they hold what is promised.
+//! The tables of codes and words as the documentation shows them, and that they hold what is promised.
 
 use std::fmt::Write as _;
 
+use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
-use ncfix_dialect::{DIALECTS, Effect, Language};
+use ncfix_dialect::{DIALECTS, Effect, Language, Treatment, words};
 use ncfix_language::exec::{Execution, NoLibrary, Options};
 use ncfix_language::syntax;
 
@@ -26,6 +27,32 @@ fn page() -> String {
             let (words, name) = (row.words.replace('-', ""), row.name.replace("..", " … "));
             writeln!(text, "| {name} | {} | {effect} | {words} | {} |", row.group, row.meaning).unwrap();
         }
+        if dialect.language == Language::Sinumerik {
+            text.push_str(&page_of_words());
+        }
+    }
+    text
+}
+
+/// What the page says of the words of the Sinumerik that are no codes: the legend of the table, and the table.
+fn page_of_words() -> String {
+    let file = std::fs::read_to_string(repository("grammars/sinumerik-words.tsv")).unwrap();
+    let legend = file
+        .lines()
+        .filter_map(|line| line.strip_prefix('#'))
+        .skip(2)
+        .map(|line| line.strip_prefix(' ').unwrap_or(line));
+    let mut text = String::from("\n### Words that are no codes\n\n```text\n");
+    legend.for_each(|line| writeln!(text, "{line}").unwrap());
+    text.push_str(
+        "```\n\n| word | place | treatment | arguments | source | meaning |\n| --- | --- | --- | --- | --- | --- |\n",
+    );
+    for row in words().rows() {
+        let (place, treatment) = (format!("{:?}", row.place), format!("{:?}", row.treatment));
+        let (place, treatment, arguments) =
+            (place.to_lowercase(), treatment.to_lowercase(), row.arguments.replace('-', ""));
+        writeln!(text, "| {} | {place} | {treatment} | {arguments} | {} | {} |", row.name, row.source, row.meaning)
+            .unwrap();
     }
     text
 }
@@ -125,4 +152,26 @@ fn what_the_table_refuses_is_never_executed() {
         wrong.extend(refused.filter(|row| !fails(dialect, row.name)).map(|row| (dialect.name, row.name)));
     }
     assert_eq!(wrong, []);
+}
+
+#[test]
+fn every_refused_word_of_the_sinumerik_says_why() {
+    let machine = crate::machines::xyz_machine();
+    for row in words().rows() {
+        if !matches!(row.treatment, Treatment::Refuse | Treatment::Later) {
+            continue;
+        }
+        let values =
+            row.arguments.replace("(...)", "(1)").replace("axis", "X").replace("value", "1").replace("length", "1");
+        let text = format!("{}{}\n", row.name, values.replace('-', ""));
+        let source = Source::new(FileId(0), "example", text.clone().into_bytes()).unwrap();
+        let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
+        let executed =
+            Execution::new(program, &machine, Box::new(NoLibrary), Options::default()).filter_map(Result::err);
+        let found = findings.into_iter().chain(executed).find(Diagnostic::is_error);
+        let found = found.unwrap_or_else(|| panic!("{text} is not refused"));
+        assert_eq!(found.code, Code::NOT_SUPPORTED, "{text}: {}", found.message);
+        let reason = if row.treatment == Treatment::Refuse { row.meaning } else { "not supported yet" };
+        assert!(found.message.contains(reason), "{text}: {}", found.message);
+    }
 }

@@ -1,4 +1,4 @@
-//! Dialects as values: a code table, file extensions and switches. No parser functions, no execution.
+//! Dialects as values: tables of codes and words, file extensions and switches. No parser functions, no execution.
 
 mod blocks;
 mod code;
@@ -9,10 +9,12 @@ mod rs274;
 mod sinumerik;
 mod turning;
 mod turning_names;
+mod word;
 
 pub use code::{CodeEntry, CodeTable, Effect};
 pub use foreign::{Foreign, foreign};
 pub use turning::{Mark, turning};
+pub use word::{Treatment, ValueUnit, WordEntry, WordPlace, WordTable, words};
 
 /// The language of a dialect: what its parser and its execution ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

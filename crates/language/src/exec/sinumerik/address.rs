@@ -1,7 +1,7 @@
 //! The register of addresses that are names: `CR=`, `TURN=`, `RND=`, `AX[…]=` and their kin.
 //!
-//! An address with a value is gathered by its row here and found again by [`super::gathered::Gathered::named`]; whoever executes it
-//! takes it from there. To add one, add a variant, a row, and the code that takes it.
+//! An address with a value is gathered here and found again by [`super::gathered::Gathered::named`]; whoever executes it
+//! takes it from there. To add one, add a row to `grammars/sinumerik-words.tsv`, a variant, and the code that takes it.
 
 use super::gather::{Gatherer, twice};
 use super::gathered::{Gathered, NamedValue};
@@ -57,40 +57,6 @@ pub(super) enum Named {
     Fad,
 }
 
-/// Names and their addresses.
-pub(super) const NAMED: &[(&str, Named)] = &[
-    ("CR", Named::Cr),
-    ("TURN", Named::Turn),
-    ("AR", Named::Ar),
-    ("AP", Named::Ap),
-    ("RP", Named::Rp),
-    ("RPL", Named::Rpl),
-    ("RND", Named::Rnd),
-    ("RNDM", Named::Rndm),
-    ("CHF", Named::Chf),
-    ("CHR", Named::Chr),
-    ("FRC", Named::Frc),
-    ("FRCM", Named::Frcm),
-    ("ANG", Named::Ang),
-    ("DISC", Named::Disc),
-    ("OFFN", Named::Offn),
-    ("TOFFR", Named::Toffr),
-    ("DISR", Named::Disr),
-    ("DISCL", Named::Discl),
-    ("DISRP", Named::Disrp),
-    ("FAD", Named::Fad),
-    ("LEAD", Named::Lead),
-    ("TILT", Named::Tilt),
-    ("PL", Named::Pl),
-    ("PW", Named::Pw),
-    ("SD", Named::Sd),
-];
-
-/// The address of a name, upper case.
-pub(super) fn named(name: &str) -> Option<Named> {
-    NAMED.iter().find(|(known, _)| *known == name).map(|&(_, address)| address)
-}
-
 /// The address of a letter with an extension: `I1=`, `A3=`.
 pub(super) fn extended(letter: u8, extension: u32) -> Option<Named> {
     Some(match (letter, extension) {
@@ -102,6 +68,38 @@ pub(super) fn extended(letter: u8, extension: u32) -> Option<Named> {
 }
 
 impl Named {
+    /// The address of a word with the treatment `read`, upper case.
+    pub(super) fn of(name: &str) -> Option<Named> {
+        Some(match name {
+            "CR" => Named::Cr,
+            "TURN" => Named::Turn,
+            "AR" => Named::Ar,
+            "AP" => Named::Ap,
+            "RP" => Named::Rp,
+            "RPL" => Named::Rpl,
+            "RND" => Named::Rnd,
+            "RNDM" => Named::Rndm,
+            "CHF" => Named::Chf,
+            "CHR" => Named::Chr,
+            "FRC" => Named::Frc,
+            "FRCM" => Named::Frcm,
+            "ANG" => Named::Ang,
+            "DISC" => Named::Disc,
+            "OFFN" => Named::Offn,
+            "TOFFR" => Named::Toffr,
+            "DISR" => Named::Disr,
+            "DISCL" => Named::Discl,
+            "DISRP" => Named::Disrp,
+            "FAD" => Named::Fad,
+            "LEAD" => Named::Lead,
+            "TILT" => Named::Tilt,
+            "PL" => Named::Pl,
+            "PW" => Named::Pw,
+            "SD" => Named::Sd,
+            _ => return None,
+        })
+    }
+
     /// Whether a block moves because it has this address.
     pub(super) fn moves(self) -> bool {
         matches!(
@@ -132,5 +130,18 @@ impl Gatherer<'_> {
         }
         out.addresses.push(NamedValue { address, value: self.number(word)?, dimension, span: word.span });
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ncfix_dialect::{Treatment, WordPlace, words};
+
+    #[test]
+    fn every_address_of_the_table_is_taken_and_no_other() {
+        for row in words().rows().iter().filter(|row| row.place == WordPlace::Block) {
+            assert_eq!(Named::of(row.name).is_some(), row.treatment == Treatment::Read, "{}", row.name);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Evaluation of expressions.
 
-use super::functions::{FRAME_FUNCTIONS, NoValue, evaluate};
+use super::functions::{NoValue, evaluate, is_frame_function};
 use super::modal::Modal;
 use super::system::System;
 use super::value::{Value, is_int};
@@ -181,7 +181,7 @@ impl Scope<'_> {
 
     fn function(&self, name: &str, arguments: &[Value], id: ExprId) -> Result<Value, Fault> {
         let span = self.program.expr(id).span;
-        if FRAME_FUNCTIONS.contains(&name) {
+        if is_frame_function(name) {
             return self.frame_function(name, arguments, id);
         }
         if let Some(value) = self.channel_function(name, arguments, id)? {

@@ -2,6 +2,7 @@
 
 use super::value::{Value, half_up, is_axis_name};
 use ncfix_base::units::sin_deg;
+use ncfix_dialect::{Treatment, WordPlace, words};
 
 /// Why a function has no value.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,102 +17,108 @@ pub(super) enum NoValue {
     Undefined(&'static str),
 }
 
-/// An arithmetic function: name, number of arguments, value. Angles in degrees.
-type Arithmetic = (&'static str, usize, fn(&[f64]) -> f64);
+/// The value of an arithmetic function, which has as many arguments as the table of words says. Angles in degrees.
+fn arithmetic(name: &str) -> Option<fn(&[f64]) -> f64> {
+    Some(match name {
+        "SIN" => |a| sin_deg(a[0]),
+        "COS" => |a| sin_deg(90.0 - a[0]),
+        "TAN" => |a| sin_deg(a[0]) / sin_deg(90.0 - a[0]),
+        "ASIN" => |a| a[0].asin().to_degrees(),
+        "ACOS" => |a| a[0].acos().to_degrees(),
+        // No direction leads from a point to itself.
+        "ATAN2" => |a| if a == [0.0, 0.0] { f64::NAN } else { a[0].atan2(a[1]).to_degrees() },
+        "SQRT" => |a| a[0].sqrt(),
+        "ABS" => |a| a[0].abs(),
+        "POT" => |a| a[0] * a[0],
+        "TRUNC" => |a| a[0].trunc(),
+        "ROUND" => |a| half_up(a[0]),
+        "ROUNDUP" => |a| a[0].ceil(),
+        "LN" => |a| a[0].ln(),
+        "EXP" => |a| a[0].exp(),
+        "MINVAL" => |a| a[0].min(a[1]),
+        "MAXVAL" => |a| a[0].max(a[1]),
+        "BOUND" => |a| if a[0] > a[1] { f64::NAN } else { a[2].clamp(a[0], a[1]) },
+        _ => return None,
+    })
+}
 
-const ARITHMETIC: &[Arithmetic] = &[
-    ("SIN", 1, |a| sin_deg(a[0])),
-    ("COS", 1, |a| sin_deg(90.0 - a[0])),
-    ("TAN", 1, |a| sin_deg(a[0]) / sin_deg(90.0 - a[0])),
-    ("ASIN", 1, |a| a[0].asin().to_degrees()),
-    ("ACOS", 1, |a| a[0].acos().to_degrees()),
-    // No direction leads from a point to itself.
-    ("ATAN2", 2, |a| if a == [0.0, 0.0] { f64::NAN } else { a[0].atan2(a[1]).to_degrees() }),
-    ("SQRT", 1, |a| a[0].sqrt()),
-    ("ABS", 1, |a| a[0].abs()),
-    ("POT", 1, |a| a[0] * a[0]),
-    ("TRUNC", 1, |a| a[0].trunc()),
-    ("ROUND", 1, |a| half_up(a[0])),
-    ("ROUNDUP", 1, |a| a[0].ceil()),
-    ("LN", 1, |a| a[0].ln()),
-    ("EXP", 1, |a| a[0].exp()),
-    ("MINVAL", 2, |a| a[0].min(a[1])),
-    ("MAXVAL", 2, |a| a[0].max(a[1])),
-    ("BOUND", 3, |a| if a[0] > a[1] { f64::NAN } else { a[2].clamp(a[0], a[1]) }),
-];
-
-/// A function of texts and axes: name, fewest and most arguments, value.
-type Textual = (&'static str, usize, usize, fn(&[Value]) -> Option<Value>);
-
-const TEXTUAL: &[Textual] = &[
-    ("STRLEN", 1, 1, |a| Some(Value::Int(text(&a[0])?.len() as i64))),
-    ("TOUPPER", 1, 1, |a| Some(Value::Text(text(&a[0])?.to_ascii_uppercase()))),
-    ("TOLOWER", 1, 1, |a| Some(Value::Text(text(&a[0])?.to_ascii_lowercase()))),
-    ("ISNUMBER", 1, 1, |a| Some(Value::Bool(number_in(&text(&a[0])?).is_some()))),
-    ("NUMBER", 1, 1, |a| number_in(&text(&a[0])?).map(Value::Real)),
-    ("SUBSTR", 2, 3, |a| {
-        let text = text(&a[0])?;
-        let start = usize::try_from(a[1].whole()?).ok()?.min(text.len());
-        let length = match a.get(2) {
-            Some(length) => usize::try_from(length.whole()?).ok()?,
-            None => text.len(),
-        };
-        let end = start.saturating_add(length).min(text.len());
-        Some(Value::Text(text[start..end].to_vec()))
-    }),
-    ("INDEX", 2, 2, |a| {
-        let byte = character(&a[1])?;
-        Some(place(text(&a[0])?.iter().position(|&candidate| candidate == byte)))
-    }),
-    ("RINDEX", 2, 2, |a| {
-        let byte = character(&a[1])?;
-        Some(place(text(&a[0])?.iter().rposition(|&candidate| candidate == byte)))
-    }),
-    ("MINDEX", 2, 2, |a| {
-        let any = text(&a[1])?;
-        Some(place(text(&a[0])?.iter().position(|candidate| any.contains(candidate))))
-    }),
-    ("MATCH", 2, 2, |a| {
-        let (text, part) = (text(&a[0])?, text(&a[1])?);
-        let found = if part.is_empty() { Some(0) } else { text.windows(part.len()).position(|window| window == part) };
-        Some(place(found))
-    }),
-    ("AXNAME", 1, 1, |a| {
-        let name = String::from_utf8(text(&a[0])?).ok()?.trim().to_ascii_uppercase();
-        is_axis_name(&name).then_some(Value::Axis(name))
-    }),
-    ("AXSTRING", 1, 1, |a| match &a[0] {
-        Value::Axis(name) => Some(Value::Text(name.clone().into_bytes())),
-        _ => None,
-    }),
-    ("SPI", 1, 1, |a| match a[0].whole()? {
-        number @ 1..=99 => Some(Value::Axis(format!("SPI{number}"))),
-        _ => None,
-    }),
-    ("SPRINT", 1, 32, sprint),
-];
-
-/// Functions that look at the channel, and are evaluated there.
-const OF_CHANNEL: &[&str] = &["ISAXIS", "ISVAR", "GETT"];
-
-/// Functions whose values are frames.
-pub(super) const FRAME_FUNCTIONS: &[&str] =
-    &["CTRANS", "CFINE", "CROT", "CROTS", "CRPL", "CSCALE", "CMIRROR", "INVFRAME", "MEAFRAME"];
+/// The value of a function of texts and axes, which has as many arguments as the table of words says.
+fn textual(name: &str) -> Option<fn(&[Value]) -> Option<Value>> {
+    Some(match name {
+        "STRLEN" => |a| Some(Value::Int(text(&a[0])?.len() as i64)),
+        "TOUPPER" => |a| Some(Value::Text(text(&a[0])?.to_ascii_uppercase())),
+        "TOLOWER" => |a| Some(Value::Text(text(&a[0])?.to_ascii_lowercase())),
+        "ISNUMBER" => |a| Some(Value::Bool(number_in(&text(&a[0])?).is_some())),
+        "NUMBER" => |a| number_in(&text(&a[0])?).map(Value::Real),
+        "SUBSTR" => |a| {
+            let text = text(&a[0])?;
+            let start = usize::try_from(a[1].whole()?).ok()?.min(text.len());
+            let length = match a.get(2) {
+                Some(length) => usize::try_from(length.whole()?).ok()?,
+                None => text.len(),
+            };
+            let end = start.saturating_add(length).min(text.len());
+            Some(Value::Text(text[start..end].to_vec()))
+        },
+        "INDEX" => |a| {
+            let byte = character(&a[1])?;
+            Some(place(text(&a[0])?.iter().position(|&candidate| candidate == byte)))
+        },
+        "RINDEX" => |a| {
+            let byte = character(&a[1])?;
+            Some(place(text(&a[0])?.iter().rposition(|&candidate| candidate == byte)))
+        },
+        "MINDEX" => |a| {
+            let any = text(&a[1])?;
+            Some(place(text(&a[0])?.iter().position(|candidate| any.contains(candidate))))
+        },
+        "MATCH" => |a| {
+            let (text, part) = (text(&a[0])?, text(&a[1])?);
+            let found =
+                if part.is_empty() { Some(0) } else { text.windows(part.len()).position(|window| window == part) };
+            Some(place(found))
+        },
+        "AXNAME" => |a| {
+            let name = String::from_utf8(text(&a[0])?).ok()?.trim().to_ascii_uppercase();
+            is_axis_name(&name).then_some(Value::Axis(name))
+        },
+        "AXSTRING" => |a| match &a[0] {
+            Value::Axis(name) => Some(Value::Text(name.clone().into_bytes())),
+            _ => None,
+        },
+        "SPI" => |a| match a[0].whole()? {
+            number @ 1..=99 => Some(Value::Axis(format!("SPI{number}"))),
+            _ => None,
+        },
+        "SPRINT" => sprint,
+        _ => return None,
+    })
+}
 
 /// Whether a name is a function, and so no variable.
 pub(super) fn is_function(name: &str) -> bool {
-    ARITHMETIC.iter().any(|(known, ..)| *known == name)
-        || TEXTUAL.iter().any(|(known, ..)| *known == name)
-        || OF_CHANNEL.contains(&name)
-        || FRAME_FUNCTIONS.contains(&name)
+    words().find(name, WordPlace::Expression).is_some()
+}
+
+/// Whether a name is a function whose value is a frame.
+pub(super) fn is_frame_function(name: &str) -> bool {
+    words().find(name, WordPlace::Expression).is_some_and(|row| row.treatment == Treatment::Frame)
 }
 
 /// The value of a function that needs nothing but its arguments.
 pub(super) fn evaluate(name: &str, arguments: &[Value]) -> Result<Value, NoValue> {
-    if let Some(&(_, count, function)) = ARITHMETIC.iter().find(|(known, ..)| *known == name) {
-        if arguments.len() != count {
-            return Err(NoValue::Count(["no argument", "1 argument", "2 arguments", "3 arguments"][count.min(3)]));
-        }
+    let row = words().find(name, WordPlace::Expression).filter(|row| row.treatment == Treatment::Function);
+    let (fewest, most) = row.ok_or(NoValue::Unknown)?.counts;
+    if !(fewest..=most).contains(&arguments.len()) {
+        return Err(NoValue::Count(match (fewest, most) {
+            (1, 1) => "1 argument",
+            (2, 2) => "2 arguments",
+            (3, 3) => "3 arguments",
+            (2, 3) => "2 or 3 arguments",
+            _ => "1 to 32 arguments",
+        }));
+    }
+    if let Some(function) = arithmetic(name) {
         let numbers: Option<Vec<f64>> = arguments.iter().map(Value::number).collect();
         let result = function(&numbers.ok_or(NoValue::Type)?);
         if !result.is_finite() {
@@ -127,17 +134,7 @@ pub(super) fn evaluate(name: &str, arguments: &[Value]) -> Result<Value, NoValue
         }
         return Ok(Value::Real(result));
     }
-    let Some(&(_, fewest, most, function)) = TEXTUAL.iter().find(|(known, ..)| *known == name) else {
-        return Err(NoValue::Unknown);
-    };
-    if !(fewest..=most).contains(&arguments.len()) {
-        return Err(NoValue::Count(match (fewest, most) {
-            (1, 1) => "1 argument",
-            (2, 2) => "2 arguments",
-            (2, 3) => "2 or 3 arguments",
-            _ => "1 to 32 arguments",
-        }));
-    }
+    let function = textual(name).ok_or(NoValue::Unknown)?;
     match function(arguments) {
         Some(value) => Ok(value),
         None if name == "SUBSTR" && text(&arguments[0]).is_some() => {
@@ -236,4 +233,26 @@ fn exponential(value: f64, decimals: usize) -> String {
     let Some((mantissa, exponent)) = text.split_once('e') else { return text };
     let (sign, digits) = exponent.strip_prefix('-').map_or(('+', exponent), |digits| ('-', digits));
     format!("{mantissa}EX{sign}{digits:0>2}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_function_of_the_table_has_a_value_or_says_why_not() {
+        for row in words().rows().iter().filter(|row| row.place == WordPlace::Expression) {
+            let is_evaluated = arithmetic(row.name).is_some() || textual(row.name).is_some();
+            assert_eq!(is_evaluated, row.treatment == Treatment::Function, "{}", row.name);
+            if is_evaluated {
+                let (fewest, most) = row.counts;
+                for count in [fewest, most] {
+                    let found = evaluate(row.name, &vec![Value::Int(1); count]);
+                    assert!(!matches!(found, Err(NoValue::Unknown | NoValue::Count(_))), "{}: {found:?}", row.name);
+                }
+                let found = evaluate(row.name, &vec![Value::Int(1); most + 1]);
+                assert!(matches!(found, Err(NoValue::Count(_))), "{}: {found:?}", row.name);
+            }
+        }
+    }
 }

@@ -28,7 +28,6 @@ mod gathered;
 mod groups;
 mod indexed_word;
 mod jump;
-mod kept;
 mod level;
 mod library;
 mod modal;

@@ -1,9 +1,8 @@
 //! What the names of a program mean, resolved once when it is loaded.
 
-use super::address::{Named, named};
-use super::kept::{Row, row};
+use super::address::Named;
 use crate::syntax::sinumerik::Program;
-use ncfix_dialect::{CodeEntry, Dialect};
+use ncfix_dialect::{CodeEntry, Dialect, Treatment, WordEntry, WordPlace, words};
 use ncfix_machine::machine::Control;
 
 /// What a name in word position is.
@@ -14,7 +13,7 @@ pub(super) enum Meaning {
     /// An address with a value: `CR=`, `TURN=` …
     Address(Named),
     /// A word that is passed on.
-    Kept(&'static Row),
+    Kept(&'static WordEntry),
     /// A program that the machine file says the control runs by itself.
     Opaque {
         /// Whether it moves axes.
@@ -34,12 +33,6 @@ pub(super) enum Meaning {
     Free,
 }
 
-/// Addresses and words that change positions or feeds and are not executed yet.
-const UNSUPPORTED: &[&str] = &[
-    "TOFFL", "TOFF", "POS", "POSA", "POSP", "AX", "THETA", "TCARR", "DL", "ISD", "STRLEN", "SET", "REP", "ORIRESET",
-    "SPI", "MIRRORAX",
-];
-
 /// Cycles of the control.
 const CYCLES: &[&str] = &["CYCLE", "HOLES", "POCKET", "SLOT", "LONGHOLE", "E_", "F_"];
 
@@ -48,22 +41,40 @@ pub(super) fn resolve(program: &Program, dialect: &'static Dialect, control: &Co
     program
         .names
         .iter()
-        .map(|name| match name {
-            "MSG" => Meaning::Message,
-            "RET" => Meaning::Return,
-            _ => match dialect.codes().word(name) {
-                Some(entry) => Meaning::Code(entry),
-                None => match (named(name), control.opaque_moves(name), row(name)) {
-                    (Some(address), ..) => Meaning::Address(address),
-                    (_, Some(moves), _) => Meaning::Opaque { moves },
-                    (_, _, Some(row)) => Meaning::Kept(row),
-                    _ if UNSUPPORTED.contains(&name) => Meaning::Unsupported,
-                    _ if name.starts_with('$') => Meaning::System,
-                    _ => Meaning::Free,
+        .map(|name| {
+            let row = words().find(name, WordPlace::Block);
+            match row.map(|row| row.treatment) {
+                Some(Treatment::Message) => return Meaning::Message,
+                Some(Treatment::Return) => return Meaning::Return,
+                _ => {}
+            }
+            if let Some(entry) = dialect.codes().word(name) {
+                return Meaning::Code(entry);
+            }
+            if let Some(address) =
+                row.filter(|row| row.treatment == Treatment::Read).and_then(|row| Named::of(row.name))
+            {
+                return Meaning::Address(address);
+            }
+            if let Some(moves) = control.opaque_moves(name) {
+                return Meaning::Opaque { moves };
+            }
+            match row {
+                Some(row) => match row.treatment {
+                    Treatment::Letter => Meaning::Free,
+                    Treatment::Axis | Treatment::Later => Meaning::Unsupported,
+                    _ => Meaning::Kept(row),
                 },
-            },
+                None if name.starts_with('$') => Meaning::System,
+                None => Meaning::Free,
+            }
         })
         .collect()
+}
+
+/// Whether a name is an address letter that may have an index in brackets: `S[2]=500`.
+pub(super) fn is_indexed_letter(name: &str) -> bool {
+    words().find(name, WordPlace::Block).is_some_and(|row| row.treatment == Treatment::Letter)
 }
 
 /// Whether a name belongs to a cycle of the control.

@@ -7,8 +7,7 @@ use super::channel::Channel;
 use super::functions::is_function;
 use super::gather::Gatherer;
 use super::gathered::Gathered;
-use super::kept::{INDEXED_LETTERS, Treatment, Unit};
-use super::names::Meaning;
+use super::names::{Meaning, is_indexed_letter};
 use super::value::Value as ExecValue;
 use super::{Loaded, assign::assign_value, gatherer};
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -17,6 +16,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
+use ncfix_dialect::{Treatment, ValueUnit};
 use ncfix_machine::snc::Kind;
 
 /// Metric lengths and feeds are written to this many parts of a unit: without the noise of the conversion.
@@ -25,7 +25,8 @@ const PARTS: f64 = 1e9;
 impl Gatherer<'_> {
     /// Takes a word that is passed on; false where it is none.
     pub(super) fn passes(&self, word: &Word, block: &Block, out: &mut Gathered) -> Result<bool, Fault> {
-        let treatment = match word.address {
+        // Without a row: a letter with a number or an index that is passed on as it is.
+        let row = match word.address {
             Address::Letter(b'L') => {
                 let name: Vec<u8> =
                     self.source(word.span).iter().filter(|b| !b.is_ascii_whitespace()).copied().collect();
@@ -38,28 +39,31 @@ impl Gatherer<'_> {
                 Value::Dimension(DimensionFunction::Other, id)
                     if !matches!(self.scope.whole(id)?, 0 | 1 | 2 | 5 | 6 | 9 | 17 | 30) =>
                 {
-                    Treatment::Keep(Unit::None)
+                    None
                 }
                 _ => return Ok(false),
             },
             Address::Name(name) => match self.meanings[name.index()] {
-                Meaning::Kept(row) => row.treatment,
+                Meaning::Kept(row) => Some(row),
                 Meaning::Opaque { moves } => return self.opaque(word, block, moves, out),
                 _ => return Ok(false),
             },
             Address::Indexed(left) => match self.scope.program.expr(left).node {
                 Node::Indexed(name, _) => match self.meanings[name.index()] {
-                    Meaning::Kept(row) => row.treatment,
+                    Meaning::Kept(row) => Some(row),
                     Meaning::Unsupported => return self.positioning(left, word, block, out),
-                    _ if INDEXED_LETTERS.contains(&self.scope.program.names.text(name)) => Treatment::Keep(Unit::None),
+                    _ if is_indexed_letter(self.scope.program.names.text(name)) => None,
                     _ => return Ok(false),
                 },
                 _ => return Ok(false),
             },
             _ => return Ok(false),
         };
-        match treatment {
-            Treatment::Keep(unit) => out.verbatim.push(self.text(word, unit)?),
+        let Some(row) = row else {
+            out.verbatim.push(self.text(word, ValueUnit::None)?);
+            return Ok(true);
+        };
+        match row.treatment {
             Treatment::BlockFeed => {
                 let Value::Expr(id) = word.value else {
                     return Err(bad_value(word.span, "FB needs a value", "write for example FB=500"));
@@ -68,7 +72,7 @@ impl Gatherer<'_> {
                 if value.is_nan() || value <= 0.0 {
                     return Err(bad_value(word.span, "a feed must be above 0", "program FB with a positive value"));
                 }
-                out.block_feed = Some(value * self.scale(Unit::Feed));
+                out.block_feed = Some(value * self.scale(ValueUnit::Feed));
             }
             Treatment::File => {
                 let name = String::from_utf8_lossy(self.source(word.span)).into_owned();
@@ -87,15 +91,16 @@ impl Gatherer<'_> {
                 out.warning = Some(fault(Code::NOT_CORRECTED, word.span, message, help));
             }
             Treatment::Lost => {
-                out.verbatim.push(self.text(word, Unit::None)?);
+                out.verbatim.push(self.text(word, ValueUnit::None)?);
                 out.lost = AxisSet::ALL;
             }
-            Treatment::Refuse(why) => {
+            Treatment::Refuse => {
                 let shown = String::from_utf8_lossy(self.source(word.span)).into_owned();
                 let shown: String = shown.chars().take(40).collect();
-                let message = format!("{shown}: {why}");
+                let message = format!("{shown}: {}", row.meaning);
                 return Err(fault(Code::NOT_SUPPORTED, word.span, message, "the program cannot be corrected with it"));
             }
+            _ => out.verbatim.push(self.text(word, row.unit)?),
         }
         Ok(true)
     }
@@ -110,8 +115,8 @@ impl Gatherer<'_> {
                     let message = "G25 and G26 share their block with another G code";
                     return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other code to another block"));
                 }
-                Address::Letter(letter) if b"XYZUVW".contains(&letter) => Unit::Length,
-                Address::Letter(b'G' | b'S' | b'A' | b'B' | b'C') | Address::Extended(b'S', _) => Unit::None,
+                Address::Letter(letter) if b"XYZUVW".contains(&letter) => ValueUnit::Length,
+                Address::Letter(b'G' | b'S' | b'A' | b'B' | b'C') | Address::Extended(b'S', _) => ValueUnit::None,
                 _ => {
                     let message = "G25 and G26 share their block with nothing but limits";
                     return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other words to another block"));
@@ -131,10 +136,10 @@ impl Gatherer<'_> {
 
     /// A call that the control carries out: it and its repetitions are passed on.
     fn opaque(&self, word: &Word, block: &Block, moves: bool, out: &mut Gathered) -> Result<bool, Fault> {
-        let mut text = self.text(word, Unit::None)?;
+        let mut text = self.text(word, ValueUnit::None)?;
         for other in self.scope.program.words_of(block).iter().filter(|other| other.span.start > word.span.start) {
             text.push(b' ');
-            text.extend(self.text(other, Unit::None)?);
+            text.extend(self.text(other, ValueUnit::None)?);
         }
         out.verbatim.push(text);
         out.is_complete = true;
@@ -158,17 +163,17 @@ impl Gatherer<'_> {
     }
 
     /// What a value of the program's unit is multiplied with.
-    fn scale(&self, unit: Unit) -> f64 {
+    fn scale(&self, unit: ValueUnit) -> f64 {
         let modal = self.scope.modal;
         match unit {
-            Unit::Length => modal.scale(),
-            Unit::Feed if modal.inch_feed => MM_PER_INCH,
-            Unit::Feed | Unit::None => 1.0,
+            ValueUnit::Length => modal.scale(),
+            ValueUnit::Feed if modal.inch_feed => MM_PER_INCH,
+            ValueUnit::Feed | ValueUnit::None => 1.0,
         }
     }
 
     /// A word with its values.
-    pub(super) fn text(&self, word: &Word, unit: Unit) -> Result<Vec<u8>, Fault> {
+    pub(super) fn text(&self, word: &Word, unit: ValueUnit) -> Result<Vec<u8>, Fault> {
         let mut text = match word.address {
             Address::Letter(letter) => vec![letter],
             Address::Extended(letter, extension) => format!("{}{extension}", char::from(letter)).into_bytes(),
@@ -179,7 +184,7 @@ impl Gatherer<'_> {
                 };
                 let mut text = self.scope.program.names.text(name).as_bytes().to_vec();
                 text.push(b'[');
-                self.arguments(range, Unit::None, &mut text)?;
+                self.arguments(range, ValueUnit::None, &mut text)?;
                 text.push(b']');
                 text
             }
@@ -217,20 +222,20 @@ impl Gatherer<'_> {
     }
 
     /// Arguments with their values; the unit is that of the first one.
-    fn arguments(&self, range: ArgumentRange, unit: Unit, out: &mut Vec<u8>) -> Result<(), Fault> {
+    fn arguments(&self, range: ArgumentRange, unit: ValueUnit, out: &mut Vec<u8>) -> Result<(), Fault> {
         for (index, argument) in self.scope.program.arguments_of(range).iter().enumerate() {
             if index > 0 {
                 out.push(b',');
             }
             if let Some(id) = argument {
-                out.extend(self.argument(*id, if index == 0 { unit } else { Unit::None })?);
+                out.extend(self.argument(*id, if index == 0 { unit } else { ValueUnit::None })?);
             }
         }
         Ok(())
     }
 
     /// The value of an expression as text; the expression itself where only the control knows its names.
-    fn argument(&self, id: ExprId, unit: Unit) -> Result<Vec<u8>, Fault> {
+    fn argument(&self, id: ExprId, unit: ValueUnit) -> Result<Vec<u8>, Fault> {
         let value = match self.scope.value(id) {
             Ok(value) => value,
             Err(found) => {
@@ -333,7 +338,7 @@ pub(super) fn opaque_statement(
     }
     if let Some(range) = arguments {
         text.push(b'(');
-        gatherer(loaded, channel, channel.machine).arguments(range, Unit::None, &mut text)?;
+        gatherer(loaded, channel, channel.machine).arguments(range, ValueUnit::None, &mut text)?;
         text.push(b')');
     }
     channel.feed_for_call();

@@ -5,13 +5,13 @@
 
 use super::gather::Gatherer;
 use super::gathered::Gathered;
-use super::kept::Unit;
 use super::value::Value as ExecValue;
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{Address, Block, ExprId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::Span;
+use ncfix_dialect::ValueUnit;
 
 impl Gatherer<'_> {
     /// Takes `POS[…]=` and `POSA[…]=`; false where the word is another.
@@ -58,12 +58,12 @@ impl Gatherer<'_> {
     /// A position that is passed on. The output is metric and absolute.
     fn foreign_position(&self, letter: u8, word: &Word, block: &Block) -> Result<Vec<u8>, Fault> {
         let unit = match Axis::from_letter(letter) {
-            Some(axis) if !axis.is_rotary() => Unit::Length,
+            Some(axis) if !axis.is_rotary() => ValueUnit::Length,
             None if self.scope.modal.inch => {
                 let message = "a position in inch or degrees of an axis that the machine file does not know";
                 return Err(fault(Code::NOT_SUPPORTED, word.span, message, "program G71 or G710 before it"));
             }
-            _ => Unit::None,
+            _ => ValueUnit::None,
         };
         let mut text = self.text(word, unit)?;
         if matches!(word.value, Value::Expr(_))

@@ -5,12 +5,11 @@
 
 use super::gather::Gatherer;
 use super::gathered::Gathered;
-use super::kept::Unit;
 use super::names::Meaning;
 use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{Address, Block, Value, Word};
 use ncfix_base::geometry::{Axis, AxisSet};
-use ncfix_dialect::{CodeEntry, Effect};
+use ncfix_dialect::{CodeEntry, Effect, ValueUnit};
 
 /// The number of the fixed point.
 const POINT: &str = "FP";
@@ -47,7 +46,7 @@ impl Gatherer<'_> {
             if !text.is_empty() {
                 text.push(b' ');
             }
-            text.extend(self.text(word, Unit::None)?);
+            text.extend(self.text(word, ValueUnit::None)?);
         }
         out.verbatim.push(text);
         out.lost = out.lost.union(if names_axis { lost } else { AxisSet::ALL });

@@ -13,18 +13,8 @@ use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_base::source::Span;
+use ncfix_dialect::{Treatment, WordPlace, words};
 use ncfix_machine::snc::Kind;
-
-/// Words that concern the axis that stands behind them in brackets.
-const OF_AXIS: &[&str] = &["POS", "POSA", "POSP", "MOV", "FXS", "DELDTG", "MEASA", "MEAWA", "MEAC", "GET", "PRESETON"];
-
-/// Words that move nothing.
-const HARMLESS: &[&str] = &[
-    "ELSE", "STOPREOF", "RDISABLE", "LOCK", "UNLOCK", "RESET", "CANCEL", "ICYCON", "ICYCOF", "SETM", "CLEARM", "SETAL",
-    "SYNFCT", "FCTDEF", "SPOS", "SPOSA", "FA", "ACC", "VELOLIM", "JERKLIM", "OVR", "OVRA", "FXST", "FXSW", "TRAILOF",
-    "LEADOF", "COUPOF", "RELEASE", "WAITP", "TRUE", "FALSE", "AND", "OR", "XOR", "NOT", "DIV", "MOD", "B_AND", "B_OR",
-    "B_XOR", "B_NOT", "G70", "G71", "G700", "G710", "SPI", "LIMS",
-];
 
 /// Beginnings of variables whose values depend on where a block begins and ends.
 const OF_BLOCK: &[&str] = &[
@@ -164,7 +154,8 @@ fn is_moving(upper: &str, depth: u32, behind: &[u8], axes: AxisSet) -> bool {
             name == "R" || name.strip_prefix('R').is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()));
         return on_position || depth == 0 && is_written && !is_free && !is_parameter;
     }
-    if OF_AXIS.contains(&upper) {
+    let treatment = words().find(upper, WordPlace::Action).map(|row| row.treatment);
+    if treatment == Some(Treatment::Axis) {
         let inside = behind.get(1..).unwrap_or_default().trim_ascii_start();
         let length = inside.iter().take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_').count();
         return match inside.get(..length) {
@@ -175,7 +166,7 @@ fn is_moving(upper: &str, depth: u32, behind: &[u8], axes: AxisSet) -> bool {
             _ => true,
         };
     }
-    if depth > 0 || HARMLESS.contains(&upper) || is_function(upper) {
+    if depth > 0 || treatment == Some(Treatment::Still) || is_function(upper) {
         return false;
     }
     let letter = upper.as_bytes()[0];

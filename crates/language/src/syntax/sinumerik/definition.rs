@@ -6,12 +6,7 @@ use super::tree::{ArgumentRange, Body, ExprId, Node};
 use crate::syntax::names::NameId;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
-
-/// Modifiers with a number behind them: access rights, physical unit, limits. They change no value.
-const WITH_NUMBER: &[&[u8]] = &[b"APR", b"APW", b"APX", b"APRP", b"APWP", b"APRB", b"APWB", b"PHU", b"LLI", b"ULI"];
-/// Modifiers without one: preprocessing stop, initialisation, data class.
-const ALONE: &[&[u8]] =
-    &[b"SYNR", b"SYNW", b"SYNRW", b"INIPO", b"INIRE", b"INICF", b"PRLOC", b"DCM", b"DCI", b"DCU", b"DCS", b"DCN"];
+use ncfix_dialect::{WordPlace, words};
 
 /// Type of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,14 +107,10 @@ impl Parser {
     fn modifiers<'a>(&mut self, input: Input<'a>) -> Skipped<'a> {
         let mut rest = blanks(input);
         while let Ok((behind, word)) = identifier(rest) {
-            let upper = word.to_ascii_uppercase();
-            if WITH_NUMBER.contains(&upper.as_slice()) {
-                rest = blanks(self.expression(behind)?.0);
-            } else if ALONE.contains(&upper.as_slice()) {
-                rest = blanks(behind);
-            } else {
-                break;
-            }
+            let upper = String::from_utf8_lossy(word).to_ascii_uppercase();
+            let Some(row) = words().find(&upper, WordPlace::Definition) else { break };
+            let behind = if row.arguments == "-" { behind } else { self.expression(behind)?.0 };
+            rest = blanks(behind);
         }
         Ok(rest)
     }

@@ -8,9 +8,7 @@ use super::token::{Input, Parsed, blanks, fault, identifier};
 use super::tree::{BlockNumber, Body, ExprId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
-
-/// Statements that are known and not executed yet; the rest of their block is not read.
-const NOT_YET: &[&str] = &["ISOCALL"];
+use ncfix_dialect::{WordPlace, words};
 
 impl Parser {
     /// Reads a statement, or says that there is none at this place.
@@ -49,8 +47,10 @@ impl Parser {
                 Some(self.synchronised(input, draft))
             }
             b"PROC" => Some(self.proc(rest, draft)),
+            // Known and not executed yet; the rest of the block is not read.
             upper => {
-                NOT_YET.iter().any(|known| known.as_bytes() == upper).then(|| self.unsupported(input, rest, draft))
+                let row = words().find(std::str::from_utf8(upper).ok()?, WordPlace::Statement);
+                row.is_some().then(|| self.unsupported(input, rest, draft))
             }
         }
     }
