@@ -1,4 +1,6 @@
 //! Blocks of word languages read for recognition alone: letters and numbers of a line, whatever its language turns out to be.
+//!
+//! A scanner and no pattern: what a letter means depends on what stands before it, and a megabyte of blocks is read this way.
 
 /// Characters of a number that are looked at.
 const LONGEST: usize = 32;

@@ -1,7 +1,11 @@
 //! Tells texts of controls whose language is not read here. Where their words look like known ones they move the tool otherwise.
 
-use super::begins;
+use std::sync::LazyLock;
+
+use regex::bytes::RegexSet;
+
 use super::blocks::lines;
+use super::patterns;
 
 /// Bytes that are looked through: such texts tell of themselves at their beginning.
 const HEAD: usize = 8192;
@@ -19,107 +23,115 @@ pub struct Foreign {
     pub at: usize,
 }
 
-/// A language, the texts that tell of it, and how many kinds of them it takes.
+/// A language, patterns of lines that tell of it, and how many of them it takes.
 struct Language {
     name: &'static str,
-    tells: &'static [fn(&[u8]) -> bool],
+    marks: &'static [&'static str],
     enough: usize,
 }
 
 const LANGUAGES: &[Language] = &[
     Language {
         name: "a Heidenhain Klartext program",
-        tells: &[
-            |line| begins(behind_digits(line), "BEGIN PGM "),
-            |line| begins(behind_digits(line), "BLK FORM "),
-            |line| begins(behind_digits(line), "TOOL CALL "),
-            |line| begins(behind_digits(line), "CYCL DEF "),
-            |line| begins(behind_digits(line), "END PGM "),
+        // `0 BEGIN PGM FLANGE MM`, `1 BLK FORM 0.1 Z X+0 Y+0 Z-20`, `5 TOOL CALL 3 Z S2000`
+        marks: &[
+            r"^[0-9]*\s*BEGIN PGM ",
+            r"^[0-9]*\s*BLK FORM ",
+            r"^[0-9]*\s*TOOL CALL ",
+            r"^[0-9]*\s*CYCL DEF ",
+            r"^[0-9]*\s*END PGM ",
         ],
         enough: 1,
     },
     Language {
         name: "an Okuma OSP program",
-        tells: &[
-            |line| line.first() == Some(&b'$') && contains(line, ".MIN"),
-            |line| has_name(line, "CALL O"),
-            |line| is_assigned(line, "VC"),
-            |line| begins(line, "G15 H") || contains(line, " G15 H"),
-            |line| begins(line, "G56 H") && has_name(line, "HA"),
-            |line| begins(line, "NLAP") || has_name(line, "G85 NLAP"),
+        // `$PART.MIN%`, `CALL O100`, `VC1=10`, `G15 H1`, `G56 H1 HA=1`, `G85 NLAP1 D4`
+        marks: &[
+            r"^\$.*\.MIN",
+            r"(?:^|[^A-Z_])CALL O",
+            r"^VC[0-9]+\s*=",
+            r"(?:^| )G15 H",
+            r"^G56 H(?:A|.*[^A-Z_]HA)",
+            r"^NLAP|(?:^|[^A-Z_])G85 NLAP",
         ],
         enough: 2,
     },
     Language {
         name: "a program of a 3D printer",
-        tells: &[
-            |line| begins(line, ";FLAVOR:"),
-            |line| ["M104 S", "M109 S", "M140 S", "M190 S"].iter().any(|code| begins(line, code)),
-            |line| begins(line, "G92 E"),
-            |line| (begins(line, "G1 ") || begins(line, "G0 ")) && has_number_of(line, b'E'),
-        ],
+        // `;FLAVOR:Marlin`, `M104 S200`, `G92 E0`, `G1 X10 Y5 E0.3`
+        marks: &["^;FLAVOR:", "^M(?:104|109|140|190) S", "^G92 E", "^G[01] (?-i:(?:.* )?E[-.0-9])"],
         enough: 2,
     },
     Language {
         name: "a ShopMill or ShopTurn program of a Sinumerik, steps of a work plan",
-        tells: &[|line| has_name(line, "E_HEAD("), |line| has_name(line, "F_HEAD(")],
+        // `N10 E_HEAD(...)`
+        marks: &[r"(?:^|[^A-Z_])E_HEAD\(", r"(?:^|[^A-Z_])F_HEAD\("],
         enough: 1,
     },
     Language {
         name: "a Mazatrol program, which is conversational",
-        tells: &[|line| begins(line, "UNo.") && contains(line, "UNIT")],
+        // `UNo. UNIT`
+        marks: &[r"^UNo\..*UNIT"],
         enough: 1,
     },
 ];
+
+/// The marks of all languages one behind the other.
+static MARKS: LazyLock<RegexSet> =
+    LazyLock::new(|| patterns(LANGUAGES.iter().flat_map(|language| language.marks).copied()));
 
 /// What control a text is of, where that is none of the known ones.
 #[must_use]
 pub fn foreign(bytes: &[u8]) -> Option<Foreign> {
     let head = bytes.get(..bytes.len().min(HEAD)).unwrap_or_default();
-    LANGUAGES.iter().find_map(|language| {
-        let mut kinds = vec![false; language.tells.len()];
-        let mut first = None;
-        for (number, (at, line)) in (1..).zip(lines(head)) {
-            let text = line.trim_ascii();
-            for (is_found, tells) in kinds.iter_mut().zip(language.tells) {
-                if tells(text) {
-                    *is_found = true;
-                    first.get_or_insert((number, at, text));
-                }
+    let mut is_found = vec![None; LANGUAGES.iter().map(|language| language.marks.len()).sum()];
+    for (number, (at, line)) in (1..).zip(lines(head)) {
+        let text = line.trim_ascii();
+        for mark in &MARKS.matches(text) {
+            if let Some(first) = is_found.get_mut(mark) {
+                first.get_or_insert((number, at, text));
             }
         }
-        let (line, at, text) = first.filter(|_| kinds.iter().filter(|&&found| found).count() >= language.enough)?;
+    }
+    let mut rest = is_found.as_slice();
+    LANGUAGES.iter().find_map(|language| {
+        let (own, others) = rest.split_at(language.marks.len());
+        rest = others;
+        let (line, at, text) = own.iter().flatten().min()?;
+        if own.iter().flatten().count() < language.enough {
+            return None;
+        }
         let found = text.iter().take(40).map(|&byte| if (b' '..0x7f).contains(&byte) { char::from(byte) } else { '?' });
-        Some(Foreign { name: language.name, found: found.collect(), line, at })
+        Some(Foreign { name: language.name, found: found.collect(), line: *line, at: *at })
     })
 }
 
-fn behind_digits(line: &[u8]) -> &[u8] {
-    let digits = line.iter().take_while(|byte| byte.is_ascii_digit()).count();
-    line.get(digits..).unwrap_or_default().trim_ascii_start()
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn contains(line: &[u8], text: &str) -> bool {
-    line.windows(text.len()).any(|part| part.eq_ignore_ascii_case(text.as_bytes()))
-}
-
-/// Whether a text stands at the beginning of a line or behind something that is no part of a name.
-fn has_name(line: &[u8], text: &str) -> bool {
-    let is_free =
-        |at: usize| at == 0 || line.get(at - 1).is_some_and(|byte| !byte.is_ascii_alphabetic() && *byte != b'_');
-    line.windows(text.len()).enumerate().any(|(at, part)| part.eq_ignore_ascii_case(text.as_bytes()) && is_free(at))
-}
-
-/// Whether a name with a number gets a value: `VC1=10`.
-fn is_assigned(line: &[u8], name: &str) -> bool {
-    let Some(rest) = line.get(name.len()..).filter(|_| begins(line, name)) else { return false };
-    let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
-    digits > 0 && rest.get(digits..).unwrap_or_default().trim_ascii_start().first() == Some(&b'=')
-}
-
-/// Whether a letter with a number stands behind a blank.
-fn has_number_of(line: &[u8], letter: u8) -> bool {
-    line.windows(3).any(|part| {
-        part[0] == b' ' && part[1] == letter && (part[2].is_ascii_digit() || matches!(part[2], b'-' | b'.'))
-    })
+    #[test]
+    fn every_mark_is_a_pattern_and_enough_of_them_tell() {
+        assert_eq!(MARKS.len(), LANGUAGES.iter().map(|language| language.marks.len()).sum::<usize>());
+        for (text, name) in [
+            ("0  BEGIN PGM FLANGE MM\n", "Heidenhain"),
+            ("1 blk form 0.1 Z X+0 Y+0 Z-20", "Heidenhain"),
+            ("$PART.MIN%\nN1 CALL O100 \n", "Okuma"),
+            ("VC1 =10\nG56 H1 HA=1", "Okuma"),
+            ("N1 G15 H1\nG85 NLAP1 D4", "Okuma"),
+            (";FLAVOR:Marlin\nG1 X10 Y5 E0.3", "3D printer"),
+            ("m104 S200\ng92 E0", "3D printer"),
+            ("N10 E_HEAD(1,2)", "ShopMill"),
+            ("UNo. UNIT ADD. S.", "Mazatrol"),
+        ] {
+            assert!(foreign(text.as_bytes()).is_some_and(|found| found.name.contains(name)), "{text}");
+        }
+        for text in
+            ["N10 FE_HEAD(1)", "G1 X1 e5\nG92 E0", "G56 H1 XHA=1\nG15 H1", "$PART.MIN\nTOCALL O1", "G12 E5\nG92 E0", ""]
+        {
+            assert_eq!(foreign(text.as_bytes()), None, "{text}");
+        }
+        let found = foreign(b"G0 X1\nG92 E0\n M140 S60\n").unwrap();
+        assert_eq!((found.line, found.at, found.found.as_str()), (2, 6, "G92 E0"));
+    }
 }

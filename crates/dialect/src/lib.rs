@@ -11,6 +11,10 @@ mod turning;
 mod turning_names;
 mod word;
 
+use std::sync::LazyLock;
+
+use regex::bytes::{RegexSet, RegexSetBuilder};
+
 pub use code::{CodeEntry, CodeTable, Effect};
 pub use foreign::{Foreign, foreign};
 pub use turning::{Mark, turning};
@@ -39,8 +43,8 @@ pub struct Dialect {
     pub title: &'static str,
     /// File extensions, lower case.
     pub extensions: &'static [&'static str],
-    /// Whether a line, without blanks at its ends, gives the dialect away.
-    tells: fn(&[u8]) -> bool,
+    /// What a line, without blanks at its ends, looks like that gives the dialect away: a pattern, letters in either case.
+    mark: &'static str,
     /// Whether programs of this dialect can be executed yet.
     pub is_executable: bool,
     codes: fn() -> &'static CodeTable,
@@ -84,28 +88,23 @@ pub fn guess(file_name: &str, bytes: &[u8]) -> Option<&'static Dialect> {
     by_name.or_else(|| {
         let head = &bytes[..bytes.len().min(8192)];
         let is_blank = |byte: &u8| *byte <= b' ' || *byte == 0x7f;
-        let lines = || {
-            let lines = head.split(|&byte| byte == b'\n' || byte == b'\r');
-            lines.map(move |line| {
-                let start = line.iter().position(|byte| !is_blank(byte)).unwrap_or(line.len());
-                line[start..].trim_ascii_end()
-            })
-        };
-        DIALECTS.iter().find(|dialect| lines().any(dialect.tells))
+        let lines = head.split(|&byte| byte == b'\n' || byte == b'\r').map(|line| {
+            let start = line.iter().position(|byte| !is_blank(byte)).unwrap_or(line.len());
+            line[start..].trim_ascii_end()
+        });
+        let first = lines.filter_map(|line| MARKS.matches(line).iter().next()).min()?;
+        DIALECTS.get(first)
     })
 }
 
-/// Whether a line begins with a text, in either case.
-fn begins(line: &[u8], text: &str) -> bool {
-    line.get(..text.len()).is_some_and(|start| start.eq_ignore_ascii_case(text.as_bytes()))
-}
+/// The marks of [`DIALECTS`].
+static MARKS: LazyLock<RegexSet> = LazyLock::new(|| patterns(DIALECTS.iter().map(|dialect| dialect.mark)));
 
-/// Whether a line begins with a letter and digits: what stands behind them, without blanks.
-fn behind_number(line: &[u8], letter: u8) -> Option<&[u8]> {
-    let (first, rest) = line.split_first()?;
-    let rest = rest.trim_ascii_start();
-    let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
-    (first.eq_ignore_ascii_case(&letter) && digits > 0).then(|| rest[digits..].trim_ascii_start())
+/// Patterns for bytes, letters in either case, `.` for any byte.
+fn patterns<'p>(patterns: impl Iterator<Item = &'p str>) -> RegexSet {
+    let set = RegexSetBuilder::new(patterns).unicode(false).case_insensitive(true).dot_matches_new_line(true).build();
+    // They are constants, and tests match with each of them.
+    set.unwrap_or_else(|_| RegexSet::empty())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{CodeTable, Dialect, Language, begins, behind_number};
+use super::{CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
     LazyLock::new(|| CodeTable::from_tsv(include_str!("../../../grammars/rs274-codes.tsv")));
@@ -12,19 +12,10 @@ pub(super) const RS274: Dialect = Dialect {
     name: "rs274",
     title: "RS274/NGC (LinuxCNC)",
     extensions: &["ngc"],
-    tells,
+    mark: MARK,
     is_executable: true,
     codes: || &CODES,
 };
 
-/// O-words, named parameters, active comments.
-fn tells(line: &[u8]) -> bool {
-    const O_WORDS: &[&str] = &["sub", "endsub", "call", "return", "if", "while", "do", "repeat", "else", "end"];
-    if begins(line, "o<") || begins(line, "(debug,") || begins(line, "(print,") || begins(line, "(logopen,") {
-        return true;
-    }
-    if let Some(rest) = behind_number(line, b'O') {
-        return O_WORDS.iter().any(|word| begins(rest, word));
-    }
-    !line.starts_with(b"(") && !line.starts_with(b";") && line.windows(2).any(|two| two == b"#<")
-}
+/// `o<name> call`, `o100 sub`; active comments, `(debug, #1)`; named parameters outside of comments, `x#<depth>`. A line with an O-number is told by its O-word alone.
+const MARK: &str = r"^(?:o<|\((?:debug|print|logopen),|o\s*[0-9]+\s*(?:sub|endsub|call|return|if|while|do|repeat|else|end)|#<|(?:[^(;o]|o\s*[^0-9\s]).*#<|o\s*#<)";

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{CodeTable, Dialect, Language, begins};
+use super::{CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
     LazyLock::new(|| CodeTable::from_tsv(include_str!("../../../grammars/sinumerik-codes.tsv")));
@@ -12,7 +12,10 @@ pub(super) const SINUMERIK: Dialect = Dialect {
     name: "sinumerik",
     title: "Siemens Sinumerik 840D / 828D",
     extensions: &["mpf", "spf", "arc"],
-    tells: |line| begins(line, "%_N_") || begins(line, ";$PATH"),
+    mark: MARK,
     is_executable: true,
     codes: || &CODES,
 };
+
+/// `%_N_FLANGE_MPF`, `;$PATH=/_N_MPF_DIR`: headers of programs.
+const MARK: &str = r"^(?:%_N_|;\$PATH)";

@@ -1,31 +1,39 @@
 //! Marks of a lathe in programs of a Sinumerik and of a Grundig, whose blocks hold names and assignments beside letters and numbers.
 
-use super::Language;
+use std::sync::LazyLock;
+
+use regex::bytes::RegexSet;
+
 use super::blocks::{Block, lines};
 use super::turning::{Mark, NO_Y};
+use super::{Language, patterns};
 
 /// A feed below it is one per turn, mm.
 const FEED_PER_TURN_MM: f64 = 1.0;
 
-/// Names of a Sinumerik that only lathes have, with their weights.
-const NAMES: &[(&str, u32)] = &[
-    ("DIAMON", 3),
-    ("DIAM90", 3),
-    ("CYCLE93(", 4),
-    ("CYCLE94(", 4),
-    ("CYCLE95(", 4),
-    ("CYCLE96(", 4),
-    ("CYCLE97(", 4),
-    ("CYCLE98(", 4),
-    ("CYCLE930(", 4),
-    ("CYCLE940(", 4),
-    ("CYCLE951(", 4),
-    ("CYCLE952(", 4),
-    ("LIMS=", 1),
+/// Names of a Sinumerik that only lathes have: patterns, what a message calls them, their weights.
+const NAMES: &[(&str, &str, u32)] = &[
+    ("DIAMON", "DIAMON", 3),
+    ("DIAM90", "DIAM90", 3),
+    (r"CYCLE93\(", "CYCLE93", 4),
+    (r"CYCLE94\(", "CYCLE94", 4),
+    (r"CYCLE95\(", "CYCLE95", 4),
+    (r"CYCLE96\(", "CYCLE96", 4),
+    (r"CYCLE97\(", "CYCLE97", 4),
+    (r"CYCLE98\(", "CYCLE98", 4),
+    (r"CYCLE930\(", "CYCLE930", 4),
+    (r"CYCLE940\(", "CYCLE940", 4),
+    (r"CYCLE951\(", "CYCLE951", 4),
+    (r"CYCLE952\(", "CYCLE952", 4),
+    ("LIMS=", "LIMS", 1),
 ];
+
+static NAME_MARKS: LazyLock<RegexSet> = LazyLock::new(|| patterns(NAMES.iter().map(|(pattern, ..)| *pattern)));
 
 /// What stands in the head of programs for the lathe control of Philips.
 const PHILIPS_LATHE: &str = "SYSTEM 3000";
+
+static PHILIPS_MARK: LazyLock<RegexSet> = LazyLock::new(|| patterns([PHILIPS_LATHE].into_iter()));
 
 /// What the blocks have told so far.
 #[derive(Debug, Default)]
@@ -51,7 +59,7 @@ pub(super) fn marks(language: Language, bytes: &[u8]) -> Vec<Mark> {
             Language::Sinumerik => {
                 search.names((at, line), text.split(|&byte| byte == b';').next().unwrap_or_default())
             }
-            _ if has(text, PHILIPS_LATHE) => search.note((at, line), PHILIPS_LATHE, 2),
+            _ if PHILIPS_MARK.is_match(text) => search.note((at, line), PHILIPS_LATHE, 2),
             _ => {}
         }
         block.read_around_names(text);
@@ -62,10 +70,6 @@ pub(super) fn marks(language: Language, bytes: &[u8]) -> Vec<Mark> {
     search.whole()
 }
 
-fn has(text: &[u8], name: &str) -> bool {
-    text.windows(name.len()).any(|part| part.eq_ignore_ascii_case(name.as_bytes()))
-}
-
 impl Search {
     fn note(&mut self, (at, line): (usize, u32), what: &'static str, weight: u32) {
         if !self.marks.iter().any(|mark| mark.what == what) {
@@ -74,10 +78,8 @@ impl Search {
     }
 
     fn names(&mut self, place: (usize, u32), code: &[u8]) {
-        for &(name, weight) in NAMES {
-            if has(code, name) {
-                self.note(place, name.trim_end_matches(['(', '=']), weight);
-            }
+        for &(_, name, weight) in NAME_MARKS.matches(code).iter().filter_map(|mark| NAMES.get(mark)) {
+            self.note(place, name, weight);
         }
     }
 
