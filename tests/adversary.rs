@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::feed::{Bound, Ended, Journal, PROFILES, PROTOCOLS, Patience, Profile, Sender, read_journal};
+use ncfix_dnc::feed::{Bound, Ended, Journal, PROFILES, Patience, Profile, Sender, read_journal};
 
 use super::controls::liar::{Liar, Lies};
 use super::controls::part::PART;
@@ -93,7 +93,7 @@ fn run<C: Control>(
     let mut planned = Planned::of(&PART, busy_s);
     let mut liar = Liar::new(create(busy_s), lies, is_lines, character_s, seed);
     let mut journal = Journal::new(Vec::new(), &[]).unwrap();
-    let protocol = PROTOCOLS.iter().find(|known| known.name == profile.protocol).unwrap();
+    let protocol = profile.protocol;
     let dialogue = (protocol.create)(profile).unwrap();
     let mut sender = Sender::new(dialogue, profile.window.system_bytes, &mut journal).patient(PATIENCE);
     let (mut now_s, mut step_s) = (0.0, 0.002);

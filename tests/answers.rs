@@ -7,7 +7,7 @@ use std::io;
 use std::time::Duration;
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::feed::{Dialogue, Ended, Event, Line, PROFILES, PROTOCOLS, Patience, Port, Profile, Sender, Wire};
+use ncfix_dnc::feed::{Dialogue, Ended, Event, Line, PROFILES, Patience, Port, Profile, Sender, Wire};
 
 use super::controls::{Blockwise, Control, Faults, Grbl, Marlin, Notes, Planned, Reader, Rsh};
 
@@ -191,7 +191,7 @@ struct Bench {
 impl Bench {
     fn new(name: &str, lines: u64) -> Bench {
         let profile = profile(name);
-        let protocol = PROTOCOLS.iter().find(|known| known.name == profile.protocol).unwrap();
+        let protocol = profile.protocol;
         let mut bench = Bench {
             dialogue: (protocol.create)(&profile).unwrap(),
             control: control(name),
@@ -368,7 +368,7 @@ const STUCK: &[(&str, &str, f64, &str)] = &[
 
 fn stuck(name: &str, says: &'static str, from_s: f64) -> (f64, Ended) {
     let profile = profile(name);
-    let protocol = PROTOCOLS.iter().find(|known| known.name == profile.protocol).unwrap();
+    let protocol = profile.protocol;
     let patience = Patience { stall: Duration::from_secs(60), hold: Duration::from_secs(600) };
     let mut notes = Notes::default();
     let mut sender =
@@ -462,7 +462,7 @@ fn a_dwell_is_awaited_while_grbl_says_that_it_is_idle() {
 #[test]
 fn a_control_that_starts_is_counted_anew_and_one_that_starts_for_ever_is_left() {
     let profile = profile("marlin");
-    let protocol = PROTOCOLS.iter().find(|known| known.name == profile.protocol).unwrap();
+    let protocol = profile.protocol;
     let mut dialogue = (protocol.create)(&profile).unwrap();
     let (mut wire, mut events) = (Wire::default(), Vec::new());
     dialogue.open(Duration::ZERO, &mut wire);

@@ -19,6 +19,7 @@ const CRATES: &[(&str, &[Room])] = &[
             ("csv", &["source", "diagnostic"]),
             ("geometry", &["source", "diagnostic", "units", "csv"]),
             ("numeric", &["source", "diagnostic", "units", "csv"]),
+            ("register", &[]),
         ],
     ),
     ("dialect", &[]),

@@ -8,7 +8,7 @@ use ncfix_base::source::{FileId, Span};
 use ncfix_machine::machine::{Branch, Kinematics, Machine, State};
 use ncfix_metrology::calibrate::{Fit, Options, fit, identify};
 use ncfix_metrology::measure::data::{DataSet, Free, KnownLength, Observation, Setup};
-use ncfix_metrology::measure::kind::KINDS;
+use ncfix_metrology::measure::kind::Instruments;
 use ncfix_metrology::measure::reading::Reading;
 use ncfix_model::parameter::ParameterName;
 use ncfix_model::{ErrorModel, ErrorName, Model};
@@ -51,7 +51,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         conditions: Vec::new(),
         has_senses: true,
         name: kind.to_owned(),
-        kind: KINDS.iter().find(|known| known.name == kind).unwrap(),
+        kind: Instruments::default().find(kind).copied().unwrap(),
         sigma: None,
         sigma_rad: None,
         free: free.to_vec(),

@@ -9,7 +9,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_metrology::calibrate::effect::{effect_parameters, named};
 use ncfix_metrology::calibrate::{Options, Parameter, equations, fit, quality};
 use ncfix_metrology::measure::data::{self, DataSet};
-use ncfix_model::{ErrorModel, SOURCES, file, write};
+use ncfix_model::{ErrorModel, Sources, file, write};
 
 use crate::model::Random;
 
@@ -366,7 +366,9 @@ fn runs_that_begin_again_have_clocks_of_their_own_and_steady_rows_share_a_condit
 /// Every source with parameters: its factors are the derivatives of what the whole model says, and a changed machine file reads back as changed.
 #[test]
 fn factors_are_derivatives_and_what_is_written_reads_back() {
-    let own = SOURCES.iter().filter(|source| ["load", "structure", "drift", "expansion"].contains(&source.name));
+    let sources = Sources::default();
+    let all = sources.iter().map(|source| source.info());
+    let own = all.filter(|source| ["load", "structure", "drift", "expansion"].contains(&source.name));
     let text = three_axes(&own.map(|source| source.example).collect::<String>());
     let (loaded, findings) = file::load(&source(0, "machine.toml", &text));
     assert!(findings.iter().all(|finding| !finding.is_error()), "{findings:?}");

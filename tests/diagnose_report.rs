@@ -1,7 +1,7 @@
 //! The page of `ncfix diagnose --report`: one file that asks for nothing, with all that was found and how, and its numbers against the plant's
 //! truth and against arithmetic; sentences and shapes of effects without a name.
 
-use ncfix_metrology::diagnose::cause::CAUSES;
+use ncfix_metrology::diagnose::Causes;
 use ncfix_report::compared::Circle;
 use ncfix_report::diagnosis::readings::{Driver, Reading, Set, Shown};
 use ncfix_report::diagnosis::{Cause, Diagnosis, Place, Rejected};
@@ -128,7 +128,7 @@ fn agrees(document: &Document<'_>, report: &Value) {
         assert!(row.is_some(), "{one} is not among what was rejected");
     }
     // Every cause of the catalogue.
-    for cause in CAUSES {
+    for cause in Causes::default().iter().map(|cause| cause.cause()) {
         assert!(cells.iter().any(|row| row.len() == 6 && row[0] == cause.name), "{}", cause.name);
     }
 }
@@ -200,7 +200,7 @@ fn where_nothing_is_hidden_the_page_says_so() {
     let headings = texts(&document, "h2");
     assert!(!headings.iter().any(|heading| heading == "Evidence" || heading == "Ranking"), "{headings:?}");
     let all = texts(&document, "body").concat();
-    for cause in CAUSES {
+    for cause in Causes::default().iter().map(|cause| cause.cause()) {
         assert!(all.contains(cause.name), "{}", cause.name);
     }
     // Nothing to tell apart: one cloud of readings, without a legend.

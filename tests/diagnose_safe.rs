@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use ncfix_base::geometry::Vector;
 use ncfix_base::source::{FileId, Source};
-use ncfix_metrology::diagnose::{Scene, commands};
+use ncfix_metrology::diagnose::{Causes, Scene, commands};
 use ncfix_metrology::measure::plan::{Wishes, find};
 use serde_json::Value;
 
@@ -310,7 +310,7 @@ fn every_plan_that_tells_rivals_apart_can_be_made() {
         set.observations.iter_mut().for_each(|row| row.values = [Some(0.0), None, None]);
         let sets = [set];
         let scene = Scene::new(&machine, &errors, &sets).unwrap();
-        let all = commands(&scene);
+        let all = commands(&Causes::default(), &scene);
         let kinds = ["ballbar", "laser", "plate", "drift"];
         assert!(
             kinds.iter().all(|kind| all.iter().any(|one| one.starts_with(&format!("ncfix plan {kind}")))),

@@ -12,7 +12,7 @@ fn profile(name: &str) -> Profile {
 }
 
 fn sender<'a>(profile: &Profile, notes: &'a mut Notes) -> Sender<'a> {
-    let protocol = PROTOCOLS.iter().find(|protocol| protocol.name == profile.protocol).unwrap();
+    let protocol = profile.protocol;
     Sender::new((protocol.create)(profile).unwrap(), profile.window.system_bytes, notes)
 }
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 use ncfix_base::geometry::Vector;
 use ncfix_base::source::{FileId, Source};
 use ncfix_dnc::drip::{Lines, Settings};
-use ncfix_dnc::feed::{Ended, Limits, PROFILES, PROTOCOLS, Profile, Sender, Supplied, Supply};
+use ncfix_dnc::feed::{Ended, Limits, PROFILES, Profile, Sender, Supplied, Supply};
 use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::{ErrorModel, Model};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
@@ -139,7 +139,7 @@ fn experiment(silent_s: [f64; 2]) -> [(f64, f64); 2] {
     };
     let (_, text) = PROFILES.iter().find(|(name, _)| *name == "grbl").unwrap();
     let profile = Profile::read(&Source::new(FileId(0), "grbl", text.as_bytes().to_vec()).unwrap()).unwrap();
-    let protocol = PROTOCOLS.iter().find(|protocol| protocol.name == profile.protocol).unwrap();
+    let protocol = profile.protocol;
     let mut notes = Notes::default();
     let faults = Faults { most_bytes: 64, ..Faults::default() };
     let mut cable = Cable::new(Grbl::new(&faults, BLOCK_S), faults, 3);

@@ -84,6 +84,7 @@ mod fewest_pieces;
 mod five_axis;
 mod flat;
 mod flow;
+mod foreign;
 mod frame_correction;
 mod frames;
 mod fuzzing;

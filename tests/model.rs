@@ -4,7 +4,7 @@ use ncfix_base::geometry::{AXES, Axis, AxisVector, Matrix, Vector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::file::DEMO;
 use ncfix_machine::machine::{Lever, Machine, State};
-use ncfix_model::motion::{Function, KINDS, periodic::Periodic, polynomial::Polynomial};
+use ncfix_model::motion::{Function, MotionKinds, periodic::Periodic, polynomial::Polynomial};
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorModel, ErrorName, LocationError, Model, MotionError, Solve, file, write};
 
@@ -426,7 +426,8 @@ fn features_say_where_to_sample() {
 
 #[test]
 fn the_kinds_are_those_of_the_documentation() {
-    let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+    let kinds = MotionKinds::default();
+    let names: Vec<&str> = kinds.names().collect();
     assert_eq!(names, ["polynomial", "table", "piecewise", "periodic", "backlash", "cross", "grid"]);
 }
 

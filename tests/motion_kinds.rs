@@ -3,7 +3,7 @@
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Machine, State};
 use ncfix_model::motion::{
-    Function, KINDS, Kind, backlash, cross, dynamic, grid, periodic, piecewise, polynomial, table,
+    Function, MotionKind, MotionKinds, backlash, cross, dynamic, grid, periodic, piecewise, polynomial, table,
 };
 use ncfix_model::{ErrorModel, Model, MotionError};
 
@@ -28,7 +28,7 @@ fn read(entry: &str) -> (Machine, MotionError) {
 }
 
 /// The entry with its deviations, as its keys tell, replaced.
-fn with_deviations(kind: &Kind, change: &dyn Fn(f64) -> f64) -> String {
+fn with_deviations(kind: &dyn MotionKind, change: &dyn Fn(f64) -> f64) -> String {
     fn walk(value: &mut toml::Value, change: &dyn Fn(f64) -> f64) {
         match value {
             toml::Value::Float(number) => *number = change(*number),
@@ -46,7 +46,7 @@ fn with_deviations(kind: &Kind, change: &dyn Fn(f64) -> f64) -> String {
             }
         }
     }
-    let mut table: toml::Table = kind.example.parse().unwrap();
+    let mut table: toml::Table = kind.example().parse().unwrap();
     // A knot is an inline table, whose deviations are its coefficients.
     if let Some(toml::Value::Array(knots)) = table.remove("knots") {
         let knots = knots.into_iter().map(|mut knot| {
@@ -91,12 +91,12 @@ fn model_of(machine: &Machine, error: &MotionError) -> Model {
 #[test]
 fn every_example_is_read_and_documented() {
     let text = std::fs::read_to_string(repository("docs/motion.md")).unwrap();
-    for kind in KINDS {
-        let (machine, error) = read(kind.example);
-        assert!(kind.example.contains(&format!("kind = \"{}\"", kind.name)));
-        assert!(places(1).any(|(command, state)| value(&error, &command, &state) != 0.0), "{}", kind.name);
+    for kind in MotionKinds::default().iter() {
+        let (machine, error) = read(kind.example());
+        assert!(kind.example().contains(&format!("kind = \"{}\"", kind.name())));
+        assert!(places(1).any(|(command, state)| value(&error, &command, &state) != 0.0), "{}", kind.name());
         assert!(!model_of(&machine, &error).is_empty());
-        let block = format!("```toml\n[[motion]]\n{}```", kind.example);
+        let block = format!("```toml\n[[motion]]\n{}```", kind.example());
         assert!(text.contains(&block), "docs/motion.md lacks\n{block}");
     }
 }
@@ -118,28 +118,28 @@ fn the_examples_mean_what_their_formulas_say() {
         // Halfway between the means of the rows, 1 and 4.5 µrad.
         ("grid", 125.0, 350.0, 0, 2.75e-6),
     ];
-    for kind in KINDS {
-        let (_, error) = read(kind.example);
+    for kind in MotionKinds::default().iter() {
+        let (_, error) = read(kind.example());
         let axis = error.name.axis().unwrap();
-        let mut of_kind = cases.iter().filter(|case| case.0 == kind.name).peekable();
-        assert!(of_kind.peek().is_some(), "no case of {}", kind.name);
+        let mut of_kind = cases.iter().filter(|case| case.0 == kind.name()).peekable();
+        assert!(of_kind.peek().is_some(), "no case of {}", kind.name());
         for &(_, own, other, sense, expected) in of_kind {
             let mut command = AxisVector::ZERO;
             command[Axis::X] = other;
             command[axis] = own;
             let mut state = State::default();
             state.direction[axis.slot()] = sense;
-            assert!((value(&error, &command, &state) - expected).abs() < 1e-15, "{} at {own}", kind.name);
+            assert!((value(&error, &command, &state) - expected).abs() < 1e-15, "{} at {own}", kind.name());
         }
     }
 }
 
 #[test]
 fn zero_parameters_are_zero_error() {
-    for kind in KINDS {
+    for kind in MotionKinds::default().iter() {
         let (machine, error) = read(&with_deviations(kind, &|_| 0.0));
         let model = model_of(&machine, &error);
-        assert!(error.function.is_zero() && model.is_empty(), "{}", kind.name);
+        assert!(error.function.is_zero() && model.is_empty(), "{}", kind.name());
         for (command, state) in places(2) {
             assert_eq!(value(&error, &command, &state), 0.0);
             let tool = Vector::new(5.0, -8.0, -120.0);
@@ -147,20 +147,20 @@ fn zero_parameters_are_zero_error() {
         }
         for axis in AXES {
             let features = model.features(axis);
-            assert!(features.knots.is_empty() && !features.backlash, "{}: nothing to look at", kind.name);
+            assert!(features.knots.is_empty() && !features.backlash, "{}: nothing to look at", kind.name());
         }
     }
 }
 
 #[test]
 fn the_error_grows_with_its_parameters() {
-    for kind in KINDS {
-        let (_, once) = read(kind.example);
+    for kind in MotionKinds::default().iter() {
+        let (_, once) = read(kind.example());
         let (_, thrice) = read(&with_deviations(kind, &|number| -3.0 * number));
         for (command, state) in places(3) {
             let expected = -3.0 * value(&once, &command, &state);
             let found = value(&thrice, &command, &state);
-            assert!((found - expected).abs() <= 1e-14 * expected.abs().max(1e-3), "{}: {found}", kind.name);
+            assert!((found - expected).abs() <= 1e-14 * expected.abs().max(1e-3), "{}: {found}", kind.name());
         }
     }
 }
@@ -168,16 +168,16 @@ fn the_error_grows_with_its_parameters() {
 /// As a rotation the deviations are µrad and as a displacement µm: 1e−6 rad and 1e−3 mm. Coefficients are mm and rad themselves.
 #[test]
 fn deviations_are_micrometers_and_microradians() {
-    for kind in KINDS {
-        let (_, error) = read(kind.example);
+    for kind in MotionKinds::default().iter() {
+        let (_, error) = read(kind.example());
         let name = error.name.to_string();
         let (from, to, other) = match error.name.direction.is_rotation() {
             true => ("_urad", "_um", format!("EY{}", &name[2..])),
             false => ("_um", "_urad", format!("EB{}", &name[2..])),
         };
-        let (_, renamed) = read(&kind.example.replace(&name, &other).replace(from, to));
-        let is_scaled = kind.example.contains(from);
-        assert!(is_scaled || kind.example.contains("coefficients"), "{}: which unit?", kind.name);
+        let (_, renamed) = read(&kind.example().replace(&name, &other).replace(from, to));
+        let is_scaled = kind.example().contains(from);
+        assert!(is_scaled || kind.example().contains("coefficients"), "{}: which unit?", kind.name());
         let factor = match (is_scaled, from) {
             (false, _) => 1.0,
             (true, "_um") => 1e-3,
@@ -185,7 +185,7 @@ fn deviations_are_micrometers_and_microradians() {
         };
         for (command, state) in places(4) {
             let (a, b) = (value(&error, &command, &state) * factor, value(&renamed, &command, &state));
-            assert!((a - b).abs() <= 1e-13 * a.abs().max(1e-6), "{}: {a} {b}", kind.name);
+            assert!((a - b).abs() <= 1e-13 * a.abs().max(1e-6), "{}: {a} {b}", kind.name());
         }
     }
 }
@@ -193,10 +193,10 @@ fn deviations_are_micrometers_and_microradians() {
 /// The example on C with its positions written in degrees is the same function of radians.
 #[test]
 fn positions_are_millimeters_and_degrees() {
-    for kind in KINDS {
-        let (_, linear) = read(kind.example);
+    for kind in MotionKinds::default().iter() {
+        let (_, linear) = read(kind.example());
         let own = linear.name.axis().unwrap();
-        let mut entry: toml::Table = kind.example.parse().unwrap();
+        let mut entry: toml::Table = kind.example().parse().unwrap();
         to_degrees(&mut entry);
         let name = linear.name.to_string();
         entry["component"] = toml::Value::String(format!("{}C", &name[..2]));
@@ -207,7 +207,7 @@ fn positions_are_millimeters_and_degrees() {
             let mut state_c = state;
             state_c.direction[Axis::C.slot()] = state.direction(own);
             let (a, b) = (value(&linear, &command, &state), value(&rotary, &turned, &state_c));
-            assert!((a - b).abs() <= 1e-11 * a.abs().max(1e-3), "{}: {a} {b}", kind.name);
+            assert!((a - b).abs() <= 1e-11 * a.abs().max(1e-3), "{}: {a} {b}", kind.name());
         }
     }
 }
@@ -281,6 +281,7 @@ fn mirrored(function: &Function) -> Function {
         Function::Dynamic(d) => {
             Function::Dynamic(dynamic::Dynamic { by_acceleration: -d.by_acceleration, by_jerk: -d.by_jerk })
         }
+        other => panic!("no mirrored {other:?}"),
     }
 }
 
@@ -307,8 +308,8 @@ fn mirrored_across(function: &Function) -> Option<(Axis, Function)> {
 #[test]
 fn a_mirrored_axis_moves_the_tool_alike() {
     let mut across = 0;
-    for kind in KINDS {
-        let (_, linear) = read(kind.example);
+    for kind in MotionKinds::default().iter() {
+        let (_, linear) = read(kind.example());
         // Also as a function of the rotary axis, whose commands are radians.
         let rotary =
             MotionError { name: format!("E{}C", &linear.name.to_string()[1..2]).parse().unwrap(), ..linear.clone() };
@@ -326,8 +327,8 @@ fn a_mirrored_axis_moves_the_tool_alike() {
 }
 
 /// The deviation of the tool on a machine whose axis points and counts the other way.
-fn agree_mirrored(kind: &Kind, axis: Axis, error: &MotionError, mirrored: &MotionError) {
-    let (machine, _) = read(kind.example);
+fn agree_mirrored(kind: &dyn MotionKind, axis: Axis, error: &MotionError, mirrored: &MotionError) {
+    let (machine, _) = read(kind.example());
     let mut opposite = machine.clone();
     opposite.axes[axis.slot()].as_mut().unwrap().direction *= -1.0;
     let (plain, opposite) = (model_of(&machine, error), model_of(&opposite, mirrored));
@@ -338,7 +339,7 @@ fn agree_mirrored(kind: &Kind, axis: Axis, error: &MotionError, mirrored: &Motio
         turned_state.direction[axis.slot()] *= -1;
         let (a, b) = (plain.actual(&command, &tool, &state), opposite.actual(&turned, &tool, &turned_state));
         let off = (a.translation - b.translation).norm() + 100.0 * (a.rotation - b.rotation).norm();
-        assert!(off < 1e-9, "{} {} along {axis}: {off} mm", kind.name, error.name);
+        assert!(off < 1e-9, "{} {} along {axis}: {off} mm", kind.name(), error.name);
     }
 }
 
@@ -369,7 +370,8 @@ fn kinks(function: impl Fn(f64) -> f64) -> Vec<f64> {
 
 #[test]
 fn kinks_are_declared_where_the_slope_jumps() {
-    let mut entries: Vec<&str> = KINDS.iter().map(|kind| kind.example).collect();
+    let kinds = MotionKinds::default();
+    let mut entries: Vec<&str> = kinds.iter().map(|kind| kind.example()).collect();
     // Slopes and values that jump at a knot, and a table of one point, which has no kink.
     entries.push(
         "component = \"EXX\"\nkind = \"piecewise\"\ncoefficients = [0, 1e-5]\n\
@@ -411,8 +413,8 @@ fn kinks_are_declared_where_the_slope_jumps() {
 
 #[test]
 fn an_eighth_of_the_length_is_a_fine_step() {
-    for kind in KINDS {
-        let (machine, error) = read(kind.example);
+    for kind in MotionKinds::default().iter() {
+        let (machine, error) = read(kind.example());
         let model = model_of(&machine, &error);
         for axis in [Axis::X, Axis::Y] {
             let along = |at: f64| {
@@ -426,7 +428,7 @@ fn an_eighth_of_the_length_is_a_fine_step() {
             while at + step < 700.0 {
                 let is_smooth = !model.features(axis).knots.iter().any(|knot| (at..=at + step).contains(knot));
                 let bend = (along(at + step / 2.0) - (along(at) + along(at + step)) / 2.0).abs();
-                assert!(!is_smooth || bend <= 0.03 * range, "{} of {axis} at {at}: {bend} of {range}", kind.name);
+                assert!(!is_smooth || bend <= 0.03 * range, "{} of {axis} at {at}: {bend} of {range}", kind.name());
                 at += step;
             }
         }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::sense::{Action, Channel, Config, Fault, Monitor, Reading, SOURCES, State, Told};
+use ncfix_dnc::sense::{Action, Channel, Config, Fault, Monitor, Reading, SensorSources, State, Told};
 use proptest::prelude::*;
 
 /// A config with one channel `T` of a file, with further keys.
@@ -318,10 +318,11 @@ fn every_kind_of_source_is_registered() {
         .filter(|name| name != "mod")
         .collect();
     files.sort();
-    assert_eq!(SOURCES.iter().map(|kind| kind.name).collect::<Vec<_>>(), files);
+    let kinds = SensorSources::default();
+    assert_eq!(kinds.names().collect::<Vec<_>>(), files);
     let page = std::fs::read_to_string(crate::support::repository("docs/sensors.md")).unwrap();
-    for kind in SOURCES {
-        assert!(page.contains(&format!("kind = \"{}\"", kind.name)), "docs/sensors.md has no example of {}", kind.name);
+    for name in kinds.names() {
+        assert!(page.contains(&format!("kind = \"{name}\"")), "docs/sensors.md has no example of {name}");
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use ncfix_dnc::feed::{Event, Halt, Line, PROFILES, PROTOCOLS, Profile, Wire, read_journal};
+use ncfix_dnc::feed::{Event, Halt, Line, PROFILES, Profile, Wire, read_journal};
 
 use super::{check_findings, source};
 
@@ -16,7 +16,7 @@ pub fn dialogues(bytes: &[u8]) {
     let Some((first, script)) = bytes.split_first() else { return };
     let (name, text) = PROFILES[usize::from(*first) % PROFILES.len()];
     let profile = Profile::read(&source(name, text.as_bytes())).expect("a shipped profile");
-    let protocol = PROTOCOLS.iter().find(|known| known.name == profile.protocol).expect("a known protocol");
+    let protocol = profile.protocol;
     let mut dialogue = (protocol.create)(&profile).expect("a shipped profile fits its protocol");
     let mut wire = Wire::default();
     let mut job = Job { sent: 0, acknowledged: 0, executed: 0, is_lost: false };
@@ -106,7 +106,7 @@ pub fn profile(bytes: &[u8]) {
     match Profile::read(&file) {
         Err(findings) => check_findings(&findings, &[&file]),
         Ok(profile) => {
-            let protocol = PROTOCOLS.iter().find(|known| known.name == profile.protocol).expect("a known protocol");
+            let protocol = profile.protocol;
             if let Ok(mut dialogue) = (protocol.create)(&profile) {
                 let mut wire = Wire::default();
                 dialogue.open(Duration::ZERO, &mut wire);

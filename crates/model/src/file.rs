@@ -9,15 +9,21 @@ use ncfix_base::units::{mm_from_um, rad_from_urad};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::file::{MachineFile, SECTIONS, Section, nearest, read_machine};
 
-use super::motion::{Entry, KINDS, Kind};
+use super::motion::{Entry, MotionKind, MotionKinds};
 use super::name::{ErrorKind, ErrorName};
-use super::source::{Reading, SOURCES};
-use super::{ErrorModel, LocationError, MotionError};
+use super::source::Reading;
+use super::{ErrorModel, LocationError, ModelRegisters, MotionError};
 
 /// Reads a machine file. All findings are reported in one run, in the order of the file; there is a machine only where none of
 /// them is an error.
 #[must_use]
 pub fn load(source: &Source) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>) {
+    load_with(source, &ModelRegisters::default())
+}
+
+/// Reads a machine file as [`load`] does; it may have the sections of these sources of error and these kinds of motion errors.
+#[must_use]
+pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>) {
     let file = match MachineFile::parse(source) {
         Ok(file) => file,
         Err(findings) => return (None, findings),
@@ -29,9 +35,10 @@ pub fn load(source: &Source) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>)
     }
     let axes = axes_in(file.root());
     let mut errors = ErrorModel::default();
-    for source in SOURCES {
-        let mut reading = Reading { root: &mut root, axes, machine: machine.as_ref(), findings: &mut findings };
-        (source.read)(&mut reading, &mut errors);
+    let kinds = &registers.motion_kinds;
+    for source in registers.sources.iter() {
+        let mut reading = Reading { root: &mut root, axes, machine: machine.as_ref(), kinds, findings: &mut findings };
+        source.read(&mut reading, &mut errors);
     }
     let used = errors.sensors();
     let unused: Vec<String> = machine
@@ -95,13 +102,14 @@ pub(super) fn read_location(
 pub(super) fn read_motion(
     mut section: Section<'_>,
     axes: AxisSet,
+    kinds: &MotionKinds,
     findings: &mut Vec<Diagnostic>,
 ) -> Option<MotionError> {
     let component = section.required("component", "\"EXX\"", Section::text);
     let place = section.place_of("component");
     let help = "write E, a direction and an axis of the machine, for example EXX or EAY";
     let name = component.and_then(|text| known_component(&mut section, text, place, axes, ErrorKind::Motion, help));
-    let kind = read_kind(&mut section);
+    let kind = read_kind(&mut section, kinds);
     let (Some(name), Some(kind)) = (name, kind) else {
         // Without component and kind the other keys cannot be judged.
         let keys: Vec<&str> = section.keys().collect();
@@ -110,17 +118,17 @@ pub(super) fn read_motion(
         return None;
     };
     let mut entry = Entry { section, name, axes };
-    let function = (kind.read)(&mut entry);
+    let function = kind.read(&mut entry);
     entry.section.finish(findings);
     Some(MotionError { name, function: function? })
 }
 
 /// The kind of a function; reports where it is missing or unknown.
-pub(super) fn read_kind(section: &mut Section<'_>) -> Option<&'static Kind> {
+pub(super) fn read_kind<'k>(section: &mut Section<'_>, kinds: &'k MotionKinds) -> Option<&'k dyn MotionKind> {
     let text = section.required("kind", "\"polynomial\"", Section::text)?;
-    let kind = KINDS.iter().find(|kind| kind.name == text);
+    let kind = kinds.find(text);
     if kind.is_none() {
-        let known: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+        let known: Vec<&str> = kinds.names().collect();
         let help = match nearest(text, known.iter().copied()) {
             Some(near) => format!("did you mean \"{near}\"?"),
             None => format!("write one of {}", known.join(", ")),

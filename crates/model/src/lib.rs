@@ -33,10 +33,40 @@ pub use features::Features;
 pub use forward::{Model, Twist};
 pub use inverse::{NotConverged, Solve};
 pub use location::LocationError;
-pub use motion::MotionError;
+pub use motion::{MotionError, MotionFunction, MotionKind, MotionKinds};
 pub use name::ErrorName;
 pub use parameter::ParameterName;
-pub use source::{Effect, SOURCES, Source};
+pub use source::{Effect, ErrorSource, SourceInfo, Sources};
+
+/// What a machine file may say of errors: registers that a caller extends.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct ModelRegisters {
+    /// Sources of error, which read sections of the file.
+    pub sources: Sources,
+    /// Kinds of functions in `[[motion]]` and `[[load]]`.
+    pub motion_kinds: MotionKinds,
+}
+
+impl ModelRegisters {
+    /// With a source of error more.
+    ///
+    /// # Panics
+    /// Where its name or one of its sections is another's.
+    #[must_use]
+    pub fn with_source(self, source: impl ErrorSource + 'static) -> ModelRegisters {
+        ModelRegisters { sources: self.sources.with(source), ..self }
+    }
+
+    /// With a kind of motion errors more.
+    ///
+    /// # Panics
+    /// Where there is one of its name.
+    #[must_use]
+    pub fn with_motion_kind(self, kind: impl MotionKind + 'static) -> ModelRegisters {
+        ModelRegisters { motion_kinds: self.motion_kinds.with(kind), ..self }
+    }
+}
 
 /// The errors of a machine as its file gives them, in mm and rad.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -62,6 +92,24 @@ impl ErrorModel {
         let location = self.location.iter_mut().map(|error| error as &mut dyn Effect);
         let motion = self.motion.iter_mut().map(|error| error as &mut dyn Effect);
         location.chain(motion).chain(self.effects.iter_mut().map(|effect| &mut **effect as &mut dyn Effect))
+    }
+
+    /// The sources that it has effects of, each once: first those that are built in, in the order of [`Sources`], then others as they come.
+    #[must_use]
+    pub fn sources(&self) -> Vec<&'static SourceInfo> {
+        let mut sources: Vec<&'static SourceInfo> = Vec::new();
+        for source in self.effects().map(Effect::source) {
+            if !sources.iter().any(|known| known.name == source.name) {
+                sources.push(source);
+            }
+        }
+        sources.sort_by_key(|source| source::rank(source));
+        sources
+    }
+
+    /// The effects of a source, by its name.
+    pub fn effects_of(&self, source: &str) -> impl Iterator<Item = &dyn Effect> {
+        self.effects().filter(move |effect| effect.source().name == source)
     }
 
     /// The sensors that the model needs, sorted, each once.

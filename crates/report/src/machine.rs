@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use ncfix_base::geometry::AXES;
 use ncfix_machine::machine::{AxisData, Machine};
-use ncfix_model::{Effect, ErrorModel, SOURCES};
+use ncfix_model::{Effect, ErrorModel};
 
 /// The page: chain, axes, zero offsets, tools, error functions. Lengths in mm, angles in degrees.
 #[must_use]
@@ -69,15 +69,12 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
     }
     line("");
     line("source of error             what it has");
-    for &source in SOURCES {
-        let mut labels: Vec<String> =
-            errors.effects().filter(|effect| effect.source().name == source.name).map(Effect::label).collect();
-        if !labels.is_empty() {
-            let count = labels.len();
-            labels.sort_unstable();
-            labels.dedup();
-            line(&format!("{:<12}{:<34}{count:>3}: {}", source.name, source.title, labels.join(" ")));
-        }
+    for source in errors.sources() {
+        let mut labels: Vec<String> = errors.effects_of(source.name).map(Effect::label).collect();
+        let count = labels.len();
+        labels.sort_unstable();
+        labels.dedup();
+        line(&format!("{:<12}{:<34}{count:>3}: {}", source.name, source.title, labels.join(" ")));
     }
     if errors.effects().next().is_none() {
         line("none");

@@ -8,7 +8,7 @@ use super::json::Finding;
 use ncfix_base::geometry::{AXES, AxisVector, Vector};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{ActiveTables, Condition, Machine, State};
-use ncfix_model::{Accumulator, Effect, ErrorModel, Model, SOURCES};
+use ncfix_model::{Accumulator, Effect, ErrorModel, Model};
 
 /// Smaller shares of single components are not listed, µm at the tip and µrad.
 const LISTED: f64 = 0.05;
@@ -97,13 +97,9 @@ impl Shares {
         let deviation = |wanted: &dyn Fn(&dyn Effect) -> bool| of(&bare, wanted);
         let sum = of(machine, &|_| true);
         let mut sources = Vec::new();
-        for &source in SOURCES {
+        for source in errors.sources() {
             let is_own = |effect: &dyn Effect| effect.source().name == source.name;
-            let mut labels: Vec<String> =
-                errors.effects().filter(|&effect| is_own(effect)).map(Effect::label).collect();
-            if labels.is_empty() {
-                continue;
-            }
+            let mut labels: Vec<String> = errors.effects_of(source.name).map(Effect::label).collect();
             labels.sort_unstable();
             labels.dedup();
             let mut components: Vec<(String, Deviation)> = labels

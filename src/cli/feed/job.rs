@@ -14,7 +14,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 use ncfix_dialect::Dialect;
 use ncfix_dnc::drip::Settings;
-use ncfix_dnc::feed::{PROFILES, Profile};
+use ncfix_dnc::feed::{Links, Profile};
 use ncfix_path::emit;
 
 /// What a transfer is about.
@@ -90,15 +90,16 @@ impl Job {
 
 /// A profile that is shipped, or that of a file, and the hash of its text.
 fn profile(link: &str, findings: &mut Findings) -> Result<(Option<Profile>, String), Stop> {
-    let shipped = PROFILES.iter().find(|(name, _)| name.eq_ignore_ascii_case(link));
+    let links = Links::default();
+    let shipped = links.iter().find(|shipped| shipped.name.eq_ignore_ascii_case(link));
     let source = match shipped {
-        Some((name, text)) => Source::new(FileId(0), name, text.as_bytes().to_vec())
-            .map_err(|_| Stop::Usage(format!("the profile {name} is too large")))?,
+        Some(shipped) => Source::new(FileId(0), &shipped.name, shipped.text.as_bytes().to_vec())
+            .map_err(|_| Stop::Usage(format!("the profile {} is too large", shipped.name)))?,
         None if Path::new(link).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) => {
             input::read_written(&PathBuf::from(link), FileId(0), "profile of the link, --link")?
         }
         None => {
-            let names: Vec<&str> = PROFILES.iter().map(|(name, _)| *name).collect();
+            let names: Vec<&str> = links.names().collect();
             return Err(Stop::Usage(format!(
                 "there is no link '{link}'; write one of {}, or a profile file (.toml)",
                 names.join(", ")

@@ -22,7 +22,7 @@ use super::stop::Stop;
 use super::{input, print, tell};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
-use ncfix_dnc::feed::{Dialogue, PROTOCOLS, port};
+use ncfix_dnc::feed::{Dialogue, port};
 use ncfix_dnc::sense::{Config, Panel};
 use ncfix_report::feed::Before;
 use ncfix_report::json;
@@ -107,14 +107,13 @@ pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Res
 /// # Errors
 /// Where the profile does not fit it.
 fn dialogue(job: &Job) -> Result<Box<dyn Dialogue>, Stop> {
-    let protocol = PROTOCOLS.iter().find(|protocol| protocol.name == job.profile.protocol);
-    let protocol = protocol.ok_or_else(|| Stop::Usage(format!("there is no protocol '{}'", job.profile.protocol)))?;
-    (protocol.create)(&job.profile).map_err(|why| Stop::Usage(format!("the link {}: {why}", job.profile.name)))
+    (job.profile.protocol.create)(&job.profile)
+        .map_err(|why| Stop::Usage(format!("the link {}: {why}", job.profile.name)))
 }
 
 /// Whether the control is asked if it stands still before the first line.
 fn asks_idle(job: &Job) -> bool {
-    PROTOCOLS.iter().any(|protocol| protocol.name == job.profile.protocol && protocol.asks_idle)
+    job.profile.protocol.asks_idle
 }
 
 fn unasked(job: &Job) -> Diagnostic {

@@ -25,12 +25,12 @@ mod shown;
 mod watch;
 mod wire;
 
-pub use dialogue::{Dialogue, Event, Halt, PROTOCOLS, Protocol};
+pub use dialogue::{Dialogue, Event, Halt, PROTOCOLS, Protocol, Protocols};
 pub use dosing::{Dose, Dosing, Limits};
 pub use forecast::{Forecast, Forecaster, Link, Stretch};
 pub use journal::{Frozen, Journal, Store, Told, read as read_journal};
 pub use line::{Line, crc32};
-pub use profile::{Bound, Flow, Frame, PROFILES, Parity, Profile, Serial, Window};
+pub use profile::{Bound, Flow, Frame, LinkFile, Links, PROFILES, Parity, Profile, Serial, Window};
 pub use sender::{Ended, GONE, Port, Progress, Record, Sender, Supplied, Supply};
 pub use shown::{Shown, shown};
 pub use watch::Patience;

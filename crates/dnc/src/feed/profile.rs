@@ -1,15 +1,17 @@
 //! Links as data: how bytes go over a wire, what frames a program, how large the window is.
 //!
-//! A profile is a TOML file; those in `links/` are shipped ([`PROFILES`]), others are given by their path. A key that is missing has the value of a
-//! plain link without any of it.
+//! A profile is a TOML file; those in `links/` are shipped ([`PROFILES`]), a caller adds others to [`Links`] or gives them by their path. A key that is missing
+//! has the value of a plain link without any of it.
 
+use std::borrow::Cow;
 use std::time::Duration;
 
 use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::register::{Register, Registered};
 use ncfix_base::source::Source;
 use ncfix_machine::machine::file::{MachineFile, Section, nearest};
 
-use super::dialogue::PROTOCOLS;
+use super::dialogue::{Protocol, Protocols};
 use super::watch::Patience;
 
 /// Names and texts of the profiles that are shipped.
@@ -24,6 +26,34 @@ pub const PROFILES: &[(&str, &str)] = &[
     ("marlin", include_str!("../../../../links/marlin.toml")),
     ("siemens-v24", include_str!("../../../../links/siemens-v24.toml")),
 ];
+
+/// The text of a profile, by the name of its link.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LinkFile {
+    /// The name, as `--link` has it.
+    pub name: Cow<'static, str>,
+    /// The profile, TOML.
+    pub text: Cow<'static, str>,
+}
+
+/// The links that have a name: [`Register::default`](ncfix_base::register::Register::default) are those that are shipped.
+pub type Links = Register<LinkFile>;
+
+impl Registered for LinkFile {
+    const KIND: &'static str = "link";
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        PROFILES.iter().map(|&(name, text)| Box::new(LinkFile { name: name.into(), text: text.into() })).collect()
+    }
+
+    fn conflict(&self, other: &Self) -> Option<String> {
+        self.name.eq_ignore_ascii_case(&other.name).then(|| "letters of either case are the same in its name".into())
+    }
+}
 
 /// Parity of a character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -121,8 +151,8 @@ pub struct Profile {
     pub name: String,
     /// What it is.
     pub title: String,
-    /// The dialogue, one of [`PROTOCOLS`].
-    pub protocol: String,
+    /// The dialogue.
+    pub protocol: &'static Protocol,
     /// The serial line; TCP and pseudo-terminals take no notice of it.
     pub serial: Serial,
     /// How the flow is held.
@@ -157,16 +187,15 @@ impl Profile {
     /// # Errors
     /// A sentence that says why not.
     pub fn check(&self, text: &[u8]) -> Result<(), String> {
-        let protocol = PROTOCOLS.iter().find(|known| known.name == self.protocol);
-        protocol.map_or(Ok(()), |protocol| (protocol.check)(self, text))
+        (self.protocol.check)(self, text)
     }
 
     /// Blocks that the control has answered and not carried out, at most, as the profile states: those of its planner, what still moves, and what waits
     /// before it.
     #[must_use]
     pub fn holds_at_most(&self) -> Option<u64> {
-        let protocol = PROTOCOLS.iter().find(|known| known.name == self.protocol && known.has_planner)?;
-        Some(self.depth.as_ref()?.at_most.saturating_add(protocol.beyond))
+        let depth = self.depth.as_ref().filter(|_| self.protocol.has_planner)?;
+        Some(depth.at_most.saturating_add(self.protocol.beyond))
     }
 
     /// Reads a profile.
@@ -174,19 +203,27 @@ impl Profile {
     /// # Errors
     /// All that is wrong in it: `E0401`–`E0404`.
     pub fn read(source: &Source) -> Result<Profile, Vec<Diagnostic>> {
+        Profile::read_with(source, &Protocols::default())
+    }
+
+    /// Reads a profile that may name these dialogues.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_with(source: &Source, protocols: &Protocols) -> Result<Profile, Vec<Diagnostic>> {
         let document = MachineFile::parse(source)?;
         let mut root = document.root();
         let mut findings = Vec::new();
         let name = root.required("name", "\"my-link\"", Section::text).unwrap_or_default().to_owned();
         let title = root.text("title").unwrap_or(&name).to_owned();
-        let protocol = root.required("protocol", "\"grbl\"", Section::text).unwrap_or_default().to_owned();
-        if !protocol.is_empty() && !PROTOCOLS.iter().any(|known| known.name == protocol) {
-            let names = || PROTOCOLS.iter().map(|known| known.name);
-            let help = nearest(&protocol, names()).map_or_else(
-                || format!("one of {}", names().collect::<Vec<_>>().join(", ")),
+        let named = root.required("protocol", "\"grbl\"", Section::text);
+        let protocol = named.and_then(|name| protocols.find(name)).copied();
+        if let (Some(named), None) = (named, protocol) {
+            let help = nearest(named, protocols.names()).map_or_else(
+                || format!("one of {}", protocols.names().collect::<Vec<_>>().join(", ")),
                 |name| format!("did you mean \"{name}\"?"),
             );
-            root.report(Code::BAD_VALUE, root.place_of("protocol"), format!("there is no protocol '{protocol}'"), help);
+            root.report(Code::BAD_VALUE, root.place_of("protocol"), format!("there is no protocol '{named}'"), help);
         }
         let mut own = |key: &str, read: &mut dyn FnMut(&mut Section<'_>)| {
             if let Some(mut section) = root.section(key) {
@@ -225,7 +262,7 @@ impl Profile {
             read("planned", &mut window.planned);
             read("system_bytes", &mut window.system_bytes);
         });
-        let has_planner = PROTOCOLS.iter().any(|known| known.name == protocol && known.has_planner);
+        let has_planner = protocol.is_some_and(|protocol| protocol.has_planner);
         let mut depth = None;
         own("depth", &mut |section| depth = bound(section, has_planner));
         let (mut longest_line, mut is_upper_case, mut refused) = (256, false, Vec::new());
@@ -256,9 +293,9 @@ impl Profile {
             avoids_controls = section.boolean("avoid_control_characters").unwrap_or(false);
         });
         root.finish(&mut findings);
-        if findings.iter().any(Diagnostic::is_error) {
+        let Some(protocol) = protocol.filter(|_| !findings.iter().any(Diagnostic::is_error)) else {
             return Err(findings);
-        }
+        };
         Ok(Profile {
             name,
             title,

@@ -23,7 +23,7 @@ use ncfix_base::source::Source;
 use ncfix_machine::machine::condition::file::PLAUSIBLE_C;
 use ncfix_machine::machine::file::{MachineFile, Section, nearest};
 
-use super::source::{Kind, Plan, SOURCES, Wanted};
+use super::source::{Plan, SensorSource, SensorSources, Wanted};
 
 /// More channels than any machine has.
 const MOST_CHANNELS: usize = 256;
@@ -129,8 +129,8 @@ impl Channel {
 pub struct Origin {
     /// Its name.
     pub name: String,
-    /// Its kind, one of [`SOURCES`].
-    pub kind: &'static Kind,
+    /// Its kind.
+    pub kind: Arc<dyn SensorSource>,
     /// Where the file has it.
     pub place: Place,
     /// How often it is asked.
@@ -158,6 +158,14 @@ impl Config {
     /// # Errors
     /// All that is wrong in it: `E0401`–`E0404`.
     pub fn read(source: &Source) -> Result<Config, Vec<Diagnostic>> {
+        Config::read_with(source, &SensorSources::default())
+    }
+
+    /// Reads a file that may have these kinds of sources.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_with(source: &Source, kinds: &SensorSources) -> Result<Config, Vec<Diagnostic>> {
         let document = MachineFile::parse(source)?;
         let mut root = document.root();
         let mut findings = Vec::new();
@@ -167,7 +175,7 @@ impl Config {
         let sources = named(&mut root, "source", "[source.cabinet] with its kind", &mut findings);
         let channels = named(&mut root, "channel", "[channel.T_head] with its source", &mut findings);
         root.finish(&mut findings);
-        let config = Reader { poll, rules, findings: &mut findings }.read(sources, channels);
+        let config = Reader { poll, rules, kinds, findings: &mut findings }.read(sources, channels);
         findings.sort_by_key(|finding| (finding.place, finding.code));
         if findings.iter().any(Diagnostic::is_error) { Err(findings) } else { Ok(config) }
     }
@@ -199,6 +207,7 @@ fn named<'a>(
 struct Reader<'f> {
     poll: Duration,
     rules: Channel,
+    kinds: &'f SensorSources,
     findings: &'f mut Vec<Diagnostic>,
 }
 
@@ -218,17 +227,18 @@ impl Reader<'_> {
             let place = section.place();
             let mut own = wanted.remove(&name).unwrap_or_default();
             let poll = seconds(&mut section, "poll_s", 0.05).unwrap_or(self.poll);
-            let kind = read_kind(&mut section);
+            let kind = read_kind(&mut section, self.kinds);
             if own.is_empty() {
                 let help = format!("write source = \"{name}\" in a channel, or take the source out");
                 section.report(Code::BAD_VALUE, place, format!("no channel is of {}", section.title()), help);
             }
-            inputs += usize::from(kind.is_some_and(|kind| kind.is_standard_input));
-            if kind.is_some_and(|kind| kind.is_standard_input) && inputs > 1 {
+            let is_input = kind.as_ref().is_some_and(|kind| kind.is_standard_input());
+            inputs += usize::from(is_input);
+            if is_input && inputs > 1 {
                 let help = "there is one standard input; give its channels the same source";
                 section.report(Code::BAD_VALUE, place, "two sources read standard input", help);
             }
-            let plan = kind.and_then(|kind| (kind.read)(&mut section, &mut own));
+            let plan = kind.as_ref().and_then(|kind| kind.read(&mut section, &mut own));
             if kind.is_none() {
                 // What the other keys mean is not known.
                 let keys: Vec<&str> = section.keys().collect();
@@ -239,7 +249,7 @@ impl Reader<'_> {
             let channels: Vec<usize> = own.iter().map(|wanted| wanted.index).collect();
             own.into_iter().for_each(|wanted| wanted.section.finish(self.findings));
             if let (Some(kind), Some(plan)) = (kind, plan) {
-                for &index in channels.iter().filter(|_| kind.is_record) {
+                for &index in channels.iter().filter(|_| kind.is_record()) {
                     config.channels[index].first = 1;
                 }
                 config.sources.push(Origin { name, kind, place, poll, channels, plan });
@@ -294,11 +304,11 @@ impl Reader<'_> {
 }
 
 /// The kind of a source.
-fn read_kind(section: &mut Section<'_>) -> Option<&'static Kind> {
+fn read_kind(section: &mut Section<'_>, kinds: &SensorSources) -> Option<Arc<dyn SensorSource>> {
     let written = section.required("kind", "\"file\"", Section::text)?;
-    let found = SOURCES.iter().find(|kind| kind.name == written);
+    let found = kinds.shared(written);
     if found.is_none() {
-        let names = || SOURCES.iter().map(|kind| kind.name);
+        let names = || kinds.names();
         let help = nearest(written, names()).map_or_else(
             || format!("one of {}", names().collect::<Vec<_>>().join(", ")),
             |near| format!("did you mean \"{near}\"?"),

@@ -22,5 +22,5 @@ pub use lines::Lines;
 pub use monitor::{Fault, Monitor, Reading, State, Told};
 pub use outlet::Outlet;
 pub use panel::{Panel, Verdict};
-pub use source::SOURCES;
+pub use source::{SensorSource, SensorSources};
 pub use stamp::stamp;

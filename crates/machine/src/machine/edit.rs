@@ -63,10 +63,12 @@ impl Edit {
         table.map(|table| put(table, key, given)).is_some()
     }
 
-    /// Changes a value somewhere in the entry of this number in a list of sections, by keys and numbers: `knots[0].coefficients[2]`. The last
-    /// key may be new. Whether that is possible.
+    /// Changes a value somewhere in the entry of this number in a list of sections, by keys and numbers: `knots[0].coefficients[2]`. A section
+    /// that is no list is its own entry 0. The last key may be new. Whether that is possible.
     pub fn set_at(&mut self, list: &str, index: usize, path: &str, given: &Given) -> bool {
-        let Some(mut item) = self.0.get_mut(list).and_then(|item| item.get_mut(index)) else { return false };
+        let Some(item) = self.0.get_mut(list) else { return false };
+        let found = if item.is_table_like() { Some(item).filter(|_| index == 0) } else { item.get_mut(index) };
+        let Some(mut item) = found else { return false };
         let mut words = path.split('.').peekable();
         while let Some(word) = words.next() {
             let (key, numbers) = word.split_at(word.find('[').unwrap_or(word.len()));

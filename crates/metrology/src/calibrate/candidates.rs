@@ -110,7 +110,7 @@ mod tests {
         let observations = positions.iter().map(row).collect();
         vec![DataSet {
             name: String::new(),
-            kind: crate::measure::kind::KINDS[0],
+            kind: &crate::measure::kind::TRACE,
             sigma: None,
             sigma_rad: None,
             free: Vec::new(),

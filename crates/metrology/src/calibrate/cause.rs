@@ -8,7 +8,7 @@ use ncfix_base::geometry::{Axis, Vector};
 use ncfix_model::parameter::{ParameterName, Term};
 
 use super::column::Column;
-use super::effect::{EffectParameter, Parameter, lack};
+use super::effect::{Parameter, lack};
 
 /// Positions that are nearer to each other are one, mm or rad.
 const SAME_PLACE: f64 = 1e-3;
@@ -135,8 +135,7 @@ pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Ca
             Parameter::Effect(parameter) => effects.push(parameter),
         }
     }
-    let names: Vec<&str> = effects.iter().map(EffectParameter::name).collect();
-    if let Some(cause) = Some(&names).filter(|names| !names.is_empty()).and_then(|names| lack(names, data)) {
+    if let Some(cause) = Some(&effects).filter(|effects| !effects.is_empty()).and_then(|effects| lack(effects, data)) {
         return cause;
     }
     let Parameter::Geometry(own) = own else {

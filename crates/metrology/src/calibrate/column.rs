@@ -130,6 +130,7 @@ impl fmt::Display for Named<'_> {
                 write!(f, "{} of ball {label}", axis(direction))
             }
             Unknown::Tool(which, direction) => write!(f, "{} of the tool{}", axis(direction), setup(which)),
+            Unknown::Own(what, which) => write!(f, "{what}{}", setup(which)),
         }?;
         if self.data.len() > 1 { write!(f, " ({})", set.name) } else { Ok(()) }
     }

@@ -41,6 +41,8 @@ pub struct EffectParameter {
     effect: usize,
     index: usize,
     is_linear: bool,
+    /// Whether its effect goes with temperatures.
+    has_sensors: bool,
     /// Whether it is a coefficient of a truncated power that was 0: zero for a function without steps.
     is_idle_knot: bool,
     /// The unit in which it is shown, and the factor to it.
@@ -152,6 +154,7 @@ pub fn effect_parameters(errors: &ErrorModel) -> Vec<EffectParameter> {
                 effect: number,
                 index,
                 is_linear: parameter.is_linear,
+                has_sensors: !effect.sensors().is_empty(),
                 is_idle_knot: key.starts_with("knots[") && *value == 0.0,
                 unit: unit.into(),
                 factor,
@@ -329,7 +332,7 @@ impl Probe {
 }
 
 /// Why an effect may not be told: what did not change between the readings.
-pub(super) fn lack(names: &[&str], data: &[DataSet]) -> Option<Cause> {
+pub(super) fn lack(effects: &[EffectParameter], data: &[DataSet]) -> Option<Cause> {
     let mut loads: Vec<_> = Vec::new();
     let mut is_warm = false;
     let mut last = None;
@@ -345,11 +348,11 @@ pub(super) fn lack(names: &[&str], data: &[DataSet]) -> Option<Cause> {
             }
         }
     }
-    let is_of = |source: &str| names.iter().any(|name| name.starts_with(source));
+    let is_of = |source: &str| effects.iter().any(|one| one.name().starts_with(source));
     match loads.as_slice() {
         [only] if is_of("load.") && only.is_empty() => Some(Cause::NoLoad),
         [_] if is_of("load.") => Some(Cause::OneLoad),
-        _ if !is_warm && !is_of("load.") => Some(Cause::NoTemperatures),
+        _ if !is_warm && !is_of("load.") && effects.iter().any(|one| one.has_sensors) => Some(Cause::NoTemperatures),
         _ => None,
     }
 }

@@ -241,6 +241,7 @@ fn phrases(columns: &[&Column], data: &[DataSet]) -> Vec<String> {
             Unknown::Rotation(..) => "the rotation of the artefact",
             Unknown::Place(..) => "the places of the balls",
             Unknown::Tool(..) => "the tool",
+            Unknown::Own(what, _) => what,
         };
         let phrase = if data.len() > 1 { format!("{phrase} ({})", set.name) } else { phrase.to_owned() };
         if !out.contains(&phrase) {

@@ -1,6 +1,6 @@
 //! Scenes for tests of this room: tables of a machine without errors, and candidates.
 
-use super::cause::{CAUSES, Candidate, Effect, Weight};
+use super::cause::{BUILT_IN, Candidate, Effect, Weight};
 use super::row::Row;
 use super::scene::{Scene, Through};
 use super::search::Weights;
@@ -38,7 +38,7 @@ pub(super) fn candidate(
     through: Through,
     weight: impl Fn(&Row) -> f64 + Send + Sync + 'static,
 ) -> Candidate {
-    let cause = CAUSES.iter().find(|cause| cause.effect == effect).unwrap();
+    let cause = BUILT_IN.iter().find(|cause| cause.effect == effect).unwrap();
     Candidate::one(cause, "X", through, Weight::new(weight))
 }
 

@@ -314,7 +314,7 @@ fn is_unsure(one: &Candidate, fields: &[Vec<f64>], amounts: &Amounts, square: f6
     // A constant that is not told is not written.
     let is_constant = |k: usize| match &one.term {
         Term::Parameters(names) => names.get(k).is_some_and(|name| name.term == Part::Coefficient(0)),
-        Term::None => false,
+        Term::File(_) | Term::None => false,
     };
     let told: Vec<usize> = (0..fields.len()).filter(|&k| !is_constant(k)).collect();
     let entry = |k: usize, l: usize| amounts.covariance.get(k).and_then(|row| row.get(l)).copied().unwrap_or(0.0);

@@ -3,7 +3,7 @@
 //! ```text
 //! Scene::new(machine, errors, sets)      what is left of every reading, and what a deviation anywhere would do to it
 //! fault::FAULTS                         what is wrong with the data themselves
-//! cause::CAUSES                          candidates: what readings would have in addition, one file per cause
+//! cause::Causes                          candidates: what readings would have in addition, one file per cause
 //! search, refine, group, cancel          which of them explain what is left
 //! sample, promising                      which of these are worth a look where there are many readings
 //! judge, freedom                         which of these stand beside each other and the memory of the noise
@@ -59,6 +59,7 @@ mod verdict;
 mod volume;
 
 pub use account::Account;
+pub use cause::Causes;
 pub use doubt::Doubt;
 pub use held::{Compared, Sizes};
 pub use noise::{Left, Source};
@@ -69,4 +70,4 @@ pub use scene::Scene;
 pub use separate::commands;
 pub use share::Share;
 pub use size::{Amounts, Size};
-pub use verdict::{Diagnosis, Finding, diagnose, reads_angles};
+pub use verdict::{Diagnosis, Finding, diagnose, diagnose_with, reads_angles};

@@ -1,7 +1,7 @@
 //! What was tried and is not named: candidates that the search took and a gate stopped, and what the best of every cause would explain of what
 //! is left.
 
-use super::cause::{CAUSES, Candidate, Cause};
+use super::cause::{Candidate, Cause, Causes};
 use super::parts::{Part, differing};
 use super::search::{Field, Taken, Weights};
 use super::size::{Amounts, Size, size};
@@ -115,12 +115,17 @@ impl Rejections {
 }
 
 /// Every cause of the catalogue beside what was taken.
-pub(super) fn tried(field: &Field<'_, '_>, weights: &Weights, taken: &[usize], memory: f64) -> Vec<Tried> {
+pub(super) fn tried(
+    (field, causes): (&Field<'_, '_>, &Causes),
+    weights: &Weights,
+    taken: &[usize],
+    memory: f64,
+) -> Vec<Tried> {
     let series = field.series(weights, taken, memory);
     let whole = series.squares();
     let gains = field.gains(weights, &series);
     let of = |cause: &'static Cause| {
-        let own = || field.candidates.iter().enumerate().filter(|(_, one)| std::ptr::eq(one.cause, cause));
+        let own = || field.candidates.iter().enumerate().filter(|(_, one)| one.cause.name == cause.name);
         let open = own().filter(|(number, _)| !taken.contains(number));
         let best = open
             .filter_map(|(number, one)| Some((one, gains.get(number).filter(|gain| gain.rank > 0)?.squares)))
@@ -132,5 +137,5 @@ pub(super) fn tried(field: &Field<'_, '_>, weights: &Weights, taken: &[usize], m
             best: best.map(|(one, squares)| (one.parameter.clone(), share(squares))),
         }
     };
-    CAUSES.iter().copied().map(of).collect()
+    causes.iter().map(|cause| of(cause.cause())).collect()
 }

@@ -23,7 +23,7 @@ pub const NO_ROW: usize = usize::MAX;
 /// Its standard uncertainty where nothing is said of it, mm.
 const TIE_SIGMA: f64 = 1e-4;
 
-/// Where a deviation comes in.
+/// Where a deviation comes in. Signs are those of the machine file: the deviation of the body that an axis moves, also on the workpiece side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Through {
     /// A component of the error of an axis, mm or rad.

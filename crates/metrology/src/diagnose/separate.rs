@@ -1,7 +1,8 @@
 //! Rivals that the data cannot tell apart, and the one measurement that would.
 
-use super::cause::{CAUSES, Candidate, Effect, periodic};
+use super::cause::{Candidate, Causes, Effect, periodic};
 use super::scene::{Scene, Through};
+use super::verdict::propose;
 use ncfix_base::geometry::{AXES, Axis, Vector};
 use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
 
@@ -31,9 +32,8 @@ pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) 
 
 /// Every command that may be said of what may be at work in a scene.
 #[must_use]
-pub fn commands(scene: &Scene<'_>) -> Vec<String> {
-    let mut all = Vec::new();
-    CAUSES.iter().for_each(|cause| (cause.propose)(scene, &mut all));
+pub fn commands(causes: &Causes, scene: &Scene<'_>) -> Vec<String> {
+    let mut all = propose(causes, scene);
     all.extend(
         super::cause::axes(scene)
             .filter(|axis| !axis.is_rotary())
@@ -42,7 +42,7 @@ pub fn commands(scene: &Scene<'_>) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for one in &all {
         let Some(around) = Around::new(scene, one) else { continue };
-        let plans = CAUSES.iter().filter_map(|cause| told_apart([one.cause.effect, cause.effect]).1);
+        let plans = causes.iter().filter_map(|cause| told_apart([one.cause.effect, cause.cause().effect]).1);
         out.extend(plans.chain([Plan::FineLine, Plan::Drift]).filter_map(|plan| around.command(plan)));
         out.sort();
         out.dedup();

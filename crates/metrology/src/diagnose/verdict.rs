@@ -1,7 +1,7 @@
 //! The verdict: findings with their sizes, rivals and what they gain, and what is left.
 
 use super::account::{Account, swing};
-use super::cause::{CAUSES, Candidate, Cause, Effect, periodic, thermal};
+use super::cause::{Candidate, Cause, Causes, Effect, periodic, thermal};
 use super::doubt::Doubt;
 use super::fold::counts;
 use super::gates::{confirm, hold};
@@ -96,8 +96,20 @@ pub struct Diagnosis {
 /// readings of a scene of the same measurements with a machine without errors. `note` gets what is done and how much of it.
 #[must_use]
 pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn FnMut(&str, f64)) -> Diagnosis {
+    diagnose_with(&Causes::default(), scene, bare, used, note)
+}
+
+/// Finds what the model lacks as [`diagnose`] does, among these causes.
+#[must_use]
+pub fn diagnose_with(
+    causes: &Causes,
+    scene: &Scene<'_>,
+    bare: &Scene<'_>,
+    used: usize,
+    note: &mut dyn FnMut(&str, f64),
+) -> Diagnosis {
     note("causes that may be", 0.0);
-    let candidates = propose(scene);
+    let candidates = propose(causes, scene);
     let sample = Sample::new(scene);
     let mut field = Field::new(scene, candidates);
     field.part = sample.as_ref().map(|some| Box::new(sample::Part::new(&field, some)));
@@ -144,17 +156,18 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
     drop_far(scene, &mut held_out, &far);
     let not_confirmed = hold(&field, &weights, &held_out, &mut kept, &mut rejections);
     note("verdict", 1.0);
-    verdict(&field, bare, [&weights, &held_out], &kept, (used, not_confirmed, &rejections))
+    verdict((&field, causes), bare, [&weights, &held_out], &kept, (used, not_confirmed, &rejections))
 }
 
-fn propose(scene: &Scene<'_>) -> Vec<Candidate> {
+/// What all causes may be in a scene.
+pub(super) fn propose(causes: &Causes, scene: &Scene<'_>) -> Vec<Candidate> {
     let mut candidates = Vec::new();
-    CAUSES.iter().for_each(|cause| (cause.propose)(scene, &mut candidates));
+    causes.iter().for_each(|cause| cause.propose(scene, &mut candidates));
     candidates
 }
 
 fn verdict(
-    field: &Field<'_, '_>,
+    (field, causes): (&Field<'_, '_>, &Causes),
     bare: &Scene<'_>,
     [weights, held_out]: [&Weights; 2],
     kept: &[(Taken, f64)],
@@ -259,7 +272,7 @@ fn verdict(
         findings,
         not_confirmed,
         rejected: rejections.list(field, weights, (&taken, used), (memory, noise)),
-        causes: tried(field, weights, &taken, memory),
+        causes: tried((field, causes), weights, &taken, memory),
         account: Account::new(scene, parts, &values, &explained),
         outliers,
         left: noise::look(field, weights, &left[0]),

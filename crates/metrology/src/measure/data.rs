@@ -20,7 +20,7 @@ use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::ErrorName;
 
 use self::cycles::Cycle;
-use super::kind::Kind;
+use super::kind::{Instruments, Kind};
 use super::reading::{Reading, Readings};
 
 /// A measurement.
@@ -100,6 +100,7 @@ impl DataSet {
 
 /// What may be unknown of a set-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Free {
     /// Place of the table ball of a ball-bar.
     Centre,
@@ -117,6 +118,8 @@ pub enum Free {
     Rotation,
     /// The tool vector.
     Tool,
+    /// What a kind of measurement that a caller brings calls by this word.
+    Own(&'static str),
 }
 
 /// A mounting.
@@ -191,7 +194,7 @@ impl Observation {
 /// Reads a pair of files. All findings are reported in one run; there is data only where none of them is an error.
 #[must_use]
 pub fn load(name: &str, table: &Source, description: &Source, machine: &Machine) -> (Option<DataSet>, Vec<Diagnostic>) {
-    load_as(name, table, description, machine, As::Readings)
+    load_with(&Instruments::default(), [table, description], name, machine, ReadAs::Readings)
 }
 
 /// Reads a pair of files in which sensors of temperature may be dead in some rows: these say nothing of them, but [`DataSet::drivers`] have what
@@ -203,7 +206,7 @@ pub fn load_with_dead(
     description: &Source,
     machine: &Machine,
 ) -> (Option<DataSet>, Vec<Diagnostic>) {
-    load_as(name, table, description, machine, As::WithDead)
+    load_with(&Instruments::default(), [table, description], name, machine, ReadAs::WithDead)
 }
 
 /// Reads the plan of a measurement: a pair of files whose columns of readings are empty or not there yet. Every reading counts as 0.
@@ -214,25 +217,30 @@ pub fn load_plan(
     description: &Source,
     machine: &Machine,
 ) -> (Option<DataSet>, Vec<Diagnostic>) {
-    load_as(name, table, description, machine, As::Plan)
+    load_with(&Instruments::default(), [table, description], name, machine, ReadAs::Plan)
 }
 
 /// How a pair of files is read.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum As {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReadAs {
+    /// As [`load`] does.
     Readings,
+    /// As [`load_with_dead`] does.
     WithDead,
+    /// As [`load_plan`] does.
     Plan,
 }
 
-fn load_as(
+/// Reads a pair of files, table and description, of one of these kinds of measurement.
+#[must_use]
+pub fn load_with(
+    instruments: &Instruments,
+    [table, description]: [&Source; 2],
     name: &str,
-    table: &Source,
-    description: &Source,
     machine: &Machine,
-    how: As,
+    how: ReadAs,
 ) -> (Option<DataSet>, Vec<Diagnostic>) {
-    let (description, mut findings) = description::read(name, description);
+    let (description, mut findings) = description::read(name, description, instruments);
     let (rows, found) = Table::read(table);
     findings.extend(found);
     let (Some(mut data), Some(rows)) = (description, rows) else { return (None, findings) };
@@ -241,12 +249,12 @@ fn load_as(
         let help = "check --machine, or take it out of the description";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, rows.header_place(None), message, help));
     }
-    data.is_plan = how == As::Plan;
+    data.is_plan = how == ReadAs::Plan;
     match Readings::with(&rows, machine, &data.fixed) {
         Err(found) => findings.extend(found),
         Ok(readings) => {
             let sign = readings.sign();
-            let of_dead = if how == As::WithDead { OfDead::Empty } else { OfDead::Refused };
+            let of_dead = if how == ReadAs::WithDead { OfDead::Empty } else { OfDead::Refused };
             rows::read(&rows, readings, of_dead, &mut data, &mut findings);
             data.drivers = drivers::read(&rows, machine, sign, &data);
         }

@@ -26,6 +26,7 @@ const MOST_COEFFICIENT: f64 = 1e3;
 
 /// An entry whose component is known.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Entry<'a> {
     /// The section.
     pub section: Section<'a>,
@@ -41,12 +42,12 @@ impl Entry<'_> {
     }
 
     /// The key of a deviation: `values` as `values_um` or `values_urad`.
-    pub(super) fn deviation_key(&self, stem: &str) -> String {
+    pub fn deviation_key(&self, stem: &str) -> String {
         format!("{stem}_{}", if self.name.direction.is_rotation() { "urad" } else { "um" })
     }
 
     /// The key of a position: `positions` as `positions_mm` or `positions_deg`.
-    pub(super) fn position_key(&self, stem: &str) -> String {
+    pub fn position_key(&self, stem: &str) -> String {
         position_key_of(stem, self.name.axis())
     }
 
@@ -61,7 +62,7 @@ impl Entry<'_> {
     }
 
     /// A deviation, mm or rad.
-    pub(crate) fn deviation(&mut self, stem: &str) -> Option<f64> {
+    pub fn deviation(&mut self, stem: &str) -> Option<f64> {
         let key = self.deviation_key(stem);
         self.check_deviation_unit(stem, &key)?;
         let value = self.section.required(&key, "6.0", |section, key| {
@@ -71,7 +72,7 @@ impl Entry<'_> {
     }
 
     /// Deviations, mm or rad.
-    pub(super) fn deviations(&mut self, stem: &str) -> Option<Vec<f64>> {
+    pub fn deviations(&mut self, stem: &str) -> Option<Vec<f64>> {
         let key = self.deviation_key(stem);
         self.check_deviation_unit(stem, &key)?;
         let values = self.section.required(&key, "[0, 4, -1]", Section::numbers)?;
@@ -85,7 +86,7 @@ impl Entry<'_> {
     }
 
     /// A position, mm or rad.
-    pub(super) fn position(&mut self, stem: &str) -> Option<f64> {
+    pub fn position(&mut self, stem: &str) -> Option<f64> {
         let key = self.position_key(stem);
         self.check_position_unit(stem, &key, self.name.axis())?;
         let value = self.section.required(&key, "100", Section::number)?;
@@ -93,7 +94,7 @@ impl Entry<'_> {
     }
 
     /// A length along the axis above zero, mm or rad.
-    pub(super) fn length(&mut self, stem: &str) -> Option<f64> {
+    pub fn length(&mut self, stem: &str) -> Option<f64> {
         let key = self.position_key(stem);
         self.check_position_unit(stem, &key, self.name.axis())?;
         let value = self.section.required(&key, "10.0", |section, key| {
@@ -103,12 +104,12 @@ impl Entry<'_> {
     }
 
     /// Positions, mm or rad.
-    pub(super) fn positions(&mut self, stem: &str) -> Option<Vec<f64>> {
+    pub fn positions(&mut self, stem: &str) -> Option<Vec<f64>> {
         self.positions_of(stem, self.name.axis())
     }
 
     /// Positions of an axis, mm or rad.
-    pub(super) fn positions_of(&mut self, stem: &str, axis: Option<Axis>) -> Option<Vec<f64>> {
+    pub fn positions_of(&mut self, stem: &str, axis: Option<Axis>) -> Option<Vec<f64>> {
         let key = position_key_of(stem, axis);
         self.check_position_unit(stem, &key, axis)?;
         let mut values = self.section.required(&key, "[0, 350, 700]", Section::numbers)?;
@@ -119,7 +120,7 @@ impl Entry<'_> {
     }
 
     /// Rows of deviations, mm or rad.
-    pub(super) fn deviation_rows(&mut self, stem: &str) -> Option<Vec<Vec<f64>>> {
+    pub fn deviation_rows(&mut self, stem: &str) -> Option<Vec<Vec<f64>>> {
         let key = self.deviation_key(stem);
         self.check_deviation_unit(stem, &key)?;
         let mut rows = self.section.required(&key, "[[0, 4], [1, 5]]", Section::rows)?;
@@ -128,7 +129,7 @@ impl Entry<'_> {
     }
 
     /// Another axis of the machine than that of the component.
-    pub(super) fn other_axis(&mut self, key: &str) -> Option<Axis> {
+    pub fn other_axis(&mut self, key: &str) -> Option<Axis> {
         let letter = self.section.required(key, "\"X\"", Section::text)?;
         let axis = match letter.as_bytes() {
             [byte @ b'A'..=b'Z'] => Axis::from_letter(*byte),
@@ -183,7 +184,7 @@ impl Entry<'_> {
     }
 
     /// Coefficients, mm and rad as they are.
-    pub(super) fn coefficients(&mut self, key: &str) -> Option<Vec<f64>> {
+    pub fn coefficients(&mut self, key: &str) -> Option<Vec<f64>> {
         let values = self.section.required(key, "[0, 1e-5]", Section::numbers)?;
         if let Some(index) = values.iter().position(|value| value.abs() > MOST_COEFFICIENT) {
             let place = self.section.place_of_item(key, index);
@@ -195,12 +196,12 @@ impl Entry<'_> {
     }
 
     /// Whether there is a key of this stem, whatever its unit.
-    pub(super) fn has_stem(&self, stem: &str) -> bool {
+    pub fn has_stem(&self, stem: &str) -> bool {
         UNITS.iter().any(|unit| self.section.has(&format!("{stem}_{unit}")))
     }
 
     /// Reports `E0408` where positions do not increase strictly.
-    pub(super) fn demand_increase(&mut self, key: &str, positions: &[f64]) -> Option<()> {
+    pub fn demand_increase(&mut self, key: &str, positions: &[f64]) -> Option<()> {
         let fault = positions.windows(2).position(|pair| pair[0] >= pair[1]);
         if let Some(index) = fault {
             let place = self.section.place_of_item(key, index + 1);
@@ -212,7 +213,7 @@ impl Entry<'_> {
     }
 
     /// Closes a subsection of this entry.
-    pub(super) fn take_findings(&mut self, subsection: Section<'_>) {
+    pub fn take_findings(&mut self, subsection: Section<'_>) {
         let mut findings = Vec::new();
         subsection.finish(&mut findings);
         self.section.add(findings);

@@ -105,7 +105,7 @@ impl Functions {
             functions.push((row, Function::Polynomial(super::polynomial::Polynomial { coefficients })));
         }
         for (row, function) in functions {
-            let is_own = !matches!(function, Function::Cross(_) | Function::Grid(_));
+            let is_own = function.with().is_none();
             if is_own && table.take(axis, row, &function) {
                 rest.intervals.get_or_insert_with(|| Intervals::new(range, count));
                 continue;

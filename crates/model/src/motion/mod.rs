@@ -1,7 +1,8 @@
 //! Position-dependent errors: one file per kind of function, and their sum per axis.
 //!
 //! A function gives one component (mm or rad) from the actual commands of its axis, of another axis ([`cross`], [`grid`]) or from the
-//! sense of the last motion ([`backlash`]). A kind is a file here and a line in [`KINDS`].
+//! sense of the last motion ([`backlash`]). A kind is a file here and a line in `BUILT_IN`; a caller adds others to the register [`MotionKinds`], with
+//! functions of its own ([`MotionFunction`]).
 
 pub mod backlash;
 pub mod cross;
@@ -9,14 +10,17 @@ pub mod dynamic;
 mod entry;
 pub mod grid;
 mod intervals;
+mod own;
 pub mod periodic;
 pub mod piecewise;
 pub mod polynomial;
 pub mod table;
 
 pub use entry::Entry;
+pub use own::{MotionFunction, Own, Sampling};
 
 use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::State;
 
 use super::Features;
@@ -33,6 +37,7 @@ pub struct MotionError {
 
 /// A function of one kind.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Function {
     /// See [`polynomial`].
     Polynomial(polynomial::Polynomial),
@@ -50,28 +55,78 @@ pub enum Function {
     Grid(grid::Grid),
     /// See [`dynamic`]; it has a section of its own.
     Dynamic(dynamic::Dynamic),
+    /// Of a kind that a caller brings; see [`MotionFunction`].
+    Own(Own),
 }
 
 /// A kind of function as the machine file names it.
-#[derive(Clone, Copy, Debug)]
-pub struct Kind {
-    /// `kind = "…"`.
-    pub name: &'static str,
-    /// Reads the keys of the kind; what is wrong is reported in the entry.
-    pub read: fn(&mut Entry<'_>) -> Option<Function>,
+///
+/// A caller adds one with [`MotionKinds::with`](ncfix_base::register::Register::with) and reads the machine file with
+/// [`file::load_with`](crate::file::load_with).
+pub trait MotionKind: Send + Sync {
+    /// `kind = "…"` in `[[motion]]` and `[[load]]`.
+    fn name(&self) -> &str;
+
+    /// Reads the keys of the kind with the methods of the entry, which know the units that follow from the component and its axis and report what
+    /// is wrong; `None` where the entry is not sound.
+    fn read(&self, entry: &mut Entry<'_>) -> Option<Function>;
+
     /// The lines of an entry below its `[[motion]]`, for a machine with the axes X, Y and Z.
-    pub example: &'static str,
+    fn example(&self) -> &str;
 }
 
-/// All kinds.
-pub const KINDS: &[Kind] = &[
-    Kind { name: "polynomial", read: polynomial::read, example: polynomial::EXAMPLE },
-    Kind { name: "table", read: table::read, example: table::EXAMPLE },
-    Kind { name: "piecewise", read: piecewise::read, example: piecewise::EXAMPLE },
-    Kind { name: "periodic", read: periodic::read, example: periodic::EXAMPLE },
-    Kind { name: "backlash", read: backlash::read, example: backlash::EXAMPLE },
-    Kind { name: "cross", read: cross::read, example: cross::EXAMPLE },
-    Kind { name: "grid", read: grid::read, example: grid::EXAMPLE },
+impl<K: MotionKind + 'static> From<K> for Box<dyn MotionKind> {
+    fn from(kind: K) -> Self {
+        Box::new(kind)
+    }
+}
+
+/// The kinds of functions that a machine file may have: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+pub type MotionKinds = Register<dyn MotionKind>;
+
+impl Registered for dyn MotionKind {
+    const KIND: &'static str = "kind of motion error";
+
+    fn name(&self) -> &str {
+        MotionKind::name(self)
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        BUILT_IN.iter().map(|&kind| Box::new(kind) as Box<dyn MotionKind>).collect()
+    }
+}
+
+/// A kind that is built in.
+#[derive(Clone, Copy)]
+struct BuiltIn {
+    name: &'static str,
+    read: fn(&mut Entry<'_>) -> Option<Function>,
+    example: &'static str,
+}
+
+impl MotionKind for BuiltIn {
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn read(&self, entry: &mut Entry<'_>) -> Option<Function> {
+        (self.read)(entry)
+    }
+
+    fn example(&self) -> &str {
+        self.example
+    }
+}
+
+/// Those that are built in.
+const BUILT_IN: &[BuiltIn] = &[
+    BuiltIn { name: "polynomial", read: polynomial::read, example: polynomial::EXAMPLE },
+    BuiltIn { name: "table", read: table::read, example: table::EXAMPLE },
+    BuiltIn { name: "piecewise", read: piecewise::read, example: piecewise::EXAMPLE },
+    BuiltIn { name: "periodic", read: periodic::read, example: periodic::EXAMPLE },
+    BuiltIn { name: "backlash", read: backlash::read, example: backlash::EXAMPLE },
+    BuiltIn { name: "cross", read: cross::read, example: cross::EXAMPLE },
+    BuiltIn { name: "grid", read: grid::read, example: grid::EXAMPLE },
 ];
 
 impl Function {
@@ -88,6 +143,7 @@ impl Function {
             Function::Cross(cross) => cross.value(own, command[cross.with]),
             Function::Grid(grid) => grid.value(own, command[grid.with]),
             Function::Dynamic(dynamic) => dynamic.value(axis, state),
+            Function::Own(own) => own.function().value(axis, command, state),
         }
     }
 
@@ -106,6 +162,7 @@ impl Function {
             Function::Cross(cross) => all_zero(&cross.coefficients) || all_zero(&cross.with_coefficients),
             Function::Grid(grid) => grid.values.iter().all(|row| all_zero(row)),
             Function::Dynamic(dynamic) => all_zero(&[dynamic.by_acceleration, dynamic.by_jerk]),
+            Function::Own(own) => own.is_zero(),
         }
     }
 
@@ -135,11 +192,23 @@ impl Function {
                 visit("by_acceleration", &mut dynamic.by_acceleration);
                 visit("by_jerk", &mut dynamic.by_jerk);
             }
+            Function::Own(own) => own.function_mut().visit_values(visit),
             Function::Grid(grid) => {
                 for (index, row) in grid.values.iter_mut().enumerate() {
                     list(&format!("values[{index}]"), row);
                 }
             }
+        }
+    }
+
+    /// Another axis than its own whose position it depends on.
+    #[must_use]
+    pub fn with(&self) -> Option<Axis> {
+        match self {
+            Function::Cross(cross) => Some(cross.with),
+            Function::Grid(grid) => Some(grid.with),
+            Function::Own(own) => own.function().with(),
+            _ => None,
         }
     }
 
@@ -180,6 +249,16 @@ impl Function {
             }
             // It is the same everywhere.
             Function::Dynamic(_) => {}
+            Function::Own(function) => {
+                let function = function.function();
+                for along in [Some(axis), function.with()].into_iter().flatten() {
+                    let Sampling { length, knots, has_senses } = function.sampling(along, travels[along.slot()]);
+                    let feature = &mut features[along.slot()];
+                    feature.note_length(length);
+                    feature.note_knots(knots.into_iter());
+                    feature.backlash |= has_senses;
+                }
+            }
         }
     }
 }

@@ -64,6 +64,7 @@ fn parts(error: &MotionError) -> Vec<Rest> {
         Function::Cross(_) => "cross",
         Function::Grid(_) => "grid",
         Function::Dynamic(_) => "dynamic",
+        Function::Own(own) => own.function().kind(),
     };
     vec![Rest::Function(component, kind)]
 }

@@ -2,14 +2,13 @@
 //!
 //! They stand in `[[motion]]` with the kinds of functions of two axes.
 
-use super::Source;
+use super::SourceInfo;
 
 /// The source.
-pub(super) const SOURCE: Source = Source {
+pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "coupling",
     title: "cross-coupling of two axes",
     sections: &[],
-    read: |_, _| {},
     example: "\
 [[motion]]
 component = \"EAY\"

@@ -17,14 +17,13 @@ use ncfix_base::units::{mm_from_um, um_from_mm};
 use ncfix_machine::machine::file::Section;
 use ncfix_machine::machine::{Condition, Lever, Machine};
 
-use super::{Effect, Parameter, Reading, Source, Written};
+use super::{Effect, Parameter, Reading, SourceInfo, Written};
 
 /// The source.
-pub(super) const SOURCE: Source = Source {
+pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "drift",
     title: "zero-point drift with temperature",
     sections: &["drift"],
-    read,
     example: "\
 [[drift]]
 direction = \"X\"
@@ -88,7 +87,7 @@ impl Node {
 }
 
 impl Effect for Drift {
-    fn source(&self) -> &'static Source {
+    fn source(&self) -> &'static SourceInfo {
         &SOURCE
     }
 
@@ -158,13 +157,9 @@ impl Effect for Drift {
     fn drifts(&self) -> bool {
         true
     }
-
-    fn boxed(&self) -> Box<dyn Effect> {
-        Box::new(self.clone())
-    }
 }
 
-fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     let (axes, machine) = (reading.axes, reading.machine);
     let sections = reading.root.sections("drift");
     let entries: Vec<Entry> = sections

@@ -3,7 +3,7 @@
 //! One `[[dynamic]]` for each component that gives way: e = k·a + c·ȧ of the axis of the component ([`crate::motion::dynamic`]). Where
 //! nothing says how an axis accelerates – where positions were measured at rest, or a program is corrected – it is zero.
 
-use super::{Effect, Parameter, Reading, Source, Written};
+use super::{Effect, Parameter, Reading, SourceInfo, Written};
 use crate::ErrorModel;
 use crate::accumulator::Accumulator;
 use crate::file::known_component;
@@ -22,11 +22,10 @@ const MICRO: f64 = 1e-6;
 const MM_PER_M: f64 = 1e3;
 
 /// The source.
-pub(super) const SOURCE: Source = Source {
+pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "dynamic",
     title: "deflection by acceleration",
     sections: &["dynamic"],
-    read,
     example: "\
 [[dynamic]]
 component = \"EXX\"
@@ -48,7 +47,7 @@ struct Deflection {
 }
 
 impl Effect for Deflection {
-    fn source(&self) -> &'static Source {
+    fn source(&self) -> &'static SourceInfo {
         &SOURCE
     }
 
@@ -68,10 +67,6 @@ impl Effect for Deflection {
             let written = Some(Written { entry, key: &key, factor: 1.0 / factor(name) });
             visit(&Parameter { name: &format!("dynamic.{name}.{key}"), is_linear: true, written }, value);
         }
-    }
-
-    fn boxed(&self) -> Box<dyn Effect> {
-        Box::new(self.clone())
     }
 }
 
@@ -94,7 +89,7 @@ fn is_rotary(name: ErrorName) -> bool {
     name.axis().is_some_and(|axis| axis.is_rotary())
 }
 
-fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     for (entry, mut section) in reading.root.sections("dynamic").into_iter().enumerate() {
         let one = read_entry(entry, &mut section, reading);
         section.finish(reading.findings);

@@ -18,14 +18,13 @@ use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_machine::machine::file::Section;
 use ncfix_machine::machine::{Condition, Machine};
 
-use super::{Effect, Parameter, Reading, Source, Written};
+use super::{Effect, Parameter, Reading, SourceInfo, Written};
 
 /// The source.
-pub(super) const SOURCE: Source = Source {
+pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "expansion",
     title: "expansion of scales and workpiece",
     sections: &["expansion"],
-    read,
     example: "\
 [[expansion]]
 axis = \"X\"
@@ -86,7 +85,7 @@ impl Expansion {
 }
 
 impl Effect for Expansion {
-    fn source(&self) -> &'static Source {
+    fn source(&self) -> &'static SourceInfo {
         &SOURCE
     }
 
@@ -117,13 +116,9 @@ impl Effect for Expansion {
     fn sensors(&self) -> Vec<&str> {
         self.sensors.iter().map(|sensor| sensor.name.as_str()).collect()
     }
-
-    fn boxed(&self) -> Box<dyn Effect> {
-        Box::new(self.clone())
-    }
 }
 
-fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     let mut seen = AxisSet::EMPTY;
     for (entry, mut section) in reading.root.sections("expansion").into_iter().enumerate() {
         let axis = read_axis(&mut section, reading.axes, &mut seen);

@@ -2,7 +2,7 @@
 //!
 //! `[location]` and `[[motion]]`; the sum of both is the volumetric error model of ISO 230-1 (Spaan 1995, ch. 2; Esmaeili 2021, ch. 2).
 
-use super::{Effect, Parameter, Reading, Source, coupling, reversal};
+use super::{Effect, Parameter, Reading, SourceInfo, coupling, reversal};
 use crate::accumulator::Accumulator;
 use crate::file;
 use crate::motion::Function;
@@ -10,11 +10,10 @@ use crate::{ErrorModel, LocationError, MotionError};
 use ncfix_machine::machine::Condition;
 
 /// The source.
-pub(super) const SOURCE: Source = Source {
+pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "geometry",
     title: "location and motion errors",
     sections: &["location", "motion"],
-    read,
     example: "\
 [location]
 EC0Y = 15.0
@@ -30,17 +29,17 @@ values_urad = [0, 12, -8]
 ",
 };
 
-fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     if let Some(section) = reading.root.section("location") {
         errors.location.extend(file::read_location(section, reading.axes, reading.findings));
     }
     for section in reading.root.sections("motion") {
-        errors.motion.extend(file::read_motion(section, reading.axes, reading.findings));
+        errors.motion.extend(file::read_motion(section, reading.axes, reading.kinds, reading.findings));
     }
 }
 
 impl Effect for LocationError {
-    fn source(&self) -> &'static Source {
+    fn source(&self) -> &'static SourceInfo {
         &SOURCE
     }
 
@@ -55,14 +54,10 @@ impl Effect for LocationError {
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
         visit(&Parameter { name: &self.name.to_string(), is_linear: true, written: None }, &mut self.value);
     }
-
-    fn boxed(&self) -> Box<dyn Effect> {
-        Box::new(*self)
-    }
 }
 
 impl Effect for MotionError {
-    fn source(&self) -> &'static Source {
+    fn source(&self) -> &'static SourceInfo {
         match self.function {
             Function::Backlash(_) => &reversal::SOURCE,
             Function::Cross(_) | Function::Grid(_) => &coupling::SOURCE,
@@ -83,9 +78,5 @@ impl Effect for MotionError {
         self.function.visit_values(&mut |name, value| {
             visit(&Parameter { name: &format!("{component}.{name}"), is_linear: true, written: None }, value);
         });
-    }
-
-    fn boxed(&self) -> Box<dyn Effect> {
-        Box::new(self.clone())
     }
 }

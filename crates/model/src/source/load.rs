@@ -9,9 +9,9 @@
 //! e(x, F₀) is what a load of F₀ does to a motion error (in the center of the table; at p₀ for the second) or to a location error, F the weight
 //! and p its place from the center of the table along a direction of F. The effects of several loads add up.
 
-use super::{Effect, Parameter, Reading, Source, Written};
+use super::{Effect, Parameter, Reading, SourceInfo, Written};
 use crate::accumulator::Accumulator;
-use crate::motion::{Entry, Function};
+use crate::motion::{Entry, Function, MotionKinds};
 use crate::name::{ErrorKind, ErrorName};
 use crate::{ErrorModel, file};
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -21,11 +21,10 @@ use ncfix_machine::machine::file::Section;
 use ncfix_machine::machine::{Condition, Load};
 
 /// The source.
-pub(super) const SOURCE: Source = Source {
+pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "load",
     title: "workpiece weight",
     sections: &["load"],
-    read,
     example: "\
 [[load]]
 component = \"EAX\"
@@ -47,15 +46,20 @@ value_urad = -45
 /// The directions that a place on the table has.
 const ALONG: [&str; 3] = ["X", "Y", "Z"];
 
-fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     for (entry, section) in reading.root.sections("load").into_iter().enumerate() {
-        if let Some(effect) = read_effect(section, reading.axes, reading.findings) {
+        if let Some(effect) = read_effect(section, reading.axes, reading.kinds, reading.findings) {
             errors.effects.push(Box::new(LoadEffect { entry, ..effect }));
         }
     }
 }
 
-fn read_effect(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<Diagnostic>) -> Option<LoadEffect> {
+fn read_effect(
+    mut section: Section<'_>,
+    axes: AxisSet,
+    kinds: &MotionKinds,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<LoadEffect> {
     let component = section.required("component", "\"EAX\"", Section::text);
     let place = section.place_of("component");
     let help = "write E, a direction and an axis of the machine, or with a 0 before the axis, for example EAX or EA0Y";
@@ -82,7 +86,7 @@ fn read_effect(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<Diagn
             value.map(Amount::Constant)
         }
         ErrorKind::Motion => {
-            let kind = file::read_kind(&mut section);
+            let kind = file::read_kind(&mut section, kinds);
             let Some(kind) = kind else {
                 let keys: Vec<&str> = section.keys().collect();
                 keys.into_iter().for_each(|key| section.accept(key));
@@ -90,7 +94,7 @@ fn read_effect(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<Diagn
                 return None;
             };
             let mut entry = Entry { section, name, axes };
-            let function = (kind.read)(&mut entry);
+            let function = kind.read(&mut entry);
             entry.section.finish(findings);
             function.map(Amount::Function)
         }
@@ -188,7 +192,7 @@ impl LoadEffect {
 }
 
 impl Effect for LoadEffect {
-    fn source(&self) -> &'static Source {
+    fn source(&self) -> &'static SourceInfo {
         &SOURCE
     }
 
@@ -243,9 +247,5 @@ impl Effect for LoadEffect {
 
     fn needs_load(&self) -> bool {
         true
-    }
-
-    fn boxed(&self) -> Box<dyn Effect> {
-        Box::new(self.clone())
     }
 }

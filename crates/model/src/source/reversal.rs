@@ -2,14 +2,13 @@
 //!
 //! They stand in `[[motion]]` with `kind = "backlash"`.
 
-use super::Source;
+use super::SourceInfo;
 
 /// The source.
-pub(super) const SOURCE: Source = Source {
+pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "reversal",
     title: "backlash and lateral play",
     sections: &[],
-    read: |_, _| {},
     example: "\
 [[motion]]
 component = \"EYY\"

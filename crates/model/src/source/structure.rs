@@ -16,7 +16,7 @@
 //! errors, and so zero-point drift and squareness; where an axis slides along the segment, motion errors of that axis: its scale, straightness and
 //! angles.
 
-use super::{Effect, Parameter, Reading, Source, Written};
+use super::{Effect, Parameter, Reading, SourceInfo, Written};
 use crate::ErrorModel;
 use crate::accumulator::Accumulator;
 use crate::motion::{Function, polynomial::Polynomial};
@@ -32,11 +32,10 @@ const DIRECTION_LIMIT: f64 = 1e-6;
 const POWERS: usize = 5;
 
 /// The source.
-pub(super) const SOURCE: Source = Source {
+pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "structure",
     title: "heat in the structure",
     sections: &["segment"],
-    read,
     example: "\
 [[segment]]
 name = \"column\"
@@ -146,7 +145,7 @@ impl Segment {
 }
 
 impl Effect for Segment {
-    fn source(&self) -> &'static Source {
+    fn source(&self) -> &'static SourceInfo {
         &SOURCE
     }
 
@@ -216,10 +215,6 @@ impl Effect for Segment {
     fn drifts(&self) -> bool {
         true
     }
-
-    fn boxed(&self) -> Box<dyn Effect> {
-        Box::new(self.clone())
-    }
 }
 
 /// Σ aₖ (l₀ ± q)ᵏ as a polynomial of q.
@@ -238,7 +233,7 @@ fn substituted(powers: &[f64; POWERS], offset: f64, sense: f64) -> Vec<f64> {
     result
 }
 
-fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     for (entry, mut section) in reading.root.sections("segment").into_iter().enumerate() {
         let segment = read_segment(&mut section, reading);
         section.finish(reading.findings);

@@ -6,7 +6,7 @@
 
 use ncfix_base::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
 use ncfix_machine::machine::{Condition, Machine};
-use ncfix_model::{Accumulator, ErrorModel, Model, SOURCES, Solve};
+use ncfix_model::{Accumulator, ErrorModel, Model, Solve};
 
 use super::{Increments, PoseSample};
 
@@ -33,7 +33,7 @@ pub fn remaining(
 ) -> Vec<Remaining> {
     let increments = Increments::new(&machine.control);
     let mut all = Vec::new();
-    for &source in SOURCES {
+    for source in errors.sources() {
         let sum = Accumulator::sum(machine, errors, condition, |effect| effect.source().name == source.name);
         let model = Model::summed(&sum);
         if model.is_empty() {

@@ -1,6 +1,7 @@
 //! Dialogues: what a sender and a control say to each other, as pure machines.
 //!
-//! To add one, write its file and register it in [`PROTOCOLS`]; profiles name it.
+//! To add one, write its file and register it in [`PROTOCOLS`]; profiles name it. From another crate, write a static [`Protocol`], give it to
+//! [`Protocols::with`](ncfix_base::register::Register::with) and read the profile with [`Profile::read_with`].
 
 mod answers;
 mod barrier;
@@ -14,6 +15,8 @@ mod mdi;
 mod tape;
 
 use std::time::Duration;
+
+use ncfix_base::register::{Register, Registered};
 
 use super::{Line, Profile, Wire};
 
@@ -111,7 +114,29 @@ pub struct Protocol {
     pub create: fn(&Profile) -> Result<Box<dyn Dialogue>, String>,
 }
 
-/// All kinds.
+impl PartialEq for Protocol {
+    /// A name is that of one protocol of a register.
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+/// The kinds of dialogues that a profile may name: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+pub type Protocols = Register<&'static Protocol>;
+
+impl Registered for &'static Protocol {
+    const KIND: &'static str = "protocol";
+
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        PROTOCOLS.iter().map(Box::new).collect()
+    }
+}
+
+/// Those that are built in.
 pub const PROTOCOLS: &[Protocol] =
     &[block::PROTOCOL, grbl::PROTOCOL, linuxcncrsh::PROTOCOL, marlin::PROTOCOL, tape::PROTOCOL];
 

@@ -9,7 +9,7 @@ fn all_that_are_shipped_are_sound_and_named_as_their_files() {
         let source = Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap();
         let profile = Profile::read(&source).unwrap();
         assert_eq!(profile.name, *name);
-        let protocol = PROTOCOLS.iter().find(|one| one.name == profile.protocol).unwrap();
+        let protocol = profile.protocol;
         assert!((protocol.create)(&profile).is_ok());
     }
 }

@@ -1,4 +1,7 @@
-//! Where readings come from. To add a kind, write its file and register it in [`SOURCES`].
+//! Where readings come from: one file for each kind of source, and the register of them ([`SensorSources`]), which a caller extends.
+//!
+//! To add one from another crate, implement [`SensorSource`], give it to [`SensorSources::with`](ncfix_base::register::Register::with) and read the file of the sensors
+//! with [`Config::read_with`](super::Config::read_with).
 
 /// Stands for a kind that is not built in: its name is known, and it says so.
 #[allow(unused_macros, reason = "with all features there is none")]
@@ -52,37 +55,99 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use ncfix_base::diagnostic::Code;
+use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::file::Section;
 
 use super::monitor::{Fault, Told};
 use super::outlet::Outlet;
 
-/// Reads the section of a source and what its channels have for it; findings go into the sections.
-pub type Read = fn(&mut Section<'_>, &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>>;
+/// A kind of source of readings.
+pub trait SensorSource: Send + Sync {
+    /// What the file of the sensors calls it: `kind = "file"`.
+    fn name(&self) -> &str;
 
-/// A kind of source.
-#[derive(Clone, Copy)]
-pub struct Kind {
-    /// What the file of the sensors calls it.
-    pub name: &'static str,
     /// What it is.
-    pub title: &'static str,
+    fn title(&self) -> &str;
+
     /// Whether its values were judged when they were recorded.
-    pub is_record: bool,
+    fn is_record(&self) -> bool {
+        false
+    }
+
     /// Whether it reads standard input, which there is one of.
-    pub is_standard_input: bool,
-    /// Reads its keys, and those that its channels have for it.
-    pub read: Read,
+    fn is_standard_input(&self) -> bool {
+        false
+    }
+
+    /// Reads the keys of `[source.NAME]`, and those that its channels have for it; what is wrong is reported in the sections. `kind`, `poll_s`, and what is
+    /// believed of a channel, are read already. `None` where it is not sound.
+    fn read(&self, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>>;
 }
 
-impl fmt::Debug for Kind {
+impl fmt::Debug for dyn SensorSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name)
+        f.write_str(self.name())
     }
 }
 
-/// All kinds.
-pub const SOURCES: &[Kind] =
+impl<S: SensorSource + 'static> From<S> for Box<dyn SensorSource> {
+    fn from(source: S) -> Self {
+        Box::new(source)
+    }
+}
+
+/// The kinds of sources that a file of sensors may have: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+pub type SensorSources = Register<dyn SensorSource>;
+
+impl Registered for dyn SensorSource {
+    const KIND: &'static str = "kind of source of readings";
+
+    fn name(&self) -> &str {
+        SensorSource::name(self)
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        BUILT_IN.iter().map(|&kind| Box::new(kind) as Box<dyn SensorSource>).collect()
+    }
+}
+
+/// Reads the section of a source and what its channels have for it; findings go into the sections.
+type Read = fn(&mut Section<'_>, &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>>;
+
+/// A kind of source that is built in.
+#[derive(Clone, Copy)]
+struct Kind {
+    name: &'static str,
+    title: &'static str,
+    is_record: bool,
+    is_standard_input: bool,
+    read: Read,
+}
+
+impl SensorSource for Kind {
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn title(&self) -> &str {
+        self.title
+    }
+
+    fn is_record(&self) -> bool {
+        self.is_record
+    }
+
+    fn is_standard_input(&self) -> bool {
+        self.is_standard_input
+    }
+
+    fn read(&self, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+        (self.read)(section, wanted)
+    }
+}
+
+/// Those that are built in.
+const BUILT_IN: &[Kind] =
     &[command::KIND, file::KIND, modbus::KIND, mqtt::KIND, mtconnect::KIND, opcua::KIND, replay::KIND, stdin::KIND];
 
 /// A channel that wants its values from a source.
@@ -120,7 +185,7 @@ pub trait Clocked: Send {
 }
 
 /// A source that is asked from time to time.
-trait Polled: Send + 'static {
+pub trait Polled: Send + 'static {
     /// Asks once.
     ///
     /// # Errors
@@ -129,7 +194,8 @@ trait Polled: Send + 'static {
 }
 
 /// Runs a source that is asked from time to time.
-fn polled(mut source: impl Polled, every: Duration) -> Opened {
+#[must_use]
+pub fn polled(mut source: impl Polled, every: Duration) -> Opened {
     Opened::Thread(Box::new(move |outlet| {
         loop {
             if let Err(why) = source.poll(&outlet) {
@@ -143,10 +209,10 @@ fn polled(mut source: impl Polled, every: Duration) -> Opened {
 }
 
 /// Names under which a source knows its channels.
-type Items = Vec<(String, usize)>;
+pub type Items = Vec<(String, usize)>;
 
 /// The key `item` of each channel: what the source calls it; its own name where it is left out.
-fn items(wanted: &mut [Wanted<'_>]) -> Items {
+pub fn items(wanted: &mut [Wanted<'_>]) -> Items {
     wanted
         .iter_mut()
         .map(|wanted| (wanted.section.text("item").unwrap_or(&wanted.name).to_owned(), wanted.index))

@@ -1,5 +1,5 @@
 //! The catalogue of physical causes by number: what each does, what shows it, what it is confused with, which measurement tells it apart, and which
-//! cause of [`super::CAUSES`] looks for it. Causes that have one regressor share a file.
+//! cause of [`super::Causes`] looks for it. Causes that have one regressor share a file.
 
 use super::{
     Cause, backlash, circle, cross, drift, load, location, motion, periodic, servo, setup, spike, thermal, vibration,
@@ -116,7 +116,7 @@ pub const CATALOGUE: &[Entry] = &[
 
 #[cfg(test)]
 mod tests {
-    use super::super::CAUSES;
+    use super::super::BUILT_IN;
     use super::*;
 
     #[test]
@@ -128,7 +128,7 @@ mod tests {
             assert!(words.iter().all(|text| !text.is_empty()), "{}", row.number);
             match row.sought {
                 Sought::By(causes) => {
-                    let is_known = |cause: &&Cause| CAUSES.iter().any(|known| known.name == cause.name);
+                    let is_known = |cause: &&Cause| BUILT_IN.iter().any(|known| known.name == cause.name);
                     assert!(!causes.is_empty() && causes.iter().all(is_known), "{}", row.number);
                 }
                 Sought::AsFault => assert!(row.number >= 60, "{}", row.number),
@@ -139,10 +139,10 @@ mod tests {
 
     #[test]
     fn no_cause_is_without_words() {
-        for cause in CAUSES {
+        for cause in BUILT_IN {
             let words = [cause.name, cause.made_by, cause.shown_by, cause.separate_by];
             assert!(words.iter().all(|text| !text.is_empty()), "{}", cause.name);
-            let twins = CAUSES.iter().filter(|other| other.name == cause.name).count();
+            let twins = BUILT_IN.iter().filter(|other| other.name == cause.name).count();
             assert_eq!(twins, 1, "{}", cause.name);
         }
     }

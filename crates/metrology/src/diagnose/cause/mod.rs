@@ -1,8 +1,11 @@
-//! Causes: one file each, registered in [`CAUSES`].
+//! Causes: one file each, and the register of them ([`Causes`]), which a caller extends.
 //!
 //! A cause looks at a [`Scene`] and proposes [`Candidate`]s: what the readings would have in addition if it were at work. It says what reveals it, with
 //! what it is confused and which measurement tells them apart, and what a program can do about it. A candidate that is accepted extends the
 //! model by its [`Term`]; one without is reported only.
+//!
+//! To add one from another crate, write a static [`Cause`] with its function, or a type that implements [`Propose`] where it has to know something;
+//! give it to [`Causes::with`](ncfix_base::register::Register::with) and the register to [`diagnose_with`](super::diagnose_with).
 
 mod backlash;
 pub mod catalogue;
@@ -23,16 +26,19 @@ pub(in crate::diagnose) mod vibration;
 use std::fmt;
 use std::sync::Arc;
 
+use super::extend::Change;
 use super::row::Row;
 use super::scene::{Scene, Through};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::Axis;
+use ncfix_base::register::{Register, Registered};
 use ncfix_model::ParameterName;
 use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
 pub(in crate::diagnose) use unnamed::CAUSE as UNNAMED;
 
 /// What kind of effect it is, as programs read it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Effect {
     /// An error of the location of an axis.
     Location,
@@ -78,6 +84,8 @@ pub enum Effect {
     Program,
     /// None that has a name.
     Unknown,
+    /// Of a cause that a caller brings, by a name of its own: small letters and hyphens, as `beam-sag`.
+    Own(&'static str),
 }
 
 /// What can be done about it.
@@ -91,10 +99,10 @@ pub enum Correctable {
     No,
 }
 
-/// A cause.
+/// A cause: what it is called, and the function that says what it may be here.
 #[derive(Debug)]
 pub struct Cause {
-    /// Its name.
+    /// Its name. No other cause of a register has it.
     pub name: &'static str,
     /// Which effect it makes.
     pub effect: Effect,
@@ -106,12 +114,55 @@ pub struct Cause {
     pub separate_by: &'static str,
     /// What can be done about it.
     pub correctable: Correctable,
-    /// What it may be here.
+    /// What it may be here; see [`Propose::propose`].
     pub propose: fn(&Scene<'_>, &mut Vec<Candidate>),
 }
 
-/// All causes.
-pub const CAUSES: &[&Cause] = &[
+/// Proposes what a cause would do to readings. `&'static Cause` does it by its function; implement it for what has to know more than the readings.
+pub trait Propose: Send + Sync {
+    /// The cause: the same static at every call, and that of its candidates.
+    fn cause(&self) -> &'static Cause;
+
+    /// Pushes a candidate for everything that it may be here: for each axis, length, sensor. It is called once for a diagnosis, before the search. The
+    /// search finds the amount of each column, and takes a candidate only where it explains more than chance among all that were proposed, also in
+    /// readings that were not used: many candidates make each one less likely, so propose what the columns of the measurements can show. Where a driver is not
+    /// there, propose nothing.
+    fn propose(&self, scene: &Scene<'_>, out: &mut Vec<Candidate>);
+}
+
+impl Propose for &'static Cause {
+    fn cause(&self) -> &'static Cause {
+        self
+    }
+
+    fn propose(&self, scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+        (self.propose)(scene, out);
+    }
+}
+
+impl<P: Propose + 'static> From<P> for Box<dyn Propose> {
+    fn from(cause: P) -> Self {
+        Box::new(cause)
+    }
+}
+
+/// The causes that a diagnosis looks for: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+pub type Causes = Register<dyn Propose>;
+
+impl Registered for dyn Propose {
+    const KIND: &'static str = "cause";
+
+    fn name(&self) -> &str {
+        self.cause().name
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        BUILT_IN.iter().map(|&cause| Box::new(cause) as Box<dyn Propose>).collect()
+    }
+}
+
+/// Those that are built in.
+pub(in crate::diagnose) const BUILT_IN: &[&Cause] = &[
     &location::CAUSE,
     &motion::CAUSE,
     &backlash::BACKLASH,
@@ -148,7 +199,7 @@ pub const CAUSES: &[&Cause] = &[
 /// Location errors of linear axes as they are named where several names mean the same.
 const USUAL: [&str; 3] = ["EC0Y", "EB0Z", "EA0Z"];
 
-/// What a row has of a driver: the factor of a deviation.
+/// What a row has of a driver: the factor of a deviation. Amounts are well told where it is near one.
 #[derive(Clone)]
 pub struct Weight(Arc<dyn Fn(&Row) -> f64 + Send + Sync>);
 
@@ -156,6 +207,11 @@ impl Weight {
     /// By a function of the row.
     pub fn new(of: impl Fn(&Row) -> f64 + Send + Sync + 'static) -> Weight {
         Weight(Arc::new(of))
+    }
+
+    /// By the number in a column of the tables; 0 in rows without one.
+    pub fn of_column(values: Values, of: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Weight {
+        Weight::new(move |row| values.get(row.set).and_then(|own| own.get(row.number)).map_or(0.0, |value| of(*value)))
     }
 
     /// The same for weights that are clones of each other.
@@ -182,8 +238,38 @@ impl fmt::Debug for Weight {
 pub enum Term {
     /// By parameters, one for each column.
     Parameters(Vec<ParameterName>),
+    /// By what a function makes of the amounts: entries of a source of error of one's own.
+    File(FileTerm),
     /// Not: it is no error of the machine, or none that has an entry in the machine file.
     None,
+}
+
+/// Makes changes of the machine file from the amounts of the columns of a candidate, mm or rad per unit of their weights; or says why they cannot be
+/// written, in a sentence without a full stop.
+#[derive(Clone)]
+pub struct FileTerm(Arc<dyn Fn(&[f64]) -> Result<Vec<Change>, String> + Send + Sync>);
+
+impl FileTerm {
+    /// The changes for these amounts.
+    ///
+    /// # Errors
+    /// Why there are none.
+    pub fn changes(&self, amounts: &[f64]) -> Result<Vec<Change>, String> {
+        (self.0)(amounts)
+    }
+}
+
+impl PartialEq for FileTerm {
+    /// Clones of each other are equal.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl fmt::Debug for FileTerm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("FileTerm")
+    }
 }
 
 /// What the readings would have in addition.
@@ -241,6 +327,8 @@ impl Candidate {
             Effect::Location => 0,
             Effect::Backlash => 2,
             Effect::ServoMismatch => 4,
+            // Who adds a cause has a reason to look for it.
+            Effect::Own(_) => 6,
             Effect::Motion => 10,
             Effect::LateralPlay => 12,
             Effect::Periodic => 14,
@@ -279,6 +367,16 @@ impl Candidate {
         self.term = Term::Parameters(parameters.to_vec());
         self
     }
+
+    /// The same with what it writes into the machine file, by the amounts of its columns: mm or rad per unit of their weights.
+    #[must_use]
+    pub fn written(
+        mut self,
+        changes: impl Fn(&[f64]) -> Result<Vec<Change>, String> + Send + Sync + 'static,
+    ) -> Candidate {
+        self.term = Term::File(FileTerm(Arc::new(changes)));
+        self
+    }
 }
 
 impl fmt::Display for Effect {
@@ -306,27 +404,30 @@ impl fmt::Display for Effect {
             Effect::Outlier => "outlier",
             Effect::Program => "program",
             Effect::Unknown => "unknown",
+            Effect::Own(name) => name,
         })
     }
 }
 
 /// The axes of a scene.
-pub(in crate::diagnose) fn axes(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
+pub fn axes(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
     scene.machine.axes.iter().flatten().map(|data| data.axis)
 }
 
-/// Its linear ones.
-fn linear(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
+/// The linear axes of a scene.
+pub fn linear(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
     axes(scene).filter(|axis| !axis.is_rotary())
 }
 
-/// Between where and where an axis was; `None` where it stood.
-pub(in crate::diagnose) fn range(scene: &Scene<'_>, axis: Axis) -> Option<[f64; 2]> {
+/// Between which positions an axis was measured, mm or rad; `None` where it stood.
+#[must_use]
+pub fn range(scene: &Scene<'_>, axis: Axis) -> Option<[f64; 2]> {
     spread(scene.rows.iter().map(|row| row.position[axis])).filter(|[low, high]| high - low > 1e-3)
 }
 
-/// From when to when was measured; `None` where it is not known.
-pub(in crate::diagnose) fn times(scene: &Scene<'_>) -> Option<[f64; 2]> {
+/// From when to when was measured, s; `None` where it is not known.
+#[must_use]
+pub fn times(scene: &Scene<'_>) -> Option<[f64; 2]> {
     spread(scene.rows.iter().filter_map(|row| row.time_s)).filter(|[start, end]| end > start)
 }
 
@@ -344,10 +445,11 @@ fn tip(direction: usize) -> &'static str {
 }
 
 /// Values by measurement and row.
-pub(in crate::diagnose) type Values = Arc<Vec<Vec<f64>>>;
+pub type Values = Arc<Vec<Vec<f64>>>;
 
 /// The values of a column of numbers at the rows of a scene, as [`Row`]s number them; `None` where no measurement has it.
-fn column(sets: &[DataSet], name: &str) -> Option<Values> {
+#[must_use]
+pub fn column(sets: &[DataSet], name: &str) -> Option<Values> {
     let values: Vec<Vec<f64>> = sets
         .iter()
         .map(|set| set.drivers.iter().find(|driver| driver.name == name).map_or(Vec::new(), |one| one.values.clone()))
@@ -356,6 +458,7 @@ fn column(sets: &[DataSet], name: &str) -> Option<Values> {
 }
 
 /// The error of an axis along or about itself.
-pub(in crate::diagnose) fn own(axis: Axis) -> ErrorName {
+#[must_use]
+pub fn own(axis: Axis) -> ErrorName {
     ErrorName::motion(DIRECTIONS[axis.dimension() + if axis.is_rotary() { 3 } else { 0 }], axis)
 }

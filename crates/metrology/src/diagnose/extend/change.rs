@@ -84,6 +84,17 @@ pub enum Change {
         /// The value of a location error, or the coefficients of a polynomial, mm or rad per power.
         values: Vec<f64>,
     },
+    /// An entry of a source of one's own: the amounts are added to the entry that has these words, or a new one is written.
+    Entry {
+        /// Its list of sections: `beam` for `[[beam]]`.
+        list: &'static str,
+        /// Keys with texts that say which entry it is: `axis = "X"`.
+        words: Vec<(&'static str, String)>,
+        /// Keys and by how much their numbers grow, in the unit of the key: `mid_um` by −12.5.
+        amounts: Vec<(&'static str, f64)>,
+        /// Other keys that a new entry gets.
+        keys: Vec<(&'static str, Given)>,
+    },
 }
 
 /// Where a change stands in the file.
@@ -134,6 +145,7 @@ impl Change {
                 return warm::growth(edit, *axis, (sensor, *lag_s), [*um_per_m_k, *um_per_k]);
             }
             Change::Load { name, reference_n, lean, values } => load(edit, *name, (*reference_n, *lean), values),
+            Change::Entry { list, words, amounts, keys } => entry(edit, list, (words, amounts), keys),
         };
         is_done.ok_or_else(|| "the machine file has its list in a form that cannot be added to".into())
     }
@@ -226,6 +238,26 @@ fn wave(
             pushed(edit, "motion", &head.into_iter().chain(keys).collect::<Vec<_>>())
         }
     }
+}
+
+fn entry(
+    edit: &mut Edit,
+    list: &'static str,
+    (words, amounts): (&[(&'static str, String)], &[(&'static str, f64)]),
+    keys: &[(&'static str, Given)],
+) -> Option<Anchor> {
+    let found = entries(edit, list, words).next();
+    if let Some(index) = found {
+        for (key, amount) in amounts {
+            let sum = edit.number(list, index, key).unwrap_or(0.0) + amount;
+            edit.set_at(list, index, key, &Given::Number(rounded(sum))).then_some(())?;
+        }
+        return Some(Anchor::Entry(list, index));
+    }
+    let mut all: Vec<(String, Given)> = words.iter().map(|(key, word)| text(key, word)).collect();
+    all.extend(keys.iter().map(|(key, given)| ((*key).to_owned(), given.clone())));
+    all.extend(amounts.iter().map(|(key, amount)| number(key, rounded(*amount))));
+    pushed(edit, list, &all)
 }
 
 /// To 1 pm, or 1e-6 of a degree.

@@ -179,6 +179,9 @@ fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>,
         let all = all.filter(is_told);
         return Ok(all.map(|(_, (name, amount))| Change::Parameter { name: *name, amount: *amount }).collect());
     }
+    if let Term::File(term) = &candidate.term {
+        return term.changes(&one.amounts.values);
+    }
     match candidate.cause.effect {
         Effect::Periodic => entry::periodic(one, scene),
         Effect::ThermalExpansion => entry::expansion(one, scene),
@@ -205,7 +208,7 @@ fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>,
                  drive, or compensate it in the control"
                 .into(),
         ),
-        Effect::Location => Err("it has no parameter of the error model".into()),
+        Effect::Location | Effect::Own(_) => Err("it has no parameter of the error model".into()),
     }
 }
 

@@ -6,11 +6,11 @@ use ncfix_base::source::{Source, Span};
 use ncfix_base::units::{mm_from_um, rad_from_urad};
 use ncfix_machine::machine::file::{MachineFile, Section};
 
-use super::super::kind::{self, KINDS};
+use super::super::kind::{self, Instruments};
 use super::{DataSet, KnownLength, Setup, bodies, number_of};
 
 /// Reads it; there is a measurement, without rows yet, where its kind is known.
-pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnostic>) {
+pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (Option<DataSet>, Vec<Diagnostic>) {
     let file = match MachineFile::parse(source) {
         Ok(file) => file,
         Err(findings) => return (None, findings),
@@ -19,7 +19,7 @@ pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnos
     let mut root = file.root();
     let (mut data, mut free_place) = (None, None);
     if let Some(mut section) = root.required("measurement", "a section [measurement] with kind", Section::section) {
-        data = read_measurement(name, &mut section);
+        data = read_measurement(name, &mut section, instruments);
         free_place = Some(section.place_of("free"));
         section.finish(&mut findings);
     }
@@ -107,11 +107,11 @@ fn read_balls(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(
     balls
 }
 
-fn read_measurement(name: &str, section: &mut Section<'_>) -> Option<DataSet> {
+fn read_measurement(name: &str, section: &mut Section<'_>, instruments: &Instruments) -> Option<DataSet> {
     let kind = section.required("kind", "\"ballbar\"", Section::text).and_then(|text| {
-        let kind = KINDS.iter().copied().find(|kind| kind.name == text);
+        let kind = instruments.find(text).copied();
         if kind.is_none() {
-            let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+            let names: Vec<&str> = instruments.names().collect();
             let place = section.place_of("kind");
             section.report(
                 Code::BAD_VALUE,

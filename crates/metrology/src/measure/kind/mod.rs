@@ -1,8 +1,9 @@
-//! Kinds of measurement: one file each, registered in [`KINDS`].
+//! Kinds of measurement: one file each, and the register of them ([`Instruments`]), which a caller extends.
 //!
 //! A kind reads its columns and says, for a reading, what it should be: [`Kind::equations`] is given the tool as the error model has it – the one
 //! forward function – and gives what was read less what is predicted, with the derivatives by the pose of the tool and by the unknowns of the
-//! set-up.
+//! set-up. To add one from another crate, write a static [`Kind`], give it to [`Instruments::with`](ncfix_base::register::Register::with) and read the measurement with
+//! [`data::load_with`](super::data::load_with).
 
 mod ballbar;
 mod direct;
@@ -13,30 +14,33 @@ mod trace;
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Matrix, Vector};
+use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::Machine;
 use ncfix_model::{Model, Pose};
 
 use super::data::{DataSet, Free, Observation};
 use super::reading::Reading;
 
-/// A kind of measurement.
+/// A kind of measurement. Functions that have nothing to do are there for them: [`zeros`], [`no_ties`].
 #[derive(Debug)]
 pub struct Kind {
-    /// As the description names it.
+    /// As the description names it: `kind = "ballbar"`. No other kind of a register has it.
     pub name: &'static str,
     /// What it is.
     pub title: &'static str,
     /// What may be unknown of its set-ups.
     pub free: &'static [Free],
-    /// Reads what it needs of a row.
+    /// Reads what it needs of a row into the values of the observation, mm or rad, and names what is missing ([`needed`], [`optional`]). Axes, tool, set-up, run
+    /// and condition are read already. Of a plan ([`DataSet::is_plan`]) every value that will be read is 0.
     pub read: fn(&mut DataSet, &Row<'_>, DecimalSign, &mut Observation) -> Result<(), Diagnostic>,
-    /// Looks at the whole.
+    /// Looks at the whole, once all rows are read.
     pub check: fn(&DataSet, &Table, &mut Vec<Diagnostic>),
     /// The unknowns of a measurement, beside those of the machine.
     pub unknowns: fn(&DataSet) -> Vec<Unknown>,
     /// From what the unknowns are found: near enough for the equations to be straight there.
     pub start: fn(&DataSet, &Model) -> Vec<f64>,
-    /// The equations of a reading, with the values of the unknowns.
+    /// The equations of a reading, with the values of the unknowns: one for each value that is there, in their order. It predicts, calibrates, diagnoses and
+    /// simulates.
     pub equations: fn(&DataSet, &Observation, &Seen<'_>, &[f64], &mut Vec<Equation>),
     /// The equations that belong to no reading: known distances, in their order.
     pub ties: fn(&DataSet, &[f64], &mut Vec<Equation>),
@@ -46,14 +50,31 @@ pub struct Kind {
     pub columns: &'static [&'static str],
 }
 
-/// All kinds.
-pub const KINDS: &[&Kind] = &[&displacement::KIND, &ballbar::KIND, &probe::KIND, &direct::KIND, &TRACE];
+/// The kinds of measurement that a description may name: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+pub type Instruments = Register<&'static Kind>;
+
+impl Registered for &'static Kind {
+    const KIND: &'static str = "kind of measurement";
+
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        BUILT_IN.iter().map(|&kind| Box::new(kind)).collect()
+    }
+}
+
+/// Those that are built in.
+pub(in crate::measure) const BUILT_IN: &[&Kind] =
+    &[&displacement::KIND, &ballbar::KIND, &probe::KIND, &direct::KIND, &TRACE];
 
 /// Traces, which [`crate::measure::trace`] reads.
 pub static TRACE: Kind = trace::KIND;
 
 /// An unknown of a measurement; lengths in mm, rotations in rad. Numbers are those of set-ups and targets, directions 0 to 2 are X, Y, Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Unknown {
     /// Shift of the table ball from where the description has it.
     Centre(usize, usize),
@@ -75,6 +96,8 @@ pub enum Unknown {
     Place(usize, usize),
     /// The tool vector beyond that of the rows, with the spindle at zero.
     Tool(usize, usize),
+    /// A length, mm, of a kind of measurement that a caller brings: what it is, as `span of the gauge`, and the number of its set-up.
+    Own(&'static str, usize),
 }
 
 /// Where the tool is, nominally and on the error model.
@@ -115,7 +138,8 @@ impl<'a> Seen<'a> {
     }
 
     /// One direction of F in the workpiece frame.
-    fn direction(&self, index: usize) -> Vector {
+    #[must_use]
+    pub fn direction(&self, index: usize) -> Vector {
         self.to_f.row(index).transpose()
     }
 }
@@ -147,31 +171,35 @@ pub fn word(free: Free) -> &'static str {
         Free::RodTemperature => "rod_temperature",
         Free::Rotation => "rotation",
         Free::Tool => "tool",
+        Free::Own(word) => word,
     }
 }
 
 /// Three unknowns for each of `count` things.
-fn three(count: usize, unknown: fn(usize, usize) -> Unknown) -> impl Iterator<Item = Unknown> {
+pub fn three(count: usize, unknown: fn(usize, usize) -> Unknown) -> impl Iterator<Item = Unknown> {
     (0..count).flat_map(move |thing| (0..3).map(move |direction| unknown(thing, direction)))
 }
 
 /// The value of an unknown by its place; 0 where there is none.
-fn at(values: &[f64], place: usize) -> f64 {
+#[must_use]
+pub fn at(values: &[f64], place: usize) -> f64 {
     values.get(place).copied().unwrap_or(0.0)
 }
 
 /// Three unknowns from a place on.
-fn vector_at(values: &[f64], place: usize) -> Vector {
+#[must_use]
+pub fn vector_at(values: &[f64], place: usize) -> Vector {
     Vector::new(at(values, place), at(values, place + 1), at(values, place + 2))
 }
 
 /// Unknowns that are small.
-fn zeros(data: &DataSet, _: &Model) -> Vec<f64> {
+#[must_use]
+pub fn zeros(data: &DataSet, _: &Model) -> Vec<f64> {
     vec![0.0; (data.kind.unknowns)(data).len()]
 }
 
 /// For kinds that know no distances.
-fn no_ties(_: &DataSet, _: &[f64], _: &mut Vec<Equation>) {}
+pub fn no_ties(_: &DataSet, _: &[f64], _: &mut Vec<Equation>) {}
 
 /// Says where temperatures are given that an expansion is missing for, or the other way round.
 fn no_expansion(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
@@ -195,7 +223,10 @@ fn no_expansion(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
 }
 
 /// A column that the kind needs.
-fn needed(row: &Row<'_>, name: &str) -> Result<usize, Diagnostic> {
+///
+/// # Errors
+/// `E0602` where there is none.
+pub fn needed(row: &Row<'_>, name: &str) -> Result<usize, Diagnostic> {
     row.column(name).ok_or_else(|| {
         let message = format!("there is no column {name}");
         Diagnostic::at(Code::DATA_COLUMN, row.header_place(), message, format!("add the column {name}"))
@@ -203,7 +234,10 @@ fn needed(row: &Row<'_>, name: &str) -> Result<usize, Diagnostic> {
 }
 
 /// A number, or `None` where the cell is empty.
-fn optional(row: &Row<'_>, column: Option<usize>, sign: DecimalSign) -> Result<Option<f64>, Diagnostic> {
+///
+/// # Errors
+/// Where the cell is no number.
+pub fn optional(row: &Row<'_>, column: Option<usize>, sign: DecimalSign) -> Result<Option<f64>, Diagnostic> {
     match column.filter(|&column| !row.text(column).is_empty()) {
         Some(column) => row.number(column, sign).map(Some),
         None => Ok(None),

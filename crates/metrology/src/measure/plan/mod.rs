@@ -181,7 +181,7 @@ fn empty(kind: &'static super::kind::Kind, free: &[super::data::Free]) -> DataSe
 
 /// The kind of a name; all that plans name are in the register.
 fn kind(name: &str) -> Result<&'static super::kind::Kind, Refused> {
-    super::kind::KINDS
+    super::kind::BUILT_IN
         .iter()
         .copied()
         .find(|kind| kind.name == name)

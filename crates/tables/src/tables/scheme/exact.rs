@@ -133,6 +133,9 @@ impl<'a> Terms<'a> {
         let middle = self.task.region.middle();
         match function {
             Function::Grid(_) => Err(format!("a motion error of {axis} is a grid over two axes; use another scheme")),
+            Function::Own(own) if own.function().with().is_some() => {
+                Err(format!("a motion error of {axis} depends on two axes; use another scheme"))
+            }
             Function::Cross(cross) => {
                 // A product of two functions is known from a line along each through a place where it is not zero.
                 let mut place = middle;

@@ -23,7 +23,7 @@ pub(super) const SCHEME: Scheme = Scheme {
 fn functions(task: &Task<'_>) -> Result<Tables, String> {
     let parts = task.errors.parts();
     for (name, function, _) in &parts {
-        if let (Some(Function::Cross(_) | Function::Grid(_)), Some(axis)) = (function, name.axis()) {
+        if let (Some(_), Some(axis)) = (function.and_then(Function::with), name.axis()) {
             return Err(format!(
                 "a motion error of {axis} depends on a second axis, and the control's functions on one"
             ));
