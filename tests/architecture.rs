@@ -199,3 +199,47 @@ fn a_fault_in_a_thread_is_a_fault_of_the_program() {
         }
     }
 }
+
+/// What a person runs by `just`, what CI runs and what `.ci/run` runs is one thing.
+#[test]
+fn every_step_of_ci_has_a_recipe() {
+    let read = |path: &str| fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap();
+    let (run, justfile, hosted) = (read(".ci/run"), read("justfile"), read(".github/workflows/ci.yml"));
+    let steps: Vec<&str> =
+        run.lines().filter_map(|line| line.strip_prefix("step_")?.split_once("()")).map(|(name, _)| name).collect();
+    assert!(steps.contains(&"all"), "the steps are found");
+    let (mut recipes, mut name) = (Vec::new(), "");
+    for line in justfile.lines().filter(|line| !line.starts_with('_')) {
+        match line.strip_prefix("    .ci/run ") {
+            Some(step) => {
+                assert_eq!(step, name, "a recipe runs the step of its name");
+                recipes.push(name);
+            }
+            None => name = line.strip_suffix(':').unwrap_or(name),
+        }
+    }
+    assert_eq!(recipes, steps);
+    for (_, words) in hosted.lines().filter_map(|line| line.split_once(".ci/run ")) {
+        // A comment names the script alone.
+        for word in words.split_whitespace() {
+            assert!(steps.contains(&word), "the hosted CI runs {word}, which is no step");
+        }
+    }
+}
+
+/// A package has nothing of what stands above the folder of its crate.
+#[test]
+fn every_crate_embeds_only_what_its_package_has() {
+    for (name, _) in CRATES {
+        let own = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("crates/{name}"));
+        for (path, text) in below(&format!("crates/{name}/src")) {
+            for (at, macro_name) in text.match_indices("include_str!(").chain(text.match_indices("include_bytes!(")) {
+                let argument = text[at + macro_name.len()..].split(')').next().unwrap();
+                let up = argument.matches("../").count();
+                let depth = path.strip_prefix(&own).unwrap().components().count() - 1;
+                assert!(up <= depth, "{}: {argument} stands outside of the crate", path.display());
+                assert!(up == 0 || !argument.contains("CARGO_MANIFEST_DIR"), "{}: {argument}", path.display());
+            }
+        }
+    }
+}
