@@ -15,7 +15,7 @@ mod upright;
 pub use least_squares::{RANK_LIMIT, Solution, System};
 pub use leave_out::{Beside, LeaveOut};
 pub use normal::{Normal, Step};
-pub use parallel::in_parts;
+pub use parallel::{both, in_parts, repeated};
 pub use peak::peak;
 pub use series::{Direction, Gain, Series};
 pub use upright::Upright;

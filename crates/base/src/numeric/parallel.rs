@@ -1,36 +1,66 @@
-//! Work that is done by both cores of a small computer.
+//! Work that all cores share, with results that do not depend on how many there are.
 
-use std::panic::resume_unwind;
+use std::sync::mpsc;
+use std::thread;
 
-/// Shares of the work.
-const WORKERS: usize = 2;
+use rayon::prelude::*;
 
-/// Works on all of them at once; what comes out is in their order.
+/// Works on all of them at once; the results are in their order.
 ///
 /// # Panics
 /// Where the work does.
 #[must_use]
 pub fn in_parts<T: Sync, R: Send>(all: &[T], work: &(dyn Fn(&T) -> R + Sync)) -> Vec<R> {
-    if all.len() < 2 {
-        return all.iter().map(work).collect();
+    all.par_iter().map(work).collect()
+}
+
+/// Does both at once.
+///
+/// # Panics
+/// Where one of them does.
+pub fn both<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
+    rayon::join(one, other)
+}
+
+/// Works on the numbers below `count` at once; the results are in their order. `progress` is told in the thread of the caller how many are done.
+///
+/// # Panics
+/// Where the work does.
+#[must_use]
+pub fn repeated<R: Send>(count: usize, work: &(dyn Fn(usize) -> R + Sync), progress: &mut dyn FnMut(u64)) -> Vec<R> {
+    let (sender, results) = mpsc::channel();
+    let mut found: Vec<(usize, R)> = thread::scope(|scope| {
+        scope.spawn(move || {
+            // The receiver waits until the last sender is gone.
+            (0..count).into_par_iter().for_each_with(sender, |sender, number| {
+                let _ = sender.send((number, work(number)));
+            });
+        });
+        (1..).zip(results).inspect(|&(done, _)| progress(done)).map(|(_, result)| result).collect()
+    });
+    found.sort_by_key(|&(number, _)| number);
+    found.into_iter().map(|(_, result)| result).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_are_in_the_order_of_the_work() {
+        let all: Vec<u64> = (0..1000).collect();
+        let squares: Vec<u64> = (0..1000).map(|number| number * number).collect();
+        assert_eq!(in_parts(&all, &|number| number * number), squares);
+        let mut told = Vec::new();
+        assert_eq!(repeated(1000, &|number| (number * number) as u64, &mut |done| told.push(done)), squares);
+        assert_eq!(told, (1..=1000).collect::<Vec<u64>>());
+        assert_eq!(both(|| 1, || "two"), (1, "two"));
+        assert_eq!(in_parts(&[0_u8; 0], &|byte| *byte), []);
     }
-    let share = all.len().div_ceil(4 * WORKERS).max(1);
-    let parts: Vec<&[T]> = all.chunks(share).collect();
-    std::thread::scope(|scope| {
-        // Parts are dealt out in turn: neighbours cost alike.
-        let deal = |worker: usize| parts.iter().enumerate().skip(worker).step_by(WORKERS);
-        let workers: Vec<_> = (0..WORKERS)
-            .map(|worker| {
-                let own: Vec<(usize, &[T])> = deal(worker).map(|(place, part)| (place, *part)).collect();
-                scope.spawn(move || {
-                    let one = |(place, part): (usize, &[T])| (place, part.iter().map(work).collect::<Vec<R>>());
-                    own.into_iter().map(one).collect::<Vec<_>>()
-                })
-            })
-            .collect();
-        let mut done: Vec<(usize, Vec<R>)> =
-            workers.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|fault| resume_unwind(fault))).collect();
-        done.sort_by_key(|(place, _)| *place);
-        done.into_iter().flat_map(|(_, part)| part).collect()
-    })
+
+    #[test]
+    #[should_panic(expected = "a scoped thread panicked")]
+    fn a_panic_of_the_work_is_one_of_the_caller() {
+        let _ = repeated(8, &|number| assert!(number != 5), &mut |_| {});
+    }
 }

@@ -40,10 +40,7 @@ impl Line {
 /// The checksum of bytes (CRC-32 of ISO/IEC 8802-3), by which a line of a journal is known again.
 #[must_use]
 pub fn crc32(bytes: &[u8]) -> u32 {
-    const REVERSED: u32 = 0xEDB8_8320;
-    !bytes.iter().fold(!0_u32, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ (REVERSED & (crc & 1).wrapping_neg()))
-    })
+    crc32fast::hash(bytes)
 }
 
 #[cfg(test)]

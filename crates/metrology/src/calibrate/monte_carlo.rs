@@ -4,14 +4,11 @@
 //! that of each known distance. What the covariance does not know – weights that follow the noise, equations that are not straight, few readings –
 //! is in the scatter.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::thread;
-
 use crate::measure::data::DataSet;
 use crate::measure::noise::Noise;
 use crate::measure::simulate::{Read, Simulation};
 use ncfix_base::geometry::Axis;
+use ncfix_base::numeric::repeated;
 use ncfix_machine::machine::Machine;
 
 use super::column::Column;
@@ -65,37 +62,13 @@ pub fn monte_carlo(
     let judged = judge(machine, &fit.errors, &parameters, data)?;
     let job = Job { machine, parameters: &parameters, data, fit, options, judged: &judged, seed };
     let count = usize::try_from(runs).unwrap_or(usize::MAX);
-    let next = AtomicUsize::new(0);
-    let mut found: Vec<(usize, Vec<f64>)> = Vec::new();
-    let mut failed = 0;
-    thread::scope(|scope| {
-        let (sender, results) = mpsc::channel();
-        for _ in 0..thread::available_parallelism().map_or(1, usize::from).min(count) {
-            let (sender, next, job) = (sender.clone(), &next, &job);
-            scope.spawn(move || {
-                loop {
-                    let run = next.fetch_add(1, Ordering::Relaxed);
-                    if run >= count || sender.send((run, job.repeat(run))).is_err() {
-                        return;
-                    }
-                }
-            });
-        }
-        drop(sender);
-        for (done, (run, values)) in (1..).zip(results) {
-            match values {
-                Some(values) => found.push((run, values)),
-                None => failed += 1,
-            }
-            progress(done);
-        }
-    });
-    // In their order, so that sums do not depend on which core was quicker.
-    found.sort_by_key(|&(run, _)| run);
+    let all = repeated(count, &|run| job.repeat(run), progress);
+    let failed = all.iter().filter(|values| values.is_none()).count();
+    let found: Vec<Vec<f64>> = all.into_iter().flatten().collect();
     let n = found.len() as f64;
     let spreads = (0..fit.estimates.len())
         .map(|column| {
-            let values = || found.iter().filter_map(|(_, values)| values.get(column).copied());
+            let values = || found.iter().filter_map(|values| values.get(column).copied());
             let mean = values().sum::<f64>() / n.max(1.0);
             (values().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0)).sqrt()
         })

@@ -3,7 +3,6 @@
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
-use std::panic::resume_unwind;
 use std::sync::Arc;
 
 use super::cause::{Candidate, circle, drift, periodic, vibration};
@@ -13,6 +12,7 @@ use super::event::Events;
 use super::scene::{NO_ROW, Scene, Through};
 use super::sweep::{self, Sweep, Transform};
 use ncfix_base::geometry::Axis;
+use ncfix_base::numeric::both;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 /// Rows of which a first look is had.
@@ -113,12 +113,10 @@ impl Seek {
         let nothing = Arc::new(Vec::new());
         let own: Vec<Arc<Vec<f64>>> =
             self.empirical.places.iter().map(|place| Arc::clone(factors.get(place).unwrap_or(&nothing))).collect();
-        std::thread::scope(|scope| {
-            let shapes = scope.spawn(|| self.empirical.propose(&own, left, weights, price));
-            let mut out = self.named(scene, factors, left, weights);
-            out.extend(shapes.join().unwrap_or_else(|fault| resume_unwind(fault)));
-            out
-        })
+        let shapes = || self.empirical.propose(&own, left, weights, price);
+        let (mut out, shapes) = both(|| self.named(scene, factors, left, weights), shapes);
+        out.extend(shapes);
+        out
     }
 
     /// Periods and chords.

@@ -1,4 +1,7 @@
 //! How long cycles took: counts in classes that are 3 % wide, in a fixed place.
+//!
+//! Own code: `hdrhistogram` has classes of 6 % or 0.8 % and keeps them on the heap; those of the table that is printed are 3 % wide, and a note within the cycle
+//! is one shift and one addition.
 
 use std::time::Duration;
 
