@@ -481,7 +481,7 @@ fn every_link_and_protocol_is_documented_and_every_profile_is_shipped() {
     for name in PROFILES.iter().map(|(name, _)| *name).chain(PROTOCOLS.iter().map(|protocol| protocol.name)) {
         assert!(text.contains(&format!("`{name}`")), "docs/feed.md does not name {name}");
     }
-    for entry in std::fs::read_dir(folder.join("links")).unwrap() {
+    for entry in std::fs::read_dir(folder.join("crates/dnc/links")).unwrap() {
         let name = entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned();
         assert!(PROFILES.iter().any(|(known, _)| *known == name), "links/{name}.toml is not registered");
     }

@@ -28,7 +28,8 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-const SINUMERIK: &[&str] = &["samples/programs/sinumerik", "samples/programs/sinumerik/bad", "cycles/sinumerik"];
+const SINUMERIK: &[&str] =
+    &["samples/programs/sinumerik", "samples/programs/sinumerik/bad", "crates/language/cycles/sinumerik"];
 const GRUNDIG: &[&str] = &["samples/programs/grundig", "samples/programs/grundig/bad"];
 const FANUC: &[&str] = &["samples/programs/fanuc", "samples/programs/fanuc/bad"];
 const RS274: &[&str] = &["samples/programs/rs274", "samples/programs/rs274/bad", "tests/oracle/programs"];
@@ -59,7 +60,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "trace", seeds: &["fuzz/seeds/trace"], run: measured::trace },
     Target { name: "compensation_tables", seeds: &["samples/tables"], run: tables::read_and_written },
     Target { name: "dialogues", seeds: &["fuzz/seeds/dialogue"], run: links::dialogues },
-    Target { name: "link_profile", seeds: &["links"], run: links::profile },
+    Target { name: "link_profile", seeds: &["crates/dnc/links"], run: links::profile },
     Target { name: "journal", seeds: &["fuzz/seeds/journal"], run: links::journal },
     Target { name: "sensors", seeds: &["samples/sensors"], run: sensors::config },
     Target { name: "sensor_lines", seeds: &["fuzz/seeds/lines", "samples/sensors"], run: sensors::lines },

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use super::{CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
-    LazyLock::new(|| CodeTable::from_tsv(include_str!("../../../grammars/fanuc-codes.tsv")));
+    LazyLock::new(|| CodeTable::from_tsv(include_str!(concat!(env!("NCFIX_GRAMMARS"), "/fanuc-codes.tsv"))));
 
 pub(super) const FANUC: Dialect = Dialect {
     language: Language::Fanuc,

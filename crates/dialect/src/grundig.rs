@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use super::{CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
-    LazyLock::new(|| CodeTable::from_tsv(include_str!("../../../grammars/grundig-codes.tsv")));
+    LazyLock::new(|| CodeTable::from_tsv(include_str!(concat!(env!("NCFIX_GRAMMARS"), "/grundig-codes.tsv"))));
 
 pub(super) const GRUNDIG: Dialect = Dialect {
     language: Language::Grundig,

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use super::{CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
-    LazyLock::new(|| CodeTable::from_tsv(include_str!("../../../grammars/rs274-codes.tsv")));
+    LazyLock::new(|| CodeTable::from_tsv(include_str!(concat!(env!("NCFIX_GRAMMARS"), "/rs274-codes.tsv"))));
 
 pub(super) const RS274: Dialect = Dialect {
     language: Language::Rs274,

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use super::{CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
-    LazyLock::new(|| CodeTable::from_tsv(include_str!("../../../grammars/sinumerik-codes.tsv")));
+    LazyLock::new(|| CodeTable::from_tsv(include_str!(concat!(env!("NCFIX_GRAMMARS"), "/sinumerik-codes.tsv"))));
 
 pub(super) const SINUMERIK: Dialect = Dialect {
     language: Language::Sinumerik,

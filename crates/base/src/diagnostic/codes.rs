@@ -175,7 +175,7 @@ a move more than an hour.";
 "A jump led into a FOR loop whose start was not executed, so its end value is unknown.";
     CYCLE_ALARM = "E0218" "alarm of a cycle"
 "A built-in cycle (drilling, pockets …) cannot run with these arguments or this tool; the control would stop with the alarm of the same
-number. The message says what is wrong. The cycles and what is known of each are listed in cycles/README.md.";
+number. The message says what is wrong. The cycles and what is known of each are listed in crates/language/cycles/README.md.";
     BAD_ARGUMENTS = "E0221" "arguments that do not fit the program"
 "The call gives more arguments than the PROC block of the called program has parameters, or no variable for a VAR parameter, which
 the called program changes.

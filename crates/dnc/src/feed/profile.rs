@@ -16,15 +16,15 @@ use super::watch::Patience;
 
 /// Names and texts of the profiles that are shipped.
 pub const PROFILES: &[(&str, &str)] = &[
-    ("fanuc-rs232", include_str!("../../../../links/fanuc-rs232.toml")),
-    ("grbl", include_str!("../../../../links/grbl.toml")),
-    ("grblhal", include_str!("../../../../links/grblhal.toml")),
-    ("grundig-v24", include_str!("../../../../links/grundig-v24.toml")),
-    ("haas", include_str!("../../../../links/haas.toml")),
-    ("heidenhain-fe1", include_str!("../../../../links/heidenhain-fe1.toml")),
-    ("linuxcnc", include_str!("../../../../links/linuxcnc.toml")),
-    ("marlin", include_str!("../../../../links/marlin.toml")),
-    ("siemens-v24", include_str!("../../../../links/siemens-v24.toml")),
+    ("fanuc-rs232", include_str!("../../links/fanuc-rs232.toml")),
+    ("grbl", include_str!("../../links/grbl.toml")),
+    ("grblhal", include_str!("../../links/grblhal.toml")),
+    ("grundig-v24", include_str!("../../links/grundig-v24.toml")),
+    ("haas", include_str!("../../links/haas.toml")),
+    ("heidenhain-fe1", include_str!("../../links/heidenhain-fe1.toml")),
+    ("linuxcnc", include_str!("../../links/linuxcnc.toml")),
+    ("marlin", include_str!("../../links/marlin.toml")),
+    ("siemens-v24", include_str!("../../links/siemens-v24.toml")),
 ];
 
 /// The text of a profile, by the name of its link.

@@ -18,7 +18,7 @@ pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
 
 /// The machine that is built in so that the program can be tried without one: good for looking at, not for a real machine.
-pub const DEMO: &str = include_str!("../../../../samples/machines/demo.toml");
+pub const DEMO: &str = include_str!(env!("NCFIX_DEMO"));
 
 /// Top-level sections that describe the machine.
 pub const SECTIONS: &[&str] = &[

@@ -18,7 +18,7 @@ macro_rules! cycles {
     ($($name:literal)*) => {
         /// Names, upper case, and texts of the cycles. Those that begin with an underscore are called by the others only.
         const CYCLES: &[(&str, &[u8])] = &[
-            $(($name, include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../cycles/sinumerik/", $name, ".spf")))),*
+            $(($name, include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/cycles/sinumerik/", $name, ".spf")))),*
         ];
     };
 }
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn every_file_is_in_the_register() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../cycles/sinumerik");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/cycles/sinumerik");
         let files: BTreeSet<String> = std::fs::read_dir(folder)
             .unwrap()
             .filter_map(|entry| entry.unwrap().file_name().to_str().unwrap().strip_suffix(".spf").map(str::to_owned))

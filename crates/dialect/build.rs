@@ -1,0 +1,12 @@
+//! Says where the tables of languages stand: `grammars/` at the top of the project. A package has nothing of what stands above its folder, but a copy that
+//! `cargo package` makes of the link `grammars` beside this file. A system without such links needs the one at the top.
+
+use std::path::Path;
+
+fn main() {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let top = own.join("../../grammars");
+    let folder = if top.is_dir() { top } else { own.join("grammars") };
+    println!("cargo::rustc-env=NCFIX_GRAMMARS={}", folder.display());
+    println!("cargo::rerun-if-changed=build.rs");
+}
