@@ -1,7 +1,8 @@
 //! One line on the terminal that says how far a long run is. Nothing where standard error is no terminal, or with `--quiet`.
 //!
 //! There is one such line for the process: a command that knows how far it is writes its share ([`Progress`]), a command that does not,
-//! or a part of it, shows the time that it has taken ([`begin`]). Whatever else is printed takes the line away first ([`end`]).
+//! or a part of it, shows the time that it has taken ([`begin`]). Whatever else is printed takes the line away first ([`end`]). Own code: `indicatif` draws bars
+//! of a length that is known, and a line that comes only after half a second would need this clock and lock beside it.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::{Mutex, MutexGuard, PoisonError};

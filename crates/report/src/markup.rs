@@ -2,7 +2,7 @@
 //!
 //! Programs, labels and file names are data: they come in as [`Markup::text`] or as values of attributes, and no other way leads into
 //! the result. What comes out is XML, so that a page can be read by any parser of XML and a picture can stand in a file of its own; it is
-//! HTML as well as long as [`Markup::empty`] is kept to SVG and to the elements that HTML knows without an end.
+//! HTML as well as long as [`Markup::empty`] is kept to SVG and to the elements that HTML knows without an end. Own code: `maud` and `askama` write HTML alone.
 
 use std::fmt::{self, Display, Write as _};
 

@@ -1,5 +1,6 @@
 //! Findings as plain data: what was found, where, and what to do. Drawing them is the business of `report`.
 
+pub mod character;
 mod codes;
 
 pub use codes::{CODES, Code, CodeRow};

@@ -12,7 +12,7 @@ pub mod sinumerik;
 mod token;
 pub mod words;
 
-use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place, character};
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::{Dialect, Language};
 pub use shelf::Shelf;
@@ -102,10 +102,28 @@ fn too_many_parts(source: &Source, header: Span) -> Diagnostic {
     Diagnostic::at(Code::NOT_A_PROGRAM, Place { file: source.id(), span: header }, message, help)
 }
 
+/// Says of a file in UTF-16 that it is one, and names the character where no word begins.
+fn name_characters(source: &Source, findings: &mut Vec<Diagnostic>) {
+    let bytes = source.bytes();
+    if let Some(encoding) = character::wide_encoding(bytes) {
+        let place = Place { file: source.id(), span: Span::new(0, 2) };
+        let message = format!("the file is {encoding}, with two bytes for each character");
+        *findings = vec![Diagnostic::at(Code::UNEXPECTED, place, message, "save it as ASCII or UTF-8")];
+        return;
+    }
+    for finding in findings.iter_mut().filter(|finding| finding.code == Code::UNEXPECTED) {
+        let at = finding.place.filter(|place| place.file == source.id()).map(|place| place.span.start as usize);
+        if let Some(name) = at.and_then(|at| character::name_at(bytes, at)) {
+            finding.help = format!("{name}; {}", finding.help);
+        }
+    }
+}
+
 /// The findings of a file, or the one that there are too many.
 fn checked(found: Vec<Diagnostic>, source: &Source, dialect: &Dialect) -> Vec<Diagnostic> {
     let mut findings = reading::hidden(source);
     findings.extend(found);
+    name_characters(source, &mut findings);
     if findings.len() > MAX_FINDINGS {
         findings.truncate(MAX_FINDINGS);
         findings.insert(
