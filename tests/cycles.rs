@@ -140,37 +140,6 @@ fn a_deep_hole_with_withdrawal_or_chip_breaking() {
     assert_eq!(dwells, ["G4 S1", "G4 S2", "G4 S3"]);
 }
 
-#[test]
-fn a_drilling_cycle_follows_each_position_of_a_pattern() {
-    check(
-        "N10 G17 G90 G0 X0 Y0 Z10
-N20 F100
-N30 MCALL CYCLE82(10,0,2,-15,0,0.5)
-N40 HOLES2(50,50,20,30,0,4)
-N50 MCALL
-N60 M30",
-        &[
-            "G0 X0 Y0 Z10",
-            "G0 X67.320508 Y60 Z10",
-            "G0 X67.320508 Y60 Z2",
-            "G1 X67.320508 Y60 Z-15 F100",
-            "G0 X67.320508 Y60 Z10",
-            "G0 X40 Y67.320508 Z10",
-            "G0 X40 Y67.320508 Z2",
-            "G1 X40 Y67.320508 Z-15 F100",
-            "G0 X40 Y67.320508 Z10",
-            "G0 X32.679492 Y40 Z10",
-            "G0 X32.679492 Y40 Z2",
-            "G1 X32.679492 Y40 Z-15 F100",
-            "G0 X32.679492 Y40 Z10",
-            "G0 X60 Y32.679492 Z10",
-            "G0 X60 Y32.679492 Z2",
-            "G1 X60 Y32.679492 Z-15 F100",
-            "G0 X60 Y32.679492 Z10",
-        ],
-    );
-}
-
 /// The positions of a pattern, from a start.
 fn positions(start: &str, call: &str) -> Vec<[f64; 2]> {
     let lines = all(&format!("G17 G90 G0 {start} Z0\n{call}\nM30"));
@@ -210,43 +179,6 @@ fn rows_and_grids_begin_near_the_tool() {
         &[[11.0, 2.0], [-4.0, 2.0 + 75.0_f64.sqrt()], [-4.0, 2.0 - 75.0_f64.sqrt()]],
     );
     check_positions("X0 Y0", "CYCLE802(111111111,111111111,1,2,0,0,,3)", &[[1.0, 2.0], [0.0, 0.0], [0.0, 3.0]]);
-}
-
-#[test]
-fn cycles_work_in_any_plane_and_unit() {
-    check(
-        "G18 G90 G0 X1 Y50 Z2\nF100\nCYCLE81(20,5,1,-5)\nG19 X30\nCYCLE81(20,5,1,-5)\nM30",
-        &[
-            "G0 X1 Y50 Z2",
-            "G0 X1 Y6 Z2",
-            "G1 X1 Y-5 Z2 F100",
-            "G0 X1 Y20 Z2",
-            "G0 X30 Y20 Z2",
-            "G0 X6 Y20 Z2",
-            "G1 X-5 Y20 Z2 F100",
-            "G0 X20 Y20 Z2",
-        ],
-    );
-    // Depths in inch; the distances built into the cycle stay what they are in mm.
-    check(
-        "G70 G17 G90 G0 X0 Y0 Z1\nF100\nCYCLE83(1,0,0.1,-1,0,-0.5,0,0.25,0,0,1,1)\nM30",
-        &[
-            "G0 X0 Y0 Z25.4",
-            "G0 X0 Y0 Z2.54",
-            "G1 X0 Y0 Z-12.7 F100",
-            "G0 X0 Y0 Z2.54",
-            "G0 X0 Y0 Z-12.1",
-            "G1 X0 Y0 Z-19.05 F100",
-            "G0 X0 Y0 Z2.54",
-            "G0 X0 Y0 Z-18.45",
-            "G1 X0 Y0 Z-25.4 F100",
-            "G0 X0 Y0 Z25.4",
-        ],
-    );
-    check(
-        "G70 G17 G90 G0 X3 Y0 Z1\nHOLES1(0,0,0,0,1,2)\nM30",
-        &["G0 X76.2 Y0 Z25.4", "G0 X25.4 Y0 Z25.4", "G0 X0 Y0 Z25.4"],
-    );
 }
 
 #[test]
@@ -325,14 +257,6 @@ fn a_cycle_needs_a_known_position_and_a_tool() {
     assert_eq!(strict("G17 G90\nHOLES1(0,0,0,0,5,2)\nM30"), ["E0304:2"]);
     assert_eq!(strict("G17 G90 G0 X0 Y0\nHOLES1(0,0,0,0,5,2)\nM30"), [""; 0]);
     check_codes("G17 G0 X0 Y0 Z9 F100\nPOCKET4(9,0,2,-7,25,30,30,3,0,0,500,200,0,11)\nM30", &["E0307:2"]);
-}
-
-#[test]
-fn a_program_can_ask_whether_a_modal_call_is_in_force() {
-    check(
-        "G90 G0 X=$P_MC Y0 Z10\nMCALL CYCLE81(10,0,2,-5)\nR1=$P_MC\nMCALL\nX=$P_MC+5*R1\nM30",
-        &["G0 X0 Y0 Z10", "G0 X5 Y0 Z10"],
-    );
 }
 
 #[test]

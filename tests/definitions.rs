@@ -5,7 +5,7 @@ use ncfix_language::syntax;
 use ncfix_language::syntax::sinumerik::Macros;
 use ncfix_machine::snc::{Kind, TextWriter};
 
-use crate::exec::{check, check_codes, run};
+use crate::exec::{check, run};
 use crate::machines::xyz_machine;
 use crate::support::{Shop, machine};
 
@@ -26,20 +26,6 @@ impl Library for Control {
             .map(|(name, text)| (name.to_owned(), text.as_bytes().to_vec()))
             .to_vec()
     }
-}
-
-#[test]
-fn macros_replace_words_of_the_program() {
-    check(
-        "DEFINE UP AS G0 Z50\nDEFINE TWICE AS R1*2\nR1=4\nUP X=TWICE\nN20 UP Y1 ; UP",
-        &["G0 X8 Y0 Z50", "G0 X8 Y1 Z50"],
-    );
-    check("DEFINE SHOW AS MSG(\"a;b\") G0 ; c\nSHOW X1", &["G0 X1 Y0 Z0"]);
-    check("DEFINE WHEN_1 AS IF R1==0\nWHEN_1 GOTOF OUT\nG0 X1\nOUT: G0 X2", &["G0 X2 Y0 Z0"]);
-    check_codes("DEFINE UP G0", &["E0101:1"]);
-    // A fault in the text of a macro is one of the block that uses it.
-    check_codes("DEFINE UP AS G0 Z?\nG0 X1\n UP", &["E0103:3"]);
-    check_codes("DEFINE UP AS G0 V9\nG0 X1\nX2\n UP", &["E0309:4"]);
 }
 
 #[test]

@@ -66,158 +66,6 @@ pub(crate) fn check_codes(text: &str, expected: &[&str]) {
 }
 
 #[test]
-fn loops_expressions_and_incremental_words() {
-    check(
-        "N5  DEF INT _I
-N10 G90 G17 G0 X=5 Y=2*(3+1) Z10
-N20 FOR _I=1 TO 3
-N30   G1 X=IC(10) Y=_I*_I F200
-N40 ENDFOR
-N50 G91 X5 Y=AC(0)
-N60 IF (_I>=3) AND (R1==0) GOTOF _FIN
-N70 X100
-N80 _FIN: G90 X0 Y0
-N90 M30",
-        &[
-            "G0 X5 Y8 Z10",
-            "G1 X15 Y1 Z10 F200",
-            "G1 X25 Y4 Z10 F200",
-            "G1 X35 Y9 Z10 F200",
-            "G1 X40 Y0 Z10 F200",
-            "G1 X0 Y0 Z10 F200",
-        ],
-    );
-}
-
-#[test]
-fn while_repeat_and_jumps() {
-    check(
-        "DEF INT SEL=2
-N10 G17 G90 G1 X0 Y0 Z0 F100
-N20 R1=0
-N30 WHILE R1<2
-N40 R1=R1+1
-N50 X=R1*10
-N60 ENDWHILE
-N70 REPEAT
-N80 R2=R2+3
-N85 Y=R2
-N90 UNTIL R2>=6
-N100 IF SEL==1 GOTOF _ONE IF SEL==2 GOTOF _TWO
-N105 GOTOF _DEF
-N110 _ONE: Z-1
-N120 GOTOF _DEF
-N130 _TWO: Z-2
-N140 _DEF: G0 X0 Y0 Z0
-N150 M30",
-        &[
-            "G1 X0 Y0 Z0 F100",
-            "G1 X10 Y0 Z0 F100",
-            "G1 X20 Y0 Z0 F100",
-            "G1 X20 Y3 Z0 F100",
-            "G1 X20 Y6 Z0 F100",
-            "G1 X20 Y6 Z-2 F100",
-            "G0 X0 Y0 Z0",
-        ],
-    );
-}
-
-#[test]
-fn jumps_take_the_nearest_target_in_their_direction() {
-    check(
-        "N10 G0 X1
-N20 GOTOF N40
-N30 X2
-N40 X3
-R1=R1+1
-IF R1<3 GOTOB N40
-LAB: X4
-R2=R2+1
-IF R2<2 GOTO LAB
-LOOP
-R3=R3+1
-X=R3*100
-IF R3>=2 GOTOF OUT
-ENDLOOP
-OUT: X5
-M30
-X6",
-        &[
-            "G0 X1 Y0 Z0",
-            "G0 X3 Y0 Z0",
-            "G0 X3 Y0 Z0",
-            "G0 X3 Y0 Z0",
-            "G0 X4 Y0 Z0",
-            "G0 X4 Y0 Z0",
-            "G0 X100 Y0 Z0",
-            "G0 X200 Y0 Z0",
-            "G0 X5 Y0 Z0",
-        ],
-    );
-}
-
-#[test]
-fn arcs_by_center_radius_and_turns() {
-    check(
-        "N5 G0 X10 Y0 Z0
-N10 G17 G90 G64
-N20 G3 X0 Y10 I-10 J0 F500
-N30 G2 X10 Y20 CR=10
-N40 G2 X20 Y20 CR=-7.0711
-N60 G1 X50 Y30
-N70 G2 I=AC(60) J=AC(30)
-N90 G1 X110 Y50 Z0
-N110 G3 X100 Y60 Z-9 I-10 J0 TURN=2
-N120 M30",
-        &[
-            "G0 X10 Y0 Z0",
-            "G3 X0 Y10 Z0 I-10 J0 K0 P17 F500",
-            "G2 X10 Y20 Z0 I10 J0 K0 P17 F500",
-            // The center of the large arc: 5, 5 from the start, moved by the rounding of CR.
-            "G2 X20 Y20 Z0 I5 J5.000046 K0 P17 F500",
-            "G1 X50 Y30 Z0 F500",
-            "G2 X50 Y30 Z0 I10 J0 K0 P17 F500",
-            "G1 X110 Y50 Z0 F500",
-            "G3 X100 Y60 Z-9 I-10 J0 K0 P17 L2 F500",
-        ],
-    );
-}
-
-#[test]
-fn arcs_in_g18_turn_from_z_to_x() {
-    check(
-        "G0 X0 Y0 Z10\nG18 G3 Z0 X10 I0 K-10 F100\nG19 G2 Y10 Z10 J10 K0\nM30",
-        &[
-            "G0 X0 Y0 Z10",
-            "G3 X10 Y0 Z0 I0 J0 K-10 P18 F100",
-            // G19: from (Y0 Z0) about (Y10 Z0) clockwise to (Y10 Z10).
-            "G2 X10 Y10 Z10 I0 J10 K0 P19 F100",
-        ],
-    );
-}
-
-#[test]
-fn inch_and_metric_positions_and_feeds() {
-    check(
-        "N10 G71 G94 G90 G17 G0 X25.4 Y0 Z0
-N20 G70 G1 X2 F300
-N30 TRANS X1
-N40 X2 Y1
-N50 G700 X1 F10
-N60 TRANS
-N70 G710 X1 Y1 F100
-N80 M30",
-        &[
-            "G0 X25.4 Y0 Z0",
-            "G1 X50.8 Y0 Z0 F300",
-            "G1 X76.2 Y25.4 Z0 F300",
-            "G1 X50.8 Y25.4 Z0 F254",
-            "G1 X1 Y1 Z0 F100",
-        ],
-    );
-}
-
-#[test]
 fn an_incremental_word_behind_a_frame_change_traverses_it_or_not() {
     let text = "N10 G90 G0 X10\nN20 TRANS X5\nN30 G91 X10\nN40 G90 X0";
     check(text, &["G0 X10 Y0 Z0", "G0 X25 Y0 Z0", "G0 X5 Y0 Z0"]);
@@ -225,35 +73,6 @@ fn an_incremental_word_behind_a_frame_change_traverses_it_or_not() {
     machine.control.incremental_traverses_frame_change = false;
     let (lines, _) = run_with(text, &machine, Box::new(NoLibrary), Options::default());
     assert_eq!(lines, ["G0 X10 Y0 Z0", "G0 X20 Y0 Z0", "G0 X5 Y0 Z0"]);
-}
-
-#[test]
-fn zero_offsets_frames_and_their_suppression() {
-    // G54 of the test machine: X100 Y50 Z10.
-    check(
-        "N20 G54 G17 G90 G0 X10 Y0 Z0
-N30 TRANS X20
-N35 ATRANS Y1
-N40 X10 Y5
-N50 G53 X0 Y0
-N60 X11 Y5
-N65 SUPA X1
-N66 G91 X1
-N70 G90 G500 X1 Y1
-N80 TRANS
-N90 X2 Y1
-N100 M30",
-        &[
-            "G0 X110 Y50 Z10",
-            "G0 X130 Y56 Z10",
-            "G0 X0 Y0 Z10",
-            "G0 X131 Y56 Z10",
-            "G0 X1 Y56 Z10",
-            "G0 X2 Y56 Z10",
-            "G0 X21 Y2 Z10",
-            "G0 X2 Y1 Z10",
-        ],
-    );
 }
 
 #[test]
@@ -380,25 +199,6 @@ fn a_strict_run_refuses_unknown_starts_and_offsets() {
 }
 
 #[test]
-fn findings_come_with_their_lines_and_all_in_one_run() {
-    check_codes(
-        "G0 X\nG1 Y5\nG0 X1 X2\nGEOAX(1,X)\nCYCLE70(1,2)\nG0 Q1\n",
-        &["E0103:1", "W0202:2", "E0111:3", "E0201:4", "E0201:5", "E0201:6"],
-    );
-    check_codes("IF R1\nG0 X1\n", &["E0106:1"]);
-    check_codes("IF R1\nENDIF G0 X1\n", &["E0108:2"]);
-    check_codes("FOR R1=1 TO 3\nENDWHILE\n", &["E0106:1", "E0106:2"]);
-    check_codes(
-        "G0 X0 Y0\nG2 X10 Y0 I4 J0 F1\nG2 X20 CR=4\nG2 X20\nG2 X30 I5 K2\n",
-        &["E0203:2", "E0204:3", "E0202:4", "E0205:5"],
-    );
-    check_codes(
-        "R1=1/0\nR2=FOO\nGOTOF NOWHERE\nNOPROG\nL5\nR[10000]=1\nR3=SQRT(-1)\n",
-        &["E0209:1", "E0206:2", "E0211:3", "E0212:4", "E0212:5", "E0207:6", "E0209:7"],
-    );
-}
-
-#[test]
 fn a_program_without_end_stops_at_the_limit() {
     let options = Options { max_blocks: Some(1000), ..Options::default() };
     for text in ["WHILE TRUE\nENDWHILE", "AB: G0 X1\nGOTOB AB", "LOOP\nX=IC(1)\nENDLOOP"] {
@@ -478,4 +278,23 @@ fn a_doubt_about_units_is_found_where_the_unit_changes() {
     check_codes("G0 X1\nG70 X2", &["E0305:2"]);
     check_codes("TRANS X1\nG700 G0 X2", &["E0305:2"]);
     check_codes("G71 G0 X1\nG70 X2", &[]);
+}
+
+#[test]
+fn findings_come_with_their_lines_and_all_in_one_run() {
+    check_codes(
+        "G0 X\nG1 Y5\nG0 X1 X2\nGEOAX(1,X)\nCYCLE70(1,2)\nG0 Q1\n",
+        &["E0103:1", "W0202:2", "E0111:3", "E0201:4", "E0201:5", "E0201:6"],
+    );
+    check_codes("IF R1\nG0 X1\n", &["E0106:1"]);
+    check_codes("IF R1\nENDIF G0 X1\n", &["E0108:2"]);
+    check_codes("FOR R1=1 TO 3\nENDWHILE\n", &["E0106:1", "E0106:2"]);
+    check_codes(
+        "G0 X0 Y0\nG2 X10 Y0 I4 J0 F1\nG2 X20 CR=4\nG2 X20\nG2 X30 I5 K2\n",
+        &["E0203:2", "E0204:3", "E0202:4", "E0205:5"],
+    );
+    check_codes(
+        "R1=1/0\nR2=FOO\nGOTOF NOWHERE\nNOPROG\nL5\nR[10000]=1\nR3=SQRT(-1)\n",
+        &["E0209:1", "E0206:2", "E0211:3", "E0212:4", "E0212:5", "E0207:6", "E0209:7"],
+    );
 }

@@ -34,81 +34,6 @@ N80 M30",
 }
 
 #[test]
-fn a_repetition_ends_at_endlabel_and_takes_the_nearest_label() {
-    check(
-        "G91 G0
-AB: X1
-ENDLABEL:
-AB: Y1
-N50 ENDLABEL: Z1 ; part of it
-X100
-REPEAT AB P 2
-REPEAT AB
-R1=0
-REPEAT AB P=R1
-M30",
-        &[
-            "G0 X1 Y0 Z0",
-            "G0 X1 Y1 Z0",
-            "G0 X1 Y1 Z1",
-            "G0 X101 Y1 Z1",
-            "G0 X101 Y2 Z1",
-            "G0 X101 Y2 Z2",
-            "G0 X101 Y3 Z2",
-            "G0 X101 Y3 Z3",
-            "G0 X101 Y4 Z3",
-            "G0 X101 Y4 Z4",
-        ],
-    );
-}
-
-#[test]
-fn repetitions_nest_stand_below_and_end_where_a_jump_leaves_them() {
-    // The inner one belongs to the outer part and runs with each of its passes.
-    check(
-        "G91 G0
-OUTER: X1
-INNER: Y1
-REPEATB INNER P2
-REPEAT OUTER P1
-M30",
-        &[
-            "G0 X1 Y0 Z0",
-            "G0 X1 Y1 Z0",
-            "G0 X1 Y2 Z0",
-            "G0 X1 Y3 Z0",
-            "G0 X2 Y3 Z0",
-            "G0 X2 Y4 Z0",
-            "G0 X2 Y5 Z0",
-            "G0 X2 Y6 Z0",
-        ],
-    );
-    check(
-        "G91 G0\nREPEAT AA BB P2\nGOTOF OUT\nAA: X1\nBB: Y1\nOUT: M30",
-        &["G0 X1 Y0 Z0", "G0 X1 Y1 Z0", "G0 X2 Y1 Z0", "G0 X2 Y2 Z0"],
-    );
-    check(
-        "G91 G0\nAA: X1\nR1=R1+1\nIF R1>2 GOTOF OUT\nY1\nREPEAT AA P9\nZ9\nOUT: Z1",
-        &["G0 X1 Y0 Z0", "G0 X1 Y1 Z0", "G0 X2 Y1 Z0", "G0 X2 Y2 Z0", "G0 X3 Y2 Z0", "G0 X3 Y2 Z1"],
-    );
-    // A part that ends with a branch: the way around it ends the pass.
-    check(
-        "G91 G0\nAA: X1\nR1=R1+1\nIF R1>2\nY1\nENDIF\nREPEAT AA P2\nZ1",
-        &["G0 X1 Y0 Z0", "G0 X2 Y0 Z0", "G0 X3 Y0 Z0", "G0 X3 Y1 Z0", "G0 X3 Y1 Z1"],
-    );
-}
-
-#[test]
-fn repetitions_without_a_part_and_without_end_are_found() {
-    check_codes("REPEAT AA P2\nAA: G0 X1", &["E0211:1"]);
-    check_codes("AA: G0 X1\nREPEAT AA BB", &["E0211:2"]);
-    check_codes("AA: G0 X1\nREPEAT AA P=-1", &["E0210:2"]);
-    // A part that repeats itself costs a level each time.
-    check_codes("AA: G0 X1\nBB: REPEAT AA CC P2\nCC: X2", &["E0211:2"]);
-    check_codes("AA: G0 X1\nREPEAT BB BB P2\nGOTOF OUT\nBB: REPEATB CC P1\nCC: REPEATB BB P1\nOUT: M30", &["E0213:4"]);
-}
-
-#[test]
 fn subprograms_have_parameters_and_save_the_modal_state() {
     let text = "%_N_MAIN_MPF
 ;$PATH=/_N_MPF_DIR
@@ -184,12 +109,6 @@ fn arrays_elements_axes_and_texts_are_passed() {
 }
 
 #[test]
-fn l_programs_take_arguments_and_a_program_of_its_own_runs_with_defaults() {
-    check("L140(3)\nM30\n%_N_L140_SPF\nPROC L140(REAL A)\nG0 X=A\nM17", &["G0 X3 Y0 Z0"]);
-    check("EXTERN L140(REAL, VAR INT)\nG0 X1", &["G0 X1 Y0 Z0"]);
-}
-
-#[test]
 fn modal_calls_follow_each_block_that_moves() {
     check(
         "N10 G90 G0 X0 Y0 Z10
@@ -225,75 +144,6 @@ N20 Y1 M17"
             "G0 X9 Y1 Z10",
         ],
     );
-}
-
-#[test]
-fn the_arguments_of_a_modal_call_are_those_of_its_block() {
-    check(
-        "R1=1\nMCALL SUB(R1)\nR1=5\nG0 X1\nMCALL\nM30\n%_N_SUB_SPF\nPROC SUB(REAL A)\nY=A\nM17",
-        &["G0 X1 Y0 Z0", "G0 X1 Y1 Z0"],
-    );
-}
-
-#[test]
-fn case_branches_to_the_first_constant_that_fits() {
-    check(
-        "DEF INT SEL=2
-N10 G17 G90 G1 X0 Y0 Z0 F100
-N20 R1=0
-N30 WHILE R1<2
-N40 R1=R1+1
-N50 X=R1*10
-N60 ENDWHILE
-N70 REPEAT
-N80 R2=R2+3
-N85 Y=R2
-N90 UNTIL R2>=6
-N100 CASE SEL OF 1 GOTOF _ONE 2 GOTOF _TWO DEFAULT GOTOF _DEF
-N110 _ONE: Z-1
-N120 GOTOF _DEF
-N130 _TWO: Z-2
-N140 _DEF: G0 X0 Y0 Z0
-N150 M30",
-        &[
-            "G1 X0 Y0 Z0 F100",
-            "G1 X10 Y0 Z0 F100",
-            "G1 X20 Y0 Z0 F100",
-            "G1 X20 Y3 Z0 F100",
-            "G1 X20 Y6 Z0 F100",
-            "G1 X20 Y6 Z-2 F100",
-            "G0 X0 Y0 Z0",
-        ],
-    );
-    check("DEF STRING[9] S=\"B\"\nCASE (S) OF \"A\" GOTOF N10 \"B\" GOTOF N20\nN10 G0 X1\nN20 G0 X2", &["G0 X2 Y0 Z0"]);
-    // Without DEFAULT it goes on with the next block.
-    check("CASE R1+3 OF 1 GOTOF N20 -2 GOTOF N20\nN10 G0 X1\nN20 G0 X2", &["G0 X1 Y0 Z0", "G0 X2 Y0 Z0"]);
-    check_codes("CASE R1 1 GOTOF N20", &["E0101:1"]);
-}
-
-#[test]
-fn jump_targets_may_be_computed() {
-    check(
-        "DEF STRING[10] TO_1=\"N40\", TO_2=\"lab2\"
-R1=1
-GOTOF \"LAB\"<<R1
-G0 X99
-LAB1: G0 X1
-GOTOF(TO_1)
-X98
-N40 X2
-GOTOF TO_2
-X97
-LAB2: X3
-R1=R1+1
-IF R1<3 GOTOB \"L\" << \"AB\"<<R1
-:10 X4
-R2=R2+1
-IF R2<2 GOTOB :10",
-        &["G0 X1 Y0 Z0", "G0 X2 Y0 Z0", "G0 X3 Y0 Z0", "G0 X3 Y0 Z0", "G0 X4 Y0 Z0", "G0 X4 Y0 Z0"],
-    );
-    check_codes("GOTOF \"NOWHERE\"", &["E0211:1"]);
-    check_codes("GOTOF (1)", &["E0208:1"]);
 }
 
 #[test]
@@ -335,10 +185,4 @@ fn a_call_finds_programs_of_the_library_by_any_form_of_their_name() {
         assert!(codes.is_empty(), "{call}: {codes:?}");
         assert_eq!(lines.last().map(String::as_str), Some("G0 X0 Y0 Z3"), "{call}");
     }
-}
-
-#[test]
-fn a_loop_without_values_is_found_once() {
-    check_codes("FOR R1=1 TO NOWHERE\nG0 X1\nENDFOR", &["E0206:1"]);
-    check_codes("UNKNOWN_1[3]=5", &["E0206:1"]);
 }

@@ -117,23 +117,6 @@ WRONG: X99"
 }
 
 #[test]
-fn base_frames_lie_below_settable_ones() {
-    check(
-        "G90 G0 X0 Y0 Z0
-$P_CHBFRAME[0]=CROT(Z,90)
-X10 Y0
-$P_CHBFR[1]=CTRANS(X,1)
-X10 Y0
-G500 X10 Y0
-$P_BFRAME=CTRANS(X,0)
-$P_CHBFRAME[1]=CTRANS(X,0)
-X10 Y0
-X=$P_CHBFR[0,Z,RT]",
-        &["G0 X0 Y0 Z0", "G0 X0 Y10 Z0", "G0 X0 Y10 Z0", "G0 X0 Y11 Z0", "G0 X10 Y0 Z0", "G0 X0 Y0 Z0"],
-    );
-}
-
-#[test]
 fn frames_that_cannot_be_are_refused() {
     for (program, codes) in [
         ("$P_UIFR[100]=CTRANS(X,1)", ["E0207:1"]),

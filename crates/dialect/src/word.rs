@@ -132,7 +132,7 @@ impl WordTable {
 #[must_use]
 pub fn words() -> &'static WordTable {
     static WORDS: LazyLock<WordTable> =
-        LazyLock::new(|| WordTable::from_tsv(include_str!("../../../grammars/sinumerik-words.tsv")));
+        LazyLock::new(|| WordTable::from_tsv(include_str!(concat!(env!("NCFIX_GRAMMARS"), "/sinumerik-words.tsv"))));
     &WORDS
 }
 
