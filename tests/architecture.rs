@@ -243,3 +243,49 @@ fn every_crate_embeds_only_what_its_package_has() {
         }
     }
 }
+
+/// The names of types that a text gives to the rest of its crate, or to others; those of its tests aside.
+fn types_of(text: &str) -> Vec<&str> {
+    let code = text.split("#[cfg(test)]\nmod ").next().unwrap();
+    let mut names = Vec::new();
+    for line in code.lines().map(str::trim_start).filter(|line| line.starts_with("pub")) {
+        // Behind `pub` or `pub(…)`.
+        let rest =
+            line.strip_prefix("pub ").or_else(|| line.strip_prefix("pub(")?.split_once(") ").map(|(_, rest)| rest));
+        let Some((keyword, rest)) = rest.and_then(|rest| rest.split_once(' ')) else { continue };
+        if ["struct", "enum", "trait", "type", "union"].contains(&keyword) {
+            names.push(rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap());
+        }
+    }
+    names
+}
+
+/// A type is named for its role, and its name stands once in the workspace. Those that still stand twice are in a list that only gets shorter.
+#[test]
+fn no_further_name_of_a_type_stands_twice() {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for (_, text) in sources() {
+        for name in types_of(&text) {
+            *counts.entry(name.to_owned()).or_default() += 1;
+        }
+    }
+    counts.retain(|_, count| *count > 1);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/names_that_stand_twice.tsv");
+    if std::env::var_os("NCFIX_WRITE_DOCS").is_some() {
+        let rows: String = counts.iter().map(|(name, count)| format!("{name}\t{count}\n")).collect();
+        fs::write(
+            &path,
+            format!(
+                "# Types whose names stand more than once in the workspace, and how often. No row is added.\n{rows}"
+            ),
+        )
+        .unwrap();
+    }
+    let text = fs::read_to_string(&path).unwrap();
+    let rows = text.lines().filter_map(|line| line.split_once('\t'));
+    let allowed: BTreeMap<&str, usize> = rows.map(|(name, count)| (name, count.parse().unwrap())).collect();
+    for (name, count) in counts {
+        let most = allowed.get(name.as_str()).copied().unwrap_or(1);
+        assert!(count <= most, "{name} names {count} types, at most {most} had that name: name it for its role");
+    }
+}
