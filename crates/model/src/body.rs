@@ -1,6 +1,6 @@
 //! What is carried through the chain of axes: a point, a pose, or a point with the sensitivities of all commands.
 //!
-//! The chain ([`super::link`]) is written once and moves any [`Body`]; how much is computed depends on what is carried.
+//! The chain ([`super::link`]) is written once and moves any [`RigidBody`]; how much is computed depends on what is carried.
 
 use ncfix_base::geometry::{AXIS_COUNT, Axis, Matrix, Vector};
 
@@ -9,7 +9,7 @@ use super::rotation::{Rotation, vector_of};
 
 /// A place in the transform of an axis at which a body is watched, see [`super::link`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum BodyPlace {
     /// Where the location errors D(e0) act.
     Location,
     /// Where the motion errors D(e) act.
@@ -17,7 +17,7 @@ pub(super) enum Place {
 }
 
 /// Something rigid that is moved from the tool to the foundation and on to the workpiece.
-pub(super) trait Body {
+pub(super) trait RigidBody {
     /// Shifts it, mm.
     fn translate(&mut self, by: &Vector);
 
@@ -28,13 +28,13 @@ pub(super) trait Body {
     fn turn(&mut self, by: &Rotation);
 
     /// The body stands where an error of `carrier` acts, in coordinates whose origin is a point of the axis.
-    fn visit(&mut self, _carrier: Carrier, _place: Place) {}
+    fn visit(&mut self, _carrier: Carrier, _place: BodyPlace) {}
 
     /// The body has just been moved by an axis with this direction; `sense` is −1 on the workpiece side.
     fn moved(&mut self, _axis: Axis, _direction: &Vector, _sense: f64) {}
 }
 
-impl Body for Vector {
+impl RigidBody for Vector {
     fn translate(&mut self, by: &Vector) {
         *self += by;
     }
@@ -76,7 +76,7 @@ impl Pose {
     }
 }
 
-impl Body for Pose {
+impl RigidBody for Pose {
     fn translate(&mut self, by: &Vector) {
         self.translation += by;
     }
@@ -101,7 +101,7 @@ pub(super) struct Ray {
     pub(super) axis: Vector,
 }
 
-impl Body for Ray {
+impl RigidBody for Ray {
     fn translate(&mut self, by: &Vector) {
         self.tip += by;
     }
@@ -145,7 +145,7 @@ impl Pointer {
     }
 }
 
-impl Body for Pointer {
+impl RigidBody for Pointer {
     fn translate(&mut self, by: &Vector) {
         self.tip += by;
     }
@@ -185,18 +185,18 @@ impl Body for Pointer {
 pub(super) struct Witness {
     pose: Pose,
     carrier: Carrier,
-    place: Place,
+    place: BodyPlace,
     /// Tool frame in the coordinates in which the error acts.
     pub(super) seen: Option<Pose>,
 }
 
 impl Witness {
-    pub(super) fn new(pose: Pose, carrier: Carrier, place: Place) -> Witness {
+    pub(super) fn new(pose: Pose, carrier: Carrier, place: BodyPlace) -> Witness {
         Witness { pose, carrier, place, seen: None }
     }
 }
 
-impl Body for Witness {
+impl RigidBody for Witness {
     fn translate(&mut self, by: &Vector) {
         self.pose.translate(by);
     }
@@ -209,7 +209,7 @@ impl Body for Witness {
         self.pose.turn(by);
     }
 
-    fn visit(&mut self, carrier: Carrier, place: Place) {
+    fn visit(&mut self, carrier: Carrier, place: BodyPlace) {
         if (carrier, place) == (self.carrier, self.place) {
             self.seen = Some(self.pose);
         }

@@ -9,7 +9,7 @@ use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Machine, State};
 
 use super::linear::LinearStep;
-use super::orientation::Orientation;
+use super::orientation::OrientationProblem;
 use super::{Model, Solve};
 
 /// Newton's steps of a correction.
@@ -89,7 +89,7 @@ impl Model {
             }
             return Some(command);
         }
-        let orientation = Orientation::at(&target, self.rotary);
+        let orientation = OrientationProblem::at(&target, self.rotary);
         let mut dual = [0.0; 2];
         for _ in 0..STEPS {
             let now = self.ray(&command, tool_mm, state);

@@ -10,9 +10,9 @@ use std::sync::Arc;
 use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES, Vector};
 use ncfix_machine::machine::{AxisData, Compensation, Condition, Machine, State};
 
-use super::body::{Body, Place, Pointer, Ray, Witness};
+use super::body::{BodyPlace, Pointer, Ray, RigidBody, Witness};
 use super::linear::{LinearAxes, LinearStep, Singular};
-use super::link::{Displacement, Link};
+use super::link::{AxisLink, Displacement};
 use super::motion::Functions;
 use super::name::{Carrier, ErrorKind, ErrorName};
 use super::rotation::vector_of;
@@ -22,9 +22,9 @@ use super::{Accumulator, ErrorModel, Features, Pose, features};
 #[derive(Clone, Debug)]
 pub struct Model {
     /// From the spindle to F.
-    pub(super) tool_side: Vec<Link>,
+    pub(super) tool_side: Vec<AxisLink>,
     /// From F to the workpiece.
-    pub(super) workpiece_side: Vec<Link>,
+    pub(super) workpiece_side: Vec<AxisLink>,
     spindle_mm: Vector,
     spindle_axis: Vector,
     spindle_error: Option<Displacement>,
@@ -77,7 +77,7 @@ impl Model {
     pub fn summed(sum: &Accumulator<'_>) -> Model {
         let machine = sum.machine();
         let link = |data: &AxisData| {
-            Link::new(data, &sum.location(Carrier::Axis(data.axis)), Functions::of(data.axis, sum.motion()))
+            AxisLink::new(data, &sum.location(Carrier::Axis(data.axis)), Functions::of(data.axis, sum.motion()))
         };
         let branch = |axes: &[Axis]| axes.iter().filter_map(|&axis| machine.axis(axis)).map(link).collect::<Vec<_>>();
         let mut tool_side = branch(&machine.topology.tool);
@@ -86,8 +86,9 @@ impl Model {
         let spindle_error = Displacement::unless_zero(&sum.location(Carrier::Spindle));
         let axes: AxisSet = tool_side.iter().chain(&workpiece_side).map(|link| link.axis).collect();
         let active = machine.active_tables.control.clone();
-        let is_empty =
-            active.is_none() && spindle_error.is_none() && tool_side.iter().chain(&workpiece_side).all(Link::is_ideal);
+        let is_empty = active.is_none()
+            && spindle_error.is_none()
+            && tool_side.iter().chain(&workpiece_side).all(AxisLink::is_ideal);
         let linear = LinearAxes::of(axes);
         let straight =
             axes.iter().all(|axis| !axis.is_rotary()).then(|| Straight::of(&tool_side, &workpiece_side, &linear));
@@ -186,7 +187,7 @@ impl Model {
     /// Zero for an axis that the machine lacks.
     #[must_use]
     pub fn sensitivity(&self, name: ErrorName, command: &AxisVector, tool_mm: &Vector) -> Twist {
-        let place = if name.kind == ErrorKind::Location { Place::Location } else { Place::Motion };
+        let place = if name.kind == ErrorKind::Location { BodyPlace::Location } else { BodyPlace::Motion };
         let witness = Witness::new(Pose::parallel_at(*tool_mm), name.carrier, place);
         let Some(seen) = self.carry(witness, command, None).seen else {
             return Twist { translation: Vector::zeros(), rotation: Vector::zeros() };
@@ -243,7 +244,7 @@ impl Model {
     }
 
     /// Carries a body from the spindle to the workpiece; with errors where there is a state.
-    fn carry<B: Body>(&self, mut body: B, command: &AxisVector, errors: Option<&State>) -> B {
+    fn carry<B: RigidBody>(&self, mut body: B, command: &AxisVector, errors: Option<&State>) -> B {
         let mut within_turn;
         let mut command = command;
         if !self.modulo.is_empty() {
@@ -253,7 +254,7 @@ impl Model {
             }
             command = &within_turn;
         }
-        body.visit(Carrier::Spindle, Place::Location);
+        body.visit(Carrier::Spindle, BodyPlace::Location);
         if let (Some(error), Some(_)) = (&self.spindle_error, errors) {
             error.apply(&mut body);
         }
@@ -269,7 +270,7 @@ impl Model {
 }
 
 impl Straight {
-    fn of(tool_side: &[Link], workpiece_side: &[Link], linear: &LinearAxes) -> Straight {
+    fn of(tool_side: &[AxisLink], workpiece_side: &[AxisLink], linear: &LinearAxes) -> Straight {
         let mut columns = [Vector::zeros(); AXIS_COUNT];
         for (links, sense) in [(tool_side, 1.0), (workpiece_side, -1.0)] {
             for link in links {

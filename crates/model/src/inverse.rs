@@ -14,7 +14,7 @@ use ncfix_machine::machine::State;
 use super::Model;
 use super::body::Pointer;
 use super::linear::{LinearStep, Singular};
-use super::orientation::Orientation;
+use super::orientation::OrientationProblem;
 
 /// The tip is in its place when it is this near, mm; a tenth of what is promised.
 const POSITION_LIMIT_MM: f64 = 1e-7;
@@ -84,7 +84,8 @@ impl Model {
     /// Whether the rotary axes stand so near to a singularity that [`Solve::Full`] damps the orientation.
     #[must_use]
     pub fn is_near_singularity(&self, command: &AxisVector, tool_mm: &Vector) -> bool {
-        !self.rotary.is_empty() && Orientation::at(&self.pointer(command, tool_mm, None), self.rotary).is_damped()
+        !self.rotary.is_empty()
+            && OrientationProblem::at(&self.pointer(command, tool_mm, None), self.rotary).is_damped()
     }
 }
 
@@ -144,7 +145,7 @@ impl Search<'_> {
         start: &AxisVector,
         mut command: AxisVector,
     ) -> Result<AxisVector, NotConverged> {
-        let orientation = Orientation::at(target, self.model.rotary);
+        let orientation = OrientationProblem::at(target, self.model.rotary);
         let mut dual = orientation.dual_of(nominal, start);
         orientation.turn(nominal, &dual, &mut command);
         for _ in 0..MAX_STEPS {

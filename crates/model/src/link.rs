@@ -13,7 +13,7 @@
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_machine::machine::{AxisData, Lever, State};
 
-use super::body::{Body, Place};
+use super::body::{BodyPlace, RigidBody};
 use super::motion::Functions;
 use super::name::Carrier;
 use super::rotation::Rotation;
@@ -39,13 +39,13 @@ impl Displacement {
     }
 
     #[inline(always)]
-    pub(super) fn apply(&self, body: &mut impl Body) {
+    pub(super) fn apply(&self, body: &mut impl RigidBody) {
         body.tilt(&self.rotation);
         body.translate(&self.translation);
     }
 
     #[inline(always)]
-    fn undo(&self, body: &mut impl Body) {
+    fn undo(&self, body: &mut impl RigidBody) {
         body.translate(&-self.translation);
         body.tilt(&self.rotation.inverse());
     }
@@ -53,7 +53,7 @@ impl Displacement {
 
 /// An axis with its errors, prepared for evaluation.
 #[derive(Clone, Debug)]
-pub(super) struct Link {
+pub(super) struct AxisLink {
     pub(super) axis: Axis,
     pub(super) direction: Vector,
     point_mm: Vector,
@@ -62,9 +62,9 @@ pub(super) struct Link {
     pub(super) functions: Functions,
 }
 
-impl Link {
-    pub(super) fn new(data: &AxisData, location: &[f64; 6], functions: Functions) -> Link {
-        Link {
+impl AxisLink {
+    pub(super) fn new(data: &AxisData, location: &[f64; 6], functions: Functions) -> AxisLink {
+        AxisLink {
             axis: data.axis,
             direction: data.direction,
             point_mm: data.point_mm,
@@ -80,11 +80,11 @@ impl Link {
     }
 
     /// Tool side: from the body that the axis moves to the one that carries it.
-    pub(super) fn carry<B: Body>(&self, body: &mut B, command: &AxisVector, errors: Option<&State>) {
+    pub(super) fn carry<B: RigidBody>(&self, body: &mut B, command: &AxisVector, errors: Option<&State>) {
         let motion = self.motion_error(command, errors);
         body.translate(&-self.point_mm);
         if self.lever == Lever::Carried {
-            body.visit(Carrier::Axis(self.axis), Place::Motion);
+            body.visit(Carrier::Axis(self.axis), BodyPlace::Motion);
             if let Some(error) = &motion {
                 error.apply(body);
             }
@@ -92,12 +92,12 @@ impl Link {
         self.advance(body, command[self.axis]);
         body.moved(self.axis, &self.direction, 1.0);
         if self.lever == Lever::Fixed {
-            body.visit(Carrier::Axis(self.axis), Place::Motion);
+            body.visit(Carrier::Axis(self.axis), BodyPlace::Motion);
             if let Some(error) = &motion {
                 error.apply(body);
             }
         }
-        body.visit(Carrier::Axis(self.axis), Place::Location);
+        body.visit(Carrier::Axis(self.axis), BodyPlace::Location);
         if let (Some(error), Some(_)) = (&self.location, errors) {
             error.apply(body);
         }
@@ -105,15 +105,15 @@ impl Link {
     }
 
     /// Workpiece side: from the body that carries the axis to the one that it moves, the inverse transform.
-    pub(super) fn uncarry<B: Body>(&self, body: &mut B, command: &AxisVector, errors: Option<&State>) {
+    pub(super) fn uncarry<B: RigidBody>(&self, body: &mut B, command: &AxisVector, errors: Option<&State>) {
         let motion = self.motion_error(command, errors);
         body.translate(&-self.point_mm);
-        body.visit(Carrier::Axis(self.axis), Place::Location);
+        body.visit(Carrier::Axis(self.axis), BodyPlace::Location);
         if let (Some(error), Some(_)) = (&self.location, errors) {
             error.undo(body);
         }
         if self.lever == Lever::Fixed {
-            body.visit(Carrier::Axis(self.axis), Place::Motion);
+            body.visit(Carrier::Axis(self.axis), BodyPlace::Motion);
             if let Some(error) = &motion {
                 error.undo(body);
             }
@@ -121,7 +121,7 @@ impl Link {
         self.advance(body, -command[self.axis]);
         body.moved(self.axis, &self.direction, -1.0);
         if self.lever == Lever::Carried {
-            body.visit(Carrier::Axis(self.axis), Place::Motion);
+            body.visit(Carrier::Axis(self.axis), BodyPlace::Motion);
             if let Some(error) = &motion {
                 error.undo(body);
             }
@@ -130,7 +130,7 @@ impl Link {
     }
 
     #[inline(always)]
-    fn advance(&self, body: &mut impl Body, by: f64) {
+    fn advance(&self, body: &mut impl RigidBody, by: f64) {
         if self.axis.is_rotary() {
             body.turn(&Rotation::about(self.direction, by));
         } else {

@@ -24,7 +24,7 @@ const START_LIMIT_RAD: f64 = 0.1;
 
 /// The orientation problem at one nominal pose, split along the eigenvectors of Jₒ Jₒᵀ so that its two rows do not mix.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Orientation {
+pub(super) struct OrientationProblem {
     rotary: [Axis; 3],
     count: usize,
     /// Eigenvectors in the workpiece frame, at right angles to the nominal tool axis.
@@ -37,9 +37,9 @@ pub(super) struct Orientation {
     dampings: [f64; 2],
 }
 
-impl Orientation {
+impl OrientationProblem {
     /// The problem at the nominal pose of a machine with these rotary axes.
-    pub(super) fn at(target: &Pointer, set: AxisSet) -> Orientation {
+    pub(super) fn at(target: &Pointer, set: AxisSet) -> OrientationProblem {
         let mut rotary = [Axis::A; 3];
         let mut count = 0;
         for axis in ROTARY_AXES.into_iter().filter(|&axis| set.contains(axis)) {
@@ -66,7 +66,7 @@ impl Orientation {
             row
         });
         let gains = rows.map(|row| row.iter().map(|entry| entry * entry).sum());
-        Orientation { rotary, count, tangents, rows, gains, dampings: gains.map(damping) }
+        OrientationProblem { rotary, count, tangents, rows, gains, dampings: gains.map(damping) }
     }
 
     /// The rotary axes.
@@ -139,7 +139,7 @@ mod tests {
         let mut target = Pointer::new(Vector::zeros(), Vector::z());
         target.axis_by_command[Axis::A.slot()] = Vector::new(0.0, -1.0, 0.0);
         target.axis_by_command[Axis::C.slot()] = Vector::new(0.75_f64.sqrt(), 0.3, 0.0);
-        let orientation = Orientation::at(&target, [Axis::A, Axis::C].into_iter().collect());
+        let orientation = OrientationProblem::at(&target, [Axis::A, Axis::C].into_iter().collect());
         let mut nominal = AxisVector::ZERO;
         (nominal[Axis::A], nominal[Axis::C]) = (1.2, -0.4);
         let mut start = nominal;

@@ -17,5 +17,5 @@ pub use leave_out::{Beside, LeaveOut};
 pub use normal::{Normal, Step};
 pub use parallel::{both, in_parts, repeated};
 pub use peak::peak;
-pub use series::{Direction, Gain, Series};
+pub use series::{BasisColumn, Gain, Series};
 pub use upright::Upright;

@@ -25,13 +25,13 @@ pub struct Series {
     before: Arc<Vec<Option<usize>>>,
     weights: Arc<Vec<f64>>,
     memory: f64,
-    basis: Vec<Arc<Direction>>,
+    basis: Vec<Arc<BasisColumn>>,
     left: Vec<f64>,
 }
 
 /// A column of a basis: of unit length, whitened, and zero but for some rows that follow each other; what belongs to one set-up is short.
 #[derive(Clone, Debug)]
-pub struct Direction {
+pub struct BasisColumn {
     first: usize,
     values: Vec<f64>,
 }
@@ -119,7 +119,7 @@ impl Series {
 
     /// The columns of the basis, at right angles to each other.
     #[must_use]
-    pub fn basis(&self) -> &[Arc<Direction>] {
+    pub fn basis(&self) -> &[Arc<BasisColumn>] {
         &self.basis
     }
 
@@ -177,7 +177,7 @@ impl Series {
     /// What columns would explain beside those of the basis.
     #[must_use]
     pub fn gain(&self, columns: &[Vec<f64>]) -> Gain {
-        let mut own: Vec<Direction> = Vec::new();
+        let mut own: Vec<BasisColumn> = Vec::new();
         let mut squares = 0.0;
         for column in columns {
             if let Some((direction, _)) = self.direction(column, &own, &mut []) {
@@ -193,7 +193,7 @@ impl Series {
     #[must_use]
     pub fn amounts(&self, columns: &[Vec<f64>]) -> (Vec<f64>, DMatrix<f64>) {
         // Each column by the directions that it and those before it have of their own: a triangle.
-        let mut own: Vec<Direction> = Vec::new();
+        let mut own: Vec<BasisColumn> = Vec::new();
         let mut places = Vec::new();
         let mut triangle: Vec<Vec<f64>> = Vec::new();
         for (place, column) in columns.iter().enumerate() {
@@ -227,7 +227,7 @@ impl Series {
 
     /// The part of a column at right angles to the basis and to others, of unit length, and its length; `shares` gets what the column is of those of
     /// the basis and of the others.
-    fn direction(&self, column: &[f64], others: &[Direction], shares: &mut [f64]) -> Option<(Direction, f64)> {
+    fn direction(&self, column: &[f64], others: &[BasisColumn], shares: &mut [f64]) -> Option<(BasisColumn, f64)> {
         let mut rest = self.whitened(column);
         let length = dot(&rest, &rest).sqrt();
         if !(length.is_finite() && length > 0.0) {
@@ -258,7 +258,7 @@ impl Series {
             return None;
         }
         let part = rest.get(span.clone()).unwrap_or_default();
-        Some((Direction { first: span.start, values: part.iter().map(|value| value / own).collect() }, own))
+        Some((BasisColumn { first: span.start, values: part.iter().map(|value| value / own).collect() }, own))
     }
 
     /// Memory of residuals that are not whitened: the correlation of neighbours in the series.
@@ -283,7 +283,7 @@ fn span(column: &[f64]) -> Range<usize> {
     first..last
 }
 
-impl Direction {
+impl BasisColumn {
     fn end(&self) -> usize {
         self.first + self.values.len()
     }

@@ -1,21 +1,21 @@
 //! The words of a line that goes to a control: codes, addresses, and which of them belong together.
 
-use super::rules::{Axes, Code, Grammar};
+use super::rules::{Axes, BlockCode, Grammar};
 
 /// Letters of axes.
 pub(super) const AXES: &[u8] = b"XYZABCUVW";
 
 /// A word of a block: what names it, and its value.
-pub(super) struct Word<'t> {
+pub(super) struct BlockWord<'t> {
     pub(super) text: &'t str,
     /// `X`, `B1`, `ADIS`.
     pub(super) name: &'t str,
     pub(super) value: &'t str,
-    pub(super) code: Option<Code>,
+    pub(super) code: Option<BlockCode>,
     pub(super) is_claimed: bool,
 }
 
-impl Word<'_> {
+impl BlockWord<'_> {
     pub(super) fn letter(&self) -> u8 {
         self.name.as_bytes().first().copied().unwrap_or(0)
     }
@@ -26,7 +26,7 @@ impl Word<'_> {
 }
 
 /// The words of a line; what stands in quotation marks is part of its word.
-pub(super) fn words<'t>(text: &'t str, grammar: &Grammar) -> Vec<Word<'t>> {
+pub(super) fn words<'t>(text: &'t str, grammar: &Grammar) -> Vec<BlockWord<'t>> {
     let mut is_quoted = false;
     let is_between = |character: char| {
         is_quoted ^= character == '"';
@@ -38,7 +38,7 @@ pub(super) fn words<'t>(text: &'t str, grammar: &Grammar) -> Vec<Word<'t>> {
             let end = part.find(|character: char| !character.is_ascii_alphabetic()).unwrap_or(part.len());
             part.split_at(if end == 0 { part.chars().next().map_or(0, char::len_utf8) } else { end })
         });
-        Word { text: part, name, value, code: grammar.code(part), is_claimed: false }
+        BlockWord { text: part, name, value, code: grammar.code(part), is_claimed: false }
     };
     parts.map(word).collect()
 }
@@ -54,7 +54,7 @@ pub(super) fn absolute(value: &str, begin: &str) -> bool {
 }
 
 /// The words of a block that a code uses, and that are no further ones from now on; `None` where one of them is an axis that it may not have.
-pub(super) fn arguments(code: Code, words: &mut [Word<'_>], axes: Axes) -> Option<Vec<String>> {
+pub(super) fn arguments(code: BlockCode, words: &mut [BlockWord<'_>], axes: Axes) -> Option<Vec<String>> {
     let mut out = Vec::new();
     let mut is_refused = false;
     let is_speed = code.entry.is_some_and(|entry| entry.name.starts_with("G96"));

@@ -1,6 +1,6 @@
 //! What a piece allows, as doses.
 
-use crate::feed::{Dose, Dosing, Limits};
+use crate::feed::{Dose, Limits, LineDosing};
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector};
 use ncfix_path::path::{Allows, Asked, Doses};
 
@@ -8,14 +8,14 @@ use super::slots;
 
 /// Doses by the limits of a job.
 pub(super) struct Doser {
-    dosing: Dosing,
+    dosing: LineDosing,
     /// Whether sensors are in doubt: what is applied follows the way and approaches nothing.
     pub(super) is_frozen: bool,
 }
 
 impl Doser {
     pub(super) fn new(limits: Limits) -> Doser {
-        Doser { dosing: Dosing::new(limits), is_frozen: false }
+        Doser { dosing: LineDosing::new(limits), is_frozen: false }
     }
 }
 

@@ -10,7 +10,7 @@
 
 use super::heights::{Heights, SAME_MM, is_height_known};
 use super::rules::Grammar;
-use super::told::{Told, Way};
+use super::told::{RestartPath, SentState};
 use crate::feed::Line;
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::snc::{FrameWords, Kind};
@@ -96,9 +96,9 @@ pub struct Search<'a> {
     until: u64,
     /// The last element that may have been carried out.
     sent: u64,
-    told: Told,
+    told: SentState,
     /// What it was told at the best place.
-    at_best: Option<Told>,
+    at_best: Option<SentState>,
     element: u64,
     /// Whether the axes stand where a rapid move has lifted the tool to.
     is_retracted: bool,
@@ -130,7 +130,7 @@ impl<'a> Search<'a> {
             clearance_mm,
             until,
             sent,
-            told: Told::new(grammar),
+            told: SentState::new(grammar),
             at_best: None,
             element: 0,
             is_retracted: false,
@@ -252,7 +252,7 @@ impl<'a> Search<'a> {
         let text = String::from_utf8_lossy(&line.text).into_owned();
         if let Some((element, above_mm, stands_mm)) = self.pending.filter(|(element, ..)| line.element >= *element) {
             self.pending = None;
-            let way = self.clearance_mm.map(|clearance_mm| Way { clearance_mm, stands_mm });
+            let way = self.clearance_mm.map(|clearance_mm| RestartPath { clearance_mm, stands_mm });
             if let Some(lines) = way.and_then(|way| self.told.lines(self.is_numbered, way)) {
                 let (source_line, first, tool) = (line.source_line, text.clone(), self.told.tool.clone());
                 self.at_best = Some(self.told.clone());

@@ -77,7 +77,7 @@ pub struct Grammar {
 
 /// A code of a block.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Code {
+pub(super) struct BlockCode {
     pub(super) rule: Rule,
     pub(super) entry: Option<&'static CodeEntry>,
 }
@@ -90,7 +90,7 @@ impl Grammar {
     }
 
     /// The code that a word is; `None` where it is an address with a value.
-    pub(super) fn code(&self, word: &str) -> Option<Code> {
+    pub(super) fn code(&self, word: &str) -> Option<BlockCode> {
         let number =
             |letter: char| word.strip_prefix(letter).filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
         let entry = match (number('G'), number('M')) {
@@ -107,10 +107,10 @@ impl Grammar {
             _ => self.codes.word(word),
         };
         if let Some(entry) = entry {
-            return Some(Code { rule: self.rule(entry), entry: Some(entry) });
+            return Some(BlockCode { rule: self.rule(entry), entry: Some(entry) });
         }
         let is_code = number('G').is_some() || number('M').is_some();
-        is_code.then(|| Code { rule: self.without_row(word), entry: None })
+        is_code.then(|| BlockCode { rule: self.without_row(word), entry: None })
     }
 
     /// What a code without a row does. Those of M are the machine builder's but for these, which a Sinumerik has without a table.

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::block::{AXES, Word, absolute, arguments, block, is_number, words};
-use super::rules::{Axes, Code, Grammar, Key, M, Rule};
+use super::block::{AXES, BlockWord, absolute, arguments, block, is_number, words};
+use super::rules::{Axes, BlockCode, Grammar, Key, M, Rule};
 
 /// Letters of axes that a tool change leaves where they are.
 const TURNING: &[u8] = b"ABC";
@@ -28,7 +28,7 @@ const DOWN_MM_MIN: f64 = 200.0;
 
 /// The way to a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Way {
+pub(super) struct RestartPath {
     /// The height that is clear, and the one of the place, mm of Z of the program.
     pub(super) clearance_mm: f64,
     pub(super) stands_mm: f64,
@@ -36,7 +36,7 @@ pub(super) struct Way {
 
 /// What a control has been told.
 #[derive(Clone)]
-pub(super) struct Told {
+pub(super) struct SentState {
     grammar: Grammar,
     /// The blocks that bring a state about; `None` where no block can.
     states: BTreeMap<Key, Option<Vec<String>>>,
@@ -59,9 +59,9 @@ pub(super) struct Told {
     is_shifted: bool,
 }
 
-impl Told {
-    pub(super) fn new(grammar: Grammar) -> Told {
-        Told {
+impl SentState {
+    pub(super) fn new(grammar: Grammar) -> SentState {
+        SentState {
             grammar,
             states: BTreeMap::new(),
             places: BTreeMap::new(),
@@ -79,7 +79,7 @@ impl Told {
     }
 
     /// Whether all is known of which another one speaks.
-    pub(super) fn knows(&self, other: &Told) -> bool {
+    pub(super) fn knows(&self, other: &SentState) -> bool {
         other.states.keys().all(|key| self.states.contains_key(key))
             && other.places.keys().all(|axis| self.places.contains_key(axis))
             && other.values.keys().all(|address| self.values.contains_key(address))
@@ -122,7 +122,7 @@ impl Told {
     }
 
     /// What a code of a block does; whether it moves the axes to where its block does not say.
-    fn act(&mut self, code: Code, at: usize, words: &mut [Word<'_>]) -> bool {
+    fn act(&mut self, code: BlockCode, at: usize, words: &mut [BlockWord<'_>]) -> bool {
         let text = words[at].text;
         match code.rule {
             Rule::Motion(says_where) => {
@@ -195,7 +195,7 @@ impl Told {
     }
 
     /// An address with its value.
-    fn value(&mut self, word: &Word<'_>, is_incremental: bool) {
+    fn value(&mut self, word: &BlockWord<'_>, is_incremental: bool) {
         let is_plain = is_number(word.value);
         match word.letter() {
             b'N' | b':' | b'%' | b'/' | b'O' => {}
@@ -277,7 +277,7 @@ impl Told {
 
     /// What brings a control there, by way of a height that is clear; `None` where an axis stands nobody knows where, or a state cannot be told again.
     /// Nothing here goes down by a rapid move but to that height.
-    pub(super) fn lines(&self, is_numbered: bool, way: Way) -> Option<Vec<String>> {
+    pub(super) fn lines(&self, is_numbered: bool, way: RestartPath) -> Option<Vec<String>> {
         if self.is_beyond || self.motion.as_deref().is_some_and(|motion| !RAPID.contains(&motion)) {
             return None;
         }

@@ -122,7 +122,7 @@ pub struct Bound {
 
 /// What frames lines and programs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Frame {
+pub struct Framing {
     /// Before everything else.
     pub leader: Vec<u8>,
     /// Before the first line.
@@ -158,7 +158,7 @@ pub struct Profile {
     /// How the flow is held.
     pub flow: Flow,
     /// What frames lines and programs.
-    pub frame: Frame,
+    pub frame: Framing,
     /// How much may be under way.
     pub window: Window,
     /// How many blocks lie in its planner, at most; `None` where nobody knows.
@@ -246,7 +246,7 @@ impl Profile {
             flow.xoff = byte(section, "xoff");
             flow.wait_for_xon = section.boolean("wait_for_xon").unwrap_or(false);
         });
-        let mut frame = Frame { end_of_block: b"\n".to_vec(), ..Frame::default() };
+        let mut frame = Framing { end_of_block: b"\n".to_vec(), ..Framing::default() };
         own("frame", &mut |section| {
             frame.leader = bytes(section, "leader").unwrap_or_default();
             frame.start = bytes(section, "start").unwrap_or_default();

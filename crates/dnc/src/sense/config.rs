@@ -46,7 +46,7 @@ pub enum Action {
 
 /// What the numbers of a channel are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unit {
+pub struct ChannelUnit {
     /// Its name in the file.
     pub name: &'static str,
     /// Degrees Celsius in one of it.
@@ -58,16 +58,16 @@ pub struct Unit {
 }
 
 /// All units.
-const UNITS: &[Unit] = &[
-    Unit { name: "C", per_unit: 1.0, at_zero: 0.0, is_temperature: true },
-    Unit { name: "mC", per_unit: 1e-3, at_zero: 0.0, is_temperature: true },
-    Unit { name: "K", per_unit: 1.0, at_zero: -273.15, is_temperature: true },
-    Unit { name: "F", per_unit: 5.0 / 9.0, at_zero: -160.0 / 9.0, is_temperature: true },
-    Unit { name: "mV", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
-    Unit { name: "V", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
-    Unit { name: "mA", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
-    Unit { name: "ohm", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
-    Unit { name: "raw", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
+const UNITS: &[ChannelUnit] = &[
+    ChannelUnit { name: "C", per_unit: 1.0, at_zero: 0.0, is_temperature: true },
+    ChannelUnit { name: "mC", per_unit: 1e-3, at_zero: 0.0, is_temperature: true },
+    ChannelUnit { name: "K", per_unit: 1.0, at_zero: -273.15, is_temperature: true },
+    ChannelUnit { name: "F", per_unit: 5.0 / 9.0, at_zero: -160.0 / 9.0, is_temperature: true },
+    ChannelUnit { name: "mV", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
+    ChannelUnit { name: "V", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
+    ChannelUnit { name: "mA", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
+    ChannelUnit { name: "ohm", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
+    ChannelUnit { name: "raw", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
 ];
 
 /// A sensor: how its number becomes a temperature, and what is believed.
@@ -75,10 +75,10 @@ const UNITS: &[Unit] = &[
 pub struct Channel {
     /// Its name, that of the sensor in the machine file.
     pub name: String,
-    /// Where it comes from: the name of an [`Origin`].
+    /// Where it comes from: the name of an [`ValueOrigin`].
     pub source: String,
     /// What its numbers are.
-    pub unit: Unit,
+    pub unit: ChannelUnit,
     /// What a number is multiplied by.
     pub scale: f64,
     /// What is added then; the unit comes last.
@@ -126,7 +126,7 @@ impl Channel {
 
 /// Where values come from.
 #[derive(Clone, Debug)]
-pub struct Origin {
+pub struct ValueOrigin {
     /// Its name.
     pub name: String,
     /// Its kind.
@@ -147,7 +147,7 @@ pub struct Config {
     /// All sensors.
     pub channels: Vec<Channel>,
     /// Where their values come from.
-    pub sources: Vec<Origin>,
+    pub sources: Vec<ValueOrigin>,
     /// How often sources are asked that say nothing else.
     pub poll: Duration,
 }
@@ -252,7 +252,7 @@ impl Reader<'_> {
                 for &index in channels.iter().filter(|_| kind.is_record()) {
                     config.channels[index].first = 1;
                 }
-                config.sources.push(Origin { name, kind, place, poll, channels, plan });
+                config.sources.push(ValueOrigin { name, kind, place, poll, channels, plan });
             }
         }
         for mut wanted in wanted.into_values().flatten() {

@@ -17,7 +17,7 @@ mod panel;
 pub mod source;
 mod stamp;
 
-pub use config::{Action, Channel, Config, Origin, Unit};
+pub use config::{Action, Channel, ChannelUnit, Config, ValueOrigin};
 pub use lines::Lines;
 pub use monitor::{Fault, Monitor, Reading, State, Told};
 pub use outlet::Outlet;

@@ -13,7 +13,7 @@ const CLOCKS_DIFFER: Duration = Duration::from_secs(60);
 
 /// A reading on its way.
 #[derive(Clone, Debug)]
-pub(super) struct Sample {
+pub(super) struct SourceSample {
     pub(super) channel: usize,
     pub(super) told: Told,
     /// When it came.
@@ -22,7 +22,7 @@ pub(super) struct Sample {
     age: Duration,
 }
 
-impl Sample {
+impl SourceSample {
     /// How long ago it was read.
     pub(super) fn age(&self) -> Duration {
         self.came.elapsed() + self.age
@@ -31,7 +31,7 @@ impl Sample {
 
 #[derive(Debug, Default)]
 struct Shared {
-    waiting: Mutex<VecDeque<Sample>>,
+    waiting: Mutex<VecDeque<SourceSample>>,
     is_over: Mutex<bool>,
     ends: Condvar,
 }
@@ -76,7 +76,7 @@ impl Outlet {
         if waiting.len() >= MOST_WAITING {
             waiting.pop_front();
         }
-        waiting.push_back(Sample { channel, told, came: Instant::now(), age });
+        waiting.push_back(SourceSample { channel, told, came: Instant::now(), age });
     }
 
     /// Says that none of the channels has a value, and why.
@@ -103,7 +103,7 @@ impl Outlet {
 
 impl Inlet {
     /// What has come; nothing where the source is just putting something in.
-    pub(super) fn take(&self, into: &mut Vec<Sample>) {
+    pub(super) fn take(&self, into: &mut Vec<SourceSample>) {
         match self.0.waiting.try_lock() {
             Ok(mut waiting) => into.extend(waiting.drain(..)),
             Err(TryLockError::Poisoned(poisoned)) => into.extend(poisoned.into_inner().drain(..)),

@@ -8,7 +8,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 
 use super::config::{Action, Config};
 use super::monitor::{Fault, Monitor, Reading, State, Told};
-use super::outlet::{Inlet, Sample, box_of};
+use super::outlet::{Inlet, SourceSample, box_of};
 use super::source::{Clocked, Opened};
 
 /// So long a panel that goes waits for its threads; one that hangs is left behind.
@@ -44,7 +44,7 @@ pub struct Panel {
     clocked: Vec<Box<dyn Clocked>>,
     now: Duration,
     /// Kept, so that a call with nothing new makes nothing.
-    samples: Vec<Sample>,
+    samples: Vec<SourceSample>,
 }
 
 impl Panel {

@@ -18,36 +18,36 @@ const MOST_SYNTAX_FAULTS: usize = 1000;
 #[derive(Clone, Debug)]
 pub struct Document {
     file: FileId,
-    pub(super) root: Table,
+    pub(super) root: TomlTable,
 }
 
 /// A table; entries in the order of the file.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
+pub(super) struct TomlTable {
     pub(super) span: Span,
-    pub(super) entries: Vec<Entry>,
+    pub(super) entries: Vec<TomlEntry>,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
+pub(super) struct TomlEntry {
     pub(super) key: String,
     pub(super) key_span: Span,
-    pub(super) item: Item,
+    pub(super) item: TomlItem,
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Item {
-    pub(super) value: Value,
+pub(super) struct TomlItem {
+    pub(super) value: TomlValue,
     pub(super) span: Span,
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Value {
+pub(super) enum TomlValue {
     Text(String),
     Number { value: f64, whole: bool },
     Boolean(bool),
-    Items(Vec<Item>),
-    Table(Table),
+    Items(Vec<TomlItem>),
+    Table(TomlTable),
     Date,
 }
 
@@ -71,7 +71,7 @@ impl Document {
         }
         let (root, faults) = DeTable::parse_recoverable(text);
         if faults.is_empty() {
-            return Ok(Document { file: source.id(), root: Table::of(root.get_ref(), Span::default()) });
+            return Ok(Document { file: source.id(), root: TomlTable::of(root.get_ref(), Span::default()) });
         }
         let mut findings: Vec<Diagnostic> = faults
             .iter()
@@ -95,63 +95,65 @@ impl Document {
     }
 }
 
-impl Table {
-    fn of(table: &DeTable<'_>, span: Span) -> Table {
-        let mut entries: Vec<Entry> = table
+impl TomlTable {
+    fn of(table: &DeTable<'_>, span: Span) -> TomlTable {
+        let mut entries: Vec<TomlEntry> = table
             .iter()
-            .map(|(key, item)| Entry {
+            .map(|(key, item)| TomlEntry {
                 key: key.get_ref().to_string(),
                 key_span: span_of(key.span()),
-                item: Item::of(item.get_ref(), span_of(item.span())),
+                item: TomlItem::of(item.get_ref(), span_of(item.span())),
             })
             .collect();
         entries.sort_by_key(|entry| entry.key_span);
-        Table { span, entries }
+        TomlTable { span, entries }
     }
 
-    pub(super) fn entry(&self, key: &str) -> Option<&Entry> {
+    pub(super) fn entry(&self, key: &str) -> Option<&TomlEntry> {
         self.entries.iter().find(|entry| entry.key == key)
     }
 }
 
-impl Item {
-    fn of(value: &DeValue<'_>, span: Span) -> Item {
+impl TomlItem {
+    fn of(value: &DeValue<'_>, span: Span) -> TomlItem {
         let value = match value {
-            DeValue::String(text) => Value::Text(text.to_string()),
+            DeValue::String(text) => TomlValue::Text(text.to_string()),
             DeValue::Integer(integer) if integer.radix() == 10 => {
-                Value::Number { value: integer.as_str().parse().unwrap_or(f64::NAN), whole: true }
+                TomlValue::Number { value: integer.as_str().parse().unwrap_or(f64::NAN), whole: true }
             }
             DeValue::Integer(integer) => {
                 let value =
                     i64::from_str_radix(integer.as_str(), integer.radix()).map_or(f64::NAN, |value| value as f64);
-                Value::Number { value, whole: true }
+                TomlValue::Number { value, whole: true }
             }
-            DeValue::Float(float) => Value::Number { value: float.as_str().parse().unwrap_or(f64::NAN), whole: false },
-            DeValue::Boolean(boolean) => Value::Boolean(*boolean),
-            DeValue::Datetime(_) => Value::Date,
+            DeValue::Float(float) => {
+                TomlValue::Number { value: float.as_str().parse().unwrap_or(f64::NAN), whole: false }
+            }
+            DeValue::Boolean(boolean) => TomlValue::Boolean(*boolean),
+            DeValue::Datetime(_) => TomlValue::Date,
             DeValue::Array(items) => {
-                Value::Items(items.iter().map(|item| Item::of(item.get_ref(), span_of(item.span()))).collect())
+                TomlValue::Items(items.iter().map(|item| TomlItem::of(item.get_ref(), span_of(item.span()))).collect())
             }
-            DeValue::Table(table) => Value::Table(Table::of(table, span)),
+            DeValue::Table(table) => TomlValue::Table(TomlTable::of(table, span)),
         };
-        Item { value, span }
+        TomlItem { value, span }
     }
 
     pub(super) fn found(&self) -> &'static str {
         match self.value {
-            Value::Text(_) => "a text",
-            Value::Number { value, .. } if !value.is_finite() => "a number that is not finite",
-            Value::Number { .. } => "a number",
-            Value::Boolean(_) => "true or false",
-            Value::Items(_) => "a list",
-            Value::Table(_) => "a section",
-            Value::Date => "a date",
+            TomlValue::Text(_) => "a text",
+            TomlValue::Number { value, .. } if !value.is_finite() => "a number that is not finite",
+            TomlValue::Number { .. } => "a number",
+            TomlValue::Boolean(_) => "true or false",
+            TomlValue::Items(_) => "a list",
+            TomlValue::Table(_) => "a section",
+            TomlValue::Date => "a date",
         }
     }
 
     pub(super) fn number(&self) -> Option<f64> {
         match self.value {
-            Value::Number { value, .. } if value.is_finite() => Some(value),
+            TomlValue::Number { value, .. } if value.is_finite() => Some(value),
             _ => None,
         }
     }

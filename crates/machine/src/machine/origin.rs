@@ -1,7 +1,7 @@
 //! Where each value of a machine file was written, and what holds for keys that were not written.
 
 use super::Machine;
-use super::document::{Document, Item, Table, Value};
+use super::document::{Document, TomlItem, TomlTable, TomlValue};
 use super::setting::normal;
 use ncfix_base::source::Source;
 
@@ -139,7 +139,7 @@ fn kind_of(section: &str) -> String {
     }
 }
 
-fn walk(table: &Table, path: &str, source: &Source, out: &mut Vec<(u32, Written)>) {
+fn walk(table: &TomlTable, path: &str, source: &Source, out: &mut Vec<(u32, Written)>) {
     for entry in &table.entries {
         let key = match path {
             "system" | "gud" => normal(&entry.key),
@@ -147,10 +147,10 @@ fn walk(table: &Table, path: &str, source: &Source, out: &mut Vec<(u32, Written)
         };
         let own = if path.is_empty() { key } else { format!("{path}.{key}") };
         match &entry.item.value {
-            Value::Table(inner) if !inner.entries.is_empty() => walk(inner, &own, source, out),
-            Value::Items(items) if is_list_of_tables(items) => {
+            TomlValue::Table(inner) if !inner.entries.is_empty() => walk(inner, &own, source, out),
+            TomlValue::Items(items) if is_list_of_tables(items) => {
                 for (number, item) in items.iter().enumerate() {
-                    if let Value::Table(inner) = &item.value {
+                    if let TomlValue::Table(inner) = &item.value {
                         let name = if own == "tool" { tool_name(inner) } else { (number + 1).to_string() };
                         walk(inner, &format!("{own}[{name}]"), source, out);
                     }
@@ -169,12 +169,12 @@ fn walk(table: &Table, path: &str, source: &Source, out: &mut Vec<(u32, Written)
     }
 }
 
-fn is_list_of_tables(items: &[Item]) -> bool {
-    !items.is_empty() && items.iter().all(|item| matches!(item.value, Value::Table(_)))
+fn is_list_of_tables(items: &[TomlItem]) -> bool {
+    !items.is_empty() && items.iter().all(|item| matches!(item.value, TomlValue::Table(_)))
 }
 
 /// `5,1`: number and edge, by which tools of several files are the same.
-fn tool_name(tool: &Table) -> String {
+fn tool_name(tool: &TomlTable) -> String {
     let number = |key: &str| tool.entry(key).and_then(|entry| entry.item.number());
     format!("{},{}", number("number").unwrap_or_default(), number("edge").unwrap_or(1.0))
 }

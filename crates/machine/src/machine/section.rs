@@ -9,7 +9,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::Vector;
 use ncfix_base::source::FileId;
 
-use super::document::{Entry, Item, Table, Value};
+use super::document::{TomlEntry, TomlItem, TomlTable, TomlValue};
 use super::range::{most_in_list, range_of};
 use ncfix_base::source::is_deceptive;
 
@@ -21,13 +21,13 @@ const MOST_UNKNOWN: usize = 1000;
 pub struct Section<'a> {
     file: FileId,
     title: String,
-    table: &'a Table,
+    table: &'a TomlTable,
     asked: Vec<String>,
     findings: Vec<Diagnostic>,
 }
 
 impl<'a> Section<'a> {
-    pub(super) fn new(file: FileId, title: String, table: &'a Table) -> Section<'a> {
+    pub(super) fn new(file: FileId, title: String, table: &'a TomlTable) -> Section<'a> {
         Section { file, title, table, asked: Vec::new(), findings: Vec::new() }
     }
 
@@ -61,7 +61,7 @@ impl<'a> Section<'a> {
     #[must_use]
     pub fn place_of_item(&self, key: &str, index: usize) -> Place {
         let mut place = self.place_of(key);
-        if let Some(Entry { item: Item { value: Value::Items(items), .. }, .. }) = self.table.entry(key)
+        if let Some(TomlEntry { item: TomlItem { value: TomlValue::Items(items), .. }, .. }) = self.table.entry(key)
             && let Some(item) = items.get(index)
         {
             place.span = item.span;
@@ -113,7 +113,7 @@ impl<'a> Section<'a> {
 
     /// A finite number.
     pub fn number(&mut self, key: &str) -> Option<f64> {
-        self.value(key, "a finite number", Item::number).filter(|&value| self.is_in_range(key, &[value]))
+        self.value(key, "a finite number", TomlItem::number).filter(|&value| self.is_in_range(key, &[value]))
     }
 
     /// A number in a range.
@@ -125,7 +125,9 @@ impl<'a> Section<'a> {
     /// A whole number from 0 to 2³² − 1.
     pub fn integer(&mut self, key: &str) -> Option<u32> {
         let found = self.value(key, "a whole number that is not negative", |item| match item.value {
-            Value::Number { value, whole: true } if (0.0..=f64::from(u32::MAX)).contains(&value) => Some(value as u32),
+            TomlValue::Number { value, whole: true } if (0.0..=f64::from(u32::MAX)).contains(&value) => {
+                Some(value as u32)
+            }
             _ => None,
         });
         found.filter(|&value| self.is_in_range(key, &[f64::from(value)]))
@@ -134,7 +136,7 @@ impl<'a> Section<'a> {
     /// `true` or `false`.
     pub fn boolean(&mut self, key: &str) -> Option<bool> {
         self.value(key, "true or false", |item| match item.value {
-            Value::Boolean(value) => Some(value),
+            TomlValue::Boolean(value) => Some(value),
             _ => None,
         })
     }
@@ -148,7 +150,7 @@ impl<'a> Section<'a> {
     /// A text whose characters are bytes for a control, any of them.
     pub fn text_of_bytes(&mut self, key: &str) -> Option<&'a str> {
         self.value(key, "a text in quotation marks", |item| match &item.value {
-            Value::Text(text) => Some(text.as_str()),
+            TomlValue::Text(text) => Some(text.as_str()),
             _ => None,
         })
     }
@@ -156,7 +158,7 @@ impl<'a> Section<'a> {
     /// A list of finite numbers.
     pub fn numbers(&mut self, key: &str) -> Option<Vec<f64>> {
         let numbers: Vec<f64> = self.value(key, "a list of finite numbers", |item| match &item.value {
-            Value::Items(items) => items.iter().map(Item::number).collect(),
+            TomlValue::Items(items) => items.iter().map(TomlItem::number).collect(),
             _ => None,
         })?;
         self.is_in_range(key, &numbers).then_some(numbers)
@@ -165,10 +167,10 @@ impl<'a> Section<'a> {
     /// A list of lists of finite numbers.
     pub fn rows(&mut self, key: &str) -> Option<Vec<Vec<f64>>> {
         let rows: Vec<Vec<f64>> = self.value(key, "a list of lists of finite numbers", |item| match &item.value {
-            Value::Items(items) => items
+            TomlValue::Items(items) => items
                 .iter()
                 .map(|item| match &item.value {
-                    Value::Items(items) => items.iter().map(Item::number).collect(),
+                    TomlValue::Items(items) => items.iter().map(TomlItem::number).collect(),
                     _ => None,
                 })
                 .collect(),
@@ -180,10 +182,10 @@ impl<'a> Section<'a> {
     /// A list of texts.
     pub fn texts(&mut self, key: &str) -> Option<Vec<String>> {
         let texts: Vec<String> = self.value(key, "a list of texts in quotation marks", |item| match &item.value {
-            Value::Items(items) => items
+            TomlValue::Items(items) => items
                 .iter()
                 .map(|item| match &item.value {
-                    Value::Text(text) => Some(text.clone()),
+                    TomlValue::Text(text) => Some(text.clone()),
                     _ => None,
                 })
                 .collect(),
@@ -195,7 +197,7 @@ impl<'a> Section<'a> {
     /// A list of three finite numbers.
     pub fn vector(&mut self, key: &str) -> Option<Vector> {
         let vector = self.value(key, "a list of three finite numbers", |item| match &item.value {
-            Value::Items(items) => match items.as_slice() {
+            TomlValue::Items(items) => match items.as_slice() {
                 [x, y, z] => Some(Vector::new(x.number()?, y.number()?, z.number()?)),
                 _ => None,
             },
@@ -207,7 +209,7 @@ impl<'a> Section<'a> {
     /// A number, which is made the first of three, or a list of three numbers.
     pub fn number_or_three(&mut self, key: &str) -> Option<[f64; 3]> {
         let three = self.value(key, "a finite number, or a list of three", |item| match &item.value {
-            Value::Items(items) => match items.as_slice() {
+            TomlValue::Items(items) => match items.as_slice() {
                 [first, second, third] => Some([first.number()?, second.number()?, third.number()?]),
                 _ => None,
             },
@@ -221,7 +223,7 @@ impl<'a> Section<'a> {
         let title = self.title_of(key);
         let file = self.file;
         self.value(key, "a section", |item| match &item.value {
-            Value::Table(table) => Some(Section::new(file, title, table)),
+            TomlValue::Table(table) => Some(Section::new(file, title, table)),
             _ => None,
         })
     }
@@ -231,10 +233,10 @@ impl<'a> Section<'a> {
         let title = format!("[{}]", self.title_of(key));
         let file = self.file;
         let sections = self.value(key, "a list of sections", |item| match &item.value {
-            Value::Items(items) => items
+            TomlValue::Items(items) => items
                 .iter()
                 .map(|item| match &item.value {
-                    Value::Table(table) => Some(Section::new(file, title.clone(), table)),
+                    TomlValue::Table(table) => Some(Section::new(file, title.clone(), table)),
                     _ => None,
                 })
                 .collect(),
@@ -261,7 +263,7 @@ impl<'a> Section<'a> {
     }
 
     fn is_list(&self, key: &str) -> bool {
-        matches!(self.table.entry(key), Some(Entry { item: Item { value: Value::Items(_), .. }, .. }))
+        matches!(self.table.entry(key), Some(TomlEntry { item: TomlItem { value: TomlValue::Items(_), .. }, .. }))
     }
 
     /// Whether a text shows what stands in it; reports one with controls of terminals or of the direction of text.
@@ -285,7 +287,7 @@ impl<'a> Section<'a> {
         &mut self,
         key: &str,
         expected: &str,
-        read: impl FnOnce(&'a Item) -> Option<T>,
+        read: impl FnOnce(&'a TomlItem) -> Option<T>,
     ) -> Option<T> {
         self.accept(key);
         let item = &self.table.entry(key)?.item;

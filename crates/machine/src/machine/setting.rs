@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ncfix_base::diagnostic::{Code, Diagnostic};
 
-use super::document::{Item, Value};
+use super::document::{TomlItem, TomlValue};
 use super::section::Section;
 
 /// A value of such a table.
@@ -23,13 +23,13 @@ pub enum Setting {
 }
 
 impl Setting {
-    fn of(item: &Item) -> Option<Setting> {
+    fn of(item: &TomlItem) -> Option<Setting> {
         Some(match &item.value {
-            Value::Number { value, whole: true } if value.abs() < 9e15 => Setting::Whole(*value as i64),
-            Value::Number { value, .. } if value.is_finite() => Setting::Number(*value),
-            Value::Boolean(value) => Setting::Truth(*value),
-            Value::Text(text) => Setting::Text(text.clone()),
-            Value::Items(items) => Setting::List(items.iter().map(Setting::of).collect::<Option<_>>()?),
+            TomlValue::Number { value, whole: true } if value.abs() < 9e15 => Setting::Whole(*value as i64),
+            TomlValue::Number { value, .. } if value.is_finite() => Setting::Number(*value),
+            TomlValue::Boolean(value) => Setting::Truth(*value),
+            TomlValue::Text(text) => Setting::Text(text.clone()),
+            TomlValue::Items(items) => Setting::List(items.iter().map(Setting::of).collect::<Option<_>>()?),
             _ => return None,
         })
     }

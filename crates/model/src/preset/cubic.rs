@@ -21,8 +21,8 @@
 
 use super::Unsuitable;
 use super::linked::{backlashes, positioning};
-use super::roles::{Linear, Rotary, along};
-use super::separable::{Plan, SetUp};
+use super::roles::{Linear, RotaryPair, along};
+use super::separable::{ReadingPlan, SetUp};
 use crate::name::{DIRECTIONS, Direction, ErrorName};
 use crate::parameter::{ParameterName, Term};
 use ncfix_base::geometry::Axis;
@@ -39,7 +39,7 @@ pub(super) fn cubic_81(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitab
 }
 
 fn parameters(machine: &Machine, set_up: SetUp) -> Result<Vec<ParameterName>, Unsuitable> {
-    let plan = Plan::of(machine);
+    let plan = ReadingPlan::of(machine);
     let mut candidates = candidates(machine)?;
     // With a constant arm a rotation is a displacement, and is called one.
     candidates.sort_by_cached_key(|parameter| {
@@ -54,7 +54,7 @@ fn parameters(machine: &Machine, set_up: SetUp) -> Result<Vec<ParameterName>, Un
 /// The candidates; of those that say the same the earlier one is kept.
 fn candidates(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitable> {
     let Linear(linear) = Linear::of(machine)?;
-    let rotary = Rotary::of(machine)?;
+    let rotary = RotaryPair::of(machine)?;
     let [datum, outer, inner] = linear.map(|data| data.axis);
     let turning = [rotary.first.axis, rotary.second.axis];
     let straight = DIRECTIONS.into_iter().filter(|direction| !direction.is_rotation());

@@ -19,7 +19,7 @@
 //! directions other than its letter's.
 
 use super::Unsuitable;
-use super::roles::{Linear, Rotary, spindle_offsets, tilts};
+use super::roles::{Linear, RotaryPair, spindle_offsets, tilts};
 use crate::name::{DIRECTIONS, ErrorName};
 use crate::parameter::ParameterName;
 use ncfix_base::geometry::Axis;
@@ -51,7 +51,7 @@ pub(super) fn linked_10(machine: &Machine) -> Result<Vec<ParameterName>, Unsuita
 /// The eight location errors, in the order of the printed tables.
 pub(super) fn location_errors(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitable> {
     let linear = Linear::of(machine)?;
-    let rotary = Rotary::of(machine)?;
+    let rotary = RotaryPair::of(machine)?;
     let mut names = tilts(rotary.first).to_vec();
     names.push(rotary.offset());
     names.extend(tilts(rotary.second));
@@ -73,7 +73,7 @@ fn gains(machine: &Machine) -> Result<[ParameterName; 3], Unsuitable> {
 
 /// The backlash of the positioning of both rotary axes.
 pub(super) fn backlashes(machine: &Machine) -> Result<[ParameterName; 2], Unsuitable> {
-    let rotary = Rotary::of(machine)?;
+    let rotary = RotaryPair::of(machine)?;
     Ok([rotary.first, rotary.second].map(|data| ParameterName::backlash(positioning(data.axis))))
 }
 

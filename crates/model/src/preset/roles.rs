@@ -14,7 +14,7 @@ pub(super) struct Linear<'a>(pub(super) [&'a AxisData; 3]);
 
 /// Two rotary axes that are not parallel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rotary<'a> {
+pub(super) struct RotaryPair<'a> {
     /// The one from which the other is seen: nearer to the linear axes where both are on one side, else on the tool side.
     pub(super) first: &'a AxisData,
     /// The other one.
@@ -65,9 +65,9 @@ impl<'a> Linear<'a> {
     }
 }
 
-impl<'a> Rotary<'a> {
+impl<'a> RotaryPair<'a> {
     /// The rotary axes of a machine that has two which are not parallel.
-    pub(super) fn of(machine: &'a Machine) -> Result<Rotary<'a>, Unsuitable> {
+    pub(super) fn of(machine: &'a Machine) -> Result<RotaryPair<'a>, Unsuitable> {
         let rotary = || chain(machine).filter(|data| data.axis.is_rotary());
         let two: Vec<&AxisData> = rotary().collect();
         let [earlier, later]: [&AxisData; 2] = two.try_into().map_err(|_| {
@@ -79,7 +79,7 @@ impl<'a> Rotary<'a> {
         }
         let both_on_tool_side = machine.topology.branch(earlier.axis) == Some(Branch::Tool);
         let (first, second) = if both_on_tool_side { (earlier, later) } else { (later, earlier) };
-        Ok(Rotary { first, second })
+        Ok(RotaryPair { first, second })
     }
 
     /// The offset of the second axis from the first, along their common normal.

@@ -34,16 +34,16 @@ struct Reading {
 }
 
 /// A machine and the readings on it.
-pub(super) struct Plan {
+pub(super) struct ReadingPlan {
     model: Model,
     spindle: Vector,
     tool_mm: Vector,
     readings: Vec<Reading>,
 }
 
-impl Plan {
-    pub(super) fn of(machine: &Machine) -> Plan {
-        Plan {
+impl ReadingPlan {
+    pub(super) fn of(machine: &Machine) -> ReadingPlan {
+        ReadingPlan {
             model: Model::new(machine, &ErrorModel::default()),
             spindle: machine.spindle.axis,
             tool_mm: machine.spindle.axis * -TOOL_MM,

@@ -6,7 +6,7 @@ use ncfix_base::units::push_integer;
 
 /// The line that is being put together, and what its like have in common: line end, numbers, count.
 #[derive(Debug)]
-pub(super) struct Line {
+pub(super) struct LineBuilder {
     /// The line so far, without its comment.
     pub(super) text: Vec<u8>,
     /// Whether the line moves already: another move of the same block needs its own.
@@ -36,10 +36,10 @@ pub(super) struct Line {
     blocks: u64,
 }
 
-impl Line {
+impl LineBuilder {
     /// An empty line; those of the source end with CR LF or LF.
-    pub(super) fn new(crlf: bool) -> Line {
-        Line {
+    pub(super) fn new(crlf: bool) -> LineBuilder {
+        LineBuilder {
             text: Vec::with_capacity(256),
             has_motion: false,
             held: Vec::with_capacity(64),
@@ -60,13 +60,13 @@ impl Line {
     }
 
     /// Lines no longer than this where they need not be.
-    pub(super) fn no_longer_than(self, longest: usize) -> Line {
-        Line { longest, ..self }
+    pub(super) fn no_longer_than(self, longest: usize) -> LineBuilder {
+        LineBuilder { longest, ..self }
     }
 
     /// Lines with numbers: N1, N2, …, or those that [`Self::keep_free`] leaves; behind the last one they begin again.
-    pub(super) fn numbered(self, last_number: u32) -> Line {
-        Line { number: Some(0), last_number, ..self }
+    pub(super) fn numbered(self, last_number: u32) -> LineBuilder {
+        LineBuilder { number: Some(0), last_number, ..self }
     }
 
     /// Begins numbers of lines behind the largest of those that are kept for blocks of the source.

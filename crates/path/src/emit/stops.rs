@@ -1,6 +1,6 @@
 //! Exact stops: they belong to the end of a block of the source, however many lines the block becomes.
 
-use super::line::Line;
+use super::line::LineBuilder;
 
 /// The words of a language for stops.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ impl Stops {
     }
 
     /// Writes a word that is passed on, unless it is the stop at the end of the block, which waits for that.
-    pub(super) fn keep(&mut self, line: &mut Line, word: &str) {
+    pub(super) fn keep(&mut self, line: &mut LineBuilder, word: &str) {
         if self.words.once == Some(word) {
             self.stops_once = true;
             return;
@@ -57,7 +57,7 @@ impl Stops {
     }
 
     /// Before the last line of a block ends.
-    pub(super) fn end_block(&mut self, line: &mut Line) {
+    pub(super) fn end_block(&mut self, line: &mut LineBuilder) {
         if line.is_open() {
             if let Some(once) = self.words.once.filter(|_| std::mem::take(&mut self.stops_once)) {
                 line.insert(once);
@@ -70,7 +70,7 @@ impl Stops {
 
     /// Before another line of a block ends: the program stops at the end of its block, not at the end of each line that the block
     /// becomes.
-    pub(super) fn run_through(&mut self, line: &mut Line) {
+    pub(super) fn run_through(&mut self, line: &mut LineBuilder) {
         if !self.always_stops || !line.has_motion || std::mem::replace(&mut self.is_running, true) {
             return;
         }

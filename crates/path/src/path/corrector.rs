@@ -17,15 +17,15 @@ use ncfix_model::Model;
 use super::ahead::Ahead;
 use super::check::Sampler;
 use super::cut::{fit_arc, fit_line, next_step};
-use super::extend::Reach;
-use super::findings::{Findings, placing_axes};
+use super::extend::SearchBounds;
+use super::findings::{DiagnosticCollector, placing_axes};
 use super::lead::Lead;
 use super::place::Placer;
-use super::poses::Poses;
+use super::poses::PoseSampler;
 use super::route::Route;
-use super::standing::Standing;
+use super::standing::PathState;
 use super::treatment::{Treatment, is_pushed_out};
-use super::trial::{Bench, Trial};
+use super::trial::{SegmentFitter, Trial};
 use super::{Arcs, Increments, Options, Output, Piece, PoseSample, Prediction, Rotary, Subdivision};
 use clamps::{Clamps, rotary_axes};
 
@@ -44,15 +44,15 @@ pub struct Corrector<'a, I> {
     cut: dead_band::Cut,
     placing: AxisSet,
     clamps: Clamps,
-    standing: Standing,
+    standing: PathState,
     ever_named: AxisSet,
     active: Option<Box<Active>>,
     /// Room for the next move, so that none is allocated for each.
     idle: Option<Box<Active>>,
     pending: VecDeque<Result<Output, Diagnostic>>,
-    findings: Findings<'a>,
+    findings: DiagnosticCollector<'a>,
     prediction: Prediction,
-    poses: Poses,
+    poses: PoseSampler,
     pace: pace::Pace,
     scratch: Vec<f64>,
 }
@@ -83,7 +83,7 @@ struct Active {
     as_chords: bool,
     /// Whether its error counts in the prediction.
     is_counted: bool,
-    /// As in [`Bench::settled`].
+    /// As in [`SegmentFitter::settled`].
     settled: [i8; AXIS_COUNT],
 }
 
@@ -94,7 +94,7 @@ where
     /// Starts a correction. The model must be that of the machine.
     #[must_use]
     pub fn new(elements: I, machine: &'a Machine, model: &'a Model, options: Options) -> Self {
-        let mut standing = Standing::default();
+        let mut standing = PathState::default();
         if let Some(start) = options.start {
             // The machine stands there as the control sees it, uncorrected.
             standing.nominal = start;
@@ -119,9 +119,9 @@ where
             active: None,
             idle: None,
             pending: VecDeque::with_capacity(8),
-            findings: Findings::new(machine, options.max_correction_mm),
+            findings: DiagnosticCollector::new(machine, options.max_correction_mm),
             prediction: Prediction::default(),
-            poses: Poses::default(),
+            poses: PoseSampler::default(),
             pace: pace::Pace::default(),
             scratch: Vec::with_capacity(64),
             options,
@@ -220,7 +220,7 @@ where
 
     fn next_piece(&mut self, active: &mut Active) -> Trial {
         let route = &active.route;
-        let bench = Bench {
+        let bench = SegmentFitter {
             placer: &self.placer,
             sampler: &self.sampler,
             lead: &self.lead,
@@ -290,7 +290,7 @@ where
             first = Some(whole);
         }
         let floor = SHORTEST_MM / route.size_mm();
-        let reach = Reach { from, limit, guess: active.length, floor, order: 2.0 };
+        let reach = SearchBounds { from, limit, guess: active.length, floor, order: 2.0 };
         fit_line(&bench, standing, reach, first, scratch).unwrap_or_else(|| bench.unmeasured(standing, [from, turning]))
     }
 

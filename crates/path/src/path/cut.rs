@@ -1,9 +1,9 @@
 //! Where the next piece of a move ends: arcs by what fits, fixed steps by the axis that moves farthest.
 
-use super::extend::{Reach, longest};
+use super::extend::{SearchBounds, longest};
 use super::route::Route;
-use super::standing::Standing;
-use super::trial::{BEND_SHARE, Bench, Trial};
+use super::standing::PathState;
+use super::trial::{BEND_SHARE, SegmentFitter, Trial};
 
 /// Arcs that are no full circle turn by at most this in one piece, rad: near a full turn, rounding could swap start and end.
 const MOST_SWEEP: f64 = 330.0 * std::f64::consts::PI / 180.0;
@@ -21,8 +21,8 @@ const SAME_PARAMETER: f64 = 1e-9;
 /// The longest useful arc between two parameters of the move, beginning at the first; `None` where chords do as well. `guess` is the
 /// length to begin the search with.
 pub(super) fn fit_arc(
-    bench: &Bench<'_, '_>,
-    standing: &Standing,
+    bench: &SegmentFitter<'_, '_>,
+    standing: &PathState,
     within: [f64; 2],
     guess: f64,
     scratch: &mut Vec<f64>,
@@ -46,7 +46,7 @@ pub(super) fn fit_arc(
     }
     // Half the angle over which a chord of the tolerance stretches.
     let half_chord = (1.0 - bench.tolerance_mm / bench.route.radius_mm()).max(-1.0).acos();
-    let reach = Reach {
+    let reach = SearchBounds {
         from,
         limit: limit.min(from + MOST_SWEEP / swept),
         guess,
@@ -59,9 +59,9 @@ pub(super) fn fit_arc(
 /// The longest straight piece that fits. `first` is the trial of the whole reach, where it was made. Where it turns rotary corrections too far for one block, it is a shorter one that does not; where
 /// none does, as behind a step of the errors, length is not the reason.
 pub(super) fn fit_line(
-    bench: &Bench<'_, '_>,
-    standing: &Standing,
-    reach: Reach,
+    bench: &SegmentFitter<'_, '_>,
+    standing: &PathState,
+    reach: SearchBounds,
     mut first: Option<Trial>,
     scratch: &mut Vec<f64>,
 ) -> Option<Trial> {
@@ -70,7 +70,7 @@ pub(super) fn fit_line(
     if !found.fits() {
         // The shortest piece leaves as much as it does for another reason than its length: one that leaves hardly more is as good.
         let enough_mm = (1.0 + BEND_SHARE) * found.deviation_mm;
-        let reach = Reach { guess: reach.limit - reach.from, ..reach };
+        let reach = SearchBounds { guess: reach.limit - reach.from, ..reach };
         found = longest(reach, |between| {
             let trial = bench.straight(standing, between, scratch);
             Some(Trial { allowed_mm: trial.allowed_mm.max(enough_mm), ..trial })

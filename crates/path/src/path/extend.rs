@@ -21,7 +21,7 @@ const SPLINTER_SHARE: f64 = 0.5;
 
 /// What bounds the search: lengths in the parameter of the move.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reach {
+pub(super) struct SearchBounds {
     /// Where the piece begins.
     pub(super) from: f64,
     /// As far as it may go.
@@ -36,7 +36,7 @@ pub(super) struct Reach {
 
 /// The longest piece found that fits, or failing that the one at the floor. Where little would be left behind it, the rest is halved:
 /// the number of pieces is the same, and none is a splinter.
-pub(super) fn longest(reach: Reach, mut attempt: impl FnMut([f64; 2]) -> Option<Trial>) -> Option<Trial> {
+pub(super) fn longest(reach: SearchBounds, mut attempt: impl FnMut([f64; 2]) -> Option<Trial>) -> Option<Trial> {
     let found = search(reach, &mut attempt)?;
     let [from, to] = found.between;
     let (length, rest) = (to - from, reach.limit - to);
@@ -48,7 +48,7 @@ pub(super) fn longest(reach: Reach, mut attempt: impl FnMut([f64; 2]) -> Option<
 }
 
 /// The same with whatever is left.
-fn search(reach: Reach, attempt: &mut impl FnMut([f64; 2]) -> Option<Trial>) -> Option<Trial> {
+fn search(reach: SearchBounds, attempt: &mut impl FnMut([f64; 2]) -> Option<Trial>) -> Option<Trial> {
     let most = reach.limit - reach.from;
     let floor = reach.floor.min(most);
     let mut best: Option<Trial> = None;

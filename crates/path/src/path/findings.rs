@@ -20,7 +20,7 @@ pub(super) const ON_LIMIT: f64 = 1e-9;
 
 /// Collects findings.
 #[derive(Debug)]
-pub(super) struct Findings<'a> {
+pub(super) struct DiagnosticCollector<'a> {
     machine: &'a Machine,
     kinematics: Kinematics,
     max_correction_mm: f64,
@@ -31,9 +31,9 @@ pub(super) struct Findings<'a> {
     unsensed: AxisSet,
 }
 
-impl<'a> Findings<'a> {
-    pub(super) fn new(machine: &'a Machine, max_correction_mm: f64) -> Findings<'a> {
-        Findings {
+impl<'a> DiagnosticCollector<'a> {
+    pub(super) fn new(machine: &'a Machine, max_correction_mm: f64) -> DiagnosticCollector<'a> {
+        DiagnosticCollector {
             machine,
             kinematics: Kinematics::new(machine),
             max_correction_mm,

@@ -5,14 +5,20 @@ use ncfix_machine::machine::State;
 
 use super::place::Placed;
 use super::route::distance_mm;
-use super::standing::Standing;
-use super::trial::{Bench, Ends, SAME_PLACE_MM, SAMPLED_SHARE};
+use super::standing::PathState;
+use super::trial::{PieceEnds, SAME_PLACE_MM, SAMPLED_SHARE, SegmentFitter};
 
-impl Bench<'_, '_> {
+impl SegmentFitter<'_, '_> {
     /// The ends where an axis that the program does not move is asked to go one way by the errors of the other: it stays through the piece,
     /// and is off by what its correction changes along it instead of by its backlash. It stays where a step on the spot leads it, to the
     /// one side or the other, or else where it is. `None` where the program moves all such axes.
-    pub(super) fn held(&self, standing: &Standing, between: [f64; 2], state: &State, sense: &State) -> Option<Ends> {
+    pub(super) fn held(
+        &self,
+        standing: &PathState,
+        between: [f64; 2],
+        state: &State,
+        sense: &State,
+    ) -> Option<PieceEnds> {
         let nominal = between.map(|parameter| self.route.at(parameter));
         let undecided = self.sampler.backlash.iter().filter(|&axis| state.direction(axis) != sense.direction(axis));
         let held: AxisSet = undecided.filter(|&axis| nominal[0][axis] == nominal[1][axis]).collect();
@@ -56,7 +62,7 @@ impl Bench<'_, '_> {
             let is_found = self.same_sense(&state, sense);
             let begins_off = take_up.is_none() && (standing.is_doubtful || !self.same_sense(&state, &standing.state));
             let sense = state.direction;
-            ends = Some(Ends { ready, take_up, start, end, sense, is_torn: true, begins_off });
+            ends = Some(PieceEnds { ready, take_up, start, end, sense, is_torn: true, begins_off });
             if is_found {
                 break;
             }

@@ -52,7 +52,7 @@ pub use poses::PoseSample;
 pub use prediction::{Prediction, Spread};
 pub use reach::Reach;
 pub use remaining::{Remaining, remaining};
-pub use steps::{Answer, Line, Residual, Row, StepTrial, Steps};
+pub use steps::{Answer, Line, SeriesRow, StepResidual, StepTrial, Steps};
 pub use tips::Tips;
 pub use volume::volume;
 

@@ -23,14 +23,14 @@ pub struct PoseSample {
 
 /// Every n-th pose of a stream, n as small as memory allows.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Poses {
+pub(super) struct PoseSampler {
     kept: Vec<PoseSample>,
     /// The first power of two that thins the stream enough, less one.
     mask: u64,
     seen: u64,
 }
 
-impl Poses {
+impl PoseSampler {
     /// Offers a pose.
     pub(super) fn offer(&mut self, sample: impl FnOnce() -> PoseSample) {
         if self.seen & self.mask == 0 {
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn the_kept_poses_are_spread_evenly() {
-        let mut poses = Poses::default();
+        let mut poses = PoseSampler::default();
         for k in 0..100_000 {
             poses.offer(|| PoseSample {
                 nominal: AxisVector([f64::from(k); 9]),

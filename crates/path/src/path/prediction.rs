@@ -47,8 +47,8 @@ impl Spread {
 /// moved before is at an unknown place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prediction {
-    feed: Pair,
-    rapid: Pair,
+    feed: SpreadPair,
+    rapid: SpreadPair,
     /// Largest correction of each axis by size: mm, rad.
     pub max_correction: AxisVector,
     /// Moves of the program.
@@ -65,13 +65,13 @@ pub struct Prediction {
 
 /// Spreads before and after.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Pair {
+pub(super) struct SpreadPair {
     pub(super) before: Spread,
     pub(super) after: Spread,
     pub(super) max_at: Option<Origin>,
 }
 
-impl Pair {
+impl SpreadPair {
     pub(super) fn add(&mut self, before_mm: f64, after_mm: f64, origin: &Origin) {
         self.before.add(before_mm);
         if self.max_at.is_none() || after_mm > self.after.max_mm {
@@ -148,7 +148,7 @@ impl Prediction {
         }
     }
 
-    pub(super) fn counted(&self) -> &Pair {
+    pub(super) fn counted(&self) -> &SpreadPair {
         if self.feed.before.samples > 0 { &self.feed } else { &self.rapid }
     }
 }

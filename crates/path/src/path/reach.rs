@@ -1,6 +1,6 @@
 //! Whether the axes can go where a program leads them, before any correction.
 
-use super::findings::Findings;
+use super::findings::DiagnosticCollector;
 use super::lost_axes;
 use super::route::Route;
 use ncfix_base::diagnostic::Diagnostic;
@@ -12,7 +12,7 @@ use ncfix_machine::snc::{Element, Kind, Manner, Move, Origin};
 #[derive(Debug)]
 pub struct Reach<'a> {
     machine: &'a Machine,
-    findings: Findings<'a>,
+    findings: DiagnosticCollector<'a>,
     standing: AxisVector,
     known: AxisSet,
 }
@@ -23,7 +23,7 @@ impl<'a> Reach<'a> {
     pub fn new(machine: &'a Machine, start: Option<AxisVector>) -> Reach<'a> {
         Reach {
             machine,
-            findings: Findings::new(machine, f64::INFINITY),
+            findings: DiagnosticCollector::new(machine, f64::INFINITY),
             standing: start.unwrap_or(AxisVector::ZERO),
             known: start.map_or(AxisSet::EMPTY, |_| machine.axis_set()),
         }

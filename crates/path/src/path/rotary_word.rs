@@ -8,7 +8,7 @@ use ncfix_machine::snc::{Move, Way};
 
 use super::RotaryWord;
 use super::place::{Placed, Placer};
-use super::standing::Standing;
+use super::standing::PathState;
 
 /// Steps this near to half a turn leave the shortest way open, rad.
 const HALF_TURN_ROOM: f64 = 1e-3;
@@ -17,7 +17,7 @@ const HALF_TURN_ROOM: f64 = 1e-3;
 pub(super) fn words(
     placer: &Placer<'_>,
     machine: &Machine,
-    standing: &Standing,
+    standing: &PathState,
     motion: &Move,
     placed: &Placed,
 ) -> [RotaryWord; 3] {

@@ -5,13 +5,13 @@ use ncfix_machine::machine::State;
 
 use super::place::Placed;
 use super::route::Route;
-use super::standing::Standing;
-use super::trial::Bench;
+use super::standing::PathState;
+use super::trial::SegmentFitter;
 
-impl Bench<'_, '_> {
+impl SegmentFitter<'_, '_> {
     /// The largest distance of the tip from its place while axes change to these senses, mm. Their bodies leave the dead bands one after the other,
     /// in any order.
-    pub(super) fn turning_mm(&self, standing: &Standing, nominal: &AxisVector, sense: &State) -> f64 {
+    pub(super) fn turning_mm(&self, standing: &PathState, nominal: &AxisVector, sense: &State) -> f64 {
         let error_mm = |state: &State| self.placer.tip_error_mm(nominal, &standing.command, state);
         let lags = |axis: &Axis| {
             standing.state.direction(*axis) != sense.direction(*axis) && !self.lead.is_quick(*axis, &standing.command)
@@ -31,7 +31,7 @@ impl Bench<'_, '_> {
 
     /// Where bodies are led on the spot that a step to `start` would leave within their dead bands: from there they come to it in these senses. None
     /// is moved beyond its place by that.
-    pub(super) fn ready(&self, standing: &Standing, start: &Placed, sense: &State) -> Option<Placed> {
+    pub(super) fn ready(&self, standing: &PathState, start: &Placed, sense: &State) -> Option<Placed> {
         let axes = self.lead.axes.intersection(standing.sensed);
         let led = self.led(standing, &[standing.command, start.command]);
         let mut ready = start.command;
@@ -45,7 +45,7 @@ impl Bench<'_, '_> {
     }
 
     /// On which sides the bodies of axes are behind straight ways through these commands.
-    pub(super) fn led(&self, standing: &Standing, commands: &[AxisVector]) -> State {
+    pub(super) fn led(&self, standing: &PathState, commands: &[AxisVector]) -> State {
         if self.lead.axes.is_empty() {
             let mut state = standing.state;
             for way in commands.windows(2) {
@@ -61,7 +61,7 @@ impl Bench<'_, '_> {
     }
 
     /// Where the end was placed for `sense` and would leave a body within its dead band, the other side may be reached: that is tried next.
-    pub(super) fn turn(&self, standing: &Standing, state: &mut State, sense: &State, end: &AxisVector) {
+    pub(super) fn turn(&self, standing: &PathState, state: &mut State, sense: &State, end: &AxisVector) {
         for axis in self.lead.axes.intersection(standing.sensed).iter() {
             if state.direction(axis) != 0 {
                 continue;

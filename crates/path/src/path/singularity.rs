@@ -12,7 +12,7 @@ use ncfix_base::geometry::{AxisVector, ROTARY_AXES};
 use ncfix_machine::machine::State;
 
 use super::place::Placed;
-use super::trial::Bench;
+use super::trial::SegmentFitter;
 
 /// The most by which the correction of a rotary axis changes in one block near a singularity, rad. A tip 300 mm from the axis leaves the
 /// chord by 300 · φ²/8 = 0.01 µm then, less than any increment, so the position is exact between the ends too; and a table that
@@ -21,7 +21,7 @@ pub(super) const MOST_TURN_RAD: f64 = 5e-4;
 /// Places of a piece that are looked at: the damped range is 5.7° wide, a piece of 180° is seen to pass it.
 const PLACES: u32 = 32;
 
-impl Bench<'_, '_> {
+impl SegmentFitter<'_, '_> {
     /// Corrects and rounds a place at an end of a piece; `correction` is that of the block before.
     pub(super) fn place(
         &self,

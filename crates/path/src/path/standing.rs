@@ -6,7 +6,7 @@ use ncfix_model::DeadBand;
 
 /// Where program and machine stand between two pieces.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Standing {
+pub(super) struct PathState {
     /// Command of the program.
     pub(super) nominal: AxisVector,
     /// Command of the emitted program.

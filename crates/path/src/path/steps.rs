@@ -59,7 +59,7 @@ impl Line {
 
 /// The largest residual of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Residual {
+pub struct StepResidual {
     /// Distance of the tip from the line, mm.
     pub max_mm: f64,
     /// Number of the line, from 0.
@@ -72,7 +72,7 @@ pub struct Residual {
 
 /// A step of the series.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct SeriesRow {
     /// Step, mm.
     pub step_mm: f64,
     /// Residual of this step, mm.
@@ -96,11 +96,11 @@ pub enum Answer {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Steps {
     /// The series, steps increasing.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SeriesRow>,
     /// Which steps are good.
     pub answer: Answer,
     /// The largest residual at the answer; at the largest step where any will do, at the smallest where none does.
-    pub worst: Residual,
+    pub worst: StepResidual,
 }
 
 /// Tries steps on lines.
@@ -126,17 +126,17 @@ impl<'a> StepTrial<'a> {
         // The work of a step is proportional to its pieces.
         let total: f64 = series.iter().map(|step_mm| 1.0 / step_mm).sum();
         let mut done = 0.0;
-        let mut rows: Vec<Row> = Vec::with_capacity(series.len());
+        let mut rows: Vec<SeriesRow> = Vec::with_capacity(series.len());
         let mut found = Vec::with_capacity(series.len());
         for step_mm in series {
             let residual = self.residual(lines, step_mm, |share| note((done + share / step_mm) / total));
             done += 1.0 / step_mm;
             let before = rows.last().map_or(0.0, |row| row.largest_mm);
             let (residual_mm, largest_mm) = (residual.max_mm, residual.max_mm.max(before));
-            rows.push(Row { step_mm, residual_mm, largest_mm });
+            rows.push(SeriesRow { step_mm, residual_mm, largest_mm });
             found.push(residual);
         }
-        let is_good = |row: &Row| row.largest_mm <= limit_mm;
+        let is_good = |row: &SeriesRow| row.largest_mm <= limit_mm;
         let good = rows.iter().take_while(|row| is_good(row)).count();
         let found_at = |index: usize| found.get(index).copied().unwrap_or_default();
         let bounds = good.checked_sub(1).and_then(|last| Some((rows.get(last)?.step_mm, rows.get(good)?.step_mm)));
@@ -161,8 +161,8 @@ impl<'a> StepTrial<'a> {
     }
 
     /// The largest residual of a step on lines. `note` is told which share of the lines is done.
-    pub fn residual(&mut self, lines: &[Line], step_mm: f64, mut note: impl FnMut(f64)) -> Residual {
-        let mut worst = Residual::default();
+    pub fn residual(&mut self, lines: &[Line], step_mm: f64, mut note: impl FnMut(f64)) -> StepResidual {
+        let mut worst = StepResidual::default();
         for (number, line) in lines.iter().enumerate() {
             self.cut(line, number, step_mm, &mut worst);
             note((number + 1) as f64 / lines.len() as f64);
@@ -172,13 +172,13 @@ impl<'a> StepTrial<'a> {
 
     /// The residual of a line in one piece, mm.
     pub(super) fn bend_mm(&mut self, line: &Line) -> f64 {
-        let mut worst = Residual::default();
+        let mut worst = StepResidual::default();
         self.cut(line, 0, f64::INFINITY, &mut worst);
         worst.max_mm
     }
 
     /// Cuts a line and notes the largest residual of its pieces.
-    fn cut(&mut self, line: &Line, number: usize, step_mm: f64, worst: &mut Residual) {
+    fn cut(&mut self, line: &Line, number: usize, step_mm: f64, worst: &mut StepResidual) {
         let route = &line.route;
         let leading = route.leading_mm();
         if leading.is_nan() || leading <= 0.0 || self.model.is_empty() {
@@ -205,7 +205,7 @@ impl<'a> StepTrial<'a> {
     }
 
     /// Measures one piece.
-    fn measure(&mut self, piece: &mut Piece, between: [f64; 2], worst: &mut Residual) {
+    fn measure(&mut self, piece: &mut Piece, between: [f64; 2], worst: &mut StepResidual) {
         let route = &piece.line.route;
         let [from, to] = between;
         let start = piece.end.or_else(|| self.correct(piece, from, &AxisVector::ZERO));

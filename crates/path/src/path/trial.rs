@@ -8,7 +8,7 @@ use super::check::Sampler;
 use super::lead::Lead;
 use super::place::{Placed, Placer, SHORT_MM};
 use super::route::{Route, distance_mm};
-use super::standing::Standing;
+use super::standing::PathState;
 
 /// Share of the tolerance that the samples may use; the rest is for what lies between them.
 pub(super) const SAMPLED_SHARE: f64 = 0.97;
@@ -25,7 +25,7 @@ const BESIDE_ENDS: u32 = 8;
 pub(super) const SAME_PLACE_MM: f64 = 1e-9;
 
 /// What is needed to try pieces of one move.
-pub(super) struct Bench<'a, 'm> {
+pub(super) struct SegmentFitter<'a, 'm> {
     pub(super) placer: &'a Placer<'m>,
     pub(super) sampler: &'a Sampler,
     pub(super) lead: &'a Lead<'m>,
@@ -57,7 +57,7 @@ pub(super) struct Trial {
     pub(super) end: Placed,
     /// Sense of motion of each axis along the piece, as in [`State::direction`].
     pub(super) sense: [i8; AXIS_COUNT],
-    /// As in [`Ends`].
+    /// As in [`PieceEnds`].
     pub(super) is_torn: bool,
     pub(super) begins_off: bool,
     pub(super) circle: Option<PieceArc>,
@@ -74,7 +74,7 @@ pub(super) struct Trial {
 }
 
 /// The ends of a piece.
-pub(super) struct Ends {
+pub(super) struct PieceEnds {
     pub(super) ready: Option<Placed>,
     pub(super) take_up: Option<Placed>,
     pub(super) start: AxisVector,
@@ -118,15 +118,15 @@ pub(super) fn state_of(sense: [i8; AXIS_COUNT]) -> State {
     State { direction: sense, ..State::default() }
 }
 
-impl Bench<'_, '_> {
+impl SegmentFitter<'_, '_> {
     /// The whole move of these axes of the output as programmed; the others stay where they are.
-    pub(super) fn as_programmed(&self, standing: &Standing, moving: AxisSet) -> Trial {
+    pub(super) fn as_programmed(&self, standing: &PathState, moving: AxisSet) -> Trial {
         self.unplaced(standing, self.placer.partly(&self.route.end, standing, moving, self.known))
     }
 
     /// The whole move of these axes of the output to their corrected places; the others stay where they are. An axis that the program leaves
     /// where it is stays too.
-    pub(super) fn of_named(&self, standing: &Standing, moving: AxisSet) -> Trial {
+    pub(super) fn of_named(&self, standing: &PathState, moving: AxisSet) -> Trial {
         let [start, end] = [&self.route.start, &self.route.end].map(|command| self.placer.programmed(command));
         let stands = standing.known.intersection(standing.written);
         let rests = |axis: &Axis| stands.contains(*axis) && (end[*axis] - start[*axis]).abs() < SHORT_MM;
@@ -136,10 +136,10 @@ impl Bench<'_, '_> {
     }
 
     /// The whole move straight to an end that was not made for the whole pose.
-    fn unplaced(&self, standing: &Standing, end: Placed) -> Trial {
+    fn unplaced(&self, standing: &PathState, end: Placed) -> Trial {
         let state = self.led(standing, &[standing.command, end.command]);
         let emitted = Route::new(standing.command, end.command, None);
-        let ends = Ends {
+        let ends = PieceEnds {
             ready: None,
             take_up: None,
             start: standing.command,
@@ -152,27 +152,27 @@ impl Bench<'_, '_> {
     }
 
     /// The piece as a straight one, its deviation not measured.
-    pub(super) fn unmeasured(&self, standing: &Standing, between: [f64; 2]) -> Trial {
+    pub(super) fn unmeasured(&self, standing: &PathState, between: [f64; 2]) -> Trial {
         let ends = self.ends(standing, between);
         let emitted = Route::new(ends.start, ends.end.command, None);
         self.trial(between, ends, emitted, None)
     }
 
     /// The piece as a straight one.
-    pub(super) fn straight(&self, standing: &Standing, between: [f64; 2], scratch: &mut Vec<f64>) -> Trial {
+    pub(super) fn straight(&self, standing: &PathState, between: [f64; 2], scratch: &mut Vec<f64>) -> Trial {
         let mut trial = self.unmeasured(standing, between);
         self.measure(standing, &mut trial, scratch);
         trial
     }
 
     /// The piece as an arc; `None` where the ends, rounded, allow none.
-    pub(super) fn arc(&self, standing: &Standing, between: [f64; 2], scratch: &mut Vec<f64>) -> Option<Trial> {
+    pub(super) fn arc(&self, standing: &PathState, between: [f64; 2], scratch: &mut Vec<f64>) -> Option<Trial> {
         let mut trial = self.unmeasured_arc(standing, between)?;
         self.measure(standing, &mut trial, scratch);
         Some(trial)
     }
 
-    pub(super) fn trial(&self, between: [f64; 2], ends: Ends, emitted: Route, circle: Option<PieceArc>) -> Trial {
+    pub(super) fn trial(&self, between: [f64; 2], ends: PieceEnds, emitted: Route, circle: Option<PieceArc>) -> Trial {
         Trial {
             between,
             ready: ends.ready,
@@ -193,7 +193,7 @@ impl Bench<'_, '_> {
 
     /// Corrects and rounds the ends. The sense of motion along the piece follows from the commands that follow from it, so it is
     /// guessed from the program and tried again where the guess was wrong.
-    pub(super) fn ends(&self, standing: &Standing, between: [f64; 2]) -> Ends {
+    pub(super) fn ends(&self, standing: &PathState, between: [f64; 2]) -> PieceEnds {
         let nominal_end = self.route.at(between[1]);
         let place = |nominal: &AxisVector, state: &State, correction: &AxisVector| {
             self.unmoved(standing, self.place(between, nominal, state, correction))
@@ -201,7 +201,7 @@ impl Bench<'_, '_> {
         if self.sampler.backlash.is_empty() && !standing.is_doubtful {
             let end = place(&nominal_end, &standing.state, &standing.correction);
             let sense = standing.state.direction;
-            return Ends {
+            return PieceEnds {
                 ready: None,
                 take_up: None,
                 start: standing.command,
@@ -242,7 +242,7 @@ impl Bench<'_, '_> {
             tries += 1;
             let is_torn = !self.same_sense(&state, &sense);
             let begins_off = take_up.is_none() && (standing.is_doubtful || !self.same_sense(&state, &standing.state));
-            let ends = Ends { ready, take_up, start, end, sense: led.direction, is_torn, begins_off };
+            let ends = PieceEnds { ready, take_up, start, end, sense: led.direction, is_torn, begins_off };
             if !is_torn || tries == 2 * MOST_TRIES {
                 return ends;
             }
@@ -260,7 +260,7 @@ impl Bench<'_, '_> {
 
     /// An axis whose word does not change is not written and does not move, though a new frame has another grid. Where the frame turns or
     /// scales, a word is no axis; the grids differ by noise only then.
-    pub(super) fn unmoved(&self, standing: &Standing, mut placed: Placed) -> Placed {
+    pub(super) fn unmoved(&self, standing: &PathState, mut placed: Placed) -> Placed {
         let is_parallel = self.placer.is_parallel();
         for axis in standing.written.iter().filter(|axis| is_parallel || axis.slot() > 2) {
             if placed.counts[axis.slot()] == standing.counts[axis.slot()] {
@@ -277,7 +277,7 @@ impl Bench<'_, '_> {
     }
 
     /// Measures the deviation at all places that matter.
-    fn measure(&self, standing: &Standing, trial: &mut Trial, scratch: &mut Vec<f64>) {
+    fn measure(&self, standing: &PathState, trial: &mut Trial, scratch: &mut Vec<f64>) {
         let [from, to] = trial.between;
         let state = trial.state();
         self.sampler.fractions((self.route, self.samples), trial.between, &trial.emitted, scratch);

@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use ncfix_base::geometry::{AXES, Arc, Axis, AxisVector, Matrix, Plane, Vector};
 
 use super::route::Route;
-use super::standing::Standing;
-use super::trial::{Bench, Ends, SAME_PLACE_MM, Trial, state_of};
+use super::standing::PathState;
+use super::trial::{PieceEnds, SAME_PLACE_MM, SegmentFitter, Trial, state_of};
 use super::{Centers, PieceArc, Turns, arc_fit};
 
 /// Share of the control's tolerance for arc centers that is used, so that its own arithmetic agrees.
@@ -14,9 +14,9 @@ const CENTER_SHARE: f64 = 0.5;
 /// A sweep this near to full turns is full turns, rad.
 const SAME_ANGLE: f64 = 1e-7;
 
-impl Bench<'_, '_> {
+impl SegmentFitter<'_, '_> {
     /// The piece as an arc, its deviation not measured; `None` where the ends, rounded, allow none.
-    pub(super) fn unmeasured_arc(&self, standing: &Standing, between: [f64; 2]) -> Option<Trial> {
+    pub(super) fn unmeasured_arc(&self, standing: &PathState, between: [f64; 2]) -> Option<Trial> {
         let arc = *self.route.arc()?;
         let (plane, clockwise) = self.emitted_plane(arc.plane, arc.clockwise)?;
         let ends = self.ends(standing, between);
@@ -73,7 +73,7 @@ impl Bench<'_, '_> {
     /// The center nearest to the corrected path, in the plane of the axes, mm.
     fn center(
         &self,
-        ends: &Ends,
+        ends: &PieceEnds,
         between: [f64; 2],
         arc: &Arc,
         flat: impl Fn(&AxisVector) -> [f64; 2],

@@ -11,7 +11,7 @@ mod trace;
 pub mod words;
 
 pub use pairs::pairs;
-pub use summary::{AxisFigures, Left, Place, Summary};
+pub use summary::{AxisFigures, ReviewPlace, Summary, UncorrectedMoves};
 pub use trace::Trace;
 
 use crate::path::Follow;

@@ -5,16 +5,16 @@ use ncfix_base::geometry::{AXES, Axis};
 
 /// A place in both programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct ReviewPlace {
     /// Number of the file of the original, and its line.
     pub original: (u16, u32),
     /// Line of the corrected program.
     pub corrected: u32,
 }
 
-impl From<&Row> for Place {
-    fn from(row: &Row) -> Place {
-        Place { original: (row.file, row.line), corrected: row.corrected_line }
+impl From<&Row> for ReviewPlace {
+    fn from(row: &Row) -> ReviewPlace {
+        ReviewPlace { original: (row.file, row.line), corrected: row.corrected_line }
     }
 }
 
@@ -26,7 +26,7 @@ pub struct AxisFigures {
     /// The largest by its size, with its sign.
     pub max: f64,
     /// Where that is.
-    pub max_at: Place,
+    pub max_at: ReviewPlace,
     /// Mean, with signs.
     pub mean: f64,
     /// Root of the mean square.
@@ -37,7 +37,7 @@ pub struct AxisFigures {
 
 /// Moves that were left as they are, and why.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Left {
+pub struct UncorrectedMoves {
     /// The machine has no error of an increment there.
     pub no_error: u64,
     /// The program has not stated where the axes are.
@@ -60,13 +60,13 @@ pub struct Summary {
     /// Moves of several pieces.
     pub split: u64,
     /// Moves that are not changed.
-    pub left: Left,
+    pub left: UncorrectedMoves,
     /// Pieces with another feed than their move.
     pub other_feeds: u64,
     /// The axes of which anything was changed.
     pub axes: Vec<AxisFigures>,
     /// The largest difference of what was added between two neighbours, mm (rad at an arm of 1 m), and where the second of them is.
-    pub largest_step: Option<(f64, Place)>,
+    pub largest_step: Option<(f64, ReviewPlace)>,
 }
 
 impl Summary {

@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 
 use super::chord::Chord;
-use super::plan::Profile;
+use super::plan::SpeedProfile;
 use ncfix_base::geometry::Vector;
 
 /// Chords that are kept at most; of a path of shorter ones the last are.
@@ -37,7 +37,7 @@ struct Passed {
     is_rapid: bool,
     size: f64,
     feed_share: f64,
-    profile: Profile,
+    profile: SpeedProfile,
 }
 
 /// The path of the last moments.
@@ -57,7 +57,7 @@ impl Contour {
         self.passed.clear();
     }
 
-    pub(super) fn pass(&mut self, chord: &Chord, profile: &Profile, until_s: f64) {
+    pub(super) fn pass(&mut self, chord: &Chord, profile: &SpeedProfile, until_s: f64) {
         if self.passed.len() >= MOST {
             self.passed.pop_front();
         }

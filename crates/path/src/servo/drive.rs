@@ -1,8 +1,8 @@
 //! A machine that is driven move by move.
 
 use super::chord::{Cutter, Motion};
-use super::follow::{Follow, Moment};
-use super::plan::Plan;
+use super::follow::{AxisFollower, Moment};
+use super::plan::LookAhead;
 use super::smoothing::Smoothing;
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine, Servo};
@@ -12,8 +12,8 @@ use ncfix_model::Model;
 #[derive(Clone, Debug)]
 pub struct Drive<'a> {
     cutter: Cutter,
-    plan: Plan,
-    follow: Follow<'a>,
+    plan: LookAhead,
+    follow: AxisFollower<'a>,
     /// Where the moves so far end; `None` before the first.
     standing: Option<AxisVector>,
     tool_mm: Vector,
@@ -28,8 +28,8 @@ impl<'a> Drive<'a> {
         // A single cycle still goes straight from one set-point to the next: a triangle of two cycles.
         let kernel_s = 2.0 * cycles as f64 * servo.cycle_s;
         Drive {
-            plan: Plan::new(servo, kernel_s),
-            follow: Follow::new(servo, cycles, kinematics.clone(), model),
+            plan: LookAhead::new(servo, kernel_s),
+            follow: AxisFollower::new(servo, cycles, kinematics.clone(), model),
             cutter: Cutter::new(kinematics, servo),
             standing: None,
             tool_mm: Vector::zeros(),

@@ -2,7 +2,7 @@
 
 use super::chord::Chord;
 use super::contour::{Contour, OnPath};
-use super::plan::Profile;
+use super::plan::SpeedProfile;
 use super::response::Response;
 use super::smoothing::Smoothing;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector, Vector};
@@ -45,7 +45,7 @@ struct Tag {
 
 /// Everything behind the look-ahead.
 #[derive(Clone, Debug)]
-pub(super) struct Follow<'a> {
+pub(super) struct AxisFollower<'a> {
     cycle_s: f64,
     /// From the start of what comes next to the next cycle, s.
     to_next_s: f64,
@@ -71,14 +71,14 @@ pub(super) struct Follow<'a> {
     has_left_out: bool,
 }
 
-impl<'a> Follow<'a> {
-    pub(super) fn new(servo: &Servo, cycles: usize, kinematics: Kinematics, model: &'a Model) -> Follow<'a> {
+impl<'a> AxisFollower<'a> {
+    pub(super) fn new(servo: &Servo, cycles: usize, kinematics: Kinematics, model: &'a Model) -> AxisFollower<'a> {
         let loops = || servo.axes.iter().flatten();
         let late_s = loops().map(ncfix_machine::machine::AxisServo::lag_s).fold(0.0, f64::max);
         let slow_s = loops().map(|axis| 1.0 / axis.velocity_gain_per_s).fold(0.0, f64::max);
         let smoothing_s = cycles as f64 * servo.cycle_s;
         let back_s = late_s + TIME_CONSTANTS * slow_s + smoothing_s + 2.0 * servo.cycle_s;
-        Follow {
+        AxisFollower {
             cycle_s: servo.cycle_s,
             to_next_s: 0.0,
             time_s: 0.0,
@@ -132,7 +132,7 @@ impl<'a> Follow<'a> {
     }
 
     /// Passes a chord.
-    pub(super) fn pass(&mut self, chord: &Chord, profile: &Profile, see: &mut dyn FnMut(&Moment)) {
+    pub(super) fn pass(&mut self, chord: &Chord, profile: &SpeedProfile, see: &mut dyn FnMut(&Moment)) {
         let duration_s = profile.duration_s();
         if duration_s.is_nan() || duration_s > LONGEST_S {
             self.has_left_out = true;

@@ -38,7 +38,7 @@ pub(super) struct Waiting {
 
 /// The worst moment on a group.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Worst {
+pub(super) struct WorstMoment {
     pub(super) off_mm: f64,
     /// How fast that was passed, mm/min.
     pub(super) speed: f64,
@@ -50,7 +50,7 @@ pub(super) struct Worst {
 
 /// What pieces of a group have in common.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Group {
+pub(super) struct PieceGroup {
     /// The highest speed that the program wants, mm/min.
     programmed: f64,
     /// Highest speed, mm/min.
@@ -115,7 +115,7 @@ impl Waiting {
     }
 
     /// A finding about a group on which the limit is not kept, at this piece.
-    pub(super) fn exceeds(&self, group: &Group, off_mm: f64, limit_mm: f64) -> Option<Diagnostic> {
+    pub(super) fn exceeds(&self, group: &PieceGroup, off_mm: f64, limit_mm: f64) -> Option<Diagnostic> {
         let piece = self.piece()?;
         let (why, help) = if piece.manner != Manner::Path {
             ("its motion is none of the path", "feeds of threads, positioning and probing stay as they are")
@@ -146,11 +146,11 @@ impl Waiting {
     }
 }
 
-impl Group {
+impl PieceGroup {
     /// A group of a piece.
-    pub(super) fn of(waiting: &Waiting) -> Group {
+    pub(super) fn of(waiting: &Waiting) -> PieceGroup {
         let programmed = waiting.speed();
-        Group {
+        PieceGroup {
             programmed,
             speed: programmed,
             is_fixed: waiting.is_fixed(),
@@ -183,7 +183,7 @@ impl Group {
     }
 
     /// The speed, mm/min, at which the error would fit; `None` where it does, or where the speed does not help.
-    pub(super) fn judge(&mut self, worst: &Worst, limit_mm: f64) -> Option<f64> {
+    pub(super) fn judge(&mut self, worst: &WorstMoment, limit_mm: f64) -> Option<f64> {
         let before = self.last.replace([worst.off_mm, worst.speed]);
         if worst.off_mm <= limit_mm || self.has_given_up() {
             return None;

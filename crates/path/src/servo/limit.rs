@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use super::follow::Moment;
-use super::group::{Group, Waiting, Worst};
+use super::group::{PieceGroup, Waiting, WorstMoment};
 use super::run::{Run, Tally};
 use crate::path::{Options, Output};
 use ncfix_base::diagnostic::Diagnostic;
@@ -57,11 +57,11 @@ pub struct Limiter<'a, I> {
     window: VecDeque<Waiting>,
     /// The number of the first in the window.
     first: u64,
-    groups: VecDeque<Group>,
+    groups: VecDeque<PieceGroup>,
     /// The number of the first group.
     first_group: usize,
     /// Of each group in the last trial.
-    worst: Vec<Worst>,
+    worst: Vec<WorstMoment>,
     /// The last group about which there was a finding, and how many there were.
     told: Option<usize>,
     findings: u64,
@@ -136,7 +136,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
                     (number, cycles + waiting.cycles)
                 }
                 None => {
-                    self.groups.push_back(Group::of(waiting));
+                    self.groups.push_back(PieceGroup::of(waiting));
                     (self.first_group + self.groups.len() - 1, waiting.cycles)
                 }
             };
@@ -165,7 +165,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
 
     /// Brings speeds nearer to those that were too high; whether any was.
     fn refine(&mut self) -> bool {
-        let speeds: Vec<f64> = self.groups.iter().map(Group::speed).collect();
+        let speeds: Vec<f64> = self.groups.iter().map(PieceGroup::speed).collect();
         let allowed: Vec<f64> = self.worst.iter().map(|worst| worst.off_mm.max(self.limit_mm)).collect();
         let mut is_raised = false;
         for (group, worst) in self.groups.iter_mut().zip(&self.worst) {
@@ -202,7 +202,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
     fn try_out(&mut self) {
         let Limiter { window, worst, certain, first, groups, first_group, .. } = self;
         worst.clear();
-        worst.resize(groups.len(), Worst::default());
+        worst.resize(groups.len(), WorstMoment::default());
         for waiting in window.iter_mut() {
             (waiting.cycles, waiting.off_mm) = (0, 0.0);
             if let Some(group) = waiting.group.and_then(|number| groups.get(number.checked_sub(*first_group)?)) {
@@ -234,7 +234,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
             if off_mm > worst.off_mm {
                 let speed = on_path.feed_mm_min.max(moment.feed_mm_min);
                 let is_early = now == Some(number) && moment.time_s - since.1 < memory_s;
-                *worst = Worst { off_mm, speed, until: now.unwrap_or(number), is_early };
+                *worst = WorstMoment { off_mm, speed, until: now.unwrap_or(number), is_early };
             }
         };
         let mut run = certain.clone();

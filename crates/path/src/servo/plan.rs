@@ -24,7 +24,7 @@ const SAME_DIRECTION: f64 = 1e-12;
 
 /// The speed over a chord: up, constant, down. Speeds are those of the size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Profile {
+pub(super) struct SpeedProfile {
     size: f64,
     entry: f64,
     peak: f64,
@@ -32,14 +32,14 @@ pub(super) struct Profile {
     acceleration: f64,
 }
 
-impl Profile {
+impl SpeedProfile {
     /// As fast as the highest speed, the acceleration and the speeds at both ends allow.
-    pub(super) fn new(size: f64, [entry, exit]: [f64; 2], speed: f64, acceleration: f64) -> Profile {
+    pub(super) fn new(size: f64, [entry, exit]: [f64; 2], speed: f64, acceleration: f64) -> SpeedProfile {
         let reach = 2.0 * acceleration * size;
         // What the look-ahead has planned can be reached but for rounding.
         let exit = exit.min((entry * entry + reach).sqrt()).max((entry * entry - reach).max(0.0).sqrt());
         let peak = speed.min((0.5 * (reach + entry * entry + exit * exit)).sqrt()).max(entry).max(exit);
-        Profile { size, entry, peak, exit, acceleration }
+        SpeedProfile { size, entry, peak, exit, acceleration }
     }
 
     /// Times of the three parts, s.
@@ -128,26 +128,26 @@ struct Ahead {
 
 /// The look-ahead.
 #[derive(Clone, Debug)]
-pub(super) struct Plan {
+pub(super) struct LookAhead {
     corners: Corners,
     ahead: VecDeque<Ahead>,
     /// The speed at the start of the first.
     entry: f64,
 }
 
-impl Plan {
+impl LookAhead {
     /// `kernel_s` is the length of the smoothing as it is carried out.
-    pub(super) fn new(servo: &Servo, kernel_s: f64) -> Plan {
+    pub(super) fn new(servo: &Servo, kernel_s: f64) -> LookAhead {
         let tolerances =
             AXES.map(|axis| if axis.is_rotary() { servo.corner_tolerance_rad } else { servo.corner_tolerance_mm });
         let accelerations = servo.axes.map(|axis| axis.map_or(f64::INFINITY, |axis| axis.max_acceleration));
         let corners =
             Corners { kernel_s, tolerances: AxisVector(tolerances), accelerations: AxisVector(accelerations) };
-        Plan { corners, ahead: VecDeque::with_capacity(2 * LOOK_AHEAD), entry: 0.0 }
+        LookAhead { corners, ahead: VecDeque::with_capacity(2 * LOOK_AHEAD), entry: 0.0 }
     }
 
     /// Takes the next chord, and hands on what is far enough before it.
-    pub(super) fn push(&mut self, chord: &Chord, see: &mut dyn FnMut(&Chord, &Profile)) {
+    pub(super) fn push(&mut self, chord: &Chord, see: &mut dyn FnMut(&Chord, &SpeedProfile)) {
         let before = self.ahead.back().filter(|before| before.chord.is_rapid == chord.is_rapid);
         let corner = before.map_or(0.0, |before| self.corners.speed(&before.chord, chord));
         self.ahead.push_back(Ahead { chord: *chord, corner, entry: 0.0 });
@@ -157,7 +157,7 @@ impl Plan {
     }
 
     /// Stops behind what it has, and hands all of it on.
-    pub(super) fn stop(&mut self, see: &mut dyn FnMut(&Chord, &Profile)) {
+    pub(super) fn stop(&mut self, see: &mut dyn FnMut(&Chord, &SpeedProfile)) {
         self.release(self.ahead.len(), see);
         self.entry = 0.0;
     }
@@ -167,7 +167,7 @@ impl Plan {
         self.ahead.is_empty()
     }
 
-    fn release(&mut self, count: usize, see: &mut dyn FnMut(&Chord, &Profile)) {
+    fn release(&mut self, count: usize, see: &mut dyn FnMut(&Chord, &SpeedProfile)) {
         let mut exit = 0.0;
         for ahead in self.ahead.iter_mut().rev() {
             let reach = 2.0 * ahead.chord.acceleration * ahead.chord.size;
@@ -177,7 +177,7 @@ impl Plan {
         for _ in 0..count {
             let Some(Ahead { chord, .. }) = self.ahead.pop_front() else { return };
             let exit = self.ahead.front().map_or(0.0, |next| next.entry);
-            let profile = Profile::new(chord.size, [self.entry, exit], chord.speed, chord.acceleration);
+            let profile = SpeedProfile::new(chord.size, [self.entry, exit], chord.speed, chord.acceleration);
             self.entry = profile.exit();
             see(&chord, &profile);
         }
@@ -191,11 +191,11 @@ mod tests {
     #[test]
     fn trapezoids_and_triangles_take_the_time_of_their_formulas() {
         // 100 mm at 100 mm/s and 1000 mm/s²: 0.1 s up, 90 mm in 0.9 s, 0.1 s down.
-        let long = Profile::new(100.0, [0.0, 0.0], 100.0, 1000.0);
+        let long = SpeedProfile::new(100.0, [0.0, 0.0], 100.0, 1000.0);
         assert!((long.duration_s() - 1.1).abs() < 1e-12);
         assert!((long.at(0.1)[0] - 5.0).abs() < 1e-12 && (long.at(0.6)[0] - 55.0).abs() < 1e-12);
         // 1 mm: never faster than √(a s) = 31.6 mm/s, 2 √(s/a) = 63.2 ms.
-        let short = Profile::new(1.0, [0.0, 0.0], 100.0, 1000.0);
+        let short = SpeedProfile::new(1.0, [0.0, 0.0], 100.0, 1000.0);
         assert!((short.duration_s() - 2.0 * 0.001_f64.sqrt()).abs() < 1e-12);
         assert!((short.speed_at(0.5) - 1000_f64.sqrt()).abs() < 1e-9);
         assert!((short.at(short.duration_s())[0] - 1.0).abs() < 1e-12);

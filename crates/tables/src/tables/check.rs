@@ -11,7 +11,7 @@ use ncfix_base::geometry::{AXES, Axis};
 use ncfix_machine::machine::Compensation as _;
 
 /// A pose and the senses in which the axes came there.
-pub type Stand = (AxisVector, State);
+pub type CheckedPose = (AxisVector, State);
 
 /// Start of the generator of senses.
 const SEED: u64 = 0x53_454e_5345;
@@ -42,7 +42,7 @@ pub struct Check {
 
 /// Poses, each reached in senses of some axes that are any with any, and in the opposite ones; once where there are no such axes, in the middle of both.
 #[must_use]
-pub fn stands(poses: &[AxisVector], axes: &[Axis]) -> Vec<Stand> {
+pub fn stands(poses: &[AxisVector], axes: &[Axis]) -> Vec<CheckedPose> {
     if axes.is_empty() {
         return poses.iter().map(|pose| (*pose, State::default())).collect();
     }
@@ -55,7 +55,7 @@ pub fn stands(poses: &[AxisVector], axes: &[Axis]) -> Vec<Stand> {
 }
 
 impl Errors {
-    fn push(&mut self, target: &Target<'_>, (nominal, state): &Stand, command: &AxisVector) {
+    fn push(&mut self, target: &Target<'_>, (nominal, state): &CheckedPose, command: &AxisVector) {
         let tip = target.model.tip_error_mm(nominal, command, &target.tool_mm, state);
         self.tip_mm.push(tip.norm());
         let axis = target.machine.spindle.axis;
@@ -101,7 +101,7 @@ fn rms(values: &[f64]) -> f64 {
 
 /// What a control with tables leaves at poses.
 #[must_use]
-pub fn left(target: &Target<'_>, control: &Control, poses: &[Stand]) -> Errors {
+pub fn left(target: &Target<'_>, control: &Control, poses: &[CheckedPose]) -> Errors {
     let mut errors = Errors::default();
     for stand in poses {
         let (pose, state) = stand;

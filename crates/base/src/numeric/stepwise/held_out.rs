@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use nalgebra::DMatrix;
 
 use super::lagged::add_products;
-use super::prepared::{Prepared, numbers};
+use super::prepared::{PreparedRows, numbers};
 use super::sweep::Swept;
 use super::{Gain, Rows};
 
@@ -77,14 +77,14 @@ impl Blocks {
 /// Products of the rows that each fold leaves for training.
 #[derive(Debug)]
 pub(super) struct Folds<'a> {
-    prepared: &'a Prepared,
+    prepared: &'a PreparedRows,
     blocks: Blocks,
     training: Vec<DMatrix<f64>>,
     rows: Vec<usize>,
 }
 
 impl<'a> Folds<'a> {
-    pub(super) fn new(prepared: &'a Prepared, blocks: Blocks, correlation: &[f64]) -> Folds<'a> {
+    pub(super) fn new(prepared: &'a PreparedRows, blocks: Blocks, correlation: &[f64]) -> Folds<'a> {
         let width = prepared.width();
         let mut held = vec![DMatrix::zeros(width, width); blocks.folds];
         let mut total = DMatrix::zeros(width, width);

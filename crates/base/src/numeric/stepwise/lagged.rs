@@ -23,7 +23,7 @@ const CLOSE: f64 = 1e-5;
 
 /// Where the rows of one group of noise stand, and which of them begin a series; groups stand one after the other.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Group {
+pub(super) struct NoiseGroup {
     pub(super) from: usize,
     pub(super) until: usize,
     /// Rows that begin a series, the first one of the group among them.
@@ -58,9 +58,9 @@ pub(super) fn add_products(to: &mut DMatrix<f64>, one: DMatrixView<'_, f64>, oth
 
 impl Lagged {
     /// `rows` has a row of the data in each column.
-    pub(super) fn new(rows: &DMatrix<f64>, groups: &[Group]) -> Lagged {
+    pub(super) fn new(rows: &DMatrix<f64>, groups: &[NoiseGroup]) -> Lagged {
         let width = rows.nrows();
-        let products = |group: &Group| {
+        let products = |group: &NoiseGroup| {
             let count = group.until - group.from;
             let mut own = DMatrix::zeros(width, width);
             let all = rows.columns(group.from, count);

@@ -22,8 +22,8 @@ use nalgebra::DMatrix;
 
 use descent::descend;
 use held_out::{Blocks, Folds};
-use prepared::Prepared;
-use search::Search;
+use prepared::PreparedRows;
+use search::StepwiseSearch;
 
 /// Rounds in which the correlation is found again.
 const MOST_ROUNDS: usize = 8;
@@ -169,11 +169,11 @@ pub struct Choice {
 /// Chooses. `None` where numbers are not finite, or there are not more rows than columns that are always in.
 #[must_use]
 pub fn choose(rows: &Rows, rule: Rule) -> Option<Choice> {
-    let prepared = Prepared::new(rows)?;
+    let prepared = PreparedRows::new(rows)?;
     if prepared.count() <= prepared.always + 1 {
         return None;
     }
-    let search = Search::new(&prepared, rows, rule);
+    let search = StepwiseSearch::new(&prepared, rows, rule);
     let mut choice = Choice { not_told: prepared.not_told.clone(), tried: prepared.told.len(), ..Choice::default() };
     let mut chosen: Vec<usize> = Vec::new();
     let mut noise = search.noise(&chosen);

@@ -5,14 +5,14 @@ use std::collections::HashMap;
 use nalgebra::{DMatrix, DVector};
 
 use super::Rows;
-use super::lagged::Group;
+use super::lagged::NoiseGroup;
 
 /// A column of which less than this share is left by those before it is told by them; as [`crate::numeric::RANK_LIMIT`].
 const LEAST_LEFT: f64 = crate::numeric::RANK_LIMIT;
 
 /// The rows, one in each column: what is always in, the candidates that are told, the value.
 #[derive(Clone, Debug)]
-pub(super) struct Prepared {
+pub(super) struct PreparedRows {
     pub(super) rows: DMatrix<f64>,
     /// How many columns are always in.
     pub(super) always: usize,
@@ -22,7 +22,7 @@ pub(super) struct Prepared {
     pub(super) not_told: Vec<usize>,
     /// The length of each candidate that is told before it was made 1.
     pub(super) lengths: Vec<f64>,
-    pub(super) groups: Vec<Group>,
+    pub(super) groups: Vec<NoiseGroup>,
     /// Whether a row begins a series.
     pub(super) begins: Vec<bool>,
     /// The group of noise of each row.
@@ -31,9 +31,9 @@ pub(super) struct Prepared {
     pub(super) order: Vec<usize>,
 }
 
-impl Prepared {
+impl PreparedRows {
     /// `None` where numbers are not finite or counts disagree.
-    pub(super) fn new(rows: &Rows) -> Option<Prepared> {
+    pub(super) fn new(rows: &Rows) -> Option<PreparedRows> {
         let (count, width) = rows.factors.shape();
         let agree = [rows.values.len(), rows.series.len(), rows.noise.len(), rows.cluster.len(), rows.run.len()];
         let candidates = width.checked_sub(rows.always)?;
@@ -77,7 +77,7 @@ impl Prepared {
         }
         let (groups, begins) = grouped(rows, &order);
         let noise = order.iter().map(|&row| rows.noise[row]).collect();
-        Some(Prepared { rows: all, always: base.ncols(), told, not_told, lengths, groups, begins, noise, order })
+        Some(PreparedRows { rows: all, always: base.ncols(), told, not_told, lengths, groups, begins, noise, order })
     }
 
     pub(super) fn width(&self) -> usize {
@@ -120,8 +120,8 @@ fn directions(factors: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
 }
 
 /// Where groups and series begin.
-fn grouped(rows: &Rows, order: &[usize]) -> (Vec<Group>, Vec<bool>) {
-    let mut groups: Vec<Group> = Vec::new();
+fn grouped(rows: &Rows, order: &[usize]) -> (Vec<NoiseGroup>, Vec<bool>) {
+    let mut groups: Vec<NoiseGroup> = Vec::new();
     let mut begins = Vec::with_capacity(order.len());
     let mut last = None;
     for (place, &row) in order.iter().enumerate() {
@@ -130,7 +130,7 @@ fn grouped(rows: &Rows, order: &[usize]) -> (Vec<Group>, Vec<bool>) {
         let is_new = last != Some(own);
         begins.push(is_new);
         if is_new_group {
-            groups.push(Group { from: place, until: place, begins: Vec::new() });
+            groups.push(NoiseGroup { from: place, until: place, begins: Vec::new() });
         }
         if let Some(group) = groups.last_mut() {
             group.until = place + 1;

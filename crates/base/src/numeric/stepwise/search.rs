@@ -3,7 +3,7 @@
 use super::descent::{Criterion, descend};
 use super::held_out::Folds;
 use super::lagged::{Lagged, step_at, with};
-use super::prepared::Prepared;
+use super::prepared::PreparedRows;
 use super::sweep::Swept;
 use super::{Change, Choice, Rival, Rows, Rule, Step, Term};
 use crate::numeric::student;
@@ -25,13 +25,13 @@ struct Tested {
 
 /// Correlations, and how well they are known.
 #[derive(Clone, Debug)]
-pub(super) struct Noise {
+pub(super) struct CorrelatedNoise {
     pub(super) correlation: Vec<f64>,
     variance: Vec<f64>,
 }
 
-impl Noise {
-    pub(super) fn same(&self, other: &Noise) -> bool {
+impl CorrelatedNoise {
+    pub(super) fn same(&self, other: &CorrelatedNoise) -> bool {
         self.correlation.iter().zip(&other.correlation).all(|(one, other)| (one - other).abs() < SAME)
     }
 
@@ -41,19 +41,19 @@ impl Noise {
 }
 
 /// A search in prepared rows.
-pub(super) struct Search<'a> {
-    prepared: &'a Prepared,
+pub(super) struct StepwiseSearch<'a> {
+    prepared: &'a PreparedRows,
     lagged: Lagged,
     rule: Rule,
     /// Of the candidates that are told.
     handicaps: Vec<f64>,
 }
 
-impl<'a> Search<'a> {
-    pub(super) fn new(prepared: &'a Prepared, rows: &Rows, rule: Rule) -> Search<'a> {
+impl<'a> StepwiseSearch<'a> {
+    pub(super) fn new(prepared: &'a PreparedRows, rows: &Rows, rule: Rule) -> StepwiseSearch<'a> {
         let lagged = Lagged::new(&prepared.rows, &prepared.groups);
         let handicaps = prepared.told.iter().map(|&candidate| rows.handicaps[candidate]).collect();
-        Search { prepared, lagged, rule, handicaps }
+        StepwiseSearch { prepared, lagged, rule, handicaps }
     }
 
     /// What is always in, then these columns.
@@ -66,14 +66,14 @@ impl<'a> Search<'a> {
         self.prepared.always..self.prepared.width() - 1
     }
 
-    pub(super) fn noise(&self, chosen: &[usize]) -> Noise {
+    pub(super) fn noise(&self, chosen: &[usize]) -> CorrelatedNoise {
         let count = self.lagged.len();
         if !self.rule.correlated {
-            return Noise { correlation: vec![0.0; count], variance: vec![0.0; count] };
+            return CorrelatedNoise { correlation: vec![0.0; count], variance: vec![0.0; count] };
         }
         let columns: Vec<usize> = self.inside(chosen).chain([self.prepared.width() - 1]).collect();
         let (correlation, variance) = self.lagged.only(&columns).correlations();
-        Noise { correlation, variance }
+        CorrelatedNoise { correlation, variance }
     }
 
     fn swept_at(&self, correlation: &[f64], chosen: &[usize]) -> Swept {
@@ -84,14 +84,14 @@ impl<'a> Search<'a> {
         swept
     }
 
-    pub(super) fn swept(&self, noise: &Noise, chosen: &[usize]) -> Swept {
+    pub(super) fn swept(&self, noise: &CorrelatedNoise, chosen: &[usize]) -> Swept {
         self.swept_at(&noise.correlation, chosen)
     }
 
     /// The freedom of the t value of each column: that of the noise, less what the uncertainty of the correlation takes.
     fn freedoms_by(
         &self,
-        noise: &Noise,
+        noise: &CorrelatedNoise,
         columns: std::ops::Range<usize>,
         own: f64,
         at: impl Fn(&[f64]) -> Swept,
@@ -138,7 +138,7 @@ impl<'a> Search<'a> {
     }
 
     /// What is tested of each of these columns where they are in.
-    fn tested(&self, noise: &Noise, chosen: &[usize]) -> Vec<Tested> {
+    fn tested(&self, noise: &CorrelatedNoise, chosen: &[usize]) -> Vec<Tested> {
         let columns: Vec<usize> = self.inside(chosen).chain([self.prepared.width() - 1]).collect();
         let own = self.lagged.only(&columns);
         let (first, count) = (self.prepared.always, columns.len() - 1);
@@ -162,7 +162,13 @@ impl<'a> Search<'a> {
     }
 
     /// Writes down what happened, step by step.
-    pub(super) fn record(&self, log: &[(usize, Change)], noise: &Noise, chosen: &[usize], steps: &mut Vec<Step>) {
+    pub(super) fn record(
+        &self,
+        log: &[(usize, Change)],
+        noise: &CorrelatedNoise,
+        chosen: &[usize],
+        steps: &mut Vec<Step>,
+    ) {
         // The state before the first step: what the steps did, undone.
         let mut now: Vec<usize> = chosen.to_vec();
         for &(column, change) in log.iter().rev() {
@@ -190,7 +196,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn step(&self, column: usize, change: Change, noise: &Noise, with: &[usize]) -> Step {
+    fn step(&self, column: usize, change: Change, noise: &CorrelatedNoise, with: &[usize]) -> Step {
         let tested = self.tested(noise, with);
         let found = with.iter().zip(&tested).find(|(own, _)| **own == column).map(|(_, tested)| *tested);
         let Tested { t, freedom, p } = found.unwrap_or_default();
@@ -206,7 +212,12 @@ impl<'a> Search<'a> {
     }
 
     /// Takes out what is not significant beside the others, the worst one first.
-    pub(super) fn demand_significance(&self, noise: &mut Noise, chosen: &mut Vec<usize>, steps: &mut Vec<Step>) {
+    pub(super) fn demand_significance(
+        &self,
+        noise: &mut CorrelatedNoise,
+        chosen: &mut Vec<usize>,
+        steps: &mut Vec<Step>,
+    ) {
         while !chosen.is_empty() {
             *noise = self.noise(chosen);
             let tested = self.tested(noise, chosen);
@@ -222,7 +233,13 @@ impl<'a> Search<'a> {
     }
 
     /// Takes out what does not help with held-out blocks: each term beside the others, then all of them.
-    pub(super) fn demand_gain(&self, folds: &Folds<'_>, noise: &Noise, chosen: &mut Vec<usize>, choice: &mut Choice) {
+    pub(super) fn demand_gain(
+        &self,
+        folds: &Folds<'_>,
+        noise: &CorrelatedNoise,
+        chosen: &mut Vec<usize>,
+        choice: &mut Choice,
+    ) {
         let prices = self.criterion();
         let of_folds: Vec<Vec<(usize, f64)>> = folds
             .training()
@@ -260,7 +277,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    pub(super) fn terms(&self, noise: &Noise, chosen: &[usize], folds: Option<&Folds<'_>>) -> Vec<Term> {
+    pub(super) fn terms(&self, noise: &CorrelatedNoise, chosen: &[usize], folds: Option<&Folds<'_>>) -> Vec<Term> {
         let mut swept = self.swept(noise, chosen);
         let with_all = folds.map(|folds| folds.losses_of(chosen)).unwrap_or_default();
         let mut sorted = chosen.to_vec();

@@ -189,7 +189,7 @@ fn products_are_those_of_rows_less_their_neighbours() {
     // A series of one row, and a group of its own.
     rows.series[59] = 7;
     (40..60).for_each(|row| rows.noise[row] = 1);
-    let prepared = Prepared::new(&rows).unwrap();
+    let prepared = PreparedRows::new(&rows).unwrap();
     let lagged = Lagged::new(&prepared.rows, &prepared.groups);
     let correlation = [0.7, 0.2];
     let mut expected = DMatrix::zeros(prepared.width(), prepared.width());

@@ -2,15 +2,15 @@
 
 use super::*;
 
-const WAY: Way = Way { clearance_mm: 30.0, stands_mm: 30.0 };
+const WAY: RestartPath = RestartPath { clearance_mm: 30.0, stands_mm: 30.0 };
 
-fn told_in(language: &str, lines: &[&str]) -> Told {
-    let mut told = Told::new(Grammar::new(ncfix_dialect::find(language).unwrap(), false));
+fn told_in(language: &str, lines: &[&str]) -> SentState {
+    let mut told = SentState::new(Grammar::new(ncfix_dialect::find(language).unwrap(), false));
     lines.iter().for_each(|line| told.note(line));
     told
 }
 
-fn told(lines: &[&str]) -> Told {
+fn told(lines: &[&str]) -> SentState {
     told_in("rs274", lines)
 }
 
@@ -23,7 +23,7 @@ fn plan(language: &str, lines: &[&str]) -> Option<Vec<String>> {
 #[test]
 fn the_state_is_that_of_the_last_words() {
     let lines = ["G21 G90 G17", "T3 M6", "G54 S2000 M3", "M8", "G0 X1. Y2. Z50.", "G1 Z-1. F300", "X5.", "G0 Z50."];
-    let way = Way { clearance_mm: 50.0, stands_mm: 50.0 };
+    let way = RestartPath { clearance_mm: 50.0, stands_mm: 50.0 };
     let found = told(&lines).lines(false, way).unwrap();
     let [codes, rest @ ..] = found.as_slice() else { panic!("{found:?}") };
     assert!(["G17", "G21", "G54", "G90"].iter().all(|code| codes.split(' ').any(|word| word == *code)), "{codes}");
@@ -87,7 +87,7 @@ fn what_was_told_later_must_have_been_told_before() {
 #[test]
 fn a_clearance_comes_first_in_the_unit_that_is_in_force_and_nothing_rapid_goes_below_it() {
     let lines = ["G21 G90 G17 G54", "S2000 M3", "G0 X1. Y2. Z5.", "G1 Z-1. F300", "G0 Z5."];
-    let way = |clearance_mm: f64, stands_mm: f64| Way { clearance_mm, stands_mm };
+    let way = |clearance_mm: f64, stands_mm: f64| RestartPath { clearance_mm, stands_mm };
     let found = told(&lines).lines(false, way(30.0, 5.0)).unwrap();
     assert_eq!(found[2..], ["G0 Z30.", "G0 X1. Y2.", "G1 Z5. F200.", "G0 X1. Y2.", "F300"]);
     // 50.8 mm are 2 inches, 200 mm/min 7.874 inches a minute.
@@ -256,7 +256,7 @@ fn every_row_with_words_and_a_group_is_told_with_them_or_not_at_all() {
 #[test]
 fn the_tool_is_the_one_that_was_changed_and_not_the_next() {
     let tool = |language: &str, changes_on_t: bool, lines: &[&str]| {
-        let mut told = Told::new(Grammar::new(ncfix_dialect::find(language).unwrap(), changes_on_t));
+        let mut told = SentState::new(Grammar::new(ncfix_dialect::find(language).unwrap(), changes_on_t));
         lines.iter().for_each(|line| told.note(line));
         told.tool
     };

@@ -13,7 +13,7 @@ use ncfix_base::geometry::{AXIS_COUNT, Axis};
 use ncfix_machine::snc::{BlockNumber, FeedUnit, Kind, Origin};
 
 use super::block_number::BlockNumbers;
-use super::line::Line;
+use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_value, to_digits};
 use super::stops::{StopWords, Stops};
 use super::{Writer, WriterEntry, WriterOptions, is_compensation};
@@ -48,7 +48,7 @@ fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         stamp: options.stamp.text(),
         is_stamped: false,
         has_assumed: false,
-        line: Line::new(options.crlf),
+        line: LineBuilder::new(options.crlf),
         stops: Stops::new(STOPS),
         block_numbers: BlockNumbers::default(),
         labels: HashSet::new(),
@@ -66,7 +66,7 @@ struct Sinumerik {
     stamp: String,
     is_stamped: bool,
     has_assumed: bool,
-    line: Line,
+    line: LineBuilder,
     stops: Stops,
     block_numbers: BlockNumbers,
     /// Labels that were written.

@@ -19,7 +19,7 @@ use ncfix_base::geometry::AXIS_COUNT;
 use ncfix_machine::snc::{BlockNumber, Origin};
 
 use super::block_number::{BlockNumbers, NumberSet};
-use super::line::Line;
+use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_pointed, push_value, to_digits};
 use super::stops::{StopWords, Stops};
 use super::{Writer, WriterEntry, WriterOptions};
@@ -85,7 +85,7 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         numbers.linear = numbers.linear.pointed();
         numbers.rotary = numbers.rotary.pointed();
     }
-    let line = Line::new(options.crlf).no_longer_than(flavour.longest);
+    let line = LineBuilder::new(options.crlf).no_longer_than(flavour.longest);
     let stamp = &options.stamp;
     Some(Box::new(Words {
         flavour,
@@ -118,7 +118,7 @@ struct Words {
     unit_mm: f64,
     /// Whether the file began with `%`, and so ends.
     is_tape: bool,
-    line: Line,
+    line: LineBuilder,
     stops: Stops,
     block_numbers: BlockNumbers,
     /// Whether the line has a P that an arc beside it would take for its turns.

@@ -197,10 +197,10 @@ impl Passing {
 }
 
 /// Acts of the one program beside those of the other.
-pub(super) type Pairing<'a> = (Option<&'a Act>, Option<&'a Act>);
+pub(super) type ActPairing<'a> = (Option<&'a Act>, Option<&'a Act>);
 
 /// What the acts of the one program lack beside those of the other: what is changed, what is missing and what is new, in order.
-pub(super) fn differences<'a>(original: &'a [Act], corrected: &'a [Act]) -> Vec<Pairing<'a>> {
+pub(super) fn differences<'a>(original: &'a [Act], corrected: &'a [Act]) -> Vec<ActPairing<'a>> {
     let is_like = |(one, other): &(&Act, &Act)| one.is_like(other);
     let start = original.iter().zip(corrected).take_while(is_like).count();
     let (original, corrected) = (&original[start..], &corrected[start..]);

@@ -2,24 +2,24 @@
 
 use std::collections::VecDeque;
 
-use super::step::Step;
+use super::step::ComparedMove;
 
 /// Moves of each program among which the same block is looked for, where they part.
 const LOOK: usize = 500;
 
 /// Moves that can be looked at before they are taken.
-pub(super) struct Ahead<I> {
+pub(super) struct MovesAhead<I> {
     moves: I,
-    queue: VecDeque<Step>,
+    queue: VecDeque<ComparedMove>,
 }
 
-impl<I: Iterator<Item = Step>> Ahead<I> {
-    pub(super) fn new(moves: I) -> Ahead<I> {
-        Ahead { moves, queue: VecDeque::new() }
+impl<I: Iterator<Item = ComparedMove>> MovesAhead<I> {
+    pub(super) fn new(moves: I) -> MovesAhead<I> {
+        MovesAhead { moves, queue: VecDeque::new() }
     }
 
     /// The next move, which stays.
-    pub(super) fn peek(&mut self) -> Option<&Step> {
+    pub(super) fn peek(&mut self) -> Option<&ComparedMove> {
         if self.queue.is_empty() {
             self.queue.push_back(self.moves.next()?);
         }
@@ -27,12 +27,12 @@ impl<I: Iterator<Item = Step>> Ahead<I> {
     }
 
     /// Puts a move back that was taken.
-    pub(super) fn put_back(&mut self, step: Step) {
+    pub(super) fn put_back(&mut self, step: ComparedMove) {
         self.queue.push_front(step);
     }
 
     /// Takes so many moves.
-    fn take(&mut self, count: usize) -> Vec<Step> {
+    fn take(&mut self, count: usize) -> Vec<ComparedMove> {
         let count = count.min(self.queue.len());
         self.queue.drain(..count).collect()
     }
@@ -46,10 +46,10 @@ impl<I: Iterator<Item = Step>> Ahead<I> {
     }
 }
 
-impl<I: Iterator<Item = Step>> Iterator for Ahead<I> {
-    type Item = Step;
+impl<I: Iterator<Item = ComparedMove>> Iterator for MovesAhead<I> {
+    type Item = ComparedMove;
 
-    fn next(&mut self) -> Option<Step> {
+    fn next(&mut self) -> Option<ComparedMove> {
         self.queue.pop_front().or_else(|| self.moves.next())
     }
 }
@@ -57,13 +57,13 @@ impl<I: Iterator<Item = Step>> Iterator for Ahead<I> {
 /// Goes on in both behind the next move that has the same block number in both and the same end, as `meets` says; the moves that were passed over, `None`
 /// where there is no such move.
 pub(super) fn rejoin<I, J>(
-    original: &mut Ahead<I>,
-    corrected: &mut Ahead<J>,
-    meets: impl Fn(&Step, &Step) -> bool,
-) -> Option<[Vec<Step>; 2]>
+    original: &mut MovesAhead<I>,
+    corrected: &mut MovesAhead<J>,
+    meets: impl Fn(&ComparedMove, &ComparedMove) -> bool,
+) -> Option<[Vec<ComparedMove>; 2]>
 where
-    I: Iterator<Item = Step>,
-    J: Iterator<Item = Step>,
+    I: Iterator<Item = ComparedMove>,
+    J: Iterator<Item = ComparedMove>,
 {
     original.look();
     corrected.look();

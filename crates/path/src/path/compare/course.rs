@@ -1,14 +1,14 @@
 //! What the original does while the corrected program runs a piece.
 
-use super::step::Step;
+use super::step::ComparedMove;
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::Kinematics;
 
 /// The part of a move that a piece covers.
 #[derive(Clone, Copy, Debug)]
 pub struct Course<'a> {
-    pub(super) step: &'a Step,
-    pub(super) piece: &'a Step,
+    pub(super) step: &'a ComparedMove,
+    pub(super) piece: &'a ComparedMove,
     pub(super) kinematics: &'a Kinematics,
     pub(super) from: f64,
     pub(super) to: f64,

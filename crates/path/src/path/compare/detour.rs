@@ -7,8 +7,8 @@ use ncfix_machine::snc::Origin;
 
 use super::course::Course;
 use super::difference::What;
-use super::group::Group;
-use super::judge::Seen;
+use super::group::MoveGroup;
+use super::judge::TipDeviation;
 
 /// How far the end of a piece may be off the way besides what the machine errs there, mm: steps that settle the side of a backlash go beyond the end by the
 /// lost motion and a little more, and no machine that is worth a correction loses more than this.
@@ -30,7 +30,7 @@ const MOST_PIECES: usize = 1000;
 
 impl Detour {
     /// A piece that is not the last of its move.
-    pub(super) fn see(&mut self, group: &Group<'_>, course: &Course<'_>, seen: &Seen) {
+    pub(super) fn see(&mut self, group: &MoveGroup<'_>, course: &Course<'_>, seen: &TipDeviation) {
         let piece = course.piece;
         let errors_mm = [0.0, course.to, 1.0].map(|place| group.before_mm(place));
         let most_mm = errors_mm.into_iter().fold(BESIDE_MM, |most, one| most.max(BESIDE_MM + one));

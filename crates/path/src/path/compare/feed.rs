@@ -4,8 +4,8 @@
 //! where only one has a transformation, they cannot: the times can that a control takes for them.
 
 use super::super::way::counted;
-use super::step::Step;
-use super::{Course, Group, ON_THE_SPOT_MM};
+use super::step::ComparedMove;
+use super::{Course, MoveGroup, ON_THE_SPOT_MM};
 use ncfix_base::geometry::ROTARY_AXES;
 use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::FeedUnit;
@@ -13,7 +13,7 @@ use ncfix_machine::snc::FeedUnit;
 /// Times that differ by less than this share are the same: corrections change ways.
 const SAME_TIME: f64 = 0.05;
 
-impl Step {
+impl ComparedMove {
     /// Minutes (turns under G95) that a control takes for a part of it; `None` where there is no feed, or it is a curve that turns an axis.
     fn minutes(&self, [from, to]: [f64; 2], kinematics: &Kinematics) -> Option<f64> {
         if self.rapid || self.feed <= 0.0 {
@@ -43,7 +43,7 @@ impl Step {
     }
 
     /// Whether the one feed is per minute and the other per turn of the spindle.
-    pub(super) fn is_of_another_unit(&self, other: &Step) -> bool {
+    pub(super) fn is_of_another_unit(&self, other: &ComparedMove) -> bool {
         let has_feeds = self.feed > 0.0 && other.feed > 0.0;
         has_feeds && self.unit != other.unit && ![self.unit, other.unit].contains(&FeedUnit::InverseTime)
     }
@@ -54,7 +54,7 @@ impl Step {
     }
 }
 
-impl Group<'_> {
+impl MoveGroup<'_> {
     /// The feed of a piece as a share of that of its move. A step on the spot covers nothing of the move, so that only its number can be compared. Both
     /// ends of a piece are rounded by up to `rounding_mm`.
     pub(super) fn feed_share(&self, course: &Course<'_>, stands: bool, rounding_mm: f64) -> Option<f64> {

@@ -4,10 +4,10 @@ use ncfix_base::geometry::{AXES, AxisSet, AxisVector, ROTARY_AXES, Vector};
 use ncfix_machine::machine::Kinematics;
 use ncfix_model::Model;
 
-use super::ahead::Ahead;
-use super::judge::{At, Judge, Seen};
+use super::ahead::MovesAhead;
+use super::judge::{Judge, PlaceInMove, TipDeviation};
 use super::parting::Parting;
-use super::step::Step;
+use super::step::ComparedMove;
 use super::{Course, Follow, Grouping, ON_THE_SPOT_MM, SAME_END_MM};
 use crate::path::Prediction;
 use crate::path::lead::Lead;
@@ -65,11 +65,11 @@ impl Offset {
 }
 
 /// The corrected moves of one original move, while they are found.
-pub(super) struct Group<'a> {
+pub(super) struct MoveGroup<'a> {
     pub(super) model: &'a Model,
     grouping: Grouping,
     pub(super) kinematics: &'a Kinematics,
-    pub(super) step: &'a Step,
+    pub(super) step: &'a ComparedMove,
     pub(super) lead: Lead<'a>,
     /// Offset at which the group began: an uncorrected program carries its errors along.
     carried: Offset,
@@ -83,24 +83,24 @@ pub(super) struct Group<'a> {
     parameter: f64,
 }
 
-impl<'a> Group<'a> {
+impl<'a> MoveGroup<'a> {
     pub(super) fn new(
         model: &'a Model,
         grouping: Grouping,
         (kinematics, lead): (&'a Kinematics, Lead<'a>),
-        step: &'a Step,
+        step: &'a ComparedMove,
         carried: Offset,
-    ) -> Group<'a> {
+    ) -> MoveGroup<'a> {
         let (length_mm, has_begun, is_judged, parameter) = (0.0, false, false, 0.0);
-        Group { model, grouping, kinematics, step, lead, carried, length_mm, has_begun, is_judged, parameter }
+        MoveGroup { model, grouping, kinematics, step, lead, carried, length_mm, has_begun, is_judged, parameter }
     }
 }
 
-impl Group<'_> {
+impl MoveGroup<'_> {
     /// Takes the moves of the group and adds their errors; gives the offset at its end.
-    pub(super) fn follow<I: Iterator<Item = Step>>(
+    pub(super) fn follow<I: Iterator<Item = ComparedMove>>(
         &mut self,
-        corrected: &mut Ahead<I>,
+        corrected: &mut MovesAhead<I>,
         prediction: &mut Prediction,
         see: &mut dyn FnMut(Follow<'_>),
         judge: &mut Judge<'_>,
@@ -155,7 +155,7 @@ impl Group<'_> {
             }
             let length_mm = whole_mm * (self.parameter - before);
             let feed_share = self.feed_share(&course, stands, judge.rounding_mm());
-            judge.piece(self, &course, At { is_first, is_last: is_complete, stands }, &seen, feed_share);
+            judge.piece(self, &course, PlaceInMove { is_first, is_last: is_complete, stands }, &seen, feed_share);
             self.is_judged = true;
             see(Follow { errors_mm, length_mm, feed_share, ..self.seen(course, is_first, stands) });
             if is_complete {
@@ -166,14 +166,14 @@ impl Group<'_> {
     }
 
     /// What is known where the programs part at a piece; `next` is the one behind it.
-    fn parting(&self, piece: &Step, why: &str, next: Option<&Step>) -> Parting {
+    fn parting(&self, piece: &ComparedMove, why: &str, next: Option<&ComparedMove>) -> Parting {
         let is_new = next.is_some_and(|next| next.rapid == self.step.rapid && self.ends_at(next));
         let words = [&self.step.route.end, &piece.route.end].map(|end| piece.programmed(end, self.kinematics));
         Parting::at(self.step, piece, why, words, is_new)
     }
 
     /// Whether a piece ends where the original move does.
-    pub(super) fn ends_at(&self, piece: &Step) -> bool {
+    pub(super) fn ends_at(&self, piece: &ComparedMove) -> bool {
         self.off_mm(&self.offset(piece, 1.0)) <= MEANT_END_MM
     }
 
@@ -210,7 +210,7 @@ impl Group<'_> {
     }
 
     /// Whether the group ends with a piece whose end is off by `offset`.
-    fn is_complete(&self, offset: &Offset, next: Option<&Step>) -> bool {
+    fn is_complete(&self, offset: &Offset, next: Option<&ComparedMove>) -> bool {
         if self.grouping == Grouping::ByMarks {
             return next.is_none_or(|next| !next.continues);
         }
@@ -231,7 +231,7 @@ impl Group<'_> {
     }
 
     /// How far the tool is from the place of the original move at `parameter` when a piece has ended.
-    fn offset(&self, piece: &Step, parameter: f64) -> Offset {
+    fn offset(&self, piece: &ComparedMove, parameter: f64) -> Offset {
         let command = piece.route.end;
         let nominal = self.step.route.at(parameter);
         let band = piece.band_at(1.0, &self.lead);
@@ -247,7 +247,7 @@ impl Group<'_> {
 
     /// The parameter of the original move at which its nominal tip is nearest to the end of a piece: Gauss–Newton from the share of
     /// the length.
-    fn nearest(&self, piece: &Step) -> f64 {
+    fn nearest(&self, piece: &ComparedMove) -> f64 {
         let mut parameter = (self.length_mm / self.step.route.size_mm().max(ON_THE_SPOT_MM)).min(1.0);
         for _ in 0..NEAREST_STEPS {
             let [low, high] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|value| value.clamp(0.0, 1.0));
@@ -267,7 +267,7 @@ impl Group<'_> {
 
     /// The offset at the end of a step on the spot, or of a rapid move, as near as the play allows. A body that the least motion leads along may be on either side,
     /// for that to which the next piece leads it; where a rapid move leaves a body within its dead band, it waits for a step there that leads it out.
-    fn on_either_side(&self, piece: &Step, nominal: &AxisVector, end: Vector) -> Vector {
+    fn on_either_side(&self, piece: &ComparedMove, nominal: &AxisVector, end: Vector) -> Vector {
         let command = piece.route.end;
         let band = piece.band_at(1.0, &self.lead);
         let mut best = end;
@@ -299,7 +299,7 @@ impl Group<'_> {
 
     /// What of the offset behind a step that makes ready is more than what the play allows. `next` leads bodies from the one side to the other on the
     /// spot: until then the tip is aside by the play that they have across their way.
-    fn beyond_play(&self, piece: &Step, next: &Step, offset: Vector) -> Vector {
+    fn beyond_play(&self, piece: &ComparedMove, next: &ComparedMove, offset: Vector) -> Vector {
         let (from, to) = (piece.route.end, next.route.end);
         let aside = self.lead.axes.iter().map(|axis| {
             let (lost, way) = (self.model.lost_motion(axis, &to), to[axis] - from[axis]);
@@ -322,7 +322,12 @@ impl Group<'_> {
 
     /// Adds the errors of a piece: the largest of the original and of the corrected program, where they count, and what is seen of the latter. Its end
     /// is looked at in any case. One that `waits` covers nothing of the move.
-    fn sample(&self, course: &Course<'_>, waits: bool, prediction: &mut Prediction) -> (Option<[f64; 2]>, Seen) {
+    fn sample(
+        &self,
+        course: &Course<'_>,
+        waits: bool,
+        prediction: &mut Prediction,
+    ) -> (Option<[f64; 2]>, TipDeviation) {
         let (piece, [from, to]) = (course.piece, [course.from, course.to]);
         let errors_at = |fraction: f64| {
             let parameter = if fraction < 1.0 { from + (to - from) * fraction } else { to };
@@ -337,7 +342,7 @@ impl Group<'_> {
         };
         let end = self.offset(piece, to).tip;
         let [_, end_mm, nearest_mm] = errors_at(1.0);
-        let mut seen = Seen { end, most_mm: nearest_mm };
+        let mut seen = TipDeviation { end, most_mm: nearest_mm };
         if (waits || self.step.rapid) && !self.lead.axes.is_empty() {
             seen.end = self.on_either_side(piece, &self.step.route.at(to), end);
         }

@@ -4,14 +4,14 @@ use ncfix_base::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Origin, Turning};
 
-use super::acts::{Act, Pairing, differences};
+use super::acts::{Act, ActPairing, differences};
 use super::course::Course;
 use super::detour::Detour;
 use super::difference::{Difference, What};
-use super::group::Group;
+use super::group::MoveGroup;
 use super::manner;
 use super::promise::Promise;
-use super::step::Step;
+use super::step::ComparedMove;
 use crate::path::Increments;
 
 /// What lies between samples, as a share.
@@ -29,7 +29,7 @@ const NO_WAY: f64 = 1e-9;
 
 /// How far the tool is from its place on a piece.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct TipDeviation {
     /// At the end.
     pub(super) end: Vector,
     /// The most at all places that were looked at, the end among them, mm.
@@ -38,7 +38,7 @@ pub(super) struct Seen {
 
 /// Where a piece stands in its move.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct At {
+pub(super) struct PlaceInMove {
     pub(super) is_first: bool,
     pub(super) is_last: bool,
     /// It is a step on the spot.
@@ -116,7 +116,7 @@ impl<'d> Judge<'d> {
     }
 
     /// A move of the original has no end in the corrected program.
-    pub(super) fn part(&mut self, step: &Step) {
+    pub(super) fn part(&mut self, step: &ComparedMove) {
         (self.off, self.tilt, self.feed) = (None, None, None);
         if let Some((what, corrected)) = self.detour.broken() {
             (self.differ)(Difference { original: step.origin, corrected, what });
@@ -126,10 +126,10 @@ impl<'d> Judge<'d> {
     /// A piece of a move.
     pub(super) fn piece(
         &mut self,
-        group: &Group<'_>,
+        group: &MoveGroup<'_>,
         course: &Course<'_>,
-        at: At,
-        seen: &Seen,
+        at: PlaceInMove,
+        seen: &TipDeviation,
         feed_share: Option<f64>,
     ) {
         let (step, piece) = (group.step, course.piece);
@@ -157,7 +157,7 @@ impl<'d> Judge<'d> {
     }
 
     /// The move has ended.
-    pub(super) fn end(&mut self, step: &Step) {
+    pub(super) fn end(&mut self, step: &ComparedMove) {
         let original = step.origin;
         if let Some((_, what, corrected)) = self.feed.take() {
             (self.differ)(Difference { original, corrected, what });
@@ -172,7 +172,7 @@ impl<'d> Judge<'d> {
     }
 
     /// The pieces of a move that are judged at its end only.
-    fn detour(&mut self, group: &Group<'_>, course: &Course<'_>, at: At, seen: &Seen) {
+    fn detour(&mut self, group: &MoveGroup<'_>, course: &Course<'_>, at: PlaceInMove, seen: &TipDeviation) {
         let (step, piece) = (group.step, course.piece);
         if at.is_last {
             // The last digit of both ends is rounded.
@@ -187,7 +187,7 @@ impl<'d> Judge<'d> {
     }
 
     /// A thread has its lead, and a probing motion stays one.
-    fn manner(&mut self, step: &Step, piece: &Step) {
+    fn manner(&mut self, step: &ComparedMove, piece: &ComparedMove) {
         if let Some([before, after]) = manner::difference(&step.manner, &piece.manner) {
             let what = What::Act { subject: "thread", before: Some(before), after: Some(after) };
             (self.differ)(Difference { original: step.origin, corrected: piece.origin, what });
@@ -195,7 +195,7 @@ impl<'d> Judge<'d> {
     }
 
     /// The direction of the tool at the end of a piece: a correction makes it better, or leaves it.
-    fn tilt(&mut self, group: &Group<'_>, course: &Course<'_>) {
+    fn tilt(&mut self, group: &MoveGroup<'_>, course: &Course<'_>) {
         let Some(tool_axis) = self.tool_axis else { return };
         let (step, piece) = (group.step, course.piece);
         let (nominal, tool_mm) = (step.route.at(course.to), &piece.tool_mm);
@@ -217,7 +217,7 @@ impl<'d> Judge<'d> {
     }
 
     /// What is known of moves that do not follow each other, where the comparison ends: what is missing or new there may only stand elsewhere.
-    pub(super) fn lose(&mut self, step: &Step, piece: &Step) {
+    pub(super) fn lose(&mut self, step: &ComparedMove, piece: &ComparedMove) {
         self.setups(step, piece);
         let pairs = differences(&step.acts, &piece.acts);
         self.differ(pairs.into_iter().filter(|(before, after)| before.is_some() && after.is_some()));
@@ -227,7 +227,7 @@ impl<'d> Judge<'d> {
         self.differ(differences(original, corrected));
     }
 
-    fn differ<'a>(&mut self, pairs: impl IntoIterator<Item = Pairing<'a>>) {
+    fn differ<'a>(&mut self, pairs: impl IntoIterator<Item = ActPairing<'a>>) {
         for (before, after) in pairs {
             let [own, other] = [before, after].map(|act| act.map(|act| act.origin));
             let what = What::Act {
@@ -241,7 +241,7 @@ impl<'d> Judge<'d> {
     }
 
     /// How the end of a block is passed. What stays in force is said once.
-    fn passing(&mut self, step: &Step, piece: &Step, is_last: bool) {
+    fn passing(&mut self, step: &ComparedMove, piece: &ComparedMove, is_last: bool) {
         if step.passing.is_kept_by(&piece.passing, is_last) {
             if is_last {
                 self.passing = None;
@@ -255,15 +255,15 @@ impl<'d> Judge<'d> {
         self.passing = Some(both.clone());
         let [before, after] = both;
         let what = What::Act { subject: "passing of block ends", before, after };
-        let origin = |one: &Step| one.passing.mode.as_ref().map_or(one.origin, |mode| mode.origin);
+        let origin = |one: &ComparedMove| one.passing.mode.as_ref().map_or(one.origin, |mode| mode.origin);
         let corrected = if is_last { origin(piece) } else { piece.origin };
         (self.differ)(Difference { original: origin(step), corrected, what });
     }
 
     /// The working plane, and whether a transformation is in force. What stays in force is said once.
-    fn setups(&mut self, step: &Step, piece: &Step) {
+    fn setups(&mut self, step: &ComparedMove, piece: &ComparedMove) {
         let in_axes = self.promise.is_some_and(|promise| promise.in_axes) && piece.setup.transform.is_none();
-        let is_transformed = |one: &Step| one.setup.transform.is_some() && !in_axes;
+        let is_transformed = |one: &ComparedMove| one.setup.transform.is_some() && !in_axes;
         let is_same = !is_transformed(step)
             || in_axes
             || step.transformation == piece.transformation && step.setup.transform == piece.setup.transform;
@@ -271,7 +271,7 @@ impl<'d> Judge<'d> {
             self.setups = None;
             return;
         }
-        let shown = |one: &Step| {
+        let shown = |one: &ComparedMove| {
             let plane = one.setup.plane.number();
             let way = match one.setup.transform {
                 Some(Turning::Axes) => "rotary axes in proportion",
@@ -293,7 +293,7 @@ impl<'d> Judge<'d> {
         (self.differ)(Difference { original: step.origin, corrected: piece.origin, what });
     }
 
-    fn feed(&mut self, step: &Step, piece: &Step, share: Option<f64>) {
+    fn feed(&mut self, step: &ComparedMove, piece: &ComparedMove, share: Option<f64>) {
         // A number per minute beside one per turn of the spindle is no share of it, whatever the two are.
         let share = if step.is_of_another_unit(piece) { Some(f64::NAN) } else { share };
         let Some(share) = share else { return };
@@ -308,12 +308,12 @@ impl<'d> Judge<'d> {
         }
     }
 
-    fn limit_of(&self, piece: &Step) -> f64 {
+    fn limit_of(&self, piece: &ComparedMove) -> f64 {
         if piece.route.arc().is_some() { self.arc_limit_mm } else { self.limit_mm }
     }
 
     /// How far the tool is from where it was promised to be, mm.
-    fn off_mm(&self, group: &Group<'_>, course: &Course<'_>, at: At, seen: &Seen) -> f64 {
+    fn off_mm(&self, group: &MoveGroup<'_>, course: &Course<'_>, at: PlaceInMove, seen: &TipDeviation) -> f64 {
         let (step, piece) = (group.step, course.piece);
         if at.stands && !at.is_last {
             return seen.end.norm();
@@ -334,7 +334,7 @@ impl<'d> Judge<'d> {
     }
 
     /// What is off other than by words that were left as they are: rapid moves may be corrected in some words only.
-    fn beyond_left_mm(&self, group: &Group<'_>, course: &Course<'_>, end: &Vector) -> f64 {
+    fn beyond_left_mm(&self, group: &MoveGroup<'_>, course: &Course<'_>, end: &Vector) -> f64 {
         let (step, piece, kinematics) = (group.step, course.piece, group.kinematics);
         let place = step.route.at(course.to);
         let [nominal, before, written] =

@@ -31,13 +31,13 @@ pub use difference::{Difference, What};
 pub use parting::Parting;
 pub use promise::Promise;
 
-use ahead::{Ahead, rejoin};
-use group::{Group, Offset};
+use ahead::{MovesAhead, rejoin};
+use group::{MoveGroup, Offset};
 use judge::Judge;
-use step::{Step, Walk};
+use step::{ComparedMove, Walk};
 
 use super::lead::Lead;
-use super::prediction::Pair;
+use super::prediction::SpreadPair;
 use super::{Feeds, Prediction, Spread};
 
 /// Takes what is seen along the moves.
@@ -165,23 +165,23 @@ pub fn compare_seeing(
     let original = Walk::new(original, machine, feeds[0], lead);
     let corrected = Walk::new(corrected, machine, feeds[1], lead);
     let tails = [original.tail(), corrected.tail()];
-    let (mut original, mut corrected) = (Ahead::new(original), Ahead::new(corrected));
+    let (mut original, mut corrected) = (MovesAhead::new(original), MovesAhead::new(corrected));
     let kinematics = Kinematics::new(machine);
     let mut prediction = Prediction::default();
     let mut judge = Judge::new(promise, machine, differ);
     let mut carried = Offset::default();
     let mut partings: Vec<Parting> = Vec::new();
     while let Some(mut step) = original.next() {
-        let mut group = Group::new(model, grouping, (&kinematics, lead), &step, carried);
+        let mut group = MoveGroup::new(model, grouping, (&kinematics, lead), &step, carried);
         judge.begin(original.peek().is_some_and(|next| step.runs_into(next)));
         match group.follow(&mut corrected, &mut prediction, see, &mut judge) {
             Ok(offset) => carried = offset,
             Err(mut parting) => {
                 let is_judged = group.is_judged;
                 judge.part(&step);
-                let ends = |step: &Step, piece: &Step| {
+                let ends = |step: &ComparedMove, piece: &ComparedMove| {
                     let of = (&kinematics, lead);
-                    Group::new(model, grouping, of, step, Offset::default()).ends_at(piece)
+                    MoveGroup::new(model, grouping, of, step, Offset::default()).ends_at(piece)
                 };
                 if let (Some(next), Some(piece)) = (original.peek(), corrected.peek())
                     && parting.corrected == Some(piece.origin)
@@ -221,8 +221,8 @@ pub fn compare_seeing(
     if partings.is_empty() { Ok(prediction.counted().into()) } else { Err(partings) }
 }
 
-impl From<&Pair> for Comparison {
-    fn from(pair: &Pair) -> Comparison {
+impl From<&SpreadPair> for Comparison {
+    fn from(pair: &SpreadPair) -> Comparison {
         Comparison { before: pair.before, after: pair.after, samples: pair.after.samples, max_at: pair.max_at }
     }
 }

@@ -4,7 +4,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{AXES, AxisVector};
 use ncfix_machine::snc::Origin;
 
-use super::step::Step;
+use super::step::ComparedMove;
 
 /// Ends of axes that differ by less are no sign of another move, mm and rad: corrections do that.
 const OTHER_END: f64 = 0.1;
@@ -22,12 +22,18 @@ pub struct Parting {
 
 impl Parting {
     /// Where there is no line of the corrected program.
-    pub(super) fn alone(step: &Step, why: &str) -> Parting {
+    pub(super) fn alone(step: &ComparedMove, why: &str) -> Parting {
         Parting { original: step.origin, corrected: None, why: why.to_owned() }
     }
 
     /// At a piece; `words` are the ends of the move and of the piece as programs write them. `is_new` where the piece behind it ends the move.
-    pub(super) fn at(step: &Step, piece: &Step, why: &str, words: [AxisVector; 2], is_new: bool) -> Parting {
+    pub(super) fn at(
+        step: &ComparedMove,
+        piece: &ComparedMove,
+        why: &str,
+        words: [AxisVector; 2],
+        is_new: bool,
+    ) -> Parting {
         let others = AXES.into_iter().filter(|&axis| (words[0][axis] - words[1][axis]).abs() > OTHER_END);
         let ends = others.map(|axis| {
             let [wanted, found] =

@@ -24,7 +24,7 @@ const SAME_WAY: f64 = 0.5;
 
 /// A move of one of the programs.
 #[derive(Clone, Debug)]
-pub(super) struct Step {
+pub(super) struct ComparedMove {
     pub(super) origin: Origin,
     pub(super) route: Route,
     pub(super) rapid: bool,
@@ -63,7 +63,7 @@ pub(super) struct Step {
     pub(super) transformation: &'static str,
 }
 
-impl Step {
+impl ComparedMove {
     /// Where the axes are within their dead bands at a parameter.
     pub(super) fn band_at(&self, parameter: f64, lead: &Lead<'_>) -> DeadBand {
         let mut band = self.band;
@@ -89,7 +89,7 @@ impl Step {
         self.manner != Manner::Path
     }
 
-    /// The axis command of what this program would write: the other way round than [`Step::programmed`]; `None` where the machine cannot go there.
+    /// The axis command of what this program would write: the other way round than [`ComparedMove::programmed`]; `None` where the machine cannot go there.
     pub(super) fn commanded(&self, words: &AxisVector, kinematics: &Kinematics) -> Option<AxisVector> {
         if self.in_machine_frame && self.setup.transform.is_none() {
             let mut out = *words;
@@ -106,7 +106,7 @@ impl Step {
 
     /// Whether the control goes on from it into a move of the same block in its direction, as the pieces of a curve follow each other: no exact stop
     /// stands between them.
-    pub(super) fn runs_into(&self, next: &Step) -> bool {
+    pub(super) fn runs_into(&self, next: &ComparedMove) -> bool {
         let way = |route: &Route, [from, to]: [f64; 2]| {
             let step = route.at(to) - route.at(from);
             AXES.map(|axis| if axis.is_rotary() { TURN_ARM_MM * step[axis] } else { step[axis] })
@@ -179,9 +179,9 @@ impl<'a, I> Walk<'a, I> {
 }
 
 impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
-    type Item = Step;
+    type Item = ComparedMove;
 
-    fn next(&mut self) -> Option<Step> {
+    fn next(&mut self) -> Option<ComparedMove> {
         loop {
             let Some(element) = self.elements.next() else {
                 self.tail.borrow_mut().append(&mut self.acts.0);
@@ -229,7 +229,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 _ => continue,
             };
             self.ever_named = self.ever_named.union(motion.named);
-            let step = Step {
+            let step = ComparedMove {
                 origin: element.origin,
                 route: Route::new(self.position, motion.target, motion.arc),
                 rapid: motion.rapid,

@@ -1,7 +1,7 @@
 //! Positions to which only some axes of the output go: rapid moves that are no approach to a cut.
 
 use super::{Placed, Placer, SHORT_MM};
-use crate::path::standing::Standing;
+use crate::path::standing::PathState;
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Vector};
 
 impl Placer<'_> {
@@ -9,7 +9,7 @@ impl Placer<'_> {
     pub(in crate::path) fn partly(
         &self,
         target: &AxisVector,
-        standing: &Standing,
+        standing: &PathState,
         moving: AxisSet,
         known: AxisSet,
     ) -> Placed {

@@ -7,7 +7,7 @@
 
 use std::fmt::Write as _;
 
-use super::limits::{Holds, Limits};
+use super::limits::{FormatLimits, Holds};
 use super::plain::{even_points, round_steps};
 use super::{Format, Written, ini, marks, rounded};
 use crate::tables::{Multiplication, Nodes, Sense, Tables, Wiring};
@@ -28,7 +28,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are added to the set-point of the output axis; the manual does not spell out the sign: try one large value on the machine",
     holds: &[Holds::Own, Holds::Cross, Holds::Products, Holds::Senses, Holds::CrossSenses, Holds::Repetition],
     // Two tables for each of 31 axes; MD18342 takes 2000 points; MD32720 takes 10 mm and is 1 mm as delivered.
-    limits: Limits { tables: 62, points: 2000, value_mm: 10.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 62, points: 2000, value_mm: 10.0, resolution_mm: 1e-6 },
     round,
     faults,
     write,

@@ -8,7 +8,7 @@
 
 use std::fmt::Write as _;
 
-use super::limits::{Holds, Limits};
+use super::limits::{FormatLimits, Holds};
 use super::plain::{find, inputs, name_points, points_of, sum, weigh};
 use super::scan::{MOST_POINTS, Report, lines};
 use super::{Format, Written, naming, rounded};
@@ -31,7 +31,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are added to the command of the joint: COMP_FILE_TYPE = 1",
     holds: &[Holds::Own, Holds::Senses],
     // 256 triplets a joint (INI configuration); a joint has one file for both senses; values are single precision.
-    limits: Limits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-6 },
     round,
     faults,
     write,

@@ -8,10 +8,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::ini::{self, Assignment, KEEPS_FIELDS, Place, missing};
-use super::limits::{Holds, Limits};
+use super::ini::{self, IniAssignment, IniPosition, KEEPS_FIELDS, missing};
+use super::limits::{FormatLimits, Holds};
 use super::plain::{even_points, round_steps, weigh};
-use super::scan::{Line, MOST_POINTS, Report, lines, shown};
+use super::scan::{MOST_POINTS, Report, ScannedLine, lines, shown};
 use super::{Format, Written, rounded};
 use crate::tables::{Lookup, Nodes, Sense, Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
@@ -29,7 +29,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "positive values move the axis in the negative direction, because they correct what the encoder tells",
     holds: &[Holds::Own, Holds::Repetition],
     // One for each of 31 axes; MD38000 takes 5000 points; no largest value is known.
-    limits: Limits { tables: 31, points: 5000, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 31, points: 5000, value_mm: 0.0, resolution_mm: 1e-6 },
     round,
     faults,
     write,
@@ -120,7 +120,7 @@ impl Raw {
 
 fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut reader = Reader { report: Report::new(source), raw: BTreeMap::new() };
-    let mut place = Place::new("EEC", "ENC_COMP");
+    let mut place = IniPosition::new("EEC", "ENC_COMP");
     for line in lines(source) {
         let mut found = Vec::new();
         place.line(&line, &mut reader.report, |unit_mm, one| found.push((unit_mm, one)));
@@ -142,7 +142,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn assignment(&mut self, line: &Line<'_>, unit_mm: f64, one: &Assignment<'_>) {
+    fn assignment(&mut self, line: &ScannedLine<'_>, unit_mm: f64, one: &IniAssignment<'_>) {
         let Some(field) = one.name.strip_prefix("$AA_ENC_COMP") else {
             // Sag tables are of another format, whose reader takes them.
             let is_known = ["$AN_CEC", "$SN_CEC", "$MN_MM_CEC"].iter().any(|head| one.name.starts_with(head));

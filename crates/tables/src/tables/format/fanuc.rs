@@ -7,8 +7,8 @@
 
 use std::fmt::Write as _;
 
-use super::limits::{Holds, Limits};
-use super::scan::{Line, Report, cells, lines, shown};
+use super::limits::{FormatLimits, Holds};
+use super::scan::{Report, ScannedLine, cells, lines, shown};
 use super::{Format, Written, rounded};
 use crate::tables::{Grid, Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
@@ -31,7 +31,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are added to the commands in mm; unit, magnification and sign are those of the machine builder's loader: try one large value",
     holds: &[Holds::Grid],
     // 25 nodes along each axis (Esmaeili 2021, 4.5.2); the largest value depends on a magnification that the builder sets.
-    limits: Limits { tables: 1, points: 25, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 1, points: 25, value_mm: 0.0, resolution_mm: 1e-6 },
     round,
     faults,
     write,
@@ -124,7 +124,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn axis(&mut self, line: &Line<'_>, text: &str) {
+    fn axis(&mut self, line: &ScannedLine<'_>, text: &str) {
         let parts: Vec<&str> = cells(text).take(5).collect();
         let [name, start, step, count] = parts[..] else {
             let help = "write a row for each of three axes: X,-100,50,9";
@@ -152,7 +152,7 @@ impl Reader<'_> {
         }
     }
 
-    fn node(&mut self, line: &Line<'_>, text: &str) {
+    fn node(&mut self, line: &ScannedLine<'_>, text: &str) {
         let parts: Vec<&str> = cells(text).take(8).collect();
         let [number, at @ .., x, y, z] = &parts[..] else {
             self.report.fault(
@@ -187,7 +187,7 @@ impl Reader<'_> {
     }
 
     /// The position of a node must be that of the grid.
-    fn position(&mut self, line: &Line<'_>, index: usize, at: &[&str]) {
+    fn position(&mut self, line: &ScannedLine<'_>, index: usize, at: &[&str]) {
         let mut rest = index;
         for (place, row) in self.axes.iter().enumerate() {
             let expected = rounded(row.start + row.step * (rest % row.count) as f64, DECIMALS);

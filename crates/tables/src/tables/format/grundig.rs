@@ -8,8 +8,8 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use super::limits::{Holds, Limits};
-use super::scan::{Line, MOST_POINTS, Report, cells, lines, shown};
+use super::limits::{FormatLimits, Holds};
+use super::scan::{MOST_POINTS, Report, ScannedLine, cells, lines, shown};
 use super::{Format, Written, rounded};
 use crate::tables::{AxisErrors, ErrorTables, Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
@@ -34,7 +34,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are errors of the moving body, not corrections; try one large value on the machine",
     holds: &[Holds::Errors],
     // Table 6.1 has whole µm and arc seconds and the three linear axes; no largest number of points or value is given there.
-    limits: Limits { tables: 3, points: 0, value_mm: 0.0, resolution_mm: UM },
+    limits: FormatLimits { tables: 3, points: 0, value_mm: 0.0, resolution_mm: UM },
     round,
     faults,
     write,
@@ -129,7 +129,7 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
 
 /// Adds a point behind those of its axis.
 fn add(
-    line: &Line<'_>,
+    line: &ScannedLine<'_>,
     report: &mut Report<'_>,
     axes: &mut Vec<AxisErrors>,
     axis: Axis,
@@ -152,7 +152,7 @@ fn add(
 }
 
 /// Axis, position and values of a row.
-fn row(line: &Line<'_>, text: &str, report: &mut Report<'_>) -> Option<(Axis, f64, [f64; 6])> {
+fn row(line: &ScannedLine<'_>, text: &str, report: &mut Report<'_>) -> Option<(Axis, f64, [f64; 6])> {
     let mut axis = None;
     let mut position = None;
     let mut values = [None; 6];
@@ -206,7 +206,7 @@ fn row(line: &Line<'_>, text: &str, report: &mut Report<'_>) -> Option<(Axis, f6
 }
 
 /// The number in a word.
-fn value_of(line: &Line<'_>, word: &str, text: &str, report: &mut Report<'_>) -> Option<f64> {
+fn value_of(line: &ScannedLine<'_>, word: &str, text: &str, report: &mut Report<'_>) -> Option<f64> {
     let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
     if value.is_none() {
         report.fault(line, word, format!("'{}' has no number", shown(word)), "write a decimal number");

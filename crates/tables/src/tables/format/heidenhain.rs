@@ -9,7 +9,7 @@
 
 use std::fmt::Write as _;
 
-use super::limits::{Holds, Limits};
+use super::limits::{FormatLimits, Holds};
 use super::plain::{find, inputs, name_points, points_of, sum, weigh};
 use super::{Format, Written, rounded};
 use crate::tables::{Lookup, Nodes, Sense, Tables, Wiring};
@@ -31,7 +31,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are added to the set-point, BACKLASH holds those of the negative direction; the manuals leave both open: try one large value",
     holds: &[Holds::Own, Holds::Cross, Holds::Senses, Holds::Repetition],
     // 256 points a table (TNC 407, module 9095, error 3); no largest value is known.
-    limits: Limits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-4 },
+    limits: FormatLimits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-4 },
     round,
     faults,
     write,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::scan::{Line, Report, shown};
+use super::scan::{Report, ScannedLine, shown};
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
 
@@ -37,7 +37,7 @@ pub(super) fn has(bytes: &[u8], variable: &str, member: &str) -> bool {
 
 /// `$NAME[index, index] = value`.
 #[derive(Debug)]
-pub(super) struct Assignment<'a> {
+pub(super) struct IniAssignment<'a> {
     /// The name in capitals, with its `$`.
     pub(super) name: String,
     /// What stands between the brackets.
@@ -48,7 +48,7 @@ pub(super) struct Assignment<'a> {
     pub(super) text: &'a str,
 }
 
-impl Assignment<'_> {
+impl IniAssignment<'_> {
     /// An index that is a whole number below a limit.
     pub(super) fn index(&self, place: usize, limit: usize) -> Option<usize> {
         self.indices.get(place).and_then(|index| index.parse::<usize>().ok()).filter(|&index| index < limit)
@@ -57,7 +57,7 @@ impl Assignment<'_> {
 
 /// Where a reader is in an archive.
 #[derive(Debug)]
-pub(super) struct Place {
+pub(super) struct IniPosition {
     /// What the names of members with such tables have in them.
     member: &'static str,
     /// What the names of their variables have in them.
@@ -70,9 +70,9 @@ pub(super) struct Place {
     open: Option<Span>,
 }
 
-impl Place {
-    pub(super) fn new(member: &'static str, mark: &'static str) -> Place {
-        Place { member, mark, is_foreign: false, unit_mm: 1.0, open: None }
+impl IniPosition {
+    pub(super) fn new(member: &'static str, mark: &'static str) -> IniPosition {
+        IniPosition { member, mark, is_foreign: false, unit_mm: 1.0, open: None }
     }
 
     /// What a list that breaks off is told: an end that is missing is all that tells of lines that are.
@@ -86,9 +86,9 @@ impl Place {
     /// Calls back for each assignment to a system variable in a line.
     pub(super) fn line<'a>(
         &mut self,
-        line: &Line<'a>,
+        line: &ScannedLine<'a>,
         report: &mut Report<'_>,
-        mut found: impl FnMut(f64, Assignment<'a>),
+        mut found: impl FnMut(f64, IniAssignment<'a>),
     ) {
         let text = line.before(';').trim();
         if text.starts_with('%') {
@@ -112,7 +112,12 @@ impl Place {
     }
 
     /// An assignment; what is none is taken up or pointed out.
-    fn assignment<'a>(&mut self, line: &Line<'a>, report: &mut Report<'_>, text: &'a str) -> Option<Assignment<'a>> {
+    fn assignment<'a>(
+        &mut self,
+        line: &ScannedLine<'a>,
+        report: &mut Report<'_>,
+        text: &'a str,
+    ) -> Option<IniAssignment<'a>> {
         if text.eq_ignore_ascii_case("METRIC") || text.eq_ignore_ascii_case("INCH") {
             self.unit_mm = if text.eq_ignore_ascii_case("INCH") { MM_PER_INCH } else { 1.0 };
             return None;
@@ -131,7 +136,7 @@ impl Place {
                 let indices = indices.trim().trim_end_matches(']');
                 // No variable has more than three.
                 let indices = indices.split(',').take(4).map(str::trim).collect();
-                Some(Assignment { name: name.trim().to_ascii_uppercase(), indices, value: value.trim(), text })
+                Some(IniAssignment { name: name.trim().to_ascii_uppercase(), indices, value: value.trim(), text })
             }
             None if self.is_foreign => None,
             None if text.starts_with('$') || text.to_ascii_uppercase().contains(self.mark) => {

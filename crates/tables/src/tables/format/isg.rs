@@ -8,8 +8,8 @@
 
 use std::fmt::Write as _;
 
-use super::limits::{Holds, Limits};
-use super::scan::{Line, MOST_POINTS, Report, cells, lines, shown};
+use super::limits::{FormatLimits, Holds};
+use super::scan::{MOST_POINTS, Report, ScannedLine, cells, lines, shown};
 use super::{Format, Written, rounded};
 use crate::tables::{AxisErrors, ErrorTables, Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
@@ -34,7 +34,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are errors of the moving body as in ISO 230-1, mm and rad; the control's list can turn their sign (negate): try one large value",
     holds: &[Holds::Errors, Holds::Locations],
     // Six axes; the number of rows is max_records of the control's list, which its builder sets.
-    limits: Limits { tables: 6, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 6, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },
     round,
     faults,
     write,
@@ -181,7 +181,7 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     report.findings
 }
 
-fn header(line: &Line<'_>, text: &str, report: &mut Report<'_>) -> Option<Vec<Column>> {
+fn header(line: &ScannedLine<'_>, text: &str, report: &mut Report<'_>) -> Option<Vec<Column>> {
     let mut columns = Vec::new();
     let mut names: Vec<String> = Vec::new();
     for name in cells(text).take(MOST_COLUMNS) {
@@ -204,7 +204,7 @@ fn header(line: &Line<'_>, text: &str, report: &mut Report<'_>) -> Option<Vec<Co
     Some(columns)
 }
 
-fn record(line: &Line<'_>, text: &str, block: &mut Block, report: &mut Report<'_>) {
+fn record(line: &ScannedLine<'_>, text: &str, block: &mut Block, report: &mut Report<'_>) {
     let parts: Vec<&str> = cells(text).take(MOST_COLUMNS + 1).collect();
     if parts.len() != block.columns.len() {
         let message = format!("{} values, and the header has {}", parts.len(), block.columns.len());

@@ -30,7 +30,7 @@ pub enum Holds {
 
 /// How much a control can hold. Zero where there is no such limit or none is known.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct FormatLimits {
     /// Tables.
     pub tables: usize,
     /// Values of a table, or nodes along an axis of a grid.
@@ -77,7 +77,7 @@ pub(super) fn kinds(format: &Format, tables: &Tables) -> Vec<String> {
 }
 
 /// What is more than the control takes.
-pub(super) fn exceeded(limits: &Limits, tables: &Tables) -> Vec<String> {
+pub(super) fn exceeded(limits: &FormatLimits, tables: &Tables) -> Vec<String> {
     let mut faults = Vec::new();
     if limits.tables > 0 && tables.count() > limits.tables {
         faults.push(format!("{} tables, and the control has {}", tables.count(), limits.tables));

@@ -6,8 +6,8 @@
 
 use std::fmt::Write as _;
 
-use super::limits::{Holds, Limits};
-use super::scan::{Line, Report, cells, lines, shown};
+use super::limits::{FormatLimits, Holds};
+use super::scan::{Report, ScannedLine, cells, lines, shown};
 use super::{Format, Written, rounded};
 use crate::tables::{Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
@@ -27,7 +27,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "motors are the matrix times the commands",
     holds: &[Holds::Matrix],
     // Nine numbers of double precision.
-    limits: Limits { tables: 1, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },
+    limits: FormatLimits { tables: 1, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },
     round,
     faults,
     write,
@@ -105,7 +105,7 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
 }
 
 /// A line that sets a parameter of the matrix.
-fn parameter(line: &Line<'_>, report: &mut Report<'_>) -> Option<([usize; 2], f64)> {
+fn parameter(line: &ScannedLine<'_>, report: &mut Report<'_>) -> Option<([usize; 2], f64)> {
     let text = line.before('#').trim();
     let mut words = cells(text);
     if words.next() != Some("setp") {

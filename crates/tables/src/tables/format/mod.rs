@@ -17,7 +17,7 @@ mod scan;
 mod shape;
 mod ssfk;
 
-pub use limits::{Holds, Limits};
+pub use limits::{FormatLimits, Holds};
 pub use marks::multiplication_of;
 
 use std::collections::BTreeSet;
@@ -38,10 +38,10 @@ pub struct Format {
     /// What it can hold.
     pub holds: &'static [Holds],
     /// How much of it.
-    pub limits: Limits,
+    pub limits: FormatLimits,
     /// Rounds values and positions to what the format writes, so that what is written is what was checked.
     pub round: fn(&mut Tables),
-    /// What only this format forbids, a sentence each; what [`Holds`] and [`Limits`] forbid is not among it.
+    /// What only this format forbids, a sentence each; what [`Holds`] and [`FormatLimits`] forbid is not among it.
     pub faults: fn(&Tables, &Wiring) -> Vec<String>,
     /// The text of rounded tables without faults; comment lines say what they are. One file with an empty suffix, or several.
     pub write: fn(&Tables, &Wiring, &[String]) -> Vec<Written>,

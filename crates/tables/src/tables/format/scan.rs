@@ -12,13 +12,13 @@ const MOST_SHOWN: usize = 40;
 
 /// A line of a file without its end.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line<'a> {
+pub(super) struct ScannedLine<'a> {
     /// What stands in it; bytes that are not UTF-8 make it end there.
     pub(super) text: &'a str,
     start: usize,
 }
 
-impl<'a> Line<'a> {
+impl<'a> ScannedLine<'a> {
     /// The place of a part of the line.
     pub(super) fn span(&self, part: &str) -> Span {
         let from = part.as_ptr() as usize;
@@ -51,7 +51,7 @@ pub(super) fn cells(text: &str) -> impl Iterator<Item = &str> {
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// The lines of a file.
-pub(super) fn lines(source: &Source) -> impl Iterator<Item = Line<'_>> {
+pub(super) fn lines(source: &Source) -> impl Iterator<Item = ScannedLine<'_>> {
     let end = source.line_end();
     let bytes = source.bytes();
     let bare = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
@@ -63,7 +63,7 @@ pub(super) fn lines(source: &Source) -> impl Iterator<Item = Line<'_>> {
             Ok(text) => text,
             Err(fault) => std::str::from_utf8(&bytes[..fault.valid_up_to()]).unwrap_or_default(),
         };
-        Line { text: text.trim_end_matches('\r'), start: at }
+        ScannedLine { text: text.trim_end_matches('\r'), start: at }
     })
 }
 
@@ -87,12 +87,12 @@ impl<'a> Report<'a> {
     }
 
     /// What makes the file no table.
-    pub(super) fn fault(&mut self, line: &Line<'_>, part: &str, message: impl Into<String>, help: &str) {
+    pub(super) fn fault(&mut self, line: &ScannedLine<'_>, part: &str, message: impl Into<String>, help: &str) {
         self.add(Code::BAD_TABLES, line.span(part), message.into(), help);
     }
 
     /// What is left out.
-    pub(super) fn unused(&mut self, line: &Line<'_>, part: &str, message: impl Into<String>, help: &str) {
+    pub(super) fn unused(&mut self, line: &ScannedLine<'_>, part: &str, message: impl Into<String>, help: &str) {
         self.add(Code::UNUSED_TABLE, line.span(part), message.into(), help);
     }
 
@@ -124,7 +124,7 @@ impl<'a> Report<'a> {
     }
 
     /// A finite number.
-    pub(super) fn number(&mut self, line: &Line<'_>, part: &str) -> Option<f64> {
+    pub(super) fn number(&mut self, line: &ScannedLine<'_>, part: &str) -> Option<f64> {
         let value = part.trim().parse::<f64>().ok().filter(|value| value.is_finite());
         if value.is_none() {
             self.fault(line, part, format!("'{}' is no number", shown(part)), "write a decimal number");

@@ -8,9 +8,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::limits::{Holds, Limits};
+use super::limits::{FormatLimits, Holds};
 use super::plain::{find, inputs, name_points, points_of, sum, weigh};
-use super::scan::{Line, MOST_POINTS, Report, lines, shown};
+use super::scan::{MOST_POINTS, Report, ScannedLine, lines, shown};
 use super::{Format, Written, naming, rounded};
 use crate::tables::{Lookup, Nodes, Sense, Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
@@ -29,7 +29,7 @@ pub(super) const FORMAT: Format = Format {
     sign: "values are measured minus programmed position; the control adds their negatives",
     holds: &[Holds::Own, Holds::Senses, Holds::Repetition],
     // 1500 entries unless P-COMP-00059 says more; values have 32 bits (16 in old ones, 3.2767 mm).
-    limits: Limits { tables: 0, points: 1500, value_mm: 3.2767, resolution_mm: 1e-4 },
+    limits: FormatLimits { tables: 0, points: 1500, value_mm: 3.2767, resolution_mm: 1e-4 },
     round,
     faults,
     write,
@@ -170,7 +170,7 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
     report.findings
 }
 
-fn entry(list: &mut List, line: &Line<'_>, field: &str, value: &str, report: &mut Report<'_>) {
+fn entry(list: &mut List, line: &ScannedLine<'_>, field: &str, value: &str, report: &mut Report<'_>) {
     let Some(number) = report.number(line, value) else { return };
     match field {
         "interval" => list.interval = number,

@@ -28,11 +28,11 @@ pub(super) struct Assembly<'a> {
 /// The product of two functions.
 struct Product {
     output: Axis,
-    sides: [Side; 2],
+    sides: [AxisFunction; 2],
 }
 
 /// A function of one axis at its nodes.
-pub(super) struct Side {
+pub(super) struct AxisFunction {
     pub(super) axis: Axis,
     /// Two of them make a straight line.
     pub(super) values: Vec<f64>,
@@ -76,7 +76,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Adds the product of two functions.
-    pub(super) fn add_product(&mut self, output: Axis, sides: [Side; 2]) {
+    pub(super) fn add_product(&mut self, output: Axis, sides: [AxisFunction; 2]) {
         self.products.push(Product { output, sides });
     }
 

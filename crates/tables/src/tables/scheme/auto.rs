@@ -1,7 +1,7 @@
 //! The fewest tables that reach the tolerance on a control: all schemes that it can hold are tried, and tables that are not needed are left out.
 
 use super::{SCHEMES, Scheme, Task};
-use crate::tables::check::{Errors, Stand, left, stands};
+use crate::tables::check::{CheckedPose, Errors, left, stands};
 use crate::tables::{Control, Tables};
 use ncfix_base::geometry::Axis;
 
@@ -64,7 +64,7 @@ pub fn choose(task: &Task<'_>) -> (Option<(&'static Scheme, Tables)>, Vec<Tried>
     (best, tried)
 }
 
-fn attempt(task: &Task<'_>, scheme: &Scheme, poses: &[Stand]) -> Result<(Tables, Errors), String> {
+fn attempt(task: &Task<'_>, scheme: &Scheme, poses: &[CheckedPose]) -> Result<(Tables, Errors), String> {
     let tables = scheme.tables(task)?;
     let errors = left(&task.target, &Control::new(task.target.machine, &tables), poses);
     let faults = task.format.faults_of(&tables, task.wiring);
@@ -77,7 +77,7 @@ fn attempt(task: &Task<'_>, scheme: &Scheme, poses: &[Stand]) -> Result<(Tables,
 }
 
 /// Leaves out tables, and products, as long as the tolerance is kept; the smallest first.
-fn without_idle(task: &Task<'_>, tables: Tables, poses: &[Stand], rms_mm: f64) -> Tables {
+fn without_idle(task: &Task<'_>, tables: Tables, poses: &[CheckedPose], rms_mm: f64) -> Tables {
     if tables.lookups.is_empty() || rms_mm > AIM * task.tolerance_mm {
         return tables;
     }

@@ -16,7 +16,7 @@
 
 use std::collections::BTreeMap;
 
-use super::assembly::{Assembly, Side};
+use super::assembly::{Assembly, AxisFunction};
 use super::{Holds, Scheme, Task};
 use crate::tables::{Orientation, Tables};
 use ncfix_base::geometry::{AXES, Axis, AxisVector, LINEAR_AXES};
@@ -256,7 +256,7 @@ impl<'a> Terms<'a> {
                 let values: Vec<f64> = row.iter().map(|value| value * column[0]).collect();
                 self.assembly.add(output, second, &values);
             } else {
-                let sides = [Side { axis: first, values: column }, Side { axis: second, values: row }];
+                let sides = [AxisFunction { axis: first, values: column }, AxisFunction { axis: second, values: row }];
                 self.assembly.add_product(output, sides);
             }
         }
@@ -277,12 +277,12 @@ impl<'a> Terms<'a> {
             return;
         }
         // All factors, each a function of one axis.
-        let mut sides: Vec<Side> =
-            drivers.iter().map(|driver| Side { axis: driver.axis, values: driver.values.clone() }).collect();
+        let mut sides: Vec<AxisFunction> =
+            drivers.iter().map(|driver| AxisFunction { axis: driver.axis, values: driver.values.clone() }).collect();
         let mut common = factor;
         match turning {
             [] => common *= middle,
-            [(axis, values)] => sides.push(Side { axis: *axis, values: values.clone() }),
+            [(axis, values)] => sides.push(AxisFunction { axis: *axis, values: values.clone() }),
             several => {
                 // Additive: each along its axis, less what the middle counts twice. What two axes do together is beyond that.
                 for (index, (axis, values)) in several.iter().enumerate() {
@@ -297,8 +297,8 @@ impl<'a> Terms<'a> {
     }
 
     /// Adds a product of functions, after those of one axis were put together.
-    fn multiply(&mut self, output: Axis, arm: Option<Axis>, common: f64, sides: Vec<Side>) {
-        let mut merged: Vec<Side> = Vec::new();
+    fn multiply(&mut self, output: Axis, arm: Option<Axis>, common: f64, sides: Vec<AxisFunction>) {
+        let mut merged: Vec<AxisFunction> = Vec::new();
         for side in sides {
             match merged.iter_mut().find(|one| one.axis == side.axis) {
                 Some(one) => one.values.iter_mut().zip(&side.values).for_each(|(one, other)| *one *= other),
@@ -356,8 +356,8 @@ impl<'a> Terms<'a> {
             let offset: Vec<f64> = rest.iter().map(|value| value * middle).collect();
             self.assembly.add(output, axis, &offset);
             let half = (high - low) / 2.0;
-            let arm = Side { axis: arm, values: vec![-half, half] };
-            self.assembly.add_product(output, [arm, Side { axis, values: rest }]);
+            let arm = AxisFunction { axis: arm, values: vec![-half, half] };
+            self.assembly.add_product(output, [arm, AxisFunction { axis, values: rest }]);
         }
         self.assembly.finish()
     }

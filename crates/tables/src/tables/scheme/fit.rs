@@ -4,7 +4,7 @@
 //! tables really give: position goes before direction.
 
 use super::Task;
-use super::assembly::{Assembly, Side};
+use super::assembly::{Assembly, AxisFunction};
 use crate::tables::{Control, Orientation, Tables};
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_base::numeric::System;
@@ -23,7 +23,7 @@ const RANK_LIMIT: f64 = 1e-9;
 
 /// A function of the commands with an unknown coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Term {
+pub(super) enum FitTerm {
     /// 1.
     One,
     /// A power of an axis in units of half its range from its middle.
@@ -74,21 +74,25 @@ impl Basis<'_> {
     }
 
     /// The part of a term that depends on an axis.
-    fn part(&self, term: Term, axis: Axis, at: f64) -> f64 {
+    fn part(&self, term: FitTerm, axis: Axis, at: f64) -> f64 {
         match term {
-            Term::Power(own, power) if own == axis => self.scaled(axis, at).powi(power),
-            Term::Hat(own, node) if own == axis => hat(&self.nodes[axis.slot()], node, at),
-            Term::Wave(_, turned, wave) if turned == axis => wave.value(at),
-            Term::Wave(Some(lever), _, _) if lever == axis => self.scaled(axis, at),
+            FitTerm::Power(own, power) if own == axis => self.scaled(axis, at).powi(power),
+            FitTerm::Hat(own, node) if own == axis => hat(&self.nodes[axis.slot()], node, at),
+            FitTerm::Wave(_, turned, wave) if turned == axis => wave.value(at),
+            FitTerm::Wave(Some(lever), _, _) if lever == axis => self.scaled(axis, at),
             _ => 1.0,
         }
     }
 
-    fn value(&self, term: Term, pose: &AxisVector) -> f64 {
+    fn value(&self, term: FitTerm, pose: &AxisVector) -> f64 {
         match term {
-            Term::One => 1.0,
-            Term::Power(axis, _) | Term::Hat(axis, _) | Term::Wave(None, axis, _) => self.part(term, axis, pose[axis]),
-            Term::Wave(Some(lever), axis, _) => self.part(term, lever, pose[lever]) * self.part(term, axis, pose[axis]),
+            FitTerm::One => 1.0,
+            FitTerm::Power(axis, _) | FitTerm::Hat(axis, _) | FitTerm::Wave(None, axis, _) => {
+                self.part(term, axis, pose[axis])
+            }
+            FitTerm::Wave(Some(lever), axis, _) => {
+                self.part(term, lever, pose[lever]) * self.part(term, axis, pose[axis])
+            }
         }
     }
 
@@ -96,7 +100,7 @@ impl Basis<'_> {
     fn fitted(
         &self,
         outputs: impl IntoIterator<Item = Axis>,
-        terms_of: &dyn Fn(Axis) -> Vec<Term>,
+        terms_of: &dyn Fn(Axis) -> Vec<FitTerm>,
         poses: &[AxisVector],
         wanted: &[AxisVector],
     ) -> Result<Tables, String> {
@@ -111,7 +115,7 @@ impl Basis<'_> {
     }
 
     /// The coefficients of a correction at poses.
-    fn coefficients(&self, terms: &[Term], poses: &[AxisVector], wanted: &[f64]) -> Result<Vec<f64>, String> {
+    fn coefficients(&self, terms: &[FitTerm], poses: &[AxisVector], wanted: &[f64]) -> Result<Vec<f64>, String> {
         let mut system = System::new(terms.len());
         let mut row = vec![0.0; terms.len()];
         for (pose, &value) in poses.iter().zip(wanted) {
@@ -123,36 +127,36 @@ impl Basis<'_> {
     }
 
     /// Adds terms with their coefficients to an output.
-    fn put(&self, assembly: &mut Assembly<'_>, output: Axis, terms: &[Term], coefficients: &[f64]) {
+    fn put(&self, assembly: &mut Assembly<'_>, output: Axis, terms: &[FitTerm], coefficients: &[f64]) {
         for (&term, &coefficient) in terms.iter().zip(coefficients) {
             let at_nodes = |axis: Axis| -> Vec<f64> {
                 self.nodes[axis.slot()].iter().map(|&at| coefficient * self.part(term, axis, at)).collect()
             };
             match term {
-                Term::One => assembly.add_constant(output, coefficient),
-                Term::Power(axis, _) | Term::Hat(axis, _) => assembly.add(output, axis, &at_nodes(axis)),
-                Term::Wave(None, axis, _) => assembly.add(output, axis, &at_nodes(axis)),
+                FitTerm::One => assembly.add_constant(output, coefficient),
+                FitTerm::Power(axis, _) | FitTerm::Hat(axis, _) => assembly.add(output, axis, &at_nodes(axis)),
+                FitTerm::Wave(None, axis, _) => assembly.add(output, axis, &at_nodes(axis)),
                 // Straight in the linear axis: gathered below.
-                Term::Wave(Some(_), ..) => {}
+                FitTerm::Wave(Some(_), ..) => {}
             }
         }
         for lever in self.task.region.axes().filter(|axis| !axis.is_rotary()) {
             let mine = terms
                 .iter()
                 .zip(coefficients)
-                .filter(|(term, _)| matches!(term, Term::Wave(Some(one), ..) if *one == lever));
-            let mut sum: Option<Side> = None;
+                .filter(|(term, _)| matches!(term, FitTerm::Wave(Some(one), ..) if *one == lever));
+            let mut sum: Option<AxisFunction> = None;
             for (&term, coefficient) in mine {
-                let Term::Wave(_, axis, _) = term else { continue };
+                let FitTerm::Wave(_, axis, _) = term else { continue };
                 let nodes = &self.nodes[axis.slot()];
-                let side = sum.get_or_insert_with(|| Side { axis, values: vec![0.0; nodes.len()] });
+                let side = sum.get_or_insert_with(|| AxisFunction { axis, values: vec![0.0; nodes.len()] });
                 side.values
                     .iter_mut()
                     .zip(nodes)
                     .for_each(|(sum, &at)| *sum += coefficient * self.part(term, axis, at));
             }
             if let Some(side) = sum {
-                assembly.add_product(output, [Side { axis: lever, values: vec![-1.0, 1.0] }, side]);
+                assembly.add_product(output, [AxisFunction { axis: lever, values: vec![-1.0, 1.0] }, side]);
             }
         }
     }
@@ -169,7 +173,7 @@ fn hat(nodes: &[f64], node: usize, at: f64) -> f64 {
 }
 
 /// The tables of terms that are fitted to the corrections of all axes; each axis has its own.
-pub(super) fn fill(task: &Task<'_>, terms_of: &dyn Fn(Axis) -> Vec<Term>) -> Result<Tables, String> {
+pub(super) fn fill(task: &Task<'_>, terms_of: &dyn Fn(Axis) -> Vec<FitTerm>) -> Result<Tables, String> {
     let mut nodes = vec![Vec::new(); ncfix_base::geometry::AXIS_COUNT];
     for axis in task.region.axes() {
         nodes[axis.slot()] = super::assembly::positions(axis, task.region, task.points);

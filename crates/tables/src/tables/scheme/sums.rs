@@ -3,7 +3,7 @@
 //! Δq_i = Σ_j f_ij(q_j), f_ij a cubic polynomial (eq. 24) or free at the points of the table. Products of two axes, such as the arm of an
 //! angular error, are beyond it.
 
-use super::fit::{Term, fill};
+use super::fit::{FitTerm, fill};
 use super::{Holds, Scheme, Task};
 use crate::tables::{Orientation, Tables};
 use ncfix_base::geometry::Axis;
@@ -36,13 +36,13 @@ pub(super) const OWN: Scheme = Scheme {
 };
 
 fn polynomials(task: &Task<'_>) -> Result<Tables, String> {
-    let powers = |axis| (1..=DEGREE).map(move |power| Term::Power(axis, power));
-    let terms: Vec<Term> = [Term::One].into_iter().chain(task.region.axes().flat_map(powers)).collect();
+    let powers = |axis| (1..=DEGREE).map(move |power| FitTerm::Power(axis, power));
+    let terms: Vec<FitTerm> = [FitTerm::One].into_iter().chain(task.region.axes().flat_map(powers)).collect();
     fill(task, &|_| terms.clone())
 }
 
 fn free(task: &Task<'_>) -> Result<Tables, String> {
-    let terms: Vec<Term> = task.region.axes().flat_map(|axis| hats(task, axis)).collect();
+    let terms: Vec<FitTerm> = task.region.axes().flat_map(|axis| hats(task, axis)).collect();
     fill(task, &|_| terms.clone())
 }
 
@@ -51,7 +51,7 @@ fn own(task: &Task<'_>) -> Result<Tables, String> {
 }
 
 /// A function of an axis that is free at every point.
-fn hats(task: &Task<'_>, axis: Axis) -> Vec<Term> {
+fn hats(task: &Task<'_>, axis: Axis) -> Vec<FitTerm> {
     let moves = task.region.axes().any(|one| one == axis);
-    if moves { (0..task.points).map(|node| Term::Hat(axis, node)).collect() } else { vec![Term::One] }
+    if moves { (0..task.points).map(|node| FitTerm::Hat(axis, node)).collect() } else { vec![FitTerm::One] }
 }

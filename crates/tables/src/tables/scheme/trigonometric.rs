@@ -3,7 +3,7 @@
 //! Δq_I = f(A) + X·g(A) + Y·h(A) + Z·k(A) for the linear axes and Δq_J = f(A) for the rotary ones, every function a sum of 1, cos A, sin A,
 //! cos A sin A and sin² A. The printed basis (eq. 44) lacks the functions without an arm, which an offset of the C axis needs.
 
-use super::fit::{Term, Wave, fill};
+use super::fit::{FitTerm, Wave, fill};
 use super::{Holds, Scheme, Task};
 use crate::tables::check::{left, stands};
 use crate::tables::{Control, Orientation, Tables};
@@ -38,8 +38,8 @@ fn trigonometric(task: &Task<'_>) -> Result<Tables, String> {
 
 /// With the functions of one rotary axis.
 fn of(task: &Task<'_>, axis: Axis) -> Result<Tables, String> {
-    let waves = |lever| Wave::ALL.map(|wave| Term::Wave(lever, axis, wave));
+    let waves = |lever| Wave::ALL.map(|wave| FitTerm::Wave(lever, axis, wave));
     let levers = task.region.axes().filter(|axis| !axis.is_rotary());
-    let linear: Vec<Term> = waves(None).into_iter().chain(levers.flat_map(|lever| waves(Some(lever)))).collect();
+    let linear: Vec<FitTerm> = waves(None).into_iter().chain(levers.flat_map(|lever| waves(Some(lever)))).collect();
     fill(task, &|output| if output.is_rotary() { waves(None).to_vec() } else { linear.clone() })
 }

@@ -6,7 +6,7 @@
 
 use std::collections::VecDeque;
 
-use super::status::Status;
+use super::status::GrblReport;
 
 /// So many answers too many, until the control is asked next, do not make its buffer overflow.
 pub(super) const SURPLUS: usize = 2;
@@ -17,7 +17,7 @@ const MOST_DOUBTS: u32 = 5;
 
 /// What a report says of the count of answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(super) enum CountVerdict {
     /// It does not say what its buffers hold.
     Silent,
     Fits,
@@ -69,7 +69,7 @@ impl Counts {
     }
 
     /// What is free in an empty buffer is the most that was ever free.
-    pub(super) fn see(&mut self, status: &Status) {
+    pub(super) fn see(&mut self, status: &GrblReport) {
         self.bytes = self.bytes.max(status.free_bytes.unwrap_or(0));
     }
 
@@ -79,33 +79,39 @@ impl Counts {
     }
 
     /// Whether nothing is in the receive buffer, as far as it says so.
-    pub(super) fn is_empty(&self, status: &Status) -> Option<bool> {
+    pub(super) fn is_empty(&self, status: &GrblReport) -> Option<bool> {
         status.free_bytes.map(|free| free >= self.bytes)
     }
 
     /// Holds a report against the count. `longest` is that of the lines under way, `waiting` bytes have not left.
-    pub(super) fn judge(&mut self, status: &Status, is_asked: bool, longest: usize, waiting: usize) -> Verdict {
-        let Some(free) = status.free_bytes else { return Verdict::Silent };
+    pub(super) fn judge(
+        &mut self,
+        status: &GrblReport,
+        is_asked: bool,
+        longest: usize,
+        waiting: usize,
+    ) -> CountVerdict {
+        let Some(free) = status.free_bytes else { return CountVerdict::Silent };
         let used = self.bytes.saturating_sub(free) as u64;
         let open = self.sent.saturating_sub(self.answered);
         if used > open.saturating_sub(waiting as u64) + PLACE as u64 {
-            return Verdict::Surplus;
+            return CountVerdict::Surplus;
         }
         if !is_asked {
-            return if self.doubts > 0 { Verdict::Doubt } else { Verdict::Fits };
+            return if self.doubts > 0 { CountVerdict::Doubt } else { CountVerdict::Fits };
         }
         let due = self.gone.saturating_sub(self.answered);
         if due > used + (longest + PLACE) as u64 {
             self.doubts += 1;
-            return if self.doubts >= MOST_DOUBTS { Verdict::Missing } else { Verdict::Doubt };
+            return if self.doubts >= MOST_DOUBTS { CountVerdict::Missing } else { CountVerdict::Doubt };
         }
         self.doubts = 0;
-        Verdict::Fits
+        CountVerdict::Fits
     }
 
     /// The last line that was taken for sure, by what its buffer holds: not by the count of answers, one of which may have come twice. A report may be
     /// older than the question, but not than the one before that.
-    pub(super) fn taken(&mut self, status: &Status) -> u64 {
+    pub(super) fn taken(&mut self, status: &GrblReport) -> u64 {
         let Some(free) = status.free_bytes else { return self.taken };
         let out = self.gone_before.saturating_sub((self.bytes.saturating_sub(free) + PLACE) as u64);
         while let Some(&(number, end)) = self.lines.front()
@@ -127,10 +133,10 @@ impl Counts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::feed::dialogue::grbl::status::Word;
+    use crate::feed::dialogue::grbl::status::GrblState;
 
-    fn report(free_bytes: usize) -> Status {
-        Status { word: Word::Run, free_blocks: None, free_bytes: Some(free_bytes) }
+    fn report(free_bytes: usize) -> GrblReport {
+        GrblReport { word: GrblState::Run, free_blocks: None, free_bytes: Some(free_bytes) }
     }
 
     #[test]
@@ -150,6 +156,6 @@ mod tests {
         counts.ask(35);
         counts.ask(0);
         assert_eq!(counts.taken(&report(128)), 4);
-        assert_eq!(counts.taken(&Status { free_bytes: None, ..report(0) }), 4);
+        assert_eq!(counts.taken(&GrblReport { free_bytes: None, ..report(0) }), 4);
     }
 }

@@ -15,8 +15,8 @@
 
 use std::time::Duration;
 
-use super::counts::Verdict;
-use super::status::{Status, Word};
+use super::counts::CountVerdict;
+use super::status::{GrblReport, GrblState};
 use super::{Event, Grbl, HOLD, MARGIN, NO_LINE, STEPPED, State, Wire};
 use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
 use crate::feed::dialogue::depth::not_idle;
@@ -33,7 +33,7 @@ impl Grbl {
                 State::Greeting => self.ask_for_buffers(wire),
                 _ => self.lost("the control was reset", events),
             }
-        } else if let Some(status) = Status::read(text) {
+        } else if let Some(status) = GrblReport::read(text) {
             self.report((&status, text), now, wire, events);
         } else if let Some(options) = text.strip_prefix("[OPT:").and_then(|text| text.strip_suffix(']'))
             && is_info
@@ -102,7 +102,7 @@ impl Grbl {
     }
 
     /// What was taken for sure: an answer that came twice does not count.
-    fn check(&mut self, status: &Status, events: &mut Vec<Event>) {
+    fn check(&mut self, status: &GrblReport, events: &mut Vec<Event>) {
         let taken = self.counts.taken(status).min(self.acknowledged);
         if taken > self.checked {
             self.checked = taken;
@@ -149,11 +149,11 @@ impl Grbl {
         }
     }
 
-    fn report(&mut self, (status, text): (&Status, &str), now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+    fn report(&mut self, (status, text): (&GrblReport, &str), now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let is_asked = std::mem::take(&mut self.asked) > 0;
         self.counts.see(status);
         self.tells_buffers |= status.free_bytes.is_some();
-        if status.word == Word::Idle && self.in_flight.is_empty() {
+        if status.word == GrblState::Idle && self.in_flight.is_empty() {
             let blocks = status.free_blocks.map(|blocks| blocks.to_string());
             self.depth.hear(blocks.as_deref(), STEPPED, text);
         }
@@ -168,22 +168,22 @@ impl Grbl {
             }
         }
         let why = match status.word {
-            Word::Alarm => "the control stands in an alarm",
-            Word::Sleep => "the control sleeps: its axes are without current, and it has to be reset",
-            Word::Check => "the control is in its check mode ($C): it takes lines and moves nothing",
-            Word::ByHand => "somebody moves or homes the axes at the control",
-            Word::Odd => {
+            GrblState::Alarm => "the control stands in an alarm",
+            GrblState::Sleep => "the control sleeps: its axes are without current, and it has to be reset",
+            GrblState::Check => "the control is in its check mode ($C): it takes lines and moves nothing",
+            GrblState::ByHand => "somebody moves or homes the axes at the control",
+            GrblState::Odd => {
                 return self.lost(
                     &impossible(&format!("the control reports no state that is known, {}", shown(text))),
                     events,
                 );
             }
-            Word::Idle | Word::Run | Word::Held => "",
+            GrblState::Idle | GrblState::Run | GrblState::Held => "",
         };
         if !why.is_empty() {
             return self.lost(why, events);
         }
-        let is_held = status.word == Word::Held;
+        let is_held = status.word == GrblState::Held;
         if std::mem::replace(&mut self.is_held, is_held) != is_held && self.state != State::Refusing {
             self.moved = now;
             events.push(Event::Paused(is_held));
@@ -197,7 +197,7 @@ impl Grbl {
             }
             return;
         }
-        let is_idle = status.word == Word::Idle && is_empty != Some(false) && wire.waiting() == 0;
+        let is_idle = status.word == GrblState::Idle && is_empty != Some(false) && wire.waiting() == 0;
         // One that nobody has asked for may be older.
         self.idle = if is_idle { self.idle + u32::from(is_asked) } else { 0 };
         if self.state == State::Asking {
@@ -209,20 +209,20 @@ impl Grbl {
         }
         let longest = self.longest();
         match self.counts.judge(status, is_asked, longest, wire.waiting()) {
-            Verdict::Surplus => {
+            CountVerdict::Surplus => {
                 let what = "the control has more than was not answered, an answer came twice";
                 return self.lost(&impossible(what), events);
             }
-            Verdict::Missing => {
+            CountVerdict::Missing => {
                 let what = "answers are missing to lines that the control no longer has, as after a reset";
                 return self.lost(&impossible(what), events);
             }
             // The answer to the dwell behind the last line may be counted for that one.
-            Verdict::Fits if is_asked && !self.has_barrier => {
+            CountVerdict::Fits if is_asked && !self.has_barrier => {
                 self.confirm(events);
                 self.check(status, events);
             }
-            Verdict::Fits | Verdict::Doubt | Verdict::Silent => {}
+            CountVerdict::Fits | CountVerdict::Doubt | CountVerdict::Silent => {}
         }
         // Twice: the first report may be older than the last bytes.
         if self.idle >= 2 && self.is_drained && self.in_flight.is_empty() && self.sure < self.acknowledged {
@@ -235,7 +235,7 @@ impl Grbl {
             }
         }
         // A dwell is carried out while it says that it is idle. Longer than that, an answer is missing, which may have been a refusal.
-        if status.word == Word::Idle
+        if status.word == GrblState::Idle
             && let (Some((_, _, busy)), Some((last, _, _))) = (self.in_flight.front(), self.in_flight.back())
             && now.saturating_sub(self.moved) > self.patience + *busy
         {

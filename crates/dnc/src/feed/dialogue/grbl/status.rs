@@ -2,7 +2,7 @@
 
 /// What the control does, as it says (Grbl 1.1, interface; grblHAL adds `Tool`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Word {
+pub(super) enum GrblState {
     Idle,
     Run,
     /// It stands until somebody lets it go on: a hold, an open door, a tool to be changed by hand.
@@ -19,27 +19,27 @@ pub(super) enum Word {
 
 /// One report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Status {
-    pub(super) word: Word,
+pub(super) struct GrblReport {
+    pub(super) word: GrblState,
     /// Free blocks of the planner and free bytes of the receive buffer, where it says so.
     pub(super) free_blocks: Option<usize>,
     pub(super) free_bytes: Option<usize>,
 }
 
-impl Status {
+impl GrblReport {
     /// Reads an answer; `None` where it is no report that a control gives.
-    pub(super) fn read(text: &str) -> Option<Status> {
+    pub(super) fn read(text: &str) -> Option<GrblReport> {
         let mut fields = text.strip_prefix('<')?.strip_suffix('>')?.split('|');
         let word = match fields.next()?.split(':').next()? {
-            "Idle" => Word::Idle,
-            "Run" => Word::Run,
-            "Hold" | "Door" | "Tool" => Word::Held,
-            "Home" | "Jog" => Word::ByHand,
-            "Check" => Word::Check,
-            "Sleep" => Word::Sleep,
-            "Alarm" => Word::Alarm,
+            "Idle" => GrblState::Idle,
+            "Run" => GrblState::Run,
+            "Hold" | "Door" | "Tool" => GrblState::Held,
+            "Home" | "Jog" => GrblState::ByHand,
+            "Check" => GrblState::Check,
+            "Sleep" => GrblState::Sleep,
+            "Alarm" => GrblState::Alarm,
             "" => return None,
-            _ => Word::Odd,
+            _ => GrblState::Odd,
         };
         let (mut free_blocks, mut free_bytes) = (None, None);
         for field in fields {
@@ -48,7 +48,7 @@ impl Status {
                 (free_blocks, free_bytes) = (Some(blocks.parse().ok()?), Some(bytes.parse().ok()?));
             }
         }
-        Some(Status { word, free_blocks, free_bytes })
+        Some(GrblReport { word, free_blocks, free_bytes })
     }
 }
 
@@ -58,18 +58,24 @@ mod tests {
 
     #[test]
     fn reports_are_read_and_what_is_none_is_not() {
-        let read = |text| Status::read(text).unwrap();
+        let read = |text| GrblReport::read(text).unwrap();
         let idle = read("<Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0>");
-        assert_eq!(idle, Status { word: Word::Idle, free_blocks: Some(15), free_bytes: Some(128) });
-        assert_eq!(read("<Run:1|MPos:0,0,0>"), Status { word: Word::Run, free_blocks: None, free_bytes: None });
-        for (text, word) in
-            [("<Hold:0|a>", Word::Held), ("<Door:3>", Word::Held), ("<Tool>", Word::Held), ("<Alarm:1>", Word::Alarm)]
-        {
+        assert_eq!(idle, GrblReport { word: GrblState::Idle, free_blocks: Some(15), free_bytes: Some(128) });
+        assert_eq!(
+            read("<Run:1|MPos:0,0,0>"),
+            GrblReport { word: GrblState::Run, free_blocks: None, free_bytes: None }
+        );
+        for (text, word) in [
+            ("<Hold:0|a>", GrblState::Held),
+            ("<Door:3>", GrblState::Held),
+            ("<Tool>", GrblState::Held),
+            ("<Alarm:1>", GrblState::Alarm),
+        ] {
             assert_eq!(read(text).word, word);
         }
-        assert_eq!(read("<Idlf|MPos:0>").word, Word::Odd);
+        assert_eq!(read("<Idlf|MPos:0>").word, GrblState::Odd);
         for text in ["<Idle|Bf:1x,128>", "<Idle|Bf:15>", "Idle", "<Idle", "<>", "<Run|Bf:,>"] {
-            assert_eq!(Status::read(text), None, "{text}");
+            assert_eq!(GrblReport::read(text), None, "{text}");
         }
     }
 }

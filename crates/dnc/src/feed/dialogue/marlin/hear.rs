@@ -27,7 +27,7 @@
 
 use std::time::Duration;
 
-use super::texts::{Text, meaning};
+use super::texts::{MarlinText, meaning};
 use super::{BEYOND, Event, FIRST_NUMBER, Marlin, NO_OK, QUIET, START, State, What, Wire, mark};
 use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
 
@@ -92,16 +92,16 @@ impl Marlin {
     /// What it says of its own accord.
     fn text(&mut self, text: &str, events: &mut Vec<Event>) {
         match meaning(text) {
-            Text::Harmless if text.is_empty() || text.eq_ignore_ascii_case("wait") => {}
-            Text::Harmless => events.push(Event::Said(text.to_owned())),
-            Text::Pause(is_paused) => {
+            MarlinText::Harmless if text.is_empty() || text.eq_ignore_ascii_case("wait") => {}
+            MarlinText::Harmless => events.push(Event::Said(text.to_owned())),
+            MarlinText::Pause(is_paused) => {
                 self.is_paused = is_paused;
                 self.say_held(events);
             }
-            Text::Ends(why) => self.lost(&format!("{why}: {}", shown(text)), events),
+            MarlinText::Ends(why) => self.lost(&format!("{why}: {}", shown(text)), events),
             // Nothing was sent yet; the settings that it starts with are many.
-            Text::Unknown if self.state == State::Opening => events.push(Event::Said(text.to_owned())),
-            Text::Unknown => {
+            MarlinText::Unknown if self.state == State::Opening => events.push(Event::Said(text.to_owned())),
+            MarlinText::Unknown => {
                 let what = format!(
                     "a text of the control is not known, '{}', and may say that a line was not carried out",
                     shown(text)

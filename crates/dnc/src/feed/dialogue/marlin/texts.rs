@@ -5,7 +5,7 @@
 
 /// What a text means that is no answer to a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Text {
+pub(super) enum MarlinText {
     /// It says nothing of the motion.
     Harmless,
     /// The firmware asks the sender to pause, or to go on.
@@ -49,29 +49,29 @@ const ENDS: &[(&str, &str)] = &[
 ];
 
 /// What a text means.
-pub(super) fn meaning(text: &str) -> Text {
+pub(super) fn meaning(text: &str) -> MarlinText {
     let low = text.to_ascii_lowercase();
     let low = low.trim();
     if low == "!!" || low == "error" || low.starts_with("error:") {
-        return Text::Ends("the control has stopped itself");
+        return MarlinText::Ends("the control has stopped itself");
     }
     // `Home X First`, of older ones `Home X/Y before Z`; the settings that it starts with have a `Home offset`.
     if low.contains("home") && (low.contains("first") || low.contains("before")) {
-        return Text::Ends("an axis is not homed, so that moves are left out");
+        return MarlinText::Ends("an axis is not homed, so that moves are left out");
     }
     if let Some((_, why)) = ENDS.iter().find(|(part, _)| low.contains(part)) {
-        return Text::Ends(why);
+        return MarlinText::Ends(why);
     }
     match low {
-        "" | "wait" | "echo:" => return Text::Harmless,
-        "//action:pause" | "//action:paused" => return Text::Pause(true),
-        "//action:resume" | "//action:resumed" => return Text::Pause(false),
+        "" | "wait" | "echo:" => return MarlinText::Harmless,
+        "//action:pause" | "//action:paused" => return MarlinText::Pause(true),
+        "//action:resume" | "//action:resumed" => return MarlinText::Pause(false),
         _ => {}
     }
     if HARMLESS.iter().any(|begin| low.starts_with(begin)) || is_tool_temperature(low) || is_position(low) {
-        return Text::Harmless;
+        return MarlinText::Harmless;
     }
-    Text::Unknown
+    MarlinText::Unknown
 }
 
 /// `T0:20.0 /0.0`.
@@ -102,7 +102,7 @@ mod tests {
             "echo:Active Extruder: 0",
             "//action:notification Ready",
         ] {
-            assert_eq!(meaning(text), Text::Harmless, "{text}");
+            assert_eq!(meaning(text), MarlinText::Harmless, "{text}");
         }
         for (text, is_paused) in [
             ("//action:pause", true),
@@ -110,7 +110,7 @@ mod tests {
             ("//action:resume", false),
             ("//action:resumed", false),
         ] {
-            assert_eq!(meaning(text), Text::Pause(is_paused), "{text}");
+            assert_eq!(meaning(text), MarlinText::Pause(is_paused), "{text}");
         }
         for text in [
             "echo:Home Z First",
@@ -127,7 +127,7 @@ mod tests {
             "echo:Cold extrusion prevented",
             "echo:Soft limit: X clamped",
         ] {
-            assert!(matches!(meaning(text), Text::Ends(_)), "{text}");
+            assert!(matches!(meaning(text), MarlinText::Ends(_)), "{text}");
         }
         for text in [
             "echo:; Home offset:",
@@ -141,7 +141,7 @@ mod tests {
             "T",
             "X:1",
         ] {
-            assert_eq!(meaning(text), Text::Unknown, "{text}");
+            assert_eq!(meaning(text), MarlinText::Unknown, "{text}");
         }
     }
 }

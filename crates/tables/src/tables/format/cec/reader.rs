@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::tables::format::ini::{Assignment, KEEPS_FIELDS, Place, missing};
-use crate::tables::format::scan::{Line, MOST_POINTS, Report, lines, shown};
+use crate::tables::format::ini::{IniAssignment, IniPosition, KEEPS_FIELDS, missing};
+use crate::tables::format::scan::{MOST_POINTS, Report, ScannedLine, lines, shown};
 use crate::tables::format::{KEEPS, TWICE, marks};
 use crate::tables::{Lookup, Multiplication, Nodes, Sense, Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
@@ -18,7 +18,7 @@ const FIELDS: [&str; 6] = ["STEP", "MIN", "MAX", "DIRECTION", "MULT_BY_TABLE", "
 /// The numbers of the tables that a file has points of.
 pub(super) fn numbers(source: &Source) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
-    let mut place = Place::new("CEC", "CEC");
+    let mut place = IniPosition::new("CEC", "CEC");
     let mut report = Report::new(source);
     for line in lines(source) {
         place.line(&line, &mut report, |_, one| {
@@ -62,7 +62,7 @@ impl Raw {
 
 pub(super) fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut reader = Reader { report: Report::new(source), wiring, raw: BTreeMap::new() };
-    let mut place = Place::new("CEC", "CEC");
+    let mut place = IniPosition::new("CEC", "CEC");
     for line in lines(source) {
         let mut found = Vec::new();
         place.line(&line, &mut reader.report, |unit_mm, one| found.push((unit_mm, one)));
@@ -87,7 +87,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn assignment(&mut self, line: &Line<'_>, unit_mm: f64, one: &Assignment<'_>) {
+    fn assignment(&mut self, line: &ScannedLine<'_>, unit_mm: f64, one: &IniAssignment<'_>) {
         let name = one.name.as_str();
         let Some(field) = name.strip_prefix("$AN_CEC").or_else(|| name.strip_prefix("$SN_CEC_TABLE")) else {
             // Leadscrew tables are of another format, whose reader takes them.
@@ -124,17 +124,17 @@ impl Reader<'_> {
         }
     }
 
-    fn unknown(&mut self, line: &Line<'_>, one: &Assignment<'_>) {
+    fn unknown(&mut self, line: &ScannedLine<'_>, one: &IniAssignment<'_>) {
         let message = format!("{} is not known and is left out", shown(&one.name));
         self.report.unused(line, one.text, message, "look up what it does before the table is used");
     }
 
-    fn twice(&mut self, line: &Line<'_>, t: usize, what: &str, text: &str) {
+    fn twice(&mut self, line: &ScannedLine<'_>, t: usize, what: &str, text: &str) {
         self.report.fault(line, text, format!("{} of table {t} is there twice, with different values", what), TWICE);
     }
 
     /// The value of a point.
-    fn point(&mut self, line: &Line<'_>, t: usize, one: &Assignment<'_>) {
+    fn point(&mut self, line: &ScannedLine<'_>, t: usize, one: &IniAssignment<'_>) {
         let Some(number) = self.report.number(line, one.value) else { return };
         let Some(n) = one.index(1, MOST_POINTS) else {
             let help = format!("write $AN_CEC[table,point]=value, with a point below {MOST_POINTS}");
@@ -148,7 +148,7 @@ impl Reader<'_> {
     }
 
     /// One of the numbers that say what a table is.
-    fn parameter(&mut self, line: &Line<'_>, t: usize, field: &str, one: &Assignment<'_>) {
+    fn parameter(&mut self, line: &ScannedLine<'_>, t: usize, field: &str, one: &IniAssignment<'_>) {
         let value = one.value;
         let Some(number) = self.report.number(line, value) else { return };
         let is_sense = [-1.0, 0.0, 1.0].contains(&number);

@@ -1,7 +1,7 @@
 //! Reads `.COM` tables. `.CMA` tables only name files; which basic axis a `.COM` is for, its own name tells.
 
 use crate::tables::format::naming;
-use crate::tables::format::scan::{Line, MOST_POINTS, Report, lines, shown};
+use crate::tables::format::scan::{MOST_POINTS, Report, ScannedLine, lines, shown};
 use crate::tables::{Lookup, Nodes, Sense, Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::Axis;
@@ -55,7 +55,7 @@ pub(super) fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec
 }
 
 impl Reader<'_> {
-    fn line(&mut self, line: &Line<'_>) {
+    fn line(&mut self, line: &ScannedLine<'_>) {
         let text = line.text.trim_end();
         let upper = text.trim_start().to_ascii_uppercase();
         if upper.is_empty() || upper.starts_with(';') {
@@ -74,7 +74,7 @@ impl Reader<'_> {
         }
     }
 
-    fn header(&mut self, line: &Line<'_>, text: &str) {
+    fn header(&mut self, line: &ScannedLine<'_>, text: &str) {
         let names: Vec<&str> = text.split_whitespace().take(MOST_COLUMNS + 1).collect();
         let has = |wanted: &str| names.iter().any(|name| name.eq_ignore_ascii_case(wanted));
         if has("ACTIVE") && !has("AXISPOS") {
@@ -92,7 +92,7 @@ impl Reader<'_> {
         }
     }
 
-    fn row(&mut self, line: &Line<'_>, text: &str) {
+    fn row(&mut self, line: &ScannedLine<'_>, text: &str) {
         let Some(cells) = self.cells(line, text) else { return };
         let number = |report: &mut Report<'_>, cell: &str| match cell {
             "" => None,
@@ -120,7 +120,7 @@ impl Reader<'_> {
     }
 
     /// The cells of a row: one for each column, or what stands under each where some are empty.
-    fn cells<'t>(&mut self, line: &Line<'_>, text: &'t str) -> Option<Vec<&'t str>> {
+    fn cells<'t>(&mut self, line: &ScannedLine<'_>, text: &'t str) -> Option<Vec<&'t str>> {
         let words: Vec<&str> = text.split_whitespace().take(self.columns.len() + 1).collect();
         if words.len() == self.columns.len() {
             return Some(words);
