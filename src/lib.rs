@@ -20,6 +20,7 @@
 //! Everything streams: no stage holds the path, so an endless program can be fed and memory is bounded by the program text. Inside are mm, rad and s; at the
 //! edges every name carries its unit. `ARCHITECTURE.md` of the project is the map of its crates, `docs/theory.md` has the formulas with their sources.
 
+pub mod extend;
 pub mod prelude;
 
 mod channel;
@@ -34,6 +35,7 @@ mod moves;
 mod options;
 mod program;
 mod recognition;
+mod registry;
 mod run;
 mod support_file;
 mod tool;
@@ -48,4 +50,5 @@ pub use machine::Machine;
 pub use moves::Elements;
 pub use options::{Compensation, DialectChoice, Options};
 pub use program::Program;
+pub use registry::Registry;
 pub use tool::ToolVector;

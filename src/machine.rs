@@ -1,10 +1,12 @@
 //! Machines: axes, tools and errors of one machine, in one condition.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::diagnostics::Diagnostics;
 use crate::disk::machine_file;
 use crate::error::Error;
+use crate::registry::Registry;
 use crate::tool::ToolVector;
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::{FileId, Source};
@@ -30,6 +32,8 @@ pub struct Machine {
     pub(crate) machine: ncfix_machine::machine::Machine,
     /// Its errors.
     pub(crate) errors: ErrorModel,
+    /// What its file may say, and what is looked for in its measurements.
+    pub(crate) registry: Arc<Registry>,
     /// Its condition.
     pub(crate) condition: Condition,
     /// Hash of what was said of its condition; `None` where nothing was.
@@ -72,8 +76,29 @@ impl Machine {
     /// # Errors
     /// Where a file cannot be read, or diagnostics forbid to use it.
     pub fn from_files(path: impl AsRef<Path>, setups: &[PathBuf]) -> Result<Machine, Error> {
+        Machine::read(path.as_ref(), setups, &Registry::default())
+    }
+
+    /// The machine of a machine file that may have what a registry knows beside what is built in; see [`Registry`]. The machine keeps the registry: it
+    /// holds for all that is done with the machine.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::from_file_with("samples/machines/demo.toml", &Registry::default())?;
+    /// assert_eq!(machine.name(), "demo");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where a file cannot be read, or diagnostics forbid to use it.
+    pub fn from_file_with(path: impl AsRef<Path>, registry: &Registry) -> Result<Machine, Error> {
+        Machine::read(path.as_ref(), &[], registry)
+    }
+
+    fn read(path: &Path, setups: &[PathBuf], registry: &Registry) -> Result<Machine, Error> {
         let mut found = Diagnostics::default();
-        let machine = machine_file::read_file(path.as_ref(), setups, &mut found)?;
+        let machine = machine_file::read_file(path, setups, registry, &mut found)?;
         machine.ok_or_else(|| Error::found(found))
     }
 
@@ -90,10 +115,26 @@ impl Machine {
     /// # Errors
     /// Where diagnostics forbid to use it, or where it names tables in files as active.
     pub fn from_text(name: &str, text: &str) -> Result<Machine, Error> {
+        Machine::from_text_with(name, text, &Registry::default())
+    }
+
+    /// The machine of the text of a machine file, which may have what a registry knows beside what is built in. No file is read.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let text = "[machine]\nname = \"mill\"\n[beam]\nmid_um = 12\n";
+    /// let error = Machine::from_text_with("mill.toml", text, &Registry::default()).unwrap_err();
+    /// assert!(error.diagnostics().errors().count() > 0);
+    /// ```
+    ///
+    /// # Errors
+    /// Where diagnostics forbid to use it, or where it names tables in files as active.
+    pub fn from_text_with(name: &str, text: &str, registry: &Registry) -> Result<Machine, Error> {
         let too_large = |_| Error::usage(format!("{name} is too large"));
         let source = Source::new(FileId(0), name, text.as_bytes().to_vec()).map_err(too_large)?;
         let mut found = Diagnostics::default();
-        machine_file::of_text(&source, &mut found)?.ok_or_else(|| Error::found(found))
+        machine_file::of_text(&source, registry, &mut found)?.ok_or_else(|| Error::found(found))
     }
 
     /// The machine that is built in for trying things out: three axes, made-up errors. What is corrected for it is good for looking at, not for
@@ -122,6 +163,17 @@ impl Machine {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.machine.name
+    }
+
+    /// What its file may say, and what is looked for in its measurements.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// assert!(Machine::demo().registry().causes.find("backlash").is_some());
+    /// ```
+    #[must_use]
+    pub fn registry(&self) -> &Registry {
+        &self.registry
     }
 
     /// The same machine in another condition: temperatures, loads on the table.

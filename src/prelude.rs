@@ -7,6 +7,7 @@ pub use crate::machine::Machine;
 pub use crate::moves::Elements;
 pub use crate::options::{Compensation, DialectChoice, Options};
 pub use crate::program::Program;
+pub use crate::registry::Registry;
 pub use crate::tool::ToolVector;
 pub use ncfix_base::diagnostic::{Code, Severity};
 pub use ncfix_base::geometry::{Axis, AxisVector, Vector};

@@ -151,8 +151,14 @@ pub(crate) fn resolve(
     let of_machine = chosen.filter(|chosen| !chosen.is_demo).and_then(|chosen| {
         Some((ncfix_dialect::find(&chosen.machine.controller)?, "the controller of the machine file".to_owned()))
     });
-    let of_file =
-        || Some((ncfix_dialect::guess(source.name(), source.bytes())?, "by the name or the first lines".to_owned()));
+    let of_file = || {
+        let (name, bytes) = (source.name(), source.bytes());
+        let found = match chosen {
+            Some(chosen) => ncfix_dialect::guess_with(&chosen.registry.detectors, name, bytes),
+            None => ncfix_dialect::guess(name, bytes),
+        };
+        Some((found?, "by the name or the first lines".to_owned()))
+    };
     Ok(of_machine
         .or_else(of_file)
         .unwrap_or_else(|| (ncfix_dialect::sinumerik(), "as nothing says otherwise".to_owned())))

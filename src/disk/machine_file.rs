@@ -9,13 +9,14 @@ use crate::disk::hash::short_hash;
 use crate::disk::{archive, table_files};
 use crate::error::Error;
 use crate::machine::Machine;
+use crate::registry::Registry;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 use ncfix_dialect::{Dialect, Effect};
 use ncfix_language::exec::apply_archive;
 use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::file::{DEMO, apply_setup};
-use ncfix_model::file::load;
+use ncfix_model::file::load_with;
 
 /// The machine file that is looked for in the folder of the program and above it.
 const NEAREST: &str = "ncfix.toml";
@@ -77,9 +78,14 @@ pub(crate) fn choose(
 ///
 /// # Errors
 /// Where the file or a set-up file cannot be read.
-pub(crate) fn read_file(path: &Path, setups: &[PathBuf], findings: &mut Diagnostics) -> Result<Option<Machine>, Error> {
+pub(crate) fn read_file(
+    path: &Path,
+    setups: &[PathBuf],
+    registry: &Registry,
+    findings: &mut Diagnostics,
+) -> Result<Option<Machine>, Error> {
     let source = files::read_written(path, FileId(0), "machine file")?;
-    let Some(mut machine) = read(&source, setups, findings)? else { return Ok(None) };
+    let Some(mut machine) = read_with(&source, setups, registry, findings)? else { return Ok(None) };
     lie_beside(&mut machine, Some(path));
     machine.files.push(path.to_path_buf());
     Ok(Some(machine))
@@ -89,12 +95,16 @@ pub(crate) fn read_file(path: &Path, setups: &[PathBuf], findings: &mut Diagnost
 ///
 /// # Errors
 /// Where it names tables in files.
-pub(crate) fn of_text(source: &Source, findings: &mut Diagnostics) -> Result<Option<Machine>, Error> {
-    if load(source).0.is_some_and(|(machine, _)| !machine.active_tables.files.is_empty()) {
+pub(crate) fn of_text(
+    source: &Source,
+    registry: &Registry,
+    findings: &mut Diagnostics,
+) -> Result<Option<Machine>, Error> {
+    if load_with(source, &registry.model).0.is_some_and(|(machine, _)| !machine.active_tables.files.is_empty()) {
         let name = source.name();
         return Err(Error::usage(format!("{name} names files of tables as active: read the machine from its file")));
     }
-    read(source, &[], findings)
+    read_with(source, &[], registry, findings)
 }
 
 /// Folders of the machine file lie beside it where they are there, else beside the program.
@@ -137,7 +147,17 @@ pub(crate) fn source_of(path: Option<&Path>, found: Found, findings: &mut Diagno
 /// # Errors
 /// Where a set-up file cannot be read.
 pub(crate) fn read(source: &Source, setups: &[PathBuf], findings: &mut Diagnostics) -> Result<Option<Machine>, Error> {
-    let (loaded, found) = load(source);
+    read_with(source, setups, &Registry::default(), findings)
+}
+
+/// Reads a machine as [`read`] does; its file may have what a registry knows.
+fn read_with(
+    source: &Source,
+    setups: &[PathBuf],
+    registry: &Registry,
+    findings: &mut Diagnostics,
+) -> Result<Option<Machine>, Error> {
+    let (loaded, found) = load_with(source, &registry.model);
     let mut is_usable = !found.iter().any(Diagnostic::is_error);
     findings.extend(found, std::slice::from_ref(source));
     let Some((mut machine, errors)) = loaded else { return Ok(None) };
@@ -200,6 +220,7 @@ pub(crate) fn read(source: &Source, setups: &[PathBuf], findings: &mut Diagnosti
     Ok(is_usable.then_some(Machine {
         machine,
         errors,
+        registry: Arc::new(registry.clone()),
         condition: Condition::default(),
         state: None,
         is_demo: false,

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod code;
+mod detector;
 mod fanuc;
 mod foreign;
 mod grundig;
@@ -16,6 +17,7 @@ use std::sync::LazyLock;
 use regex::bytes::{RegexSet, RegexSetBuilder};
 
 pub use code::{CodeEntry, CodeTable, Effect};
+pub use detector::{Detector, Detectors, guess_with};
 pub use foreign::{Foreign, foreign};
 pub use turning::{Mark, turning};
 pub use word::{Treatment, ValueUnit, WordEntry, WordPlace, WordTable, words};
@@ -83,22 +85,9 @@ pub fn find(name: &str) -> Option<&'static Dialect> {
 /// the languages differ in what a number without a decimal point means.
 #[must_use]
 pub fn guess(file_name: &str, bytes: &[u8]) -> Option<&'static Dialect> {
-    let extension = file_name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
-    let by_name = extension.and_then(|e| DIALECTS.iter().find(|dialect| dialect.extensions.contains(&e.as_str())));
-    by_name.or_else(|| {
-        let head = &bytes[..bytes.len().min(8192)];
-        let is_blank = |byte: &u8| *byte <= b' ' || *byte == 0x7f;
-        let lines = head.split(|&byte| byte == b'\n' || byte == b'\r').map(|line| {
-            let start = line.iter().position(|byte| !is_blank(byte)).unwrap_or(line.len());
-            line[start..].trim_ascii_end()
-        });
-        let first = lines.filter_map(|line| MARKS.matches(line).iter().next()).min()?;
-        DIALECTS.get(first)
-    })
+    static OF_DIALECTS: LazyLock<Detectors> = LazyLock::new(Detectors::default);
+    guess_with(&OF_DIALECTS, file_name, bytes)
 }
-
-/// The marks of [`DIALECTS`].
-static MARKS: LazyLock<RegexSet> = LazyLock::new(|| patterns(DIALECTS.iter().map(|dialect| dialect.mark)));
 
 /// Patterns for bytes, letters in either case, `.` for any byte.
 fn patterns<'p>(patterns: impl Iterator<Item = &'p str>) -> RegexSet {

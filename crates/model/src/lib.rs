@@ -36,6 +36,7 @@ pub use location::LocationError;
 pub use motion::{MotionError, MotionFunction, MotionKind, MotionKinds};
 pub use name::ErrorName;
 pub use parameter::ParameterName;
+pub use preset::Presets;
 pub use source::{Effect, ErrorSource, SourceInfo, Sources};
 
 /// What a machine file may say of errors: registers that a caller extends.
@@ -46,6 +47,8 @@ pub struct ModelRegisters {
     pub sources: Sources,
     /// Kinds of functions in `[[motion]]` and `[[load]]`.
     pub motion_kinds: MotionKinds,
+    /// Presets of parameters.
+    pub presets: Presets,
 }
 
 impl ModelRegisters {

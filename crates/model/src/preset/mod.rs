@@ -3,7 +3,7 @@
 //! A preset is found by the roles of the axes (`roles`), not by their letters, and gives exactly the printed list for the
 //! printed topology. Every set is free of redundancy under its assumptions about the set-up, which its file names: what is left
 //! out moves the tool just as a combination of what is in it, or as the unknown place of the workpiece or the tool.
-//! A preset is a file here and a line in [`PRESETS`].
+//! A preset is a file here and a line in [`PRESETS`]; a caller adds its own to [`Presets`].
 
 mod cubic;
 mod linked;
@@ -17,6 +17,7 @@ pub use rest::{Rest, rest};
 use std::fmt;
 
 use super::parameter::ParameterName;
+use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::Machine;
 
 /// A named choice of parameters.
@@ -44,7 +45,22 @@ impl fmt::Display for Unsuitable {
 
 impl std::error::Error for Unsuitable {}
 
-/// All presets.
+/// The presets that have a name: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+pub type Presets = Register<&'static Preset>;
+
+impl Registered for &'static Preset {
+    const KIND: &'static str = "preset";
+
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        PRESETS.iter().map(Box::new).collect()
+    }
+}
+
+/// Those that are built in.
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "spaan-18",

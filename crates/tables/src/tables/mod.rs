@@ -10,7 +10,8 @@
 //! [`Tables`] is what a control is told, whatever its file looks like: functions of one axis that are added or multiplied in pairs
 //! ([`Lookup`]), a grid of corrections ([`Grid`]), or error functions that the control puts through its own kinematics
 //! ([`ErrorTables`]). A [`Scheme`] fills them, a [`Format`] writes and reads them. [`Control`] does what the control does with them. A format is a
-//! file in `format/` and a line in [`FORMATS`], a scheme a file in `scheme/` and a line in [`SCHEMES`].
+//! file in `format/` and a line in [`FORMATS`], a scheme a file in `scheme/` and a line in [`SCHEMES`]; a caller adds its own to [`Formats`] and
+//! [`Schemes`].
 //!
 //! Positions and values are kept in mm and degrees, the units of the controls: a table that was read is written again digit by digit.
 
@@ -27,10 +28,10 @@ mod wiring;
 
 pub use control::Control;
 pub use errors::{AxisErrors, ErrorTables};
-pub use format::{FORMATS, Format, Written};
+pub use format::{FORMATS, Format, Formats, Written};
 pub use grid::Grid;
 pub use lookup::{Lookup, Nodes, Sense};
-pub use scheme::{SCHEMES, Scheme};
+pub use scheme::{SCHEMES, Scheme, Schemes};
 pub use target::{Orientation, Target};
 pub use wiring::Wiring;
 

@@ -1,4 +1,5 @@
-//! Faults of the data: what went wrong between the machine and the file. One file each, registered in [`FAULTS`].
+//! Faults of the data: what went wrong between the machine and the file. One file each, and the register of them ([`Checks`]),
+//! which a caller extends.
 //!
 //! They are looked for before causes are: a factor, a sensor that stays or rows of a pulse would be explained by something that is not there. Each
 //! check says what it found, in which rows, and why; what the search for causes then goes without follows from [`Then`]. An effect of the machine
@@ -37,10 +38,11 @@ use std::collections::BTreeSet;
 use super::scene::{Scene, Through};
 use crate::measure::data::DataSet;
 use cells::Sensor;
+use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::condition::change_readings;
 use trail::Trail;
 
-/// A kind of fault.
+/// A kind of fault, and the function that looks for it.
 #[derive(Debug)]
 pub struct Check {
     /// Its name.
@@ -51,10 +53,27 @@ pub struct Check {
     pub shown_by: &'static str,
     /// Where this is known from.
     pub source: &'static str,
-    look: fn(&View<'_, '_>, &mut Vec<Fault>),
+    /// Looks for it and pushes what it finds, each with the rows and what follows. Faults of the checks before it are left out of what it sees
+    /// ([`View::sets`]).
+    pub look: fn(&View<'_, '_>, &mut Vec<Fault>),
 }
 
-/// All kinds, in the order in which they are looked for: what one finds the next ones do without.
+/// The kinds of faults that are looked for, in their order: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+pub type Checks = Register<&'static Check>;
+
+impl Registered for &'static Check {
+    const KIND: &'static str = "kind of fault of the data";
+
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        FAULTS.iter().map(|&check| Box::new(check)).collect()
+    }
+}
+
+/// Those that are built in, in the order in which they are looked for: what one finds the next ones do without.
 pub const FAULTS: &[&Check] = &[
     &dead::CHECK,
     &stuck::CHECK,
@@ -116,7 +135,7 @@ pub struct Fault {
 
 /// What checks look at.
 #[derive(Debug)]
-struct View<'s, 'a> {
+pub struct View<'s, 'a> {
     scene: &'s Scene<'a>,
     /// By measurement.
     sensors: Vec<Vec<Sensor>>,
@@ -138,8 +157,14 @@ impl<'s, 'a> View<'s, 'a> {
         self.tips.get_or_init(|| [0, 1, 2].map(|k| self.scene.factors(Through::Tip(k))))
     }
 
-    /// Measurements that are looked at for anything about their readings.
-    fn sets(&self) -> impl Iterator<Item = (usize, &DataSet)> {
+    /// All readings, and what a model without causes leaves of them.
+    #[must_use]
+    pub fn scene(&self) -> &'s Scene<'a> {
+        self.scene
+    }
+
+    /// Measurements that are looked at for anything about their readings, with their numbers: those that no check has refused.
+    pub fn sets(&self) -> impl Iterator<Item = (usize, &DataSet)> {
         self.scene.sets.iter().enumerate().filter(|(set, _)| !self.refused.contains(set))
     }
 }
@@ -147,10 +172,16 @@ impl<'s, 'a> View<'s, 'a> {
 /// Finds faults.
 #[must_use]
 pub fn find(scene: &Scene<'_>) -> Vec<Fault> {
+    find_with(&Checks::default(), scene)
+}
+
+/// Finds faults of these kinds.
+#[must_use]
+pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<Fault> {
     let mut view = View::new(scene, scene.sets.iter().map(cells::sensors).collect());
     view.trails = (0..scene.sets.len()).map(|set| Trail::new(scene, set)).collect();
     let mut all = Vec::new();
-    for check in FAULTS {
+    for check in checks.iter() {
         let mut found = Vec::new();
         (check.look)(&view, &mut found);
         for fault in &found {

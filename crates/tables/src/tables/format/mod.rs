@@ -1,4 +1,7 @@
-//! The file formats of the controls: one file each, and their register.
+//! The file formats of the controls: one file each, and the register of them ([`Formats`]), which a caller extends.
+//!
+//! To add one from another crate, write a static [`Format`] with its functions and give it to
+//! [`Formats::with`](ncfix_base::register::Register::with).
 
 mod cec;
 mod comp;
@@ -24,6 +27,7 @@ use std::collections::BTreeSet;
 
 use super::{Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::register::{Register, Registered};
 use ncfix_base::source::Source;
 
 /// How a control writes its tables.
@@ -72,11 +76,31 @@ const KEEPS: &str =
 const TWICE: &str = "leave one of them out: the control takes the last one";
 
 /// Of formats whose tables have no numbers, or whose readers see for themselves that an axis has one already.
-fn without_numbers(_: &Source) -> BTreeSet<usize> {
+#[must_use]
+pub fn without_numbers(_: &Source) -> BTreeSet<usize> {
     BTreeSet::new()
 }
 
-/// All formats.
+/// The formats of files of tables: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+pub type Formats = Register<&'static Format>;
+
+impl Registered for &'static Format {
+    const KIND: &'static str = "table format";
+
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        FORMATS.iter().map(Box::new).collect()
+    }
+
+    fn conflict(&self, other: &Self) -> Option<String> {
+        self.name.eq_ignore_ascii_case(other.name).then(|| "letters of either case are the same in its name".into())
+    }
+}
+
+/// Those that are built in.
 pub const FORMATS: &[Format] = &[
     cec::FORMAT,
     enc::FORMAT,
@@ -98,15 +122,27 @@ pub fn find(name: &str) -> Option<&'static Format> {
 /// The format of a file, as far as its name and its first bytes tell.
 #[must_use]
 pub fn guess(name: &str, bytes: &[u8]) -> Option<&'static Format> {
-    FORMATS.iter().find(|format| (format.is_mine)(name, bytes))
+    guess_with(&Formats::default(), name, bytes)
+}
+
+/// The format of a file among these, as [`guess`] finds it.
+#[must_use]
+pub fn guess_with(formats: &Formats, name: &str, bytes: &[u8]) -> Option<&'static Format> {
+    formats.iter().copied().find(|format| (format.is_mine)(name, bytes))
 }
 
 /// All formats of which a file has tables: a control may save tables of several kinds in one.
 #[must_use]
 pub fn guesses(name: &str, bytes: &[u8]) -> Vec<&'static Format> {
+    guesses_with(&Formats::default(), name, bytes)
+}
+
+/// All formats among these of which a file has tables, as [`guesses`] finds them.
+#[must_use]
+pub fn guesses_with(formats: &Formats, name: &str, bytes: &[u8]) -> Vec<&'static Format> {
     // Only formats that name their variables stand side by side; the others take a file as a whole.
-    let Some(first) = guess(name, bytes) else { return Vec::new() };
-    let beside = FORMATS.iter().filter(|other| other.name != first.name && first.beside.contains(&other.name));
+    let Some(first) = guess_with(formats, name, bytes) else { return Vec::new() };
+    let beside = formats.iter().copied().filter(|other| other.name != first.name && first.beside.contains(&other.name));
     std::iter::once(first).chain(beside.filter(|other| (other.is_mine)(name, bytes))).collect()
 }
 

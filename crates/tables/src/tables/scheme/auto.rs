@@ -1,6 +1,6 @@
 //! The fewest tables that reach the tolerance on a control: all schemes that it can hold are tried, and tables that are not needed are left out.
 
-use super::{SCHEMES, Scheme, Task};
+use super::{Scheme, Schemes, Task};
 use crate::tables::check::{CheckedPose, Errors, left, stands};
 use crate::tables::{Control, Tables};
 use ncfix_base::geometry::Axis;
@@ -27,14 +27,20 @@ pub struct Tried {
 /// The tables with the fewest that reach the tolerance, and what was tried. `None` where no scheme does.
 #[must_use]
 pub fn choose(task: &Task<'_>) -> (Option<(&'static Scheme, Tables)>, Vec<Tried>) {
+    choose_with(&Schemes::default(), task)
+}
+
+/// The tables of the scheme among these with the fewest that reach the tolerance, as [`choose`] finds it.
+#[must_use]
+pub fn choose_with(schemes: &Schemes, task: &Task<'_>) -> (Option<(&'static Scheme, Tables)>, Vec<Tried>) {
     // What depends on the sense of motion is left by a control that has no tables for it: it counts in any case.
     let has_senses = |axis: &Axis| task.target.model.features(*axis).backlash;
     let axes: Vec<Axis> = task.region.axes().filter(has_senses).collect();
     let poses = stands(&task.region.reached(task.target.machine).poses(POSES, SEED), &axes);
-    let mut best: Option<(&Scheme, Tables)> = None;
+    let mut best: Option<(&'static Scheme, Tables)> = None;
     let mut tried = Vec::new();
     let most = task.format.limits.points;
-    for scheme in SCHEMES {
+    for &scheme in schemes.iter() {
         for points in POINTS.into_iter().filter(|&points| most == 0 || points <= most) {
             let task = Task { points, ..*task };
             let outcome = attempt(&task, scheme, &poses);

@@ -1,4 +1,4 @@
-//! The schemes that fill tables from the error model: one file each, and their register.
+//! The schemes that fill tables from the error model: one file each, and the register of them ([`Schemes`]), which a caller extends.
 
 mod assembly;
 mod auto;
@@ -16,10 +16,11 @@ use super::region::Region;
 use super::target::Target;
 use super::{Format, Multiplication, Orientation, Tables, Wiring};
 use ncfix_base::geometry::{Axis, AxisVector, LINEAR_AXES};
+use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::State;
 use ncfix_model::Accumulator;
 
-pub use auto::{AIM, Tried, choose};
+pub use auto::{AIM, Tried, choose, choose_with};
 
 /// What tables are wanted.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +60,26 @@ pub struct Scheme {
     pub fill: fn(&Task<'_>) -> Result<Tables, String>,
 }
 
-/// All schemes; [`choose`] picks among them.
+/// The schemes that fill tables: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+pub type Schemes = Register<&'static Scheme>;
+
+impl Registered for &'static Scheme {
+    const KIND: &'static str = "scheme of tables";
+
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        SCHEMES.iter().map(Box::new).collect()
+    }
+
+    fn conflict(&self, other: &Self) -> Option<String> {
+        self.name.eq_ignore_ascii_case(other.name).then(|| "letters of either case are the same in its name".into())
+    }
+}
+
+/// Those that are built in; [`choose`] picks among them.
 pub const SCHEMES: &[Scheme] = &[
     functions::SCHEME,
     mesh::SCHEME,

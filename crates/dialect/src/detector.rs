@@ -1,0 +1,97 @@
+//! Detectors: what gives the dialect of a file away, by its name or by a line of it. Each dialect brings one; a caller adds others to [`Detectors`], for the files
+//! of a post-processor or of a shop.
+
+use std::sync::LazyLock;
+
+use ncfix_base::register::{Register, Registered};
+use regex::bytes::{Regex, RegexBuilder};
+
+use super::{DIALECTS, Dialect};
+
+/// Bytes of a file that are looked at.
+const HEAD: usize = 8192;
+
+/// What gives a dialect away.
+#[derive(Clone, Debug)]
+pub struct Detector {
+    name: String,
+    dialect: &'static Dialect,
+    extensions: Vec<String>,
+    mark: Regex,
+}
+
+/// Detectors in the order in which they are asked: [`Register::default`] are those of the dialects.
+pub type Detectors = Register<Detector>;
+
+impl Detector {
+    /// A detector of its own name: file extensions, and a pattern that a line of the dialect matches, without the blanks at its ends. Letters are the same
+    /// in either case; `^` and `$` are the ends of the line.
+    ///
+    /// # Errors
+    /// A sentence where the pattern is none.
+    pub fn new(
+        name: impl Into<String>,
+        dialect: &'static Dialect,
+        extensions: &[&str],
+        mark: &str,
+    ) -> Result<Detector, String> {
+        let built = RegexBuilder::new(mark).unicode(false).case_insensitive(true).dot_matches_new_line(true).build();
+        let mark = built.map_err(|fault| format!("the pattern '{mark}' is none: {fault}"))?;
+        let extensions = extensions.iter().map(|extension| extension.to_ascii_lowercase()).collect();
+        Ok(Detector { name: name.into(), dialect, extensions, mark })
+    }
+}
+
+impl Registered for Detector {
+    const KIND: &'static str = "detector of a dialect";
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn built_in() -> Vec<Box<Self>> {
+        static OF_DIALECTS: LazyLock<Vec<Detector>> = LazyLock::new(|| {
+            let of = |one: &'static Dialect| Detector::new(one.name, one, one.extensions, one.mark);
+            // The patterns are constants, and tests match with each of them.
+            DIALECTS.iter().filter_map(|one| of(one).ok()).collect()
+        });
+        OF_DIALECTS.iter().cloned().map(Box::new).collect()
+    }
+}
+
+/// Guesses as [`guess`](super::guess) does, with these detectors; where a file tells of several, the first one is taken.
+#[must_use]
+pub fn guess_with(detectors: &Detectors, file_name: &str, bytes: &[u8]) -> Option<&'static Dialect> {
+    let extension = file_name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
+    let by_name = extension.and_then(|e| detectors.iter().find(|detector| detector.extensions.contains(&e)));
+    let found = by_name.or_else(|| {
+        let head = &bytes[..bytes.len().min(HEAD)];
+        let is_blank = |byte: &u8| *byte <= b' ' || *byte == 0x7f;
+        let lines = || {
+            let lines = head.split(|&byte| byte == b'\n' || byte == b'\r');
+            lines.map(move |line| {
+                let start = line.iter().position(|byte| !is_blank(byte)).unwrap_or(line.len());
+                line[start..].trim_ascii_end()
+            })
+        };
+        detectors.iter().find(|detector| lines().any(|line| detector.mark.is_match(line)))
+    });
+    found.map(|detector| detector.dialect)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_detector_of_a_caller_tells_what_no_dialect_does() {
+        let own = Detector::new("shop", crate::find("fanuc").unwrap(), &["TAP"], r"^\(posted by shop").unwrap();
+        let detectors = Detectors::default().with(own);
+        let found = |name: &str, text: &str| guess_with(&detectors, name, text.as_bytes()).map(|one| one.name);
+        assert_eq!(found("a.tap", ""), Some("fanuc"));
+        assert_eq!(found("a.nc", "%\n (Posted by SHOP 3)\nG0 X1"), Some("fanuc"));
+        assert_eq!(found("a.nc", "%_N_X_MPF\n(posted by shop)"), Some("sinumerik"));
+        assert_eq!(found("a.nc", "G0 X1"), None);
+        assert!(Detector::new("bad", crate::sinumerik(), &[], "(").is_err());
+    }
+}

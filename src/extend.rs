@@ -1,0 +1,66 @@
+//! What an extension from another crate is written with: one module for each kind of thing that a [`Registry`](crate::Registry) takes.
+//!
+//! `docs/extending.md` of the project says what each has to do; `examples/own_error_source.rs` and `examples/own_cause.rs` are whole programs.
+
+/// Sources of error with sections of the machine file, and kinds of motion errors.
+pub mod source {
+    pub use ncfix_base::diagnostic::Code;
+    pub use ncfix_base::geometry::{Axis, AxisVector};
+    pub use ncfix_machine::machine::file::Section;
+    pub use ncfix_machine::machine::{Condition, Load, State};
+    pub use ncfix_model::motion::polynomial::Polynomial;
+    pub use ncfix_model::motion::{Entry, Function, MotionFunction, MotionKind, Sampling};
+    pub use ncfix_model::name::{Direction, ErrorName};
+    pub use ncfix_model::source::{Parameter, Reading, Written};
+    pub use ncfix_model::{Accumulator, Effect, ErrorModel, ErrorSource, SourceInfo};
+}
+
+/// Causes that a diagnosis looks for.
+pub mod cause {
+    pub use ncfix_base::geometry::Axis;
+    pub use ncfix_machine::machine::edit::Given;
+    pub use ncfix_metrology::diagnose::cause::{
+        Candidate, Cause, Correctable, Effect, Propose, Term, Weight, axes, column, linear, own, range, times,
+    };
+    pub use ncfix_metrology::diagnose::extend::Change;
+    pub use ncfix_metrology::diagnose::row::Row;
+    pub use ncfix_metrology::diagnose::scene::{Scene, Through};
+    pub use ncfix_model::{ErrorName, ParameterName};
+}
+
+/// Kinds of measurement, and faults of the data.
+pub mod instrument {
+    pub use ncfix_base::csv::{DecimalSign, Row, Table};
+    pub use ncfix_base::diagnostic::Diagnostic;
+    pub use ncfix_metrology::diagnose::fault::{Check, Fault, Then, View};
+    pub use ncfix_metrology::measure::data::{DataSet, Free, Observation};
+    pub use ncfix_metrology::measure::kind::{
+        Equation, Kind, Seen, Unknown, at, needed, no_ties, optional, three, vector_at, zeros,
+    };
+}
+
+/// Formats of compensation tables, and schemes that fill them.
+pub mod table {
+    pub use ncfix_base::diagnostic::Diagnostic;
+    pub use ncfix_base::source::Source;
+    pub use ncfix_tables::tables::format::{FormatLimits, Holds, without_numbers};
+    pub use ncfix_tables::tables::scheme::Task;
+    pub use ncfix_tables::tables::{Format, Lookup, Nodes, Orientation, Scheme, Sense, Tables, Wiring, Written};
+}
+
+/// Dialogues of links.
+pub mod link {
+    pub use ncfix_dnc::feed::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire};
+}
+
+/// Sources of live readings.
+pub mod sensor {
+    pub use ncfix_dnc::sense::source::{Clocked, Opened, Plan, Polled, Wanted, items, polled};
+    pub use ncfix_dnc::sense::{Fault, Outlet, SensorSource, Told};
+    pub use ncfix_machine::machine::file::Section;
+}
+
+/// Marks of dialects.
+pub mod dialect {
+    pub use ncfix_dialect::{Detector, Dialect, find};
+}
