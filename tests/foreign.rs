@@ -1,15 +1,21 @@
 //! What another crate adds to the registers: a source of error, a kind of motion error, a cause and an instrument, by public names alone.
 
 use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::sense::source::{Opened, Plan, Polled, Wanted, polled};
+use ncfix_dnc::sense::{Config, Outlet, Panel, SensorSource, SensorSources, Told};
 use ncfix_machine::machine::edit::{Edit, Given};
 use ncfix_machine::machine::file::{DEMO, Section};
 use ncfix_machine::machine::{Condition, Machine, State};
 use ncfix_metrology::calibrate::{Options, Parameter, fit};
 use ncfix_metrology::diagnose::cause::{self, Candidate, Cause, Correctable, Effect as CauseEffect, Weight};
 use ncfix_metrology::diagnose::extend::{Change, again, extension};
+use ncfix_metrology::diagnose::fault::{self, Check, Checks, Fault, Then};
 use ncfix_metrology::diagnose::scene::{Scene, Through};
 use ncfix_metrology::diagnose::{Causes, diagnose_with};
 use ncfix_metrology::measure::data::{self, DataSet, Observation, ReadAs};
@@ -19,8 +25,20 @@ use ncfix_model::source::{Parameter as SourceParameter, Reading, Written};
 use ncfix_model::{
     Accumulator, Effect, ErrorModel, ErrorSource, Model, ModelRegisters, Solve, SourceInfo, Sources, file, write,
 };
+use ncfix_tables::tables::{FORMATS, Format, Formats, SCHEMES, Scheme, Schemes, format};
 
 use crate::model::Random;
+
+#[path = "../examples/own_cause.rs"]
+mod own_cause;
+#[path = "../examples/own_error_source.rs"]
+mod own_error_source;
+
+#[test]
+fn the_examples_run() {
+    own_error_source::main().unwrap();
+    own_cause::main().unwrap();
+}
 
 static BEAM: SourceInfo = SourceInfo {
     name: "beam",
@@ -367,4 +385,120 @@ fn an_instrument_is_read_and_fitted() {
     let parameter = Parameter::from(ncfix_metrology::calibrate::effect::effect_parameters(&errors).remove(0));
     let fitted = fit(&machine, &errors, &[parameter.clone()], &[set], Options { robust: false }).unwrap();
     assert!((parameter.get(&fitted.errors) + 0.020).abs() < 1e-8);
+}
+
+/// Rows beyond a place are the ones of another part.
+static BEYOND: Check = Check {
+    name: "beyond the part",
+    made_by: "a plan that went too far",
+    shown_by: "X above 600 mm",
+    source: "the shop",
+    look: |view, out| {
+        for (set, data) in view.sets() {
+            let is_beyond = |one: &Observation| one.reading.position[Axis::X] > 600.0;
+            let Some(first) = data.observations.iter().position(is_beyond) else { continue };
+            let rows = [first, data.observations.len() - 1];
+            let (what, evidence) = ("rows beyond the part".into(), format!("from row {first} on"));
+            out.push(Fault {
+                kind: "beyond",
+                set,
+                name: data.name.clone(),
+                what,
+                rows,
+                evidence,
+                then: Then::WithoutRows,
+            });
+        }
+    },
+};
+
+#[test]
+fn a_fault_of_the_data_is_found() {
+    let (machine, errors) = read(&bare(""), &ModelRegisters::default()).0.unwrap();
+    let sets = [heights(&machine, 3)];
+    let scene = Scene::new(&machine, &errors, &sets).unwrap();
+    let found = |checks: &Checks| -> Vec<[usize; 2]> {
+        let all = fault::find_with(checks, &scene);
+        all.iter().filter(|one| one.kind == "beyond").map(|one| one.rows).collect()
+    };
+    assert_eq!(found(&Checks::default().with(&BEYOND)), [[61, 70]]);
+    assert!(found(&Checks::default()).is_empty());
+}
+
+static SHOP: Format = Format { name: "shop", is_mine: |name, _| name.ends_with(".shop"), ..FORMATS[0] };
+
+#[test]
+fn a_table_format_and_a_scheme_are_found() {
+    let formats = Formats::default().with(&SHOP);
+    assert_eq!(format::guess_with(&formats, "a.shop", b"").map(|one| one.name), Some("shop"));
+    assert!(format::guess("a.shop", b"").is_none());
+    static UPPER: Format = Format { name: "SHOP", ..FORMATS[0] };
+    assert!(formats.try_with(&UPPER).is_err());
+    static PLAIN: Scheme = Scheme { name: "plain", ..SCHEMES[0] };
+    assert_eq!(Schemes::default().with(&PLAIN).iter().count(), SCHEMES.len() + 1);
+}
+
+/// A sensor that always says the same.
+struct Constant;
+
+#[derive(Debug)]
+struct Always(f64, Vec<usize>);
+
+impl SensorSource for Constant {
+    fn name(&self) -> &str {
+        "constant"
+    }
+
+    fn title(&self) -> &str {
+        "a number that stays"
+    }
+
+    fn read(&self, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+        let value = section.required("value", "21.5", Section::number)?;
+        Some(Arc::new(Always(value, wanted.iter().map(|one| one.index).collect())))
+    }
+}
+
+impl Plan for Always {
+    fn open(&self, _: &Path, every: Duration) -> Result<Opened, String> {
+        Ok(polled(Always(self.0, self.1.clone()), every))
+    }
+}
+
+impl Polled for Always {
+    fn poll(&mut self, outlet: &Outlet) -> Result<(), String> {
+        self.1.iter().for_each(|&channel| outlet.tell(channel, Told::Value(self.0), None));
+        Ok(())
+    }
+}
+
+#[test]
+fn a_source_of_readings_is_read_and_asked() {
+    let text = "poll_s = 0.05\n[source.own]\nkind = \"constant\"\nvalue = 21.5\n[channel.T_a]\nsource = \"own\"\n";
+    let source = Source::new(FileId(0), "S.toml", text.as_bytes().to_vec()).unwrap();
+    assert!(Config::read(&source).is_err());
+    let config = Config::read_with(&source, &SensorSources::default().with(Constant)).unwrap();
+    assert_eq!(config.sources[0].kind.title(), "a number that stays");
+    let mut panel = Panel::open(&config, Path::new(".")).unwrap();
+    let begun = Instant::now();
+    let mut last = None;
+    // Three values that agree are believed.
+    while last.is_none() && begun.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(25));
+        panel.take(begun.elapsed());
+        last = panel.channels().find_map(|reading| reading.value_c);
+    }
+    assert_eq!(last, Some(21.5));
+}
+
+#[test]
+fn a_machine_of_the_library_keeps_its_registry() {
+    let registry = ncfix::Registry::default().with_source(Beams).with_cause(&SAGS).with_instrument(&GAUGE);
+    let text = bare(BEAM.example);
+    let machine = ncfix::Machine::from_text_with("mill.toml", &text, &registry).unwrap();
+    let error = machine.deviation(&at_x(350.0), ncfix::ToolVector::Length(0.0), &State::default());
+    assert!((error.position_um[2] - 12.0).abs() < 1e-9, "{error:?}");
+    assert!(machine.registry().causes.find("sagging beam").is_some());
+    let refused = ncfix::Machine::from_text("mill.toml", &text).unwrap_err();
+    assert!(refused.diagnostics().errors().any(|one| one.message().contains("unknown key beam")));
 }

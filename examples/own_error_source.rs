@@ -1,0 +1,58 @@
+//! A source of error of one's own: the table sags as it reaches out over its bed along Y.
+//!
+//! Its weight times the reach y tips it, and the tip times the reach lowers the workpiece: by s (y/L)², s at the reach L. `[overhang]` of the machine file
+//! has both. The error adds up with all others, is corrected, and calibration fits it as `overhang.sag`.
+
+use ncfix::extend::source::*;
+use ncfix::{Machine, Registry, ToolVector};
+
+const EXAMPLE: &str = "[overhang]\nreach_mm = 500\nsag_um = 9\n";
+static OVERHANG: SourceInfo =
+    SourceInfo { name: "overhang", title: "sag of the table", sections: &["overhang"], example: EXAMPLE };
+
+struct Overhangs;
+
+impl ErrorSource for Overhangs {
+    fn info(&self) -> &'static SourceInfo {
+        &OVERHANG
+    }
+    fn read(&self, reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+        let Some(mut section) = reading.root.section("overhang") else { return };
+        let numbers = ["reach_mm", "sag_um"].map(|key| section.required(key, "9", Section::number));
+        if let [Some(reach_mm), Some(sag_um)] = numbers {
+            errors.effects.push(Box::new(Overhang { reach_mm, sag_mm: sag_um / 1000.0 }));
+        }
+        section.finish(reading.findings);
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Overhang {
+    reach_mm: f64,
+    sag_mm: f64,
+}
+
+impl Effect for Overhang {
+    fn source(&self) -> &'static SourceInfo {
+        &OVERHANG
+    }
+    fn contribute(&self, _: &Condition, sum: &mut Accumulator<'_>) {
+        let coefficients = vec![0.0, 0.0, -self.sag_mm / self.reach_mm.powi(2)];
+        sum.add_motion("EZY".parse().expect("ISO 230-1"), &Function::Polynomial(Polynomial { coefficients }), 1.0);
+    }
+    fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
+        let written = Some(Written { entry: 0, key: "sag_um", factor: 1000.0 });
+        visit(&Parameter { name: "overhang.sag", is_linear: true, written }, &mut self.sag_mm);
+    }
+}
+
+pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let text = std::fs::read_to_string("samples/machines/demo.toml")? + EXAMPLE;
+    let machine = Machine::from_text_with("demo.toml", &text, &Registry::default().with_source(Overhangs))?;
+    for pose in ["Y0", "Y250", "Y500"] {
+        let at = pose.parse()?;
+        let dz = |machine: &Machine| machine.deviation(&at, ToolVector::Length(0.0), &State::default()).position_um[2];
+        println!("{pose}: the tool is {:.2} µm higher above the table", dz(&machine) - dz(&Machine::demo()));
+    }
+    Ok(())
+}
