@@ -6,92 +6,6 @@ use ncfix_language::exec::{NoLibrary, Options};
 use crate::iso::{check, check_codes, check_on, iso_machine, run, run_with};
 
 #[test]
-fn i8_holes_and_pecks() {
-    check(
-        "fanuc",
-        "N10 G17 G90 G0 X0 Y0 Z50.
-N20 G99 G81 X10. Y0 Z-10. R2. F100.
-N30 X20.
-N40 G98 X30.
-N50 G80
-N60 G91 G99 G81 X10. Z-12. R-48. K2
-N70 G80 G90
-N80 G0 Z50.
-N90 G98 G83 X0 Y20. Z-20. R2. Q8. F100.
-N100 G73 Y40. Z-20. R2. Q8.
-N110 G80
-N120 M30",
-        &[
-            "G0 X0 Y0 Z50",
-            "G0 X10 Y0 Z50",
-            "G0 X10 Y0 Z2",
-            "G1 X10 Y0 Z-10 F100",
-            "G0 X10 Y0 Z2",
-            "G0 X20 Y0 Z2",
-            "G1 X20 Y0 Z-10 F100",
-            "G0 X20 Y0 Z2",
-            "G0 X30 Y0 Z2",
-            "G1 X30 Y0 Z-10 F100",
-            "G0 X30 Y0 Z50",
-            "G0 X40 Y0 Z50",
-            "G0 X40 Y0 Z2",
-            "G1 X40 Y0 Z-10 F100",
-            "G0 X40 Y0 Z2",
-            "G0 X50 Y0 Z2",
-            "G1 X50 Y0 Z-10 F100",
-            "G0 X50 Y0 Z2",
-            "G0 X50 Y0 Z50",
-            "G0 X0 Y20 Z50",
-            "G0 X0 Y20 Z2",
-            "G1 X0 Y20 Z-6 F100",
-            "G0 X0 Y20 Z2",
-            "G0 X0 Y20 Z-5",
-            "G1 X0 Y20 Z-14 F100",
-            "G0 X0 Y20 Z2",
-            "G0 X0 Y20 Z-13",
-            "G1 X0 Y20 Z-20 F100",
-            "G0 X0 Y20 Z50",
-            "G0 X0 Y40 Z50",
-            "G0 X0 Y40 Z2",
-            "G1 X0 Y40 Z-6 F100",
-            "G0 X0 Y40 Z-5",
-            "G1 X0 Y40 Z-14 F100",
-            "G0 X0 Y40 Z-13",
-            "G1 X0 Y40 Z-20 F100",
-            "G0 X0 Y40 Z50",
-        ],
-    );
-}
-
-#[test]
-fn a_fanuc_returns_to_its_kind_of_motion_behind_g80_and_g0_ends_a_cycle() {
-    check(
-        "fanuc",
-        "G90 G1 X0 Y0 Z10. F100.
-G81 X5. Z-1. R1.
-G80
-X7.
-G99 G81 X8. Z-1. R1.
-G0 X9.
-G80 G0 Z20.",
-        &[
-            "G1 X0 Y0 Z10 F100",
-            "G0 X5 Y0 Z10",
-            "G0 X5 Y0 Z1",
-            "G1 X5 Y0 Z-1 F100",
-            "G0 X5 Y0 Z10",
-            "G1 X7 Y0 Z10 F100",
-            "G0 X8 Y0 Z10",
-            "G0 X8 Y0 Z1",
-            "G1 X8 Y0 Z-1 F100",
-            "G0 X8 Y0 Z1",
-            "G0 X9 Y0 Z1",
-            "G0 X9 Y0 Z20",
-        ],
-    );
-}
-
-#[test]
 fn spindle_dwell_and_stop_stand_in_their_places() {
     let (lines, codes) = run(
         "fanuc",
@@ -161,63 +75,6 @@ G76 X20. Q0.5 R2. Z-5.",
         ],
     );
     check_codes("fanuc", "G90 G0 X0 Y0 Z10.\nG76 X10. Z-5. R2. Q0.5 F100.", &["E0210:2"]);
-}
-
-#[test]
-fn the_tool_axis_is_that_across_the_plane_and_bolt_circles_are_polar() {
-    check(
-        "fanuc",
-        "G18 G90 G0 X0 Y50. Z0
-G99 G81 X1. Z2. Y-5. R3. F100.
-G80 G17 G0 Y0 Z10.
-G16
-G81 X10. Y0 Z-1. R1.
-G91 Y90. K3
-G15 G80 G90",
-        &[
-            "G0 X0 Y50 Z0",
-            "G0 X1 Y50 Z2",
-            "G0 X1 Y3 Z2",
-            "G1 X1 Y-5 Z2 F100",
-            "G0 X1 Y3 Z2",
-            "G0 X1 Y0 Z10",
-            "G0 X10 Y0 Z10",
-            "G0 X10 Y0 Z1",
-            "G1 X10 Y0 Z-1 F100",
-            "G0 X10 Y0 Z1",
-            "G0 X0 Y10 Z1",
-            "G1 X0 Y10 Z-1 F100",
-            "G0 X0 Y10 Z1",
-            "G0 X-10 Y0 Z1",
-            "G1 X-10 Y0 Z-1 F100",
-            "G0 X-10 Y0 Z1",
-            "G0 X0 Y-10 Z1",
-            "G1 X0 Y-10 Z-1 F100",
-            "G0 X0 Y-10 Z1",
-        ],
-    );
-}
-
-#[test]
-fn scaling_leaves_pecks_and_clearances_as_they_are() {
-    check(
-        "fanuc",
-        "G90 G0 X0 Y0 Z10.
-G51 X0 Y0 Z0 P2000
-G99 G73 X5. Z-10. R1. Q8. F100.
-G80 G50",
-        &[
-            "G0 X0 Y0 Z10",
-            "G0 X10 Y0 Z10",
-            "G0 X10 Y0 Z2",
-            "G1 X10 Y0 Z-6 F100",
-            "G0 X10 Y0 Z-5",
-            "G1 X10 Y0 Z-14 F100",
-            "G0 X10 Y0 Z-13",
-            "G1 X10 Y0 Z-20 F100",
-            "G0 X10 Y0 Z2",
-        ],
-    );
 }
 
 #[test]
@@ -314,34 +171,6 @@ M2",
 }
 
 #[test]
-fn linuxcnc_pecks_keep_away_by_a_hundredth_of_an_inch() {
-    check(
-        "rs274",
-        "G20 G90
-F10
-G0 X0 Y0 Z1
-G98 G83 X1 Z-0.5 R0.5 Q0.6
-G73 X2 Z-0.5 R0.5 Q0.6",
-        &[
-            "G0 X0 Y0 Z25.4",
-            "G0 X25.4 Y0 Z25.4",
-            "G0 X25.4 Y0 Z12.7",
-            "G1 X25.4 Y0 Z-2.54 F254",
-            "G0 X25.4 Y0 Z12.7",
-            "G0 X25.4 Y0 Z-2.286",
-            "G1 X25.4 Y0 Z-12.7 F254",
-            "G0 X25.4 Y0 Z25.4",
-            "G0 X50.8 Y0 Z25.4",
-            "G0 X50.8 Y0 Z12.7",
-            "G1 X50.8 Y0 Z-2.54 F254",
-            "G0 X50.8 Y0 Z-2.286",
-            "G1 X50.8 Y0 Z-12.7 F254",
-            "G0 X50.8 Y0 Z25.4",
-        ],
-    );
-}
-
-#[test]
 fn linuxcnc_refuses_what_it_needs_and_does_not_get() {
     let begin = "G21 G90 F100 S500 M3\nG0 X0 Y0 Z10\n";
     for block in [
@@ -383,16 +212,6 @@ fn linuxcnc_takes_a_tool_for_drawn_out_behind_g88() {
     let options = Options { strict: true, ..Options::default() };
     let (_, codes) = run_with("rs274", program, &iso_machine(), Box::new(NoLibrary), options);
     assert_eq!(codes, ["E0304:4"]);
-}
-
-#[test]
-fn linuxcnc_taps_in_the_xy_plane_only() {
-    check_codes("rs274", "G21 G90 F100 S500 M3 G18\nG0 X0 Y0 Z10\nG84 X1 Z-2 Y-5 R1", &["E0201:3"]);
-}
-
-#[test]
-fn g80_beside_another_kind_of_motion_is_nothing() {
-    check("rs274", "G21 G90 G80 G0 X1 Y0 Z10\nG0 G80 X2", &["G0 X1 Y0 Z10", "G0 X2 Y0 Z10"]);
 }
 
 #[test]

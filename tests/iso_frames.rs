@@ -7,79 +7,6 @@ use ncfix_machine::snc::Kind;
 use crate::iso::{check, check_codes, elements, iso_machine, run};
 
 #[test]
-fn i2_rotation_within_scaling() {
-    check(
-        "fanuc",
-        "N10 G18 G90 G0 X0 Y0 Z0
-N20 G51 X0 Y0 Z0 P2000
-N30 G68 Z0 X0 R30.
-N40 G1 Z10. X0 F100.
-N50 G3 Z0 X10. R10.
-N60 G69
-N70 G50
-N80 G0 X0 Z0
-N90 M30",
-        &[
-            "G0 X0 Y0 Z0",
-            "G1 X10 Y0 Z17.320508 F100",
-            "G3 X17.320508 Y0 Z-10 I-10 J0 K-17.320508 P18 F100",
-            "G0 X0 Y0 Z0",
-        ],
-    );
-}
-
-#[test]
-fn i3_mirrored_arcs_change_their_sense() {
-    check(
-        "fanuc",
-        "N10 G17 G90 G0 X0 Y0 Z0
-N20 G51.1 X50.
-N30 G1 X20. Y0 F100.
-N40 G2 X30. Y-10. I0 J-10.
-N50 G50.1 X0
-N60 G1 X0 Y0
-N70 M30",
-        &["G0 X0 Y0 Z0", "G1 X80 Y0 Z0 F100", "G3 X70 Y-10 Z0 I0 J-10 K0 P17 F100", "G1 X0 Y0 Z0 F100"],
-    );
-}
-
-#[test]
-fn i7_polar_coordinates() {
-    check(
-        "fanuc",
-        "N10 G17 G90 G0 X0 Y0 Z0
-N20 G16
-N30 G1 X10. Y30. F100.
-N40 G91 Y60.
-N50 G90 X20. Y180.
-N60 G15
-N70 G0 X0 Y0",
-        &["G0 X0 Y0 Z0", "G1 X8.660254 Y5 Z0 F100", "G1 X0 Y10 Z0 F100", "G1 X-20 Y0 Z0 F100", "G0 X0 Y0 Z0"],
-    );
-}
-
-#[test]
-fn i12_corners() {
-    check(
-        "fanuc",
-        "N10 G17 G90 G0 X0 Y0 Z0
-N20 G1 X50. ,R10. F200.
-N30 Y40. ,C5.
-N40 X0",
-        &[
-            "G0 X0 Y0 Z0",
-            "G1 X40 Y0 Z0 F200",
-            "G3 X50 Y10 Z0 I0 J10 K0 P17 F200",
-            "G1 X50 Y35 Z0 F200",
-            "G1 X45 Y40 Z0 F200",
-            "G1 X0 Y40 Z0 F200",
-        ],
-    );
-    // A line by its angle: 20 along X at 30 degrees.
-    check("fanuc", "G90 G0 X0 Y0 Z0\nG1 X20. ,A30. F100.", &["G0 X0 Y0 Z0", "G1 X20 Y11.547005 Z0 F100"]);
-}
-
-#[test]
 fn i14_tilted_planes_by_all_their_forms() {
     let forms = [
         "G68.2 X10. Y20. Z5. I90. J30. K0",
@@ -147,15 +74,6 @@ fn a_frame_maps_every_end_of_a_contour() {
         }
         assert_eq!(found.last(), Some(&AxisVector::ZERO), "{begin}");
     }
-}
-
-#[test]
-fn a_missing_center_is_where_the_tool_is() {
-    check(
-        "fanuc",
-        "G90 G17 G0 X10. Y5. Z0\nG68 R90.\nG91 G1 X3. F100.\nG69 G90 X0 Y0",
-        &["G0 X10 Y5 Z0", "G1 X10 Y8 Z0 F100", "G1 X0 Y0 Z0 F100"],
-    );
 }
 
 #[test]

@@ -20,61 +20,6 @@ impl Library for Files {
     }
 }
 
-#[test]
-fn i6_nested_loops_a_macro_and_a_counted_subprogram() {
-    check(
-        "fanuc",
-        "%\nO0005\nN10 G21 G90 G17 G0 X0 Y0 Z0\nN20 #100=0\nN30 WHILE [#100 LT 2] DO1\nN40 #101=0\nN50 WHILE [#101 LT 2] DO2\n\
-         N60 G1 X[#100*10] Y[#101*5+#100] F200.\nN70 #101=#101+1\nN80 END2\nN90 #100=#100+1\nN100 END1\nN110 G65 P9100 A5. B30.\n\
-         N120 M98 P30200\nN130 M30\nO9100\nG91 G1 X[#1*COS[#2]] Y[#1*SIN[#2]]\nG90 M99\nO0200\nG91 X1.\nG90 M99\n%\n",
-        &[
-            "G0 X0 Y0 Z0",
-            "G1 X0 Y0 Z0 F200",
-            "G1 X0 Y5 Z0 F200",
-            "G1 X10 Y1 Z0 F200",
-            "G1 X10 Y6 Z0 F200",
-            "G1 X14.33 Y8.5 Z0 F200",
-            "G1 X15.33 Y8.5 Z0 F200",
-            "G1 X16.33 Y8.5 Z0 F200",
-            "G1 X17.33 Y8.5 Z0 F200",
-        ],
-    );
-}
-
-#[test]
-fn i11_null_omits_a_word_and_a_jump_goes_back() {
-    check(
-        "fanuc",
-        "N10 G90 G17 G0 X0 Y0 Z0\nN20 #1=#0\nN30 IF [#1 EQ #0] GOTO 50\nN40 X99.\nN50 G1 X#1 Y10. F100.\nN60 #2=3\nN70 X[#2*2.]\n\
-         N80 #2=#2-1\nN90 IF [#2 GT 0] GOTO 70\nN100 G0 X0 Y0\nN110 M30\n",
-        &[
-            "G0 X0 Y0 Z0",
-            "G1 X0 Y10 Z0 F100",
-            "G1 X6 Y10 Z0 F100",
-            "G1 X4 Y10 Z0 F100",
-            "G1 X2 Y10 Z0 F100",
-            "G0 X0 Y0 Z0",
-        ],
-    );
-}
-
-#[test]
-fn i15_m98_shares_the_locals_and_g65_does_not() {
-    check(
-        "fanuc",
-        "%\nO0010\nN10 G90 G17 G1 X0 Y0 Z0 F100.\nN20 #1=10\nN30 M98 P0011\nN40 Y[#1/2.]\nN50 G65 P0012 A20.\nN60 Y[#1]\n\
-         N70 IF [[#1 EQ 10] AND [#2 EQ #0]] THEN #3=30\nN80 X#3\nN90 M30\nO0011\nX#1\n#1=10\nM99\nO0012\nX#1\n#1=99\nM99\n%\n",
-        &[
-            "G1 X0 Y0 Z0 F100",
-            "G1 X10 Y0 Z0 F100",
-            "G1 X10 Y5 Z0 F100",
-            "G1 X20 Y5 Z0 F100",
-            "G1 X20 Y10 Z0 F100",
-            "G1 X30 Y10 Z0 F100",
-        ],
-    );
-}
-
 /// The value of an expression, through a move of X.
 fn value_on(machine: &Machine, before: &str, expression: &str) -> Result<f64, Vec<String>> {
     let text = format!("G90 G0 X0 Y0 Z0\n{before}\nG0 X[{expression}]\nM30\n");
@@ -196,27 +141,6 @@ fn what_an_earlier_program_left_in_a_variable_is_not_guessed_for_a_correction() 
 }
 
 #[test]
-fn jumps_search_forward_first() {
-    check(
-        "fanuc",
-        "G90 G0 X0 Y0 Z0\nGOTO 20\nN10 X1.\nGOTO 30\nN20 X2.\nGOTO 10\nN30 X3.\nM30\n",
-        &["G0 X0 Y0 Z0", "G0 X2 Y0 Z0", "G0 X1 Y0 Z0", "G0 X3 Y0 Z0"],
-    );
-    // Two blocks of one number: the one behind the jump is nearer.
-    check(
-        "fanuc",
-        "G90 G0 X0 Y0 Z0\nGOTO 5\nX9.\nN5 X1.\nIF [#1 EQ 1] GOTO 7\n#1=1\nGOTO 5\nN5 X2.\nN7 M30\n",
-        &["G0 X0 Y0 Z0", "G0 X1 Y0 Z0", "G0 X2 Y0 Z0"],
-    );
-    check(
-        "fanuc",
-        "G90 G0 X0 Y0 Z0\n#1=3\nGOTO #1\nX9.\nN3 X1.\nGOTO [#1*2]\nX8.\nN6 M30\n",
-        &["G0 X0 Y0 Z0", "G0 X1 Y0 Z0"],
-    );
-    check_codes("fanuc", "G0 X0 Y0 Z0\nGOTO 99\nM30\n", &["E0211:2"]);
-}
-
-#[test]
 fn jumps_leave_loops_but_do_not_enter_them() {
     check(
         "fanuc",
@@ -268,51 +192,6 @@ fn the_words_of_a_macro_call_become_variables() {
 }
 
 #[test]
-fn a_macro_repeats_with_fresh_arguments() {
-    check(
-        "fanuc",
-        "O1\nG90 G0 X0 Y0 Z0\nG65 P2 L3 A1.\nM30\nO2\n#1=#1+1\n#100=#100+#1\nX#100\nM99\n",
-        &["G0 X0 Y0 Z0", "G0 X2 Y0 Z0", "G0 X4 Y0 Z0", "G0 X6 Y0 Z0"],
-    );
-}
-
-#[test]
-fn a_modal_macro_follows_every_motion_but_not_its_own() {
-    check(
-        "fanuc",
-        "O1\nG90 G0 X0 Y0 Z0\nG66 P2 A-1.\nX1.\nM8\nX2.\nG67\nX3.\nM30\nO2\nZ#1\nZ0\nM99\n",
-        &[
-            "G0 X0 Y0 Z0",
-            "G0 X1 Y0 Z0",
-            "G0 X1 Y0 Z-1",
-            "G0 X1 Y0 Z0",
-            "G0 X2 Y0 Z0",
-            "G0 X2 Y0 Z-1",
-            "G0 X2 Y0 Z0",
-            "G0 X3 Y0 Z0",
-        ],
-    );
-    // Of two of them the later one follows the program, the earlier one the motions of the later.
-    check(
-        "fanuc",
-        "O1\nG90 G0 X0 Y0 Z0\nG66 P2\nG66 P3\nX1.\nG67\nG67\nX5.\nM30\nO2\n#100=#100+1\nZ#100\nM99\nO3\nY#100\nY9.\nM99\n",
-        &["G0 X0 Y0 Z0", "G0 X1 Y0 Z0", "G0 X1 Y9 Z0", "G0 X1 Y9 Z1", "G0 X5 Y9 Z1"],
-    );
-}
-
-#[test]
-fn subprograms_return_to_a_block() {
-    check(
-        "fanuc",
-        "O1\nG90 G0 X0 Y0 Z0\nM98 P2\nX1.\nN30 X2.\nM30\nO2\nY5.\nM99 P30\n",
-        &["G0 X0 Y0 Z0", "G0 X0 Y5 Z0", "G0 X2 Y5 Z0"],
-    );
-    check_codes("fanuc", "O1\nG0 X0 Y0 Z0\nM98 P2\nM30\nO2\nY5.\nM99 P31\n", &["E0211:7"]);
-    // M99 in the main program begins it anew, without end: one pass shows it all.
-    check("fanuc", "O1\nG90 G0 X0 Y0 Z0\nX1.\nM99\nX2.\n", &["G0 X0 Y0 Z0", "G0 X1 Y0 Z0"]);
-}
-
-#[test]
 fn the_count_of_a_call_is_in_l_or_before_the_number() {
     let pass = "O1002\nG91 X1.\nG90 M99\n";
     let last = |call: &str| {
@@ -340,16 +219,6 @@ fn programs_have_names_too_and_lie_beside_the_file() {
     assert!(codes.is_empty(), "{codes:?}");
     assert_eq!(moves(&lines), ["G0 X0 Y0 Z0", "G0 X4 Y0 Z0", "G0 X4 Y3 Z0"]);
     check_codes("fanuc", "O1\nG0 X0 Y0 Z0\nM98 P77\nM30\n", &["E0212:3"]);
-}
-
-#[test]
-fn a_program_that_calls_itself_ends() {
-    check_codes("fanuc", "O1\nG0 X0 Y0 Z0\nM98 P2\nM30\nO2\nM98 P2\nM99\n", &["E0213:6"]);
-    check(
-        "fanuc",
-        "O1\nG90 G0 X0 Y0 Z0\nG65 P2 A3.\nM30\nO2\nX#1\nIF [#1 LE 1] GOTO 9\nG65 P2 A[#1-1]\nY#1\nN9 M99\n",
-        &["G0 X0 Y0 Z0", "G0 X3 Y0 Z0", "G0 X2 Y0 Z0", "G0 X1 Y0 Z0", "G0 X1 Y2 Z0", "G0 X1 Y3 Z0"],
-    );
 }
 
 #[test]
@@ -399,11 +268,6 @@ fn an_angle_needs_a_direction() {
     is("#1=ATAN[0]/[5]", "#1", 0.0);
     is("#1=ATAN[5]/[0]", "#1", 90.0);
     assert_eq!(run("fanuc", "#1=ATAN[0]/[0]\nM30").1.len(), 1);
-}
-
-#[test]
-fn the_number_of_a_program_is_whole() {
-    check_codes("fanuc", "M98 P9000.5\nM30", &["E0210:1"]);
 }
 
 #[test]
