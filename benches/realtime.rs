@@ -17,7 +17,7 @@ use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
 use ncfix_model::{Model, Solve, file::load};
-use ncfix_tables::realtime::{Cycle, Dosing, Histogram, Kernel, Updater, handover};
+use ncfix_tables::realtime::{Cycle, Dosing, Kernel, LatencyHistogram, Updater, handover};
 
 thread_local! {
     /// Allocations of this thread, and memory that it freed.
@@ -98,8 +98,8 @@ fn measure(case: &Case, set_points: usize, criterion: &mut Criterion) -> Option<
     let mut cycle = Cycle::new(subscriber, Dosing::new(1e-3, 5e-6), 1e-4, 1e-6);
     // 15 ms at 6 m/min.
     let point = |index: usize| (case.path)(index as f64 * 0.015);
-    let mut histogram = Box::<Histogram>::default();
-    let mut part = Box::<Histogram>::default();
+    let mut histogram = Box::<LatencyHistogram>::default();
+    let mut part = Box::<LatencyHistogram>::default();
     let mut tails = Vec::with_capacity(PARTS);
     let mut renewed = 0;
     for index in 0..set_points / 10 {
@@ -115,7 +115,7 @@ fn measure(case: &Case, set_points: usize, criterion: &mut Criterion) -> Option<
         part.note(time);
         if part.total() == (set_points / PARTS) as u64 {
             tails.push(part.quantile_ns(0.999));
-            *part = Histogram::default();
+            *part = LatencyHistogram::default();
         }
         renewed += u64::from(answer.signals.has(ncfix_tables::realtime::Signals::RENEWED));
     }

@@ -6,7 +6,7 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::Vector;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::State;
-use ncfix_metrology::measure::data::cycles::Cycle;
+use ncfix_metrology::measure::data::cycles::RepeatCycle;
 use ncfix_metrology::measure::data::{DataSet, Free};
 use ncfix_metrology::measure::kind::Unknown;
 
@@ -25,7 +25,7 @@ fn drifting() -> Bench {
         for number in [1, 2] {
             let level = (number == 2).then_some(group);
             let (first, cycle) = (own[0], set.cycles.len());
-            set.cycles.push(Cycle { setup: first.setup, target: first.target.unwrap(), number, level });
+            set.cycles.push(RepeatCycle { setup: first.setup, target: first.target.unwrap(), number, level });
             for (k, row) in own.iter().enumerate() {
                 set.observations.push(ncfix_metrology::measure::data::Observation {
                     cycle: Some((cycle, k as f64 / 21.0 - 0.5)),

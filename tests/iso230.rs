@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 
 use ncfix_base::source::{FileId, Source};
 use ncfix_metrology::measure::data::DataSet;
-use ncfix_metrology::measure::iso230::circle::{self, Point};
+use ncfix_metrology::measure::iso230::circle::{self, CirclePoint};
 use ncfix_metrology::measure::iso230::drift::without_drift;
 use ncfix_metrology::measure::iso230::minimum_zone;
-use ncfix_metrology::measure::iso230::positioning::{Approach, Fault, approaches, figures};
+use ncfix_metrology::measure::iso230::positioning::{ApproachReading, FiguresError, approaches, figures};
 use ncfix_model::file;
 
 use crate::bench_machine::Random;
@@ -20,13 +20,13 @@ const UP: [[f64; 5]; 4] =
 const DOWN: [[f64; 5]; 4] =
     [[5.0, 6.0, 4.0, 5.5, 4.5], [2.0, 4.0, 3.0, 3.0, 3.0], [-1.0, 1.0, 0.0, -0.5, 0.5], [6.0, 4.0, 5.0, 7.0, 3.0]];
 
-fn table() -> Vec<Approach> {
+fn table() -> Vec<ApproachReading> {
     let mut out = Vec::new();
     for cycle in 0..5 {
         for (is_up, rows) in [(true, UP), (false, DOWN)] {
             for (k, row) in rows.iter().enumerate() {
                 let target = 100.0 * k as f64;
-                out.push(Approach { target, deviation: row[cycle], is_up, cycle, time: out.len() as f64 });
+                out.push(ApproachReading { target, deviation: row[cycle], is_up, cycle, time: out.len() as f64 });
             }
         }
     }
@@ -68,22 +68,22 @@ fn one_sense_or_one_run() {
     let found = figures(&readings).unwrap();
     assert!(found.up.is_some() && found.down.is_none() && found.both.is_none());
     readings.retain(|reading| reading.cycle == 0);
-    assert_eq!(figures(&readings), Err(Fault::Once(0.0)));
-    assert_eq!(figures(&[]), Err(Fault::Nothing));
-    assert!(Fault::Once(0.0).to_string().contains("two runs"));
+    assert_eq!(figures(&readings), Err(FiguresError::Once(0.0)));
+    assert_eq!(figures(&[]), Err(FiguresError::Nothing));
+    assert!(FiguresError::Once(0.0).to_string().contains("two runs"));
 }
 
 /// A parabola along the axis, a drift of its own in every cycle, a reversal, noise.
-fn drifting(reversal: f64, noise: f64) -> Vec<Approach> {
+fn drifting(reversal: f64, noise: f64) -> Vec<ApproachReading> {
     let mut random = Random(7);
-    let mut out: Vec<Approach> = Vec::new();
+    let mut out: Vec<ApproachReading> = Vec::new();
     for (cycle, slope) in [0.02, 0.05, -0.01, 0.03].into_iter().enumerate() {
         for step in 0..22 {
             let (k, is_up) = if step < 11 { (step, true) } else { (21 - step, false) };
             let x = 50.0 * f64::from(k);
             let sense = if is_up { 0.5 } else { -0.5 };
             let own = 1e-5 * x * x + slope * f64::from(step) + 2.0 * cycle as f64 + sense * reversal;
-            out.push(Approach {
+            out.push(ApproachReading {
                 target: x,
                 deviation: own + gauss(&mut random, noise),
                 is_up,
@@ -135,31 +135,31 @@ fn readings_of_a_measurement_have_sense_and_cycle() {
     let both = figures(&found).unwrap().both.unwrap();
     near(both.mean_reversal, -4e-3);
     near(both.systematic, 6e-3);
-    assert_eq!(approaches(&data(&rows), "EYX".parse().unwrap(), None), Err(Fault::Nothing));
-    assert_eq!(approaches(&data("5,0,0,0,EXX,1\n6,0,0,1,EXX,1\n"), name, None), Err(Fault::NoSense(5.0)));
+    assert_eq!(approaches(&data(&rows), "EYX".parse().unwrap(), None), Err(FiguresError::Nothing));
+    assert_eq!(approaches(&data("5,0,0,0,EXX,1\n6,0,0,1,EXX,1\n"), name, None), Err(FiguresError::NoSense(5.0)));
 }
 
 #[test]
 fn a_backlash_is_no_drift() {
-    let Err(Fault::Backlash(value, sigma)) = without_drift(&drifting(-0.8, 0.05)) else { panic!("accepted") };
+    let Err(FiguresError::Backlash(value, sigma)) = without_drift(&drifting(-0.8, 0.05)) else { panic!("accepted") };
     assert!((value + 0.8).abs() < 3.0 * sigma && sigma < 0.05, "{value} {sigma}");
-    let few: Vec<Approach> = drifting(0.0, 0.0).into_iter().filter(|reading| reading.target < 60.0).collect();
-    assert_eq!(without_drift(&few), Err(Fault::TooFew));
+    let few: Vec<ApproachReading> = drifting(0.0, 0.0).into_iter().filter(|reading| reading.target < 60.0).collect();
+    assert_eq!(without_drift(&few), Err(FiguresError::TooFew));
 }
 
-fn path(count: usize, deviation_mm: impl Fn(f64) -> f64) -> Vec<Point> {
+fn path(count: usize, deviation_mm: impl Fn(f64) -> f64) -> Vec<CirclePoint> {
     let at = |k: usize| TAU * k as f64 / count as f64;
-    (0..count).map(|k| Point { angle: at(k), deviation_mm: deviation_mm(at(k)) }).collect()
+    (0..count).map(|k| CirclePoint { angle: at(k), deviation_mm: deviation_mm(at(k)) }).collect()
 }
 
 /// Deviation of the point at a nominal angle, with its own angle, for an error (x, y) of the path.
-fn traced(radius: f64, error: impl Fn(f64) -> [f64; 2]) -> Vec<Point> {
+fn traced(radius: f64, error: impl Fn(f64) -> [f64; 2]) -> Vec<CirclePoint> {
     path(3600, |_| 0.0)
         .into_iter()
         .map(|point| {
             let [ex, ey] = error(point.angle);
             let (x, y) = (radius * point.angle.cos() + ex, radius * point.angle.sin() + ey);
-            Point { angle: y.atan2(x), deviation_mm: x.hypot(y) - radius }
+            CirclePoint { angle: y.atan2(x), deviation_mm: x.hypot(y) - radius }
         })
         .collect()
 }

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector, Rotation3, Unit, Vector3};
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_metrology::measure::noise::Noise;
-use ncfix_metrology::measure::trace::{Control, Deviations, Run, Trace};
+use ncfix_metrology::measure::trace::{ControlSamples, Deviations, Trace, TraceRun};
 
 /// Positions of X, Y, Z (mm) and A, C (rad).
 pub(crate) type Joints = [f64; 5];
@@ -277,11 +277,11 @@ pub(crate) fn trace(hidden: &Hidden, feeds: &[usize], seed: u64) -> (Trace, Vec<
         let thermal = V::from(hidden.thermal_um[number]) * 1e-3;
         let end = (set.len() - 1) as f64 * FINE;
         let links = |q: &Joints| tool_from_ball(q, &hidden.links) - tool_from_ball(q, &[0.0; 8]);
-        let mut run = Run {
+        let mut run = TraceRun {
             label: format!("F{}", FEEDS[number]),
             feed_mm_min: Some(FEEDS[number]),
             tool_mm: V::from(TOOL),
-            control: Control::default(),
+            control: ControlSamples::default(),
             readings: Deviations::default(),
             place: None,
         };

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::sense::{Action, Channel, Config, Fault, Monitor, Reading, SensorSources, State, Told};
+use ncfix_dnc::sense::{Action, ChannelState, Config, Fault, Monitor, Reading, SensorChannel, SensorSources, Told};
 use proptest::prelude::*;
 
 /// A config with one channel `T` of a file, with further keys.
@@ -23,7 +23,7 @@ fn read(text: &str) -> Result<Config, Vec<String>> {
     })
 }
 
-fn channel(keys: &str) -> Channel {
+fn channel(keys: &str) -> SensorChannel {
     config(keys).channels.remove(0)
 }
 
@@ -36,16 +36,16 @@ impl Bench {
     }
 
     /// Hears a value that was read at this instant, s.
-    fn at(&mut self, t_s: f64, value: f64) -> (Option<f64>, State) {
+    fn at(&mut self, t_s: f64, value: f64) -> (Option<f64>, ChannelState) {
         self.told(t_s, &Told::Value(value), 0.0)
     }
 
-    fn told(&mut self, t_s: f64, told: &Told, age_s: f64) -> (Option<f64>, State) {
+    fn told(&mut self, t_s: f64, told: &Told, age_s: f64) -> (Option<f64>, ChannelState) {
         self.0.hear(told, Duration::from_secs_f64(age_s), Duration::from_secs_f64(t_s));
         self.tick(t_s)
     }
 
-    fn tick(&mut self, t_s: f64) -> (Option<f64>, State) {
+    fn tick(&mut self, t_s: f64) -> (Option<f64>, ChannelState) {
         let now = Duration::from_secs_f64(t_s);
         self.0.tick(now);
         self.0.show(now, &mut self.1);
@@ -58,23 +58,23 @@ impl Bench {
         for t_s in [0.0, 10.0, 20.0] {
             bench.at(t_s, 20.0);
         }
-        assert_eq!(bench.tick(20.0), (Some(20.0), State::Good));
+        assert_eq!(bench.tick(20.0), (Some(20.0), ChannelState::Good));
         bench
     }
 }
 
-const HELD_JUMP: (Option<f64>, State) = (Some(20.0), State::Held(Fault::Jump));
+const HELD_JUMP: (Option<f64>, ChannelState) = (Some(20.0), ChannelState::Held(Fault::Jump));
 
 #[test]
 fn nothing_is_believed_before_some_readings_agree() {
     let mut bench = Bench::new("");
-    assert_eq!(bench.tick(0.0), (None, State::Waiting));
-    assert_eq!(bench.at(0.0, 20.0), (None, State::Waiting));
+    assert_eq!(bench.tick(0.0), (None, ChannelState::Waiting));
+    assert_eq!(bench.at(0.0, 20.0), (None, ChannelState::Waiting));
     // The second one contradicts the first, so that counting begins again.
-    assert_eq!(bench.at(10.0, 40.0), (None, State::Waiting));
-    assert_eq!(bench.at(20.0, 20.0), (None, State::Waiting));
-    assert_eq!(bench.at(30.0, 20.2), (None, State::Waiting));
-    assert_eq!(bench.at(40.0, 20.1), (Some(20.1), State::Good));
+    assert_eq!(bench.at(10.0, 40.0), (None, ChannelState::Waiting));
+    assert_eq!(bench.at(20.0, 20.0), (None, ChannelState::Waiting));
+    assert_eq!(bench.at(30.0, 20.2), (None, ChannelState::Waiting));
+    assert_eq!(bench.at(40.0, 20.1), (Some(20.1), ChannelState::Good));
 }
 
 #[test]
@@ -91,9 +91,13 @@ fn faults_hold_the_last_good_value() {
         (Told::Nothing(Fault::Disconnected, "gone".into()), Fault::Disconnected),
     ] {
         let mut bench = Bench::warm("");
-        assert_eq!(bench.told(30.0, &told, 0.0), (Some(20.0), State::Held(fault)), "{told:?}");
+        assert_eq!(bench.told(30.0, &told, 0.0), (Some(20.0), ChannelState::Held(fault)), "{told:?}");
         assert!(!bench.1.note.is_empty(), "{told:?}");
-        assert_eq!(bench.at(40.0, 20.1), (Some(20.0), State::Good), "{told:?} and back: the median of 20, 20, 20.1");
+        assert_eq!(
+            bench.at(40.0, 20.1),
+            (Some(20.0), ChannelState::Good),
+            "{told:?} and back: the median of 20, 20, 20.1"
+        );
         assert_eq!(bench.1.note, "");
     }
 }
@@ -108,15 +112,15 @@ fn a_jump_and_back_never_gets_through_and_a_new_level_does_when_the_rate_allows_
         let t_s = 10.0 * f64::from(step);
         assert_eq!(bench.at(t_s, 85.0), HELD_JUMP, "{t_s} s");
     }
-    assert_eq!(bench.at(700.0, 20.0), (Some(20.0), State::Good));
+    assert_eq!(bench.at(700.0, 20.0), (Some(20.0), ChannelState::Good));
 
     // To 30 °C: (10 - 0.5) / 5 min = 114 s behind the last good value at 20 s.
     let mut bench = Bench::warm(keys);
     for step in 3..=13 {
         assert_eq!(bench.at(10.0 * f64::from(step), 30.0), HELD_JUMP);
     }
-    assert_eq!(bench.at(140.0, 30.0), (Some(30.0), State::Good));
-    assert_eq!(bench.at(150.0, 30.2), (Some(30.0), State::Good));
+    assert_eq!(bench.at(140.0, 30.0), (Some(30.0), ChannelState::Good));
+    assert_eq!(bench.at(150.0, 30.2), (Some(30.0), ChannelState::Good));
 }
 
 #[test]
@@ -135,23 +139,23 @@ fn a_change_in_small_steps_is_no_slower_change() {
     for step in 1..=60 {
         let noise = if step % 2 == 0 { 0.2 } else { -0.2 };
         let value = 20.0 + 4.0 / 60.0 * f64::from(step) + noise;
-        assert_eq!(bench.at(20.0 + f64::from(step), value).1, State::Good, "{step}");
+        assert_eq!(bench.at(20.0 + f64::from(step), value).1, ChannelState::Good, "{step}");
     }
 }
 
 #[test]
 fn after_a_silence_one_reading_is_no_proof() {
     let mut bench = Bench::warm("");
-    assert_eq!(bench.tick(200.0), (Some(20.0), State::Good));
-    assert_eq!(bench.tick(200.1), (Some(20.0), State::Held(Fault::Silent)), "180 s behind the last reading");
+    assert_eq!(bench.tick(200.0), (Some(20.0), ChannelState::Good));
+    assert_eq!(bench.tick(200.1), (Some(20.0), ChannelState::Held(Fault::Silent)), "180 s behind the last reading");
     assert_eq!(bench.1.age, Some(Duration::from_secs_f64(180.1)));
     // 29 °C is possible after 10 min, more than a minute explains, and true: the third reading brings it.
     assert_eq!(bench.at(620.0, 29.0), HELD_JUMP);
     assert_eq!(bench.at(630.0, 29.0), HELD_JUMP);
-    assert_eq!(bench.at(640.0, 29.0), (Some(29.0), State::Good));
+    assert_eq!(bench.at(640.0, 29.0), (Some(29.0), ChannelState::Good));
     // What a minute explains is believed at once.
-    assert_eq!(bench.tick(1000.0).1, State::Held(Fault::Silent));
-    assert_eq!(bench.at(1000.0, 32.0), (Some(29.0), State::Good), "the median of 29, 29, 32");
+    assert_eq!(bench.tick(1000.0).1, ChannelState::Held(Fault::Silent));
+    assert_eq!(bench.at(1000.0, 32.0), (Some(29.0), ChannelState::Good), "the median of 29, 29, 32");
 }
 
 #[test]
@@ -159,29 +163,29 @@ fn readings_count_with_their_own_time() {
     let mut bench = Bench::warm("");
     // The same reading again and again says nothing new, though it comes.
     for t_s in [30.0, 100.0, 190.0] {
-        assert_eq!(bench.told(t_s, &Told::Value(20.0), t_s - 20.0).1, State::Good);
+        assert_eq!(bench.told(t_s, &Told::Value(20.0), t_s - 20.0).1, ChannelState::Good);
     }
-    assert_eq!(bench.told(201.0, &Told::Value(20.0), 181.0), (Some(20.0), State::Held(Fault::Silent)));
+    assert_eq!(bench.told(201.0, &Told::Value(20.0), 181.0), (Some(20.0), ChannelState::Held(Fault::Silent)));
     // One that was read long before it came is none.
-    assert_eq!(bench.told(300.0, &Told::Value(20.0), 200.0).1, State::Held(Fault::Silent));
-    assert_eq!(bench.told(310.0, &Told::Value(20.0), 5.0).1, State::Good);
+    assert_eq!(bench.told(300.0, &Told::Value(20.0), 200.0).1, ChannelState::Held(Fault::Silent));
+    assert_eq!(bench.told(310.0, &Told::Value(20.0), 5.0).1, ChannelState::Good);
     assert_eq!(bench.1.age, Some(Duration::from_secs(5)));
     // Readings from before the start are as old as they are.
     let mut bench = Bench::new("confirm = 1");
-    assert_eq!(bench.told(5.0, &Told::Value(20.0), 3600.0), (None, State::Waiting));
-    assert_eq!(bench.told(6.0, &Told::Value(20.0), 100.0).1, State::Good);
-    assert_eq!(bench.tick(87.0).1, State::Held(Fault::Silent));
+    assert_eq!(bench.told(5.0, &Told::Value(20.0), 3600.0), (None, ChannelState::Waiting));
+    assert_eq!(bench.told(6.0, &Told::Value(20.0), 100.0).1, ChannelState::Good);
+    assert_eq!(bench.tick(87.0).1, ChannelState::Held(Fault::Silent));
 }
 
 #[test]
 fn a_value_that_never_moves_is_stuck_where_that_is_asked_for() {
     let mut bench = Bench::warm("stuck_after_s = 60");
-    assert_eq!(bench.at(70.0, 20.0).1, State::Good, "50 s since it was believed at 20 s");
-    assert_eq!(bench.at(80.0, 20.0), (Some(20.0), State::Held(Fault::Stuck)));
-    assert_eq!(bench.at(90.0, 20.01).1, State::Good);
+    assert_eq!(bench.at(70.0, 20.0).1, ChannelState::Good, "50 s since it was believed at 20 s");
+    assert_eq!(bench.at(80.0, 20.0), (Some(20.0), ChannelState::Held(Fault::Stuck)));
+    assert_eq!(bench.at(90.0, 20.01).1, ChannelState::Good);
     let mut bench = Bench::warm("");
     for step in 3..1000 {
-        assert_eq!(bench.at(10.0 * f64::from(step), 20.0).1, State::Good);
+        assert_eq!(bench.at(10.0 * f64::from(step), 20.0).1, ChannelState::Good);
     }
 }
 

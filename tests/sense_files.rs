@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::sense::{Action, Config, Fault, Lines, Panel, Reading, State, Told, Verdict, stamp};
+use ncfix_dnc::sense::{Action, ChannelState, Config, Fault, LineReader, Panel, Reading, Told, Verdict, stamp};
 
 use proptest::prelude::*;
 
@@ -44,13 +44,13 @@ pub(crate) fn until(panel: &mut Panel, what: &str, is_so: impl Fn(&[&Reading]) -
 pub(crate) fn until_value(panel: &mut Panel, expected_c: f64) {
     until(panel, &format!("{expected_c} °C"), |readings| {
         readings[0].value_c.is_some_and(|value_c| (value_c - expected_c).abs() < 1e-9)
-            && readings[0].state == State::Good
+            && readings[0].state == ChannelState::Good
     });
 }
 
 #[track_caller]
 pub(crate) fn until_fault(panel: &mut Panel, fault: Fault) {
-    until(panel, &format!("{fault:?}"), |readings| readings[0].state == State::Held(fault));
+    until(panel, &format!("{fault:?}"), |readings| readings[0].state == ChannelState::Held(fault));
 }
 
 /// A fast source of one channel `T`; rules that let single values through.
@@ -62,7 +62,7 @@ fn fast(source: &str) -> String {
 
 /// What lines tell the channels `T` and `U`, in order.
 fn told(lines: &[&str]) -> Vec<(usize, Told)> {
-    let mut reader = Lines::new(&[("T".into(), 0), ("U".into(), 1)], true);
+    let mut reader = LineReader::new(&[("T".into(), 0), ("U".into(), 1)], true);
     let mut found = Vec::new();
     lines.iter().for_each(|line| reader.read(line.as_bytes(), &mut |channel, told, _| found.push((channel, told))));
     found
@@ -79,9 +79,9 @@ fn lines_say_themselves_what_they_are() {
     );
     assert_eq!(told(&["# a comment", "", "T=20.5 U=21", "U=3;X=1"]), [value(0, 20.5), value(1, 21.0), value(1, 3.0)]);
     assert_eq!(told(&["{\"T\": 20.5, \"U\": \"21\"}", "{\"X\": 1}"]), [value(0, 20.5), value(1, 21.0)]);
-    let mut alone = Lines::new(&[("T".into(), 7)], true);
+    let mut alone = LineReader::new(&[("T".into(), 7)], true);
     alone.read(b"21.5\n", &mut |channel, told, _| assert_eq!((channel, told), value(7, 21.5)));
-    let mut deep = Lines::new(&[("head.temps.1".into(), 0)], true);
+    let mut deep = LineReader::new(&[("head.temps.1".into(), 0)], true);
     deep.read(b"{\"head\":{\"temps\":[1,2.5]}}", &mut |channel, told, _| assert_eq!((channel, told), value(0, 2.5)));
 }
 
@@ -106,14 +106,14 @@ fn lines_that_say_nothing_are_faults_and_never_numbers() {
 
 #[test]
 fn times_of_lines_are_taken() {
-    let mut lines = Lines::new(&[("T".into(), 0)], true);
+    let mut lines = LineReader::new(&[("T".into(), 0)], true);
     let expected = stamp("2024-02-29T12:00:00Z");
     for text in
         ["{\"time\":\"2024-02-29T12:00:00Z\",\"T\":1}", "T=1 ts=1709208000", "time,T", "2024-02-29T13:00:00+01:00,1"]
     {
         lines.read(text.as_bytes(), &mut |_, _, stamp| assert!(stamp == expected && stamp.is_some(), "{text}"));
     }
-    let mut without = Lines::new(&[("T".into(), 0)], false);
+    let mut without = LineReader::new(&[("T".into(), 0)], false);
     without.read(b"T=1 ts=1709208000", &mut |_, _, stamp| assert_eq!(stamp, None));
 }
 
@@ -158,7 +158,7 @@ fn of_a_long_file_the_last_row_counts_and_it_is_as_old_as_the_file() {
     file.set_modified(std::time::SystemTime::now() - Duration::from_secs(3600)).unwrap();
     let mut panel = open(&text, shop.path("").as_path());
     until(&mut panel, "old", |readings| readings[0].note.contains("old"));
-    assert_eq!(panel.channels().next().unwrap().state, State::Waiting, "an hour-old row is no reading");
+    assert_eq!(panel.channels().next().unwrap().state, ChannelState::Waiting, "an hour-old row is no reading");
 }
 
 #[test]
@@ -262,11 +262,11 @@ fn a_log_is_played_by_the_clock_of_the_job() {
     let values: Vec<_> =
         seen.iter().map(|(_, readings, _)| (readings[0].value_c.unwrap(), readings[1].value_c.unwrap())).collect();
     assert_eq!(values[..5], [(20.0, 22.0), (21.0, 22.0), (22.0, 22.0), (23.0, 22.0), (24.0, 22.1)]);
-    assert_eq!(seen[2].1[1].state, State::Held(Fault::Jump), "80 °C for one row");
+    assert_eq!(seen[2].1[1].state, ChannelState::Held(Fault::Jump), "80 °C for one row");
     assert!(matches!(&seen[2].2, Verdict::Freeze(why) if why.contains("80.0 °C")));
     assert_eq!(seen[7].2, Verdict::Good, "180 s old");
-    assert_eq!(seen[8].1[0].state, State::Held(Fault::Silent), "240 s old");
-    assert_eq!(seen[10].1[0].state, State::Good);
+    assert_eq!(seen[8].1[0].state, ChannelState::Held(Fault::Silent), "240 s old");
+    assert_eq!(seen[10].1[0].state, ChannelState::Good);
     // Ten times as fast.
     let mut panel = open(
         &replay("").replace("path", "speed = 10\npath").replace("median", "max_rate_K_per_min = 50\nmedian"),
@@ -276,9 +276,9 @@ fn a_log_is_played_by_the_clock_of_the_job() {
     assert_eq!(panel.channels().next().unwrap().value_c, Some(24.0));
     // Behind its end there is nothing.
     panel.take(Duration::from_secs(66));
-    assert_eq!(panel.channels().next().unwrap().state, State::Good);
+    assert_eq!(panel.channels().next().unwrap().state, ChannelState::Good);
     panel.take(Duration::from_secs(67));
-    assert_eq!(panel.channels().next().unwrap().state, State::Held(Fault::Disconnected));
+    assert_eq!(panel.channels().next().unwrap().state, ChannelState::Held(Fault::Disconnected));
 }
 
 #[test]
@@ -365,7 +365,7 @@ proptest! {
             Just(b"t_s,T_C,U".to_vec()),
         ], 0..20),
     ) {
-        let mut reader = Lines::new(&[("T".into(), 0), ("U".into(), 1)], true);
+        let mut reader = LineReader::new(&[("T".into(), 0), ("U".into(), 1)], true);
         for line in &lines {
             reader.read(line, &mut |channel, told, _| {
                 assert!(channel < 2);

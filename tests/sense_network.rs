@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::sense::{Config, Fault, Panel, SensorSources, State};
+use ncfix_dnc::sense::{ChannelState, Config, Fault, Panel, SensorSources};
 
 use crate::sense_files::{open, until, until_fault, until_value};
 use crate::support::repository;
@@ -442,7 +442,7 @@ fn a_kept_message_counts_only_with_a_young_time_of_its_own() {
     );
     let mut panel = open(&text, std::path::Path::new(""));
     until(&mut panel, "all have come", |readings| {
-        readings[1].state == State::Good
+        readings[1].state == ChannelState::Good
             && readings.iter().enumerate().all(|(index, one)| index == 1 || !one.note.is_empty())
     });
     let readings: Vec<_> = panel.channels().cloned().collect();

@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::{Condition, Machine, State};
-use ncfix_metrology::calibrate::sensors::data::{Run, over, read};
-use ncfix_metrology::calibrate::sensors::{Options, Selection, Size, select, text};
+use ncfix_metrology::calibrate::sensors::data::{SensorRun, over, read};
+use ncfix_metrology::calibrate::sensors::{SelectionOptions, SensorSelection, SubsetSize, select, text};
 use ncfix_model::{ErrorModel, Model, file};
 
 use crate::bench_machine::Random;
@@ -17,7 +17,7 @@ use crate::thermal_plant::{SENSOR_NOISE_K, Sample, Stage, TOOL_MM, din_8602, dri
 const MACHINE: &str = "[machine]\nname = \"warm\"\ntopology = \"wXYFZSt\"\n\
     [axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [0, 700]\n[axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [0, 500]\n\
     [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 400]\n";
-const PLAIN: Options = Options { most: 9, lags: false, fault_k: 0.0 };
+const PLAIN: SelectionOptions = SelectionOptions { most: 9, lags: false, fault_k: 0.0 };
 
 fn source(name: &str, text: &str) -> Source {
     Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap()
@@ -52,19 +52,19 @@ fn table(samples: &[Sample], z_mm: &[f64], idle: usize, random: &mut Random) -> 
     out + "\n"
 }
 
-fn recorded(stages: &[Stage], z_mm: &[f64], idle: usize, seed: u64) -> (Run, Vec<Sample>) {
+fn recorded(stages: &[Stage], z_mm: &[f64], idle: usize, seed: u64) -> (SensorRun, Vec<Sample>) {
     let random = &mut Random(seed);
     let samples = run(stages, 20.0, SENSOR_NOISE_K, random);
     let text = table(&samples, z_mm, idle, random);
     (read(&source("run.csv", &text), None, &machine(MACHINE).0).unwrap(), samples)
 }
 
-fn random_run(idle: usize, seed: u64) -> (Run, Vec<Sample>) {
+fn random_run(idle: usize, seed: u64) -> (SensorRun, Vec<Sample>) {
     recorded(&random_speeds(&mut Random(seed)), &[200.0], idle, seed + 1)
 }
 
 /// Efficiency of what ncfix predicts with the entries, on a run, at Z.
-fn predicted(entries: &str, run: &Run, samples: &[Sample], z_mm: f64, direction: usize) -> f64 {
+fn predicted(entries: &str, run: &SensorRun, samples: &[Sample], z_mm: f64, direction: usize) -> f64 {
     let (machine, errors) = machine(&format!("{MACHINE}{entries}"));
     let mut condition: Condition = run.condition.clone();
     condition.set_zero_at(samples[0].time_s);
@@ -83,7 +83,7 @@ fn predicted(entries: &str, run: &Run, samples: &[Sample], z_mm: f64, direction:
     1.0 - off / whole
 }
 
-fn model(selection: &Selection) -> &Size {
+fn model(selection: &SensorSelection) -> &SubsetSize {
     selection.model().unwrap()
 }
 
@@ -96,8 +96,8 @@ fn what_is_written_loads_and_predicts_a_run_that_it_has_not_seen() {
     let (axis, found) = over(&runs).unwrap().unwrap();
     assert_eq!((axis, found.as_slice()), (Axis::Z, &positions[..]));
     for (lags, least) in [(false, 0.88), (true, 0.93)] {
-        let options = Options { most: 4, lags, fault_k: 0.0 };
-        let selections: Vec<Selection> =
+        let options = SelectionOptions { most: 4, lags, fault_k: 0.0 };
+        let selections: Vec<SensorSelection> =
             positions.iter().filter_map(|&z| select(&runs, &others, 1, Some((Axis::Z, z)), &options)).collect();
         let entries = text::entries(&selections);
         assert_eq!(entries.matches("[[drift]]").count(), 3, "{entries}");
@@ -115,7 +115,7 @@ fn too_many_sensors_tell_the_data_better_and_another_run_worse() {
     let stages: Vec<Stage> = random_speeds(&mut Random(21)).into_iter().take(9).collect();
     let (short, _) = recorded(&stages, &[200.0], 22, 22);
     let (other, _) = random_run(22, 31);
-    let options = Options { most: 12, ..PLAIN };
+    let options = SelectionOptions { most: 12, ..PLAIN };
     let found = select(&[short], &[other], 2, Some((Axis::Z, 200.0)), &options).unwrap();
     assert_eq!(found.sizes.len(), 12);
     assert!(found.sizes.iter().all(|size| size.is_exact));
@@ -154,13 +154,13 @@ fn shrinkage_makes_a_sensor_that_reads_wrong_less_harmful() {
     let (mut other, samples) = random_run(0, 51);
     let (runs, at) = ([learned], Some((Axis::Z, 200.0)));
     let [plain, shrunk] = [0.0, 2.0].map(|fault_k| {
-        let options = Options { most: 6, fault_k, ..PLAIN };
+        let options = SelectionOptions { most: 6, fault_k, ..PLAIN };
         // The same six sensors, so that the coefficients can be held against each other.
         let mut found = select(&runs, &[], 2, at, &options).unwrap();
         found.chosen = Some(5);
         found
     });
-    let largest = |found: &Selection| {
+    let largest = |found: &SensorSelection| {
         let terms = &model(found).terms;
         let worst = terms.iter().max_by(|a, b| a.um_per_k.abs().total_cmp(&b.um_per_k.abs())).unwrap();
         (worst.sensor.clone(), worst.um_per_k.abs())

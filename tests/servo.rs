@@ -6,7 +6,7 @@ use ncfix_base::geometry::{Arc, AxisVector, Plane, Vector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
 use ncfix_model::{ErrorModel, Model, file};
-use ncfix_path::servo::{Circle, Drive, Moment, Motion, Pace};
+use ncfix_path::servo::{Drive, Moment, MoveSpeed, ServoMove, SpaceCircle};
 
 /// A mill with three axes; `servo` are the lines of `[servo]` and of its axes.
 fn machine_with(servo: &str, rest: &str) -> (Machine, ErrorModel) {
@@ -30,12 +30,12 @@ fn at(x: f64, y: f64) -> AxisVector {
     out
 }
 
-fn line(x: f64, y: f64, mm_min: f64) -> Motion {
-    Motion { target: at(x, y), circle: None, pace: Pace::Feed(mm_min / 60.0), is_tip_feed: false, block: 0 }
+fn line(x: f64, y: f64, mm_min: f64) -> ServoMove {
+    ServoMove { target: at(x, y), circle: None, pace: MoveSpeed::Feed(mm_min / 60.0), is_tip_feed: false, block: 0 }
 }
 
 /// All moments of a program that starts at the first target, and its time.
-fn moments((machine, errors): &(Machine, ErrorModel), program: &[Motion]) -> (Vec<Moment>, f64) {
+fn moments((machine, errors): &(Machine, ErrorModel), program: &[ServoMove]) -> (Vec<Moment>, f64) {
     let model = Model::new(machine, errors);
     let mut drive = Drive::new(machine, machine.servo.as_ref().unwrap(), &model);
     let mut out = Vec::new();
@@ -47,10 +47,10 @@ fn moments((machine, errors): &(Machine, ErrorModel), program: &[Motion]) -> (Ve
 }
 
 /// Several turns about the origin from (radius, 0).
-fn circle(radius: f64, mm_min: f64) -> [Motion; 2] {
+fn circle(radius: f64, mm_min: f64) -> [ServoMove; 2] {
     let start = at(radius, 0.0);
     let arc = Arc { plane: Plane::XY, clockwise: false, center_mm: [0.0, 0.0], extra_turns: 3 };
-    let turn = Motion { circle: Some(Circle::of_arc(&arc, &start)), ..line(radius, 0.0, mm_min) };
+    let turn = ServoMove { circle: Some(SpaceCircle::of_arc(&arc, &start)), ..line(radius, 0.0, mm_min) };
     [line(radius, 0.0, mm_min), turn]
 }
 
@@ -143,14 +143,14 @@ fn programs_take_the_time_of_their_trapezoids() {
     let (_, time_s) = moments(&machine, &[line(0.0, 0.0, 6000.0), line(1.0, 0.0, 6000.0)]);
     assert!((time_s - 2.0 * 0.001_f64.sqrt()).abs() < 1e-9, "{time_s}");
     // In pieces without a bend it takes no longer; rapid moves go as fast as the axes: 500 mm/s, 0.5 s up and down, 125 mm each.
-    let pieces: Vec<Motion> = (0..=1000).map(|k| line(f64::from(k) * 0.1, 0.0, 6000.0)).collect();
+    let pieces: Vec<ServoMove> = (0..=1000).map(|k| line(f64::from(k) * 0.1, 0.0, 6000.0)).collect();
     let (_, time_s) = moments(&machine, &pieces);
     assert!((time_s - 1.1).abs() < 1e-6, "{time_s}");
-    let rapid = Motion { pace: Pace::Rapid, ..line(500.0, 0.0, 0.0) };
+    let rapid = ServoMove { pace: MoveSpeed::Rapid, ..line(500.0, 0.0, 0.0) };
     let (_, time_s) = moments(&machine, &[line(0.0, 0.0, 6000.0), rapid]);
     assert!((time_s - 1.5).abs() < 1e-9, "{time_s}");
     // A given time: of the cruise, to which what the ramps lose is added: v/a.
-    let timed = Motion { pace: Pace::Time(2.0), ..line(100.0, 0.0, 0.0) };
+    let timed = ServoMove { pace: MoveSpeed::Time(2.0), ..line(100.0, 0.0, 0.0) };
     let (_, time_s) = moments(&machine, &[line(0.0, 0.0, 6000.0), timed]);
     assert!((time_s - 2.05).abs() < 1e-9, "{time_s}");
 }
@@ -200,7 +200,7 @@ fn a_rotary_axis_under_the_tool_has_a_path_of_its_own() {
     let machine = loaded.unwrap_or_else(|| panic!("{findings:?}"));
     let mut target = at(100.0, 0.0);
     target.0[8] = PI / 2.0;
-    let turn = Motion { target, ..line(0.0, 0.0, 1800.0) };
+    let turn = ServoMove { target, ..line(0.0, 0.0, 1800.0) };
     let (seen, time_s) = moments(&machine, &[line(100.0, 0.0, 100.0), turn]);
     let worst = seen.iter().filter_map(|moment| moment.on_path).map(|on_path| on_path.off_mm.norm());
     assert!(worst.fold(0.0, f64::max) < 2e-4);

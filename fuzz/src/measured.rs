@@ -123,7 +123,7 @@ pub fn trace(bytes: &[u8]) {
 }
 
 /// Times rise, and each has a set-point and an encoder.
-fn check_control(control: &trace::Control) {
+fn check_control(control: &trace::ControlSamples) {
     assert!(control.t_s.windows(2).all(|pair| pair[0] < pair[1]));
     assert_eq!((control.set.len(), control.encoder.len()), (control.t_s.len(), control.t_s.len()));
 }

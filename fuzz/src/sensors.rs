@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ncfix_dnc::sense::{Config, Lines, Monitor, Reading, Told, stamp};
+use ncfix_dnc::sense::{Config, LineReader, Monitor, Reading, Told, stamp};
 
 use super::{check_findings, source};
 
@@ -30,7 +30,7 @@ pub fn lines(bytes: &[u8]) {
     let channels = config.map(|config| config.channels).unwrap_or_default();
     let mut monitors: Vec<Monitor> = channels.iter().map(Monitor::new).collect();
     let items = [("T_nose".to_owned(), 0), ("x.y".to_owned(), 1)];
-    let mut lines = Lines::new(&items, true);
+    let mut lines = LineReader::new(&items, true);
     for (number, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
         let now = Duration::from_secs(10 * number as u64);
         lines.read(line, &mut |channel, told, time| {

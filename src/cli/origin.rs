@@ -57,7 +57,7 @@ pub(super) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Resu
 }
 
 fn rows(file: &MachineFile, source: &Source) -> Vec<OriginRow> {
-    let row = |one: ncfix_machine::machine::origin::Written| OriginRow {
+    let row = |one: ncfix_machine::machine::origin::WrittenValue| OriginRow {
         path: one.path,
         value: one.value,
         origin: format!("{}:{}", source.name(), one.line),

@@ -15,8 +15,8 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::condition::log;
-use ncfix_metrology::calibrate::sensors::data::{self, Run};
-use ncfix_metrology::calibrate::sensors::{Options, Selection, select, text};
+use ncfix_metrology::calibrate::sensors::data::{self, SensorRun};
+use ncfix_metrology::calibrate::sensors::{SelectionOptions, SensorSelection, select, text};
 use ncfix_report::json;
 use ncfix_report::sensors::{SelectionReport, SensorReport, SizeRow};
 
@@ -72,7 +72,7 @@ fn find(arguments: &SensorsArguments, findings: &mut Findings, report: &mut Sens
         Some((axis, positions)) => positions.into_iter().map(|at| Some((axis, at))).collect(),
         None => vec![None],
     };
-    let options = Options {
+    let options = SelectionOptions {
         most: usize::from(arguments.most),
         lags: arguments.lags,
         fault_k: arguments.ridge.unwrap_or_default(),
@@ -106,7 +106,7 @@ fn read(
     sources: &[Source],
     chosen: &Chosen,
     findings: &mut Findings,
-) -> Option<Vec<Run>> {
+) -> Option<Vec<SensorRun>> {
     let (tables, logs) = sources.split_at_checked(arguments.data.len() + arguments.verify.len())?;
     let mut temperatures: Option<Condition> = None;
     for source in logs {
@@ -127,8 +127,8 @@ fn read(
     (!findings.has_errors()).then_some(runs)
 }
 
-fn row(selection: &Selection) -> SelectionReport {
-    let size = |size: &ncfix_metrology::calibrate::sensors::Size| SizeRow {
+fn row(selection: &SensorSelection) -> SelectionReport {
+    let size = |size: &ncfix_metrology::calibrate::sensors::SubsetSize| SizeRow {
         sensors: size.terms.iter().map(|term| term.sensor.clone()).collect(),
         um_per_k: size.terms.iter().map(|term| term.um_per_k).collect(),
         lag_s: size.terms.iter().map(|term| term.lag_s).collect(),
@@ -149,7 +149,7 @@ fn row(selection: &Selection) -> SelectionReport {
 }
 
 /// The file.
-fn file(selections: &[Selection], runs: &[Run], chosen: &Chosen) -> String {
+fn file(selections: &[SensorSelection], runs: &[SensorRun], chosen: &Chosen) -> String {
     // A name may have any character; a comment ends with its line.
     let name = |text: &str| text.replace(char::is_control, " ");
     let names: Vec<String> = runs.iter().map(|run| name(&run.name)).collect();

@@ -3,7 +3,7 @@
 use super::stop::Stop;
 use ncfix_base::geometry::{AXES, Axis, Vector};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
-use ncfix_machine::machine::{Compensation as _, Machine};
+use ncfix_machine::machine::{ActiveCompensation as _, Machine};
 use ncfix_report::tables::Difference;
 use ncfix_tables::tables::check::stands;
 use ncfix_tables::tables::region::Region;

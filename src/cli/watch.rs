@@ -12,7 +12,7 @@ use super::output::is_same_file;
 use super::stop::Stop;
 use super::{input, print};
 use ncfix_base::source::FileId;
-use ncfix_dnc::sense::{Action, Config, Panel, Reading, State, Verdict};
+use ncfix_dnc::sense::{Action, ChannelState, Config, Panel, Reading, Verdict};
 use ncfix_report::json;
 use ncfix_report::watch::{WatchChannel, WatchReport};
 
@@ -107,7 +107,7 @@ impl Watch {
             age_s: reading.age.map(|age| age.as_secs_f64()),
             state: reading.state.word(),
             fault: match reading.state {
-                State::Held(fault) => Some(fault.word()),
+                ChannelState::Held(fault) => Some(fault.word()),
                 _ => None,
             },
             raw: reading.raw,
@@ -166,7 +166,7 @@ impl Log {
     /// Adds a row; a channel that is not good has no reading.
     fn add<'r>(&mut self, now: Duration, channels: impl Iterator<Item = &'r Reading>) -> Result<(), Stop> {
         let cell = |reading: &Reading| match (reading.state, reading.value_c) {
-            (State::Good, Some(value_c)) => format!(",{value_c:.4}"),
+            (ChannelState::Good, Some(value_c)) => format!(",{value_c:.4}"),
             _ => ",".to_owned(),
         };
         let cells: String = channels.map(cell).collect();

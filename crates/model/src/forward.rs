@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES, Vector};
-use ncfix_machine::machine::{AxisData, Compensation, Condition, Machine, State};
+use ncfix_machine::machine::{ActiveCompensation, AxisData, Condition, Machine, State};
 
 use super::body::{BodyPlace, Pointer, Ray, RigidBody, Witness};
 use super::linear::{LinearAxes, LinearStep, Singular};
@@ -36,7 +36,7 @@ pub struct Model {
     /// Axes whose errors repeat with every turn.
     pub(super) modulo: AxisSet,
     /// What the control adds to every command.
-    active: Option<Arc<dyn Compensation>>,
+    active: Option<Arc<dyn ActiveCompensation>>,
     is_empty: bool,
     /// What is the same everywhere on a machine without rotary axes.
     straight: Option<Straight>,

@@ -14,7 +14,7 @@ use crate::cli::stop::Stop;
 use crate::cli::{complain, tell};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_dnc::drip::Lines;
-use ncfix_dnc::feed::port::{self, Opened};
+use ncfix_dnc::feed::port::{self, OpenPort};
 use ncfix_dnc::feed::{Ended, Event, Halt, Journal, Port, Progress, Sender};
 use ncfix_report::feed::{Before, Status};
 
@@ -41,7 +41,7 @@ const LAST: Duration = Duration::from_millis(500);
 pub(super) fn run(
     arguments: &FeedArguments,
     job: Job,
-    opened: Opened,
+    opened: OpenPort,
     before: &Before,
     begin: &Begin,
 ) -> Result<ExitCode, Stop> {

@@ -17,7 +17,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_report::number::grouped;
-use ncfix_tables::realtime::{Answer, Cycle, Histogram, Signals};
+use ncfix_tables::realtime::{Answer, Cycle, LatencyHistogram, Signals};
 
 use lines::{Fault, Lines};
 use prepare::Prepared;
@@ -110,7 +110,7 @@ fn words(signals: Signals) -> String {
 struct Tally {
     count: u64,
     by_signal: [u64; SIGNALS.len()],
-    times: Box<Histogram>,
+    times: Box<LatencyHistogram>,
 }
 
 impl Tally {

@@ -14,7 +14,7 @@ mod upright;
 
 pub use least_squares::{RANK_LIMIT, Solution, System};
 pub use leave_out::{Beside, LeaveOut};
-pub use normal::{Normal, Step};
+pub use normal::{Normal, NormalStep};
 pub use parallel::{both, in_parts, repeated};
 pub use peak::peak;
 pub use series::{BasisColumn, Gain, Series};

@@ -23,7 +23,7 @@ pub struct Normal {
 
 /// A step.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct NormalStep {
     /// The unknowns.
     pub unknowns: DVector<f64>,
     /// Their variances at unit noise.
@@ -70,7 +70,7 @@ impl Normal {
 
     /// Solves them; `None` where the matrix is not safely regular.
     #[must_use]
-    pub fn solve(mut self) -> Option<Step> {
+    pub fn solve(mut self) -> Option<NormalStep> {
         self.multiply();
         let count = self.right.len();
         let mut whole = DMatrix::zeros(count, count);
@@ -92,7 +92,7 @@ impl Normal {
         }
         // tr(N⁻¹ Nᵍ) of each group; both are symmetric.
         let used = self.groups.iter().map(|group| group.dot(&inverse)).collect();
-        Some(Step { unknowns, variances: inverse.diagonal(), used })
+        Some(NormalStep { unknowns, variances: inverse.diagonal(), used })
     }
 }
 

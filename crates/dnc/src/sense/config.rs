@@ -72,7 +72,7 @@ const UNITS: &[ChannelUnit] = &[
 
 /// A sensor: how its number becomes a temperature, and what is believed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Channel {
+pub struct SensorChannel {
     /// Its name, that of the sensor in the machine file.
     pub name: String,
     /// Where it comes from: the name of an [`ValueOrigin`].
@@ -107,7 +107,7 @@ pub struct Channel {
     pub act_after: Duration,
 }
 
-impl Channel {
+impl SensorChannel {
     /// The temperature that a number says, °C.
     #[must_use]
     pub fn to_c(&self, raw: f64) -> f64 {
@@ -145,7 +145,7 @@ pub struct ValueOrigin {
 #[derive(Clone, Debug)]
 pub struct Config {
     /// All sensors.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<SensorChannel>,
     /// Where their values come from.
     pub sources: Vec<ValueOrigin>,
     /// How often sources are asked that say nothing else.
@@ -206,7 +206,7 @@ fn named<'a>(
 /// What makes a config of sections.
 struct Reader<'f> {
     poll: Duration,
-    rules: Channel,
+    rules: SensorChannel,
     kinds: &'f SensorSources,
     findings: &'f mut Vec<Diagnostic>,
 }
@@ -262,8 +262,8 @@ impl Reader<'_> {
         config
     }
 
-    fn channel(&self, name: &str, section: &mut Section<'_>, sources: &[String]) -> Channel {
-        let mut channel = Channel { name: name.to_owned(), ..self.rules.clone() };
+    fn channel(&self, name: &str, section: &mut Section<'_>, sources: &[String]) -> SensorChannel {
+        let mut channel = SensorChannel { name: name.to_owned(), ..self.rules.clone() };
         channel.source = section.required("source", "\"cabinet\"", Section::text).unwrap_or_default().to_owned();
         if !channel.source.is_empty() && !sources.contains(&channel.source) {
             let known = || sources.iter().map(String::as_str);
@@ -325,8 +325,8 @@ pub(super) fn accept_all(section: &mut Section<'_>) {
 }
 
 /// What is believed where the file says nothing.
-fn rules(poll: Duration) -> Channel {
-    Channel {
+fn rules(poll: Duration) -> SensorChannel {
+    SensorChannel {
         name: String::new(),
         source: String::new(),
         unit: UNITS[0],
@@ -350,7 +350,7 @@ fn rules(poll: Duration) -> Channel {
 }
 
 /// Reads what is believed, over what is already there.
-fn read_rules(section: &mut Section<'_>, rules: &mut Channel) {
+fn read_rules(section: &mut Section<'_>, rules: &mut SensorChannel) {
     if let Some(range) = section.numbers("range_C") {
         let [lowest, highest] = PLAUSIBLE_C;
         match *range.as_slice() {

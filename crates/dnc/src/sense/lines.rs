@@ -22,7 +22,7 @@ pub(super) type Tell<'a> = dyn FnMut(usize, Told, Option<SystemTime>) + 'a;
 
 /// Reads lines.
 #[derive(Clone, Debug)]
-pub struct Lines {
+pub struct LineReader {
     /// What a channel is called in them.
     items: Vec<(String, usize)>,
     header: Option<String>,
@@ -30,11 +30,11 @@ pub struct Lines {
     has_times: bool,
 }
 
-impl Lines {
+impl LineReader {
     /// Lines in which channels go by some names.
     #[must_use]
-    pub fn new(items: &[(String, usize)], has_times: bool) -> Lines {
-        Lines { items: items.to_vec(), header: None, has_times }
+    pub fn new(items: &[(String, usize)], has_times: bool) -> LineReader {
+        LineReader { items: items.to_vec(), header: None, has_times }
     }
 
     /// The names of columns come again.

@@ -17,9 +17,9 @@ mod panel;
 pub mod source;
 mod stamp;
 
-pub use config::{Action, Channel, ChannelUnit, Config, ValueOrigin};
-pub use lines::Lines;
-pub use monitor::{Fault, Monitor, Reading, State, Told};
+pub use config::{Action, ChannelUnit, Config, SensorChannel, ValueOrigin};
+pub use lines::LineReader;
+pub use monitor::{ChannelState, Fault, Monitor, Reading, Told};
 pub use outlet::Outlet;
 pub use panel::{Panel, Verdict};
 pub use source::{SensorSource, SensorSources};

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::time::Duration;
 
-use super::config::Channel;
+use super::config::SensorChannel;
 
 /// Earlier values that a new one is held against lie so far back in steps of a thirtieth of their time.
 const ANCHORS: usize = 30;
@@ -77,7 +77,7 @@ pub enum Told {
 
 /// How far a channel can be relied on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum State {
+pub enum ChannelState {
     /// There was no good value yet.
     #[default]
     Waiting,
@@ -87,14 +87,14 @@ pub enum State {
     Held(Fault),
 }
 
-impl State {
+impl ChannelState {
     /// Its name, as in JSON.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
-            State::Waiting => "waiting",
-            State::Good => "good",
-            State::Held(_) => "held",
+            ChannelState::Waiting => "waiting",
+            ChannelState::Good => "good",
+            ChannelState::Held(_) => "held",
         }
     }
 }
@@ -109,7 +109,7 @@ pub struct Reading {
     /// How long ago the last good value was read.
     pub age: Option<Duration>,
     /// How far it can be relied on.
-    pub state: State,
+    pub state: ChannelState,
     /// The last number that came, as it came, good or not.
     pub raw: Option<f64>,
     /// What is wrong, as a sentence; empty where nothing is.
@@ -119,7 +119,7 @@ pub struct Reading {
 /// The judge of one channel. Times are seconds since the start of the job, before it below zero.
 #[derive(Clone, Debug)]
 pub struct Monitor {
-    channel: Channel,
+    channel: SensorChannel,
     /// The last good values, °C, as many as the median takes.
     recent: VecDeque<f64>,
     /// Good values of the last time, thinned out.
@@ -143,7 +143,7 @@ pub struct Monitor {
 impl Monitor {
     /// Nothing is known yet.
     #[must_use]
-    pub fn new(channel: &Channel) -> Monitor {
+    pub fn new(channel: &SensorChannel) -> Monitor {
         Monitor {
             channel: channel.clone(),
             recent: VecDeque::new(),
@@ -162,7 +162,7 @@ impl Monitor {
 
     /// Its channel.
     #[must_use]
-    pub fn channel(&self) -> &Channel {
+    pub fn channel(&self) -> &SensorChannel {
         &self.channel
     }
 
@@ -212,11 +212,11 @@ impl Monitor {
 
     /// How far it can be relied on.
     #[must_use]
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> ChannelState {
         match (self.good, self.fault) {
-            (None, _) => State::Waiting,
-            (Some(_), None) => State::Good,
-            (Some(_), Some(fault)) => State::Held(fault),
+            (None, _) => ChannelState::Waiting,
+            (Some(_), None) => ChannelState::Good,
+            (Some(_), Some(fault)) => ChannelState::Held(fault),
         }
     }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 
 use super::config::{Action, Config};
-use super::monitor::{Fault, Monitor, Reading, State, Told};
+use super::monitor::{ChannelState, Fault, Monitor, Reading, Told};
 use super::outlet::{Inlet, SourceSample, box_of};
 use super::source::{Clocked, Opened};
 
@@ -139,7 +139,7 @@ impl Panel {
         let mut acting: Option<(Action, String)> = None;
         let (mut waiting, mut held) = (Vec::new(), None);
         for (monitor, reading) in self.monitors.iter().zip(&self.readings) {
-            if reading.state == State::Good {
+            if reading.state == ChannelState::Good {
                 continue;
             }
             let (channel, bad_for) = (monitor.channel(), monitor.bad_for(self.now).unwrap_or_default());
@@ -149,7 +149,7 @@ impl Panel {
             };
             if bad_for >= channel.act_after && acting.as_ref().is_none_or(|(action, _)| *action < channel.action) {
                 acting = Some((channel.action, sentence()));
-            } else if reading.state == State::Waiting && bad_for < channel.act_after {
+            } else if reading.state == ChannelState::Waiting && bad_for < channel.act_after {
                 waiting.push(reading.name.clone());
             } else if held.is_none() {
                 held = Some(sentence());

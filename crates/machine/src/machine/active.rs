@@ -13,7 +13,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 
 /// What a control adds to a command by itself.
-pub trait Compensation: Debug + Send + Sync {
+pub trait ActiveCompensation: Debug + Send + Sync {
     /// What is added at a command, mm and rad. `tool_mm` runs from the gauge point to the tip, in F at the zero pose.
     fn correction(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> AxisVector;
 
@@ -41,7 +41,7 @@ pub struct ActiveTables {
     /// What the control does with products of tables, where the machine file says it.
     pub multiplication: Option<TableProducts>,
     /// What they do; `None` until they are read.
-    pub control: Option<Arc<dyn Compensation>>,
+    pub control: Option<Arc<dyn ActiveCompensation>>,
 }
 
 /// Two are the same where they name the same files and multiply alike.

@@ -30,7 +30,7 @@ mod tool;
 mod travel;
 mod zero_offset;
 
-pub use active::{ActiveTables, Compensation, TableProducts};
+pub use active::{ActiveCompensation, ActiveTables, TableProducts};
 pub use chain::{Branch, Topology, TopologyFault};
 pub use clamp::Clamp;
 pub use condition::{Condition, Load, ZeroPose};

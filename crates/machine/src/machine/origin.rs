@@ -7,7 +7,7 @@ use ncfix_base::source::Source;
 
 /// A value that stands in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Written {
+pub struct WrittenValue {
     /// Its keys from the top of the file: `axis.X.travel_mm`, `tool[5,1].length_mm` (number and edge), `motion[3].kind` (the third one).
     pub path: String,
     /// As it is written.
@@ -84,7 +84,7 @@ const OF_SECTIONS: &[(&str, &[(&str, &str)])] = &[
 
 /// All values of a file, in its order.
 #[must_use]
-pub fn written(file: &Document, source: &Source) -> Vec<Written> {
+pub fn written(file: &Document, source: &Source) -> Vec<WrittenValue> {
     let mut out = Vec::new();
     walk(&file.root, "", source, &mut out);
     out.sort_by_key(|(at, _)| *at);
@@ -92,7 +92,7 @@ pub fn written(file: &Document, source: &Source) -> Vec<Written> {
 }
 
 /// The keys of a section of a machine that hold a value though they may not be written, with that value. The section is that of
-/// [`Written::path`] without the last key; `own_kind` is what it says of its `kind`, as it is written.
+/// [`WrittenValue::path`] without the last key; `own_kind` is what it says of its `kind`, as it is written.
 #[must_use]
 pub fn defaults(section: &str, own_kind: Option<&str>, machine: &Machine) -> Vec<(String, String)> {
     let kind = kind_of(section);
@@ -139,7 +139,7 @@ fn kind_of(section: &str) -> String {
     }
 }
 
-fn walk(table: &TomlTable, path: &str, source: &Source, out: &mut Vec<(u32, Written)>) {
+fn walk(table: &TomlTable, path: &str, source: &Source, out: &mut Vec<(u32, WrittenValue)>) {
     for entry in &table.entries {
         let key = match path {
             "system" | "gud" => normal(&entry.key),
@@ -163,7 +163,7 @@ fn walk(table: &TomlTable, path: &str, source: &Source, out: &mut Vec<(u32, Writ
                 let line = 1 + before.iter().filter(|&&byte| byte == source.line_end()).count();
                 let text = source.bytes().get(entry.item.span.range()).unwrap_or_default();
                 let value = String::from_utf8_lossy(text).split_whitespace().collect::<Vec<_>>().join(" ");
-                out.push((start, Written { path: own, value, line }));
+                out.push((start, WrittenValue { path: own, value, line }));
             }
         }
     }

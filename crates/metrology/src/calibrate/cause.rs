@@ -17,7 +17,7 @@ const FLAT: f64 = 1e-3;
 
 /// Why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Cause {
+pub(super) enum UndeterminedCause {
     /// An axis stood at too few positions: how many, and how many are needed.
     Few(Axis, usize, usize),
     /// An axis came from one side only.
@@ -52,81 +52,94 @@ pub(super) enum Cause {
     Poses,
 }
 
-impl Cause {
+impl UndeterminedCause {
     /// Whether it is that all sorts of things look alike in these poses.
     pub(super) fn is_of_poses(self) -> bool {
-        matches!(self, Cause::Conditions | Cause::Lever | Cause::Plane | Cause::Angles(_) | Cause::Poses)
+        matches!(
+            self,
+            UndeterminedCause::Conditions
+                | UndeterminedCause::Lever
+                | UndeterminedCause::Plane
+                | UndeterminedCause::Angles(_)
+                | UndeterminedCause::Poses
+        )
     }
 
     /// What would help; `many` where it is about several parameters.
     pub(super) fn remedy(self, many: bool) -> String {
         let them = if many { "them" } else { "it" };
         match self {
-            Cause::Few(axis, found, needed) if axis.is_rotary() => {
+            UndeterminedCause::Few(axis, found, needed) if axis.is_rotary() => {
                 let more = needed.saturating_sub(found).max(1);
                 let s = if more == 1 { "" } else { "s" };
                 format!("index {axis} at {more} more angle{s} at least, or leave {them} out")
             }
-            Cause::Few(axis, _, needed) => {
+            UndeterminedCause::Few(axis, _, needed) => {
                 format!("measure at {needed} positions of {axis} at least, or leave {them} out")
             }
-            Cause::OneSense(axis) => format!("come to positions of {axis} from both sides, or leave {them} out"),
-            Cause::Beyond(axis) => format!("measure further along {axis}, or leave {them} out"),
-            Cause::NoLoad => format!("measure with a load on the table, too, and say so (load_N), or leave {them} out"),
-            Cause::OneLoad => format!("measure without the load, too, or leave {them} out"),
-            Cause::NoTemperatures => {
+            UndeterminedCause::OneSense(axis) => {
+                format!("come to positions of {axis} from both sides, or leave {them} out")
+            }
+            UndeterminedCause::Beyond(axis) => format!("measure further along {axis}, or leave {them} out"),
+            UndeterminedCause::NoLoad => {
+                format!("measure with a load on the table, too, and say so (load_N), or leave {them} out")
+            }
+            UndeterminedCause::OneLoad => format!("measure without the load, too, or leave {them} out"),
+            UndeterminedCause::NoTemperatures => {
                 format!("measure warm, too, with columns of temperatures or --state, or leave {them} out")
             }
-            Cause::Conditions => {
+            UndeterminedCause::Conditions => {
                 format!("measure at other loads or temperatures, in poses in which they differ, or leave {them} out")
             }
-            Cause::Unfelt => {
+            UndeterminedCause::Unfelt => {
                 format!("measure what {} would move, or leave {them} out", if many { "they" } else { "it" })
             }
-            Cause::Scale => {
+            UndeterminedCause::Scale => {
                 "give a calibrated length (take length out of free, or write [[length]] between two balls), \
                              or leave out the gain of one axis"
                     .into()
             }
-            Cause::Stylus => format!(
+            UndeterminedCause::Stylus => format!(
                 "turn the spindle by hand between probings (spindle_deg), take tool out of free where the stylus is calibrated, or leave {them} out"
             ),
-            Cause::Constant => {
+            UndeterminedCause::Constant => {
                 format!("leave {them} out: constant parts belong to the set-up unless the description says where it is")
             }
-            Cause::SetUp => format!(
+            UndeterminedCause::SetUp => format!(
                 "describe what is known of the set-up (take it out of free), measure in another one, or leave {them} out"
             ),
-            Cause::Lever => "measure the same with a second tool vector (another length, or off the spindle)".into(),
-            Cause::Plane => format!("measure in another plane too, or leave {them} out"),
-            Cause::Angles(axis) => format!("index {axis} at three more angles, or leave {them} out"),
-            Cause::Poses => format!("measure in poses in which they differ, or leave {them} out"),
+            UndeterminedCause::Lever => {
+                "measure the same with a second tool vector (another length, or off the spindle)".into()
+            }
+            UndeterminedCause::Plane => format!("measure in another plane too, or leave {them} out"),
+            UndeterminedCause::Angles(axis) => format!("index {axis} at three more angles, or leave {them} out"),
+            UndeterminedCause::Poses => format!("measure in poses in which they differ, or leave {them} out"),
         }
     }
 }
 
 /// What stands behind the sentence.
-impl fmt::Display for Cause {
+impl fmt::Display for UndeterminedCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Cause::Few(axis, found, needed) => {
+            UndeterminedCause::Few(axis, found, needed) => {
                 let s = if *found == 1 { "" } else { "s" };
                 write!(f, "; {axis} stood at {found} position{s}, at least {needed} are needed")
             }
-            Cause::NoLoad => write!(f, "; there was no load on the table"),
-            Cause::OneLoad => write!(f, "; there was only one load"),
-            Cause::NoTemperatures => write!(f, "; there are no temperatures"),
-            Cause::OneSense(axis) => write!(f, "; {axis} was reached in one sense only"),
-            Cause::Beyond(axis) => write!(f, "; {axis} did not go as far"),
-            Cause::Lever => write!(f, "; all was measured with one tool vector"),
-            Cause::Plane => write!(f, "; all was measured in one plane"),
+            UndeterminedCause::NoLoad => write!(f, "; there was no load on the table"),
+            UndeterminedCause::OneLoad => write!(f, "; there was only one load"),
+            UndeterminedCause::NoTemperatures => write!(f, "; there are no temperatures"),
+            UndeterminedCause::OneSense(axis) => write!(f, "; {axis} was reached in one sense only"),
+            UndeterminedCause::Beyond(axis) => write!(f, "; {axis} did not go as far"),
+            UndeterminedCause::Lever => write!(f, "; all was measured with one tool vector"),
+            UndeterminedCause::Plane => write!(f, "; all was measured in one plane"),
             _ => Ok(()),
         }
     }
 }
 
 /// Looks for the cause. `own` is a parameter, `others` what it cannot be told from.
-pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Cause {
+pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> UndeterminedCause {
     let all = || std::iter::once(own.clone()).chain(others.iter().filter_map(|column| column.parameter()));
     let (mut parameters, mut effects) = (Vec::new(), Vec::new());
     for one in all() {
@@ -145,7 +158,7 @@ pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Ca
         return cause;
     }
     if others.is_empty() {
-        return Cause::Unfelt;
+        return UndeterminedCause::Unfelt;
     }
     let unknowns = || {
         others.iter().filter_map(|column| match column {
@@ -154,47 +167,56 @@ pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Ca
         })
     };
     if !effects.is_empty() {
-        return Cause::Conditions;
+        return UndeterminedCause::Conditions;
     }
     let is_about_size = parameters.iter().all(is_gain);
     let is_length = |one| matches!(one, Unknown::Length(_) | Unknown::Rod(_) | Unknown::RodTemperature(_));
     if is_about_size && (unknowns().any(is_length) || parameters.len() > 1) {
-        return Cause::Scale;
+        return UndeterminedCause::Scale;
     }
     if parameters.len() == 1 {
         if own.component.axis().is_none() && unknowns().any(|one| matches!(one, Unknown::Tool(..))) {
-            return Cause::Stylus;
+            return UndeterminedCause::Stylus;
         }
-        return if own.degree() == 0 { Cause::Constant } else { Cause::SetUp };
+        return if own.degree() == 0 { UndeterminedCause::Constant } else { UndeterminedCause::SetUp };
     }
     let turns = |name: &ParameterName| name.component.direction.is_rotation() && name.term != Term::Whole;
     if parameters.iter().any(turns) && has_one_tool(data) {
-        return Cause::Lever;
+        return UndeterminedCause::Lever;
     }
     if is_flat(data) {
-        return Cause::Plane;
+        return UndeterminedCause::Plane;
     }
     let rotary = parameters.iter().filter_map(|name| name.component.axis()).find(|axis| axis.is_rotary());
-    rotary.map_or(Cause::Poses, Cause::Angles)
+    rotary.map_or(UndeterminedCause::Poses, UndeterminedCause::Angles)
 }
 
 /// Why a parameter of an effect cannot be told where conditions did change; `geometry` are other parameters that take part.
-fn of_effect(others: &[&Column], geometry: &[ParameterName], data: &[DataSet]) -> Cause {
+fn of_effect(others: &[&Column], geometry: &[ParameterName], data: &[DataSet]) -> UndeterminedCause {
     if others.is_empty() {
-        return Cause::Unfelt;
+        return UndeterminedCause::Unfelt;
     }
     if let Some(cause) = geometry.iter().find_map(|name| positions_lack(name, geometry, false, data)) {
         return cause;
     }
-    if others.iter().any(|column| column.is_of_machine()) { Cause::Conditions } else { Cause::SetUp }
+    if others.iter().any(|column| column.is_of_machine()) {
+        UndeterminedCause::Conditions
+    } else {
+        UndeterminedCause::SetUp
+    }
 }
 
 /// Whether an axis of the parameters stood at too few positions.
-fn positions_lack(own: &ParameterName, all: &[ParameterName], is_unfelt: bool, data: &[DataSet]) -> Option<Cause> {
+fn positions_lack(
+    own: &ParameterName,
+    all: &[ParameterName],
+    is_unfelt: bool,
+    data: &[DataSet],
+) -> Option<UndeterminedCause> {
     if let (Term::Knot { at, .. }, Some(axis)) = (own.term, own.component.axis()) {
         let begins = if axis.is_rotary() { f64::from(at).to_radians() } else { f64::from(at) };
         if observations(data).all(|position| position(axis) <= begins + SAME_PLACE) {
-            return Some(Cause::Beyond(axis));
+            return Some(UndeterminedCause::Beyond(axis));
         }
     }
     if is_unfelt && own.degree() == 0 && own.term != Term::Backlash {
@@ -211,7 +233,7 @@ fn positions_lack(own: &ParameterName, all: &[ParameterName], is_unfelt: bool, d
             let mut readings = data.iter().flat_map(|set| &set.observations);
             let first = readings.next().map(|row| row.reading.state.direction(axis));
             if readings.all(|row| Some(row.reading.state.direction(axis)) == first) {
-                return Some(Cause::OneSense(axis));
+                return Some(UndeterminedCause::OneSense(axis));
             }
         }
         let mut found: Vec<f64> = Vec::new();
@@ -221,7 +243,7 @@ fn positions_lack(own: &ParameterName, all: &[ParameterName], is_unfelt: bool, d
                 found.push(position);
             }
         }
-        (found.len() < needed).then_some(Cause::Few(axis, found.len(), needed))
+        (found.len() < needed).then_some(UndeterminedCause::Few(axis, found.len(), needed))
     })
 }
 

@@ -53,33 +53,33 @@ pub(super) struct Design<'a> {
 
 /// One equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct ReadingEquation {
     /// What was read less what is predicted, mm or rad.
     pub residual: f64,
     /// The measurement.
     pub set: usize,
     /// Where it comes from.
-    pub origin: Origin,
+    pub origin: EquationOrigin,
     /// Whether it is an angle, rad.
     pub is_angle: bool,
 }
 
 /// Where an equation comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Origin {
+pub enum EquationOrigin {
     /// The reading of this number.
     Row(usize),
     /// The known distance of this number.
     Tie(usize),
 }
 
-impl Line {
+impl ReadingEquation {
     /// The number of the reading; `None` for a known distance.
     #[must_use]
     pub fn row(&self) -> Option<usize> {
         match self.origin {
-            Origin::Row(row) => Some(row),
-            Origin::Tie(_) => None,
+            EquationOrigin::Row(row) => Some(row),
+            EquationOrigin::Tie(_) => None,
         }
     }
 }
@@ -164,17 +164,29 @@ impl<'a> Design<'a> {
     }
 
     /// Calls `out` with every equation: its line, and its factors by all columns where they are wanted.
-    pub(super) fn walk(&self, errors: &ErrorModel, values: &[f64], factors: bool, out: impl FnMut(Line, &[f64])) {
+    pub(super) fn walk(
+        &self,
+        errors: &ErrorModel,
+        values: &[f64],
+        factors: bool,
+        out: impl FnMut(ReadingEquation, &[f64]),
+    ) {
         self.walk_with([errors, errors], values, factors, out);
     }
 
     /// The same on a machine without errors; effects have the values by which some of their parameters act.
-    pub(super) fn walk_exact(&self, effects: &ErrorModel, values: &[f64], out: impl FnMut(Line, &[f64])) {
+    pub(super) fn walk_exact(&self, effects: &ErrorModel, values: &[f64], out: impl FnMut(ReadingEquation, &[f64])) {
         self.walk_with([&ErrorModel::default(), effects], values, true, out);
     }
 
     /// The equations on a machine with the first errors, and the factors of effects as they are in the second ones.
-    fn walk_with(&self, models: [&ErrorModel; 2], values: &[f64], factors: bool, mut out: impl FnMut(Line, &[f64])) {
+    fn walk_with(
+        &self,
+        models: [&ErrorModel; 2],
+        values: &[f64],
+        factors: bool,
+        mut out: impl FnMut(ReadingEquation, &[f64]),
+    ) {
         for (number, (set, bounds)) in self.data.iter().zip(self.first.windows(2)).enumerate() {
             let own =
                 Own { number, set, from: bounds[0], values: values.get(bounds[0]..bounds[1]).unwrap_or_default() };
@@ -192,7 +204,7 @@ impl<'a> Design<'a> {
             for (tie, equation) in equations.iter().enumerate() {
                 row_factors.fill(0.0);
                 own.enter(equation, factors, &mut row_factors);
-                out(own.line(equation, Origin::Tie(tie)), &row_factors);
+                out(own.line(equation, EquationOrigin::Tie(tie)), &row_factors);
             }
         }
     }
@@ -204,7 +216,7 @@ impl<'a> Design<'a> {
         own: &Own<'_>,
         rows: &Range<usize>,
         factors: bool,
-    ) -> (Vec<Line>, Vec<f64>) {
+    ) -> (Vec<ReadingEquation>, Vec<f64>) {
         let mut model = Model::at(self.machine, errors, &Condition::default());
         let mut units = Units::new(self, effects);
         let mut equations: Vec<Equation> = Vec::new();
@@ -233,7 +245,7 @@ impl<'a> Design<'a> {
                     own.enter(equation, factors, &mut row_factors);
                     all.extend_from_slice(&row_factors);
                 }
-                lines.push(own.line(equation, Origin::Row(row)));
+                lines.push(own.line(equation, EquationOrigin::Row(row)));
             }
         }
         (lines, all)
@@ -292,13 +304,13 @@ impl Own<'_> {
         }
     }
 
-    fn line(&self, equation: &Equation, origin: Origin) -> Line {
-        Line { residual: equation.residual, set: self.number, origin, is_angle: equation.is_angle }
+    fn line(&self, equation: &Equation, origin: EquationOrigin) -> ReadingEquation {
+        ReadingEquation { residual: equation.residual, set: self.number, origin, is_angle: equation.is_angle }
     }
 }
 
 /// An equation and its factors by every column: what a fit is made of.
-pub type Factored = (Line, Vec<f64>);
+pub type Factored = (ReadingEquation, Vec<f64>);
 
 /// The columns of a fit, and the equations with values of the unknowns beside those that the error model holds: zeros, and the
 /// middle of where balls were probed, where `unknowns` is `None`.

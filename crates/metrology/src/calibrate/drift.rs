@@ -54,7 +54,7 @@ pub fn reversals<'a>(
 mod tests {
     use super::*;
     use crate::calibrate::bench;
-    use crate::measure::data::cycles::Cycle;
+    use crate::measure::data::cycles::RepeatCycle;
 
     #[test]
     fn a_length_feels_the_angles_of_its_axis_and_an_angle_only_itself() {
@@ -62,7 +62,7 @@ mod tests {
         let found = |component: &str, value: &str, fitted: &str| {
             let rows = format!("X,Y,Z,component,{value}\n0,0,0,{component},0\n");
             let mut data = bench::table(&machine, &rows, "[measurement]\nkind = \"direct\"\n");
-            data.cycles = vec![Cycle { setup: 0, target: 0, number: 1, level: None }];
+            data.cycles = vec![RepeatCycle { setup: 0, target: 0, number: 1, level: None }];
             let name: Parameter = fitted.parse::<ParameterName>().unwrap().into();
             reversals(&ErrorModel::default(), [name].iter(), &[data]).len()
         };

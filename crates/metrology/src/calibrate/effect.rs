@@ -15,7 +15,7 @@ use ncfix_model::motion::Function;
 use ncfix_model::parameter::ParameterName;
 use ncfix_model::{Accumulator, Effect, ErrorModel, ErrorName};
 
-use super::cause::Cause;
+use super::cause::UndeterminedCause;
 
 /// Step of a central difference as a share of the parameter, and the least.
 const STEP: f64 = 1e-4;
@@ -216,13 +216,13 @@ pub fn coefficient_unit(is_angle: bool, is_rotary: bool, degree: u8) -> (f64, St
 
 /// What a parameter does to one component of the errors of the axes, per unit.
 #[derive(Clone, Debug)]
-pub(super) struct Part {
+pub(super) struct ParameterEffect {
     pub(super) component: ErrorName,
     function: Option<Function>,
     factor: f64,
 }
 
-impl Part {
+impl ParameterEffect {
     /// At a pose, mm or rad per unit.
     pub(super) fn value(&self, command: &AxisVector, state: &State) -> f64 {
         match (&self.function, self.component.axis()) {
@@ -303,13 +303,13 @@ pub(super) struct Probe {
 
 impl Probe {
     /// What one unit of it does in a condition.
-    pub(super) fn parts(&self, machine: &Machine, condition: &Condition, out: &mut Vec<Part>) {
+    pub(super) fn parts(&self, machine: &Machine, condition: &Condition, out: &mut Vec<ParameterEffect>) {
         out.clear();
         let mut middle = 0;
         for (errors, factor) in &self.sides {
             middle = out.len();
             let sum = Accumulator::sum(machine, errors, condition, |_| true);
-            out.extend(sum.parts().into_iter().map(|(component, function, value)| Part {
+            out.extend(sum.parts().into_iter().map(|(component, function, value)| ParameterEffect {
                 component,
                 function: function.cloned(),
                 factor: value * factor,
@@ -320,7 +320,7 @@ impl Probe {
         }
         // What it does not change at all is no small number left by the arithmetic.
         let (above, below) = out.split_at(middle);
-        let alike = |(one, other): (&Part, &Part)| {
+        let alike = |(one, other): (&ParameterEffect, &ParameterEffect)| {
             one.component == other.component
                 && one.function == other.function
                 && one.factor.to_bits() == (-other.factor).to_bits()
@@ -332,7 +332,7 @@ impl Probe {
 }
 
 /// Why an effect may not be told: what did not change between the readings.
-pub(super) fn lack(effects: &[EffectParameter], data: &[DataSet]) -> Option<Cause> {
+pub(super) fn lack(effects: &[EffectParameter], data: &[DataSet]) -> Option<UndeterminedCause> {
     let mut loads: Vec<_> = Vec::new();
     let mut is_warm = false;
     let mut last = None;
@@ -350,9 +350,11 @@ pub(super) fn lack(effects: &[EffectParameter], data: &[DataSet]) -> Option<Caus
     }
     let is_of = |source: &str| effects.iter().any(|one| one.name().starts_with(source));
     match loads.as_slice() {
-        [only] if is_of("load.") && only.is_empty() => Some(Cause::NoLoad),
-        [_] if is_of("load.") => Some(Cause::OneLoad),
-        _ if !is_warm && !is_of("load.") && effects.iter().any(|one| one.has_sensors) => Some(Cause::NoTemperatures),
+        [only] if is_of("load.") && only.is_empty() => Some(UndeterminedCause::NoLoad),
+        [_] if is_of("load.") => Some(UndeterminedCause::OneLoad),
+        _ if !is_warm && !is_of("load.") && effects.iter().any(|one| one.has_sensors) => {
+            Some(UndeterminedCause::NoTemperatures)
+        }
         _ => None,
     }
 }

@@ -5,16 +5,16 @@
 //! normal equations and factors that are kept; the first says what the data can tell, the last how well.
 
 use crate::measure::data::DataSet;
-use ncfix_base::numeric::{Normal, Solution, Step, System};
+use ncfix_base::numeric::{Normal, NormalStep, Solution, System};
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 
 use super::column::Column;
-use super::design::{Design, Line, Origin, tie_sigma};
+use super::design::{Design, EquationOrigin, ReadingEquation, tie_sigma};
 use super::effect::Parameter;
 use super::fault::{Fault, Unsettled};
 use super::identify::{Identified, judge};
-use super::noise::{Noise, group_of};
+use super::noise::{NoiseGroups, group_of};
 use super::robust::TUKEY_VARIANCE;
 use super::words;
 
@@ -175,10 +175,10 @@ pub(super) fn fit_judged(
 struct Rounds<'a> {
     design: &'a Design<'a>,
     options: Options,
-    noise: Noise,
+    noise: NoiseGroups,
     /// Unknowns that each group of readings has used up.
     used: Vec<f64>,
-    lines: Vec<Line>,
+    lines: Vec<ReadingEquation>,
     weights: Vec<f64>,
     /// The factors of all equations, one after another; empty where they are too many.
     factors: Vec<f64>,
@@ -190,7 +190,7 @@ struct Rounds<'a> {
 
 impl<'a> Rounds<'a> {
     fn new(design: &'a Design<'a>, data: &[DataSet], options: Options, judged: &'a Identified) -> Rounds<'a> {
-        let noise = Noise::new(data);
+        let noise = NoiseGroups::new(data);
         let used = vec![0.0; noise.groups()];
         Rounds {
             design,
@@ -261,7 +261,7 @@ impl<'a> Rounds<'a> {
         let is_same = round > 0 && self.noise.update(&self.lines, &self.used, self.options.robust);
         let counts = self.options.robust && round > 0;
         let (noise, early) = (&self.noise, self.early().max(EARLY_ROUNDS));
-        let weight = |line: &Line| {
+        let weight = |line: &ReadingEquation| {
             if counts && line.row().is_some() { noise.weight(line, round <= early) } else { 1.0 }
         };
         self.weights = self.lines.iter().map(weight).collect();
@@ -269,17 +269,17 @@ impl<'a> Rounds<'a> {
     }
 
     /// Calls `out` with every equation, its factors, and the root of its weight.
-    fn each(&self, mut out: impl FnMut(&Line, &[f64], f64)) {
-        let root = |line: &Line, weight: f64| {
+    fn each(&self, mut out: impl FnMut(&ReadingEquation, &[f64], f64)) {
+        let root = |line: &ReadingEquation, weight: f64| {
             let sigma = match line.origin {
-                Origin::Row(_) => self.noise.sigma(group_of(line)),
-                Origin::Tie(tie) => tie_sigma(self.design.data, line.set, tie),
+                EquationOrigin::Row(_) => self.noise.sigma(group_of(line)),
+                EquationOrigin::Tie(tie) => tie_sigma(self.design.data, line.set, tie),
             };
             weight.sqrt() / sigma
         };
         let width = self.design.columns.len();
         let mut own = vec![0.0; width];
-        let mut pass = |line: &Line, factors: &[f64], weight: f64| {
+        let mut pass = |line: &ReadingEquation, factors: &[f64], weight: f64| {
             if self.judged.lost.held.is_empty() {
                 return out(line, factors, weight);
             }
@@ -310,7 +310,7 @@ impl<'a> Rounds<'a> {
         }
     }
 
-    fn step(&self) -> Option<Step> {
+    fn step(&self) -> Option<NormalStep> {
         let mut normal = Normal::new(self.design.columns.len(), self.noise.groups());
         self.each(|line, factors, weight| normal.add(group_of(line), factors, line.residual, weight));
         self.each_held(|factors| normal.add(0, factors, 0.0, 1.0 / HELD));
@@ -337,12 +337,12 @@ impl<'a> Rounds<'a> {
 }
 
 /// The step of a solution.
-fn step_of(solution: &Solution) -> Step {
-    Step { unknowns: solution.unknowns.clone(), variances: solution.cofactors.diagonal(), used: Vec::new() }
+fn step_of(solution: &Solution) -> NormalStep {
+    NormalStep { unknowns: solution.unknowns.clone(), variances: solution.cofactors.diagonal(), used: Vec::new() }
 }
 
 /// How many unknowns each group has used up; by its share of the equations where the step does not say.
-fn shared(used: Vec<f64>, lines: &[Line], groups: usize, count: usize) -> Vec<f64> {
+fn shared(used: Vec<f64>, lines: &[ReadingEquation], groups: usize, count: usize) -> Vec<f64> {
     if used.len() == groups {
         return used;
     }
@@ -356,7 +356,7 @@ fn shared(used: Vec<f64>, lines: &[Line], groups: usize, count: usize) -> Vec<f6
 }
 
 /// The largest step in units of its uncertainty.
-fn largest_step(step: &Step) -> f64 {
+fn largest_step(step: &NormalStep) -> f64 {
     let sizes = step.unknowns.iter().zip(step.variances.iter()).filter(|(_, variance)| **variance > 0.0);
     sizes.fold(0.0, |largest, (step, variance)| f64::max(largest, step.abs() / variance.sqrt()))
 }
@@ -382,8 +382,8 @@ fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Sol
     let lines = rounds.lines.iter().zip(&rounds.weights);
     let residuals = lines.filter_map(|(line, &weight)| Some((line.set, line.row()?, line.residual, weight))).collect();
     let ties = rounds.lines.iter().filter_map(|line| match line.origin {
-        Origin::Tie(tie) => Some((line.set, tie, line.residual, tie_sigma(rounds.design.data, line.set, tie))),
-        Origin::Row(_) => None,
+        EquationOrigin::Tie(tie) => Some((line.set, tie, line.residual, tie_sigma(rounds.design.data, line.set, tie))),
+        EquationOrigin::Row(_) => None,
     });
     let ties = ties.collect();
     let (sigmas, angle_sigmas) = (0..rounds.noise.groups() / 2)

@@ -32,7 +32,7 @@ pub mod words;
 
 pub use column::Column;
 pub(crate) use design::WEAK;
-pub use design::{Factored, Line, Origin, equations};
+pub use design::{EquationOrigin, Factored, ReadingEquation, equations};
 pub use drift::reversals;
 pub use effect::{EffectParameter, Parameter};
 pub use fault::{Fault, Unsettled};

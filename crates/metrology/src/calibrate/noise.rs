@@ -4,7 +4,7 @@
 
 use crate::measure::data::DataSet;
 
-use super::design::Line;
+use super::design::ReadingEquation;
 use super::robust::{spread, tempered, weight};
 
 /// Uncertainty of a reading before the residuals say more, mm.
@@ -22,7 +22,7 @@ const SAME_SIGMA: f64 = 1e-3;
 
 /// The groups of all measurements: lengths of the first one, its angles, lengths of the second one, …
 #[derive(Clone, Debug)]
-pub(super) struct Noise(Vec<Group>);
+pub(super) struct NoiseGroups(Vec<Group>);
 
 #[derive(Clone, Copy, Debug)]
 struct Group {
@@ -33,18 +33,18 @@ struct Group {
 }
 
 /// The group of an equation.
-pub(super) fn group_of(line: &Line) -> usize {
+pub(super) fn group_of(line: &ReadingEquation) -> usize {
     2 * line.set + usize::from(line.is_angle)
 }
 
-impl Noise {
-    pub(super) fn new(data: &[DataSet]) -> Noise {
+impl NoiseGroups {
+    pub(super) fn new(data: &[DataSet]) -> NoiseGroups {
         let group = |(given, first): (Option<f64>, f64)| {
             let sigma = given.unwrap_or(first);
             Group { given, scale: sigma, sigma }
         };
         let groups = data.iter().flat_map(|set| [(set.sigma, FIRST_SIGMA), (set.sigma_rad, FIRST_ANGLE_SIGMA)]);
-        Noise(groups.map(group).collect())
+        NoiseGroups(groups.map(group).collect())
     }
 
     pub(super) fn groups(&self) -> usize {
@@ -62,12 +62,12 @@ impl Noise {
     }
 
     /// The weight of a reading by its residual.
-    pub(super) fn weight(&self, line: &Line, is_early: bool) -> f64 {
+    pub(super) fn weight(&self, line: &ReadingEquation, is_early: bool) -> f64 {
         self.0.get(group_of(line)).map_or(1.0, |group| weight(line.residual / group.scale, is_early))
     }
 
     /// Finds it again from residuals; `used` says how many unknowns each group has used up. Returns whether it stayed the same.
-    pub(super) fn update(&mut self, lines: &[Line], used: &[f64], robust: bool) -> bool {
+    pub(super) fn update(&mut self, lines: &[ReadingEquation], used: &[f64], robust: bool) -> bool {
         let mut residuals: Vec<Vec<f64>> = vec![Vec::new(); self.0.len()];
         for line in lines.iter().filter(|line| line.row().is_some()) {
             if let Some(own) = residuals.get_mut(group_of(line)) {
@@ -106,14 +106,14 @@ impl Noise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::calibrate::design::Origin;
+    use crate::calibrate::design::EquationOrigin;
 
     /// The uncertainty of eight readings of which half are used up, described as 1 µm, when this is what they leave in all but rounding.
     fn sigma(found: f64) -> f64 {
         let group = Group { given: Some(1e-3), scale: 1e-3, sigma: 1e-3 };
-        let mut noise = Noise(vec![group; 2]);
+        let mut noise = NoiseGroups(vec![group; 2]);
         let residual = found * 0.5_f64.sqrt();
-        let line = |row| Line { residual, set: 0, origin: Origin::Row(row), is_angle: false };
+        let line = |row| ReadingEquation { residual, set: 0, origin: EquationOrigin::Row(row), is_angle: false };
         noise.update(&(0..8).map(line).collect::<Vec<_>>(), &[4.0, 0.0], false);
         noise.sigma(0)
     }

@@ -17,11 +17,11 @@ pub(super) const COUNTS: f64 = 0.01;
 const MOST_STEPS: usize = 30_000_000;
 
 /// A direction: its own column, and its parts by columns of unit length; that of the own column is 1.
-pub(super) type Direction = (usize, DVector<f64>);
+pub(super) type NullDirection = (usize, DVector<f64>);
 
 /// Finds the directions. `order` has the columns in groups, the simple groups first: a column of a simple group is taken only where none of the other
 /// groups takes part at all.
-pub(super) fn directions(null_space: &[DVector<f64>], order: &[Vec<usize>]) -> Vec<Direction> {
+pub(super) fn directions(null_space: &[DVector<f64>], order: &[Vec<usize>]) -> Vec<NullDirection> {
     let Some(height) = null_space.first().map(DVector::len) else { return Vec::new() };
     let count = null_space.len();
     let whole = DMatrix::from_fn(height, count, |row, column| null_space[column][row]);
@@ -64,7 +64,7 @@ pub(super) fn directions(null_space: &[DVector<f64>], order: &[Vec<usize>]) -> V
 }
 
 /// Makes directions shorter where the difference of two has fewer parts than one of them.
-pub(super) fn shorten(directions: &mut [Direction]) {
+pub(super) fn shorten(directions: &mut [NullDirection]) {
     let support = |direction: &DVector<f64>| -> Vec<usize> {
         let least = COUNTS * direction.amax();
         (0..direction.len()).filter(|&k| direction[k].abs() >= least).collect()
@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn shorter_directions_span_the_same() {
         let rows = [[1.0, 0.0, 1.0, 1.0, 1.0], [0.0, 1.0, 1.0, 1.0, 0.0]].map(|parts| DVector::from_row_slice(&parts));
-        let mut found: Vec<Direction> = rows.iter().cloned().enumerate().collect();
+        let mut found: Vec<NullDirection> = rows.iter().cloned().enumerate().collect();
         shorten(&mut found);
         assert_eq!(found[0].1, DVector::from_row_slice(&[1.0, -1.0, 0.0, 0.0, 1.0]));
         assert_eq!(found[1].1, rows[1]);

@@ -16,7 +16,7 @@ use ncfix_model::ErrorModel;
 
 use super::candidates::handicap;
 use super::column::Column;
-use super::design::{Design, Line, Origin, tie_sigma};
+use super::design::{Design, EquationOrigin, ReadingEquation, tie_sigma};
 use super::effect::Parameter;
 use super::fault::Fault;
 use super::fit::{Fit, Options, fit};
@@ -124,7 +124,7 @@ struct Job<'a> {
 
 /// Equations one after another.
 struct Equations {
-    lines: Vec<Line>,
+    lines: Vec<ReadingEquation>,
     /// Place of the equation among those of its reading.
     places: Vec<usize>,
     factors: Vec<f64>,
@@ -233,15 +233,15 @@ impl Job<'_> {
     }
 
     /// A known distance counts as much as it is known.
-    fn tie_sigma(&self, line: &Line) -> f64 {
+    fn tie_sigma(&self, line: &ReadingEquation) -> f64 {
         match line.origin {
-            Origin::Tie(tie) => tie_sigma(self.data, line.set, tie),
-            Origin::Row(_) => FIRST_SIGMA,
+            EquationOrigin::Tie(tie) => tie_sigma(self.data, line.set, tie),
+            EquationOrigin::Row(_) => FIRST_SIGMA,
         }
     }
 
     /// What series a line belongs to, and when it was read.
-    fn key(&self, line: &Line, place: usize, number: usize) -> (Key, f64) {
+    fn key(&self, line: &ReadingEquation, place: usize, number: usize) -> (Key, f64) {
         let observation = self.data.get(line.set).zip(line.row()).and_then(|(set, row)| set.observations.get(row));
         let Some(observation) = observation else {
             // A known distance stands alone.
@@ -335,7 +335,7 @@ mod tests {
             options: Options { robust: true },
         };
         // Eight rows that two unknowns say nothing of and two candidates neither.
-        let line = |row| Line { residual: 0.0, set: 0, origin: Origin::Row(row), is_angle: false };
+        let line = |row| ReadingEquation { residual: 0.0, set: 0, origin: EquationOrigin::Row(row), is_angle: false };
         let equations = Equations {
             lines: (0..8).map(line).collect(),
             places: vec![0; 8],

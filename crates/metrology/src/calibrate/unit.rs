@@ -1,7 +1,7 @@
 //! What one unit of each parameter of a fit does to the tool.
 
 use super::design::Design;
-use super::effect::{Part, Probe};
+use super::effect::{ParameterEffect, Probe};
 use crate::measure::reading::Reading;
 use ncfix_base::geometry::{Matrix, Vector};
 use ncfix_machine::machine::Condition;
@@ -23,9 +23,9 @@ pub(super) struct Units<'a> {
     /// What shows what the parameters of effects do, with their columns.
     probes: Vec<(usize, Probe)>,
     /// What one of them does in the condition.
-    own: Vec<Part>,
+    own: Vec<ParameterEffect>,
     /// What all do in the condition, with their columns and components.
-    pub(super) parts: Vec<(usize, usize, Part)>,
+    pub(super) parts: Vec<(usize, usize, ParameterEffect)>,
     /// What one unit of each component does to tip and direction of the tool.
     by_component: Vec<[Vector; 2]>,
     /// How much of a component is in one unit of a parameter: column, component, share.

@@ -10,10 +10,10 @@ use crate::measure::data::DataSet;
 use crate::measure::kind::Unknown;
 use ncfix_model::parameter::{ParameterName, Term};
 
-use super::cause::{Cause, cause};
+use super::cause::{UndeterminedCause, cause};
 use super::column::Column;
 use super::effect::Parameter;
-use super::null_space::{self, COUNTS, Direction};
+use super::null_space::{self, COUNTS, NullDirection};
 
 /// Names in a sentence at most.
 const MOST_NAMES: usize = 6;
@@ -56,7 +56,8 @@ pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -
     let (mut parameters, unknowns): (Vec<usize>, Vec<usize>) = (0..columns.len()).partition(is_parameter);
     parameters.sort_by_key(|&k| (columns.get(k).map(simplicity), k));
     let found = null_space::directions(null_space, &[unknowns, parameters]);
-    let (mut told, held): (Vec<Direction>, Vec<Direction>) = found.into_iter().partition(|(own, _)| is_parameter(own));
+    let (mut told, held): (Vec<NullDirection>, Vec<NullDirection>) =
+        found.into_iter().partition(|(own, _)| is_parameter(own));
     let mut lost = Lost::default();
     for (own, direction) in &held {
         lost.unknowns.push(single(*own, &others(*own, direction, columns), columns, data));
@@ -103,7 +104,7 @@ type Member = (usize, Vec<usize>);
 /// What directions of one kind have in common.
 #[derive(Clone, Debug, PartialEq)]
 struct Key {
-    cause: Cause,
+    cause: UndeterminedCause,
     is_unfelt: bool,
     /// What unknowns of set-ups take part, in words.
     unknowns: Vec<String>,
@@ -113,7 +114,9 @@ impl Key {
     /// Whether both are one kind.
     fn is_like(&self, other: &Key) -> bool {
         let is_same = match (self.cause, other.cause) {
-            (Cause::Few(axis, found, _), Cause::Few(other, others, _)) => (axis, found) == (other, others),
+            (UndeterminedCause::Few(axis, found, _), UndeterminedCause::Few(other, others, _)) => {
+                (axis, found) == (other, others)
+            }
             (one, other) => one == other,
         };
         is_same && self.is_unfelt == other.is_unfelt && (self.cause.is_of_poses() || self.unknowns == other.unknowns)
@@ -182,7 +185,7 @@ fn of_many(key: &Key, own: &[Parameter], members: &[Member], columns: &[Column])
     }
     let parameters = if from.is_empty() { None } else { Some(listed(&from, MOST_NAMES)) };
     let all: Vec<String> = parameters.into_iter().chain(key.unknowns.iter().cloned()).collect();
-    let what = if key.cause == Cause::Constant { ": constant parts" } else { "" };
+    let what = if key.cause == UndeterminedCause::Constant { ": constant parts" } else { "" };
     let each = if all.is_empty() { "each other".to_owned() } else { joined(&all, usize::MAX) };
     format!("{names}{what} cannot be told from {each}{}", key.cause)
 }

@@ -8,8 +8,8 @@ use ncfix_base::geometry::{Axis, Vector};
 use ncfix_base::numeric::System;
 
 use super::basis::{Basis, Smooth};
-use super::grid::Grid;
-use super::poses::Poses;
+use super::grid::RunGrid;
+use super::poses::RunPoses;
 use super::signal::{inflation, triangle};
 
 /// How far apart clocks may be at the first guess, s.
@@ -41,8 +41,9 @@ pub struct Clock {
 
 /// Finds it; `None` where readings and control do not overlap.
 #[must_use]
-pub fn clock(grids: &[Grid], poses: &[Poses], axes: &[Axis]) -> Option<Clock> {
-    let runs: Vec<(&Grid, &Poses)> = grids.iter().zip(poses).filter(|(grid, _)| !grid.readings.is_empty()).collect();
+pub fn clock(grids: &[RunGrid], poses: &[RunPoses], axes: &[Axis]) -> Option<Clock> {
+    let runs: Vec<(&RunGrid, &RunPoses)> =
+        grids.iter().zip(poses).filter(|(grid, _)| !grid.readings.is_empty()).collect();
     let mut delay_s = guess(&runs)?;
     let positions: Vec<_> = runs.iter().flat_map(|(_, poses)| poses.encoder.iter().copied()).collect();
     let basis = Basis::new(Smooth::Pose(DEGREE), axes, &positions);
@@ -61,7 +62,7 @@ pub fn clock(grids: &[Grid], poses: &[Poses], axes: &[Axis]) -> Option<Clock> {
 }
 
 /// Readings of a sample, mm; `None` where the instrument did not record.
-pub(super) fn reading(grid: &Grid, number: usize, delay_s: f64) -> Option<Vector> {
+pub(super) fn reading(grid: &RunGrid, number: usize, delay_s: f64) -> Option<Vector> {
     let at = grid.time(number) + delay_s;
     let [x, y, z] = grid.readings.as_slice() else { return None };
     let inside = at >= x.start_s - EDGE_S && at <= x.start_s + x.duration_s() + EDGE_S;
@@ -69,7 +70,7 @@ pub(super) fn reading(grid: &Grid, number: usize, delay_s: f64) -> Option<Vector
 }
 
 /// By the correlation of changes.
-fn guess(runs: &[(&Grid, &Poses)]) -> Option<f64> {
+fn guess(runs: &[(&RunGrid, &RunPoses)]) -> Option<f64> {
     let step = runs.first()?.0.step_s;
     let most = (MOST_S / step).ceil() as i32;
     let mut best = (0.0, LEAST);
@@ -99,7 +100,13 @@ fn guess(runs: &[(&Grid, &Poses)]) -> Option<f64> {
 }
 
 /// By how much the delay must change, with its uncertainty, s; one for all, or one for each run.
-fn fit(runs: &[(&Grid, &Poses)], basis: &Basis, axes: &[Axis], delay_s: f64, alone: bool) -> Option<Vec<(f64, f64)>> {
+fn fit(
+    runs: &[(&RunGrid, &RunPoses)],
+    basis: &Basis,
+    axes: &[Axis],
+    delay_s: f64,
+    alone: bool,
+) -> Option<Vec<(f64, f64)>> {
     let slopes = if alone { runs.len() } else { 1 };
     let first = slopes + runs.len();
     let columns = first + basis.len() + axes.len();

@@ -12,7 +12,7 @@ use ncfix_base::numeric::in_parts;
 use ncfix_model::Model;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
-use super::poses::Poses;
+use super::poses::RunPoses;
 use super::signal::{inflation, triangle};
 
 /// By which share the sum of squares of runs that are left out must fall for a displacement that goes with the acceleration.
@@ -43,7 +43,7 @@ pub struct Compliance {
 #[derive(Clone, Copy, Debug)]
 pub struct Remainder<'a> {
     /// Its samples.
-    pub poses: &'a Poses,
+    pub poses: &'a RunPoses,
     /// What is left beside everything else, mm.
     pub left: &'a [Option<Vector>],
     /// Runs of one feed have one number.
@@ -128,7 +128,7 @@ pub fn compliances(model: &Model, axes: &[Axis], tool_mm: &Vector, runs: &[Remai
 }
 
 /// What an acceleration of 1 (or a jerk) of a candidate's axis does at a sample, times the rate there, mm.
-fn effect(model: &Model, (name, order): (ErrorName, u8), tool_mm: &Vector, poses: &Poses, number: usize) -> Vector {
+fn effect(model: &Model, (name, order): (ErrorName, u8), tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {
     let rates = if order == 2 { &poses.acceleration } else { &poses.jerk };
     let rate = name.axis().map_or(0.0, |axis| rates[number][axis]);
     poses.effect(model, name, tool_mm, number) * rate
@@ -136,7 +136,7 @@ fn effect(model: &Model, (name, order): (ErrorName, u8), tool_mm: &Vector, poses
 
 /// What compliances do at a sample, mm; as means over the reach of the poses.
 #[must_use]
-pub fn deflection(model: &Model, all: &[Compliance], tool_mm: &Vector, poses: &Poses, number: usize) -> Vector {
+pub fn deflection(model: &Model, all: &[Compliance], tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {
     all.iter().map(|one| effect(model, (one.name, one.order), tool_mm, poses, number) * one.value).sum()
 }
 

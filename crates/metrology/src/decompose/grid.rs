@@ -1,9 +1,9 @@
 //! The signals of a run at the equal steps of its control.
 
-use crate::measure::trace::Run;
+use crate::measure::trace::TraceRun;
 use ncfix_base::geometry::{Axis, AxisVector};
 
-use super::servo::Pair;
+use super::servo::AxisSignals;
 use super::signal::{Signal, even};
 
 /// No control is faster: a step below it is that of an instrument whose table was filled up between the cycles, s.
@@ -15,7 +15,7 @@ const GAP: f64 = 1.5;
 
 /// A run at equal steps.
 #[derive(Clone, Debug)]
-pub struct Grid {
+pub struct RunGrid {
     /// The cycle of the control, s.
     pub step_s: f64,
     /// When the first sample was taken, by the clock of the control, s.
@@ -23,17 +23,17 @@ pub struct Grid {
     /// Samples.
     pub count: usize,
     /// Set-points and encoders by axis of the machine.
-    pub axes: Vec<(Axis, Pair)>,
+    pub axes: Vec<(Axis, AxisSignals)>,
     /// Readings along F's directions by the clock of the instrument, mm; empty where there are none.
     pub readings: Vec<Signal>,
     /// RMS of single readings about these, mm: the noise of the instrument and what is too fast for the control.
     pub fast_mm: [f64; 3],
 }
 
-impl Grid {
+impl RunGrid {
     /// Brings a run to equal steps.
     #[must_use]
-    pub fn new(run: &Run, axes: &[Axis]) -> Grid {
+    pub fn new(run: &TraceRun, axes: &[Axis]) -> RunGrid {
         let control = &run.control;
         let kept = cycles(&control.t_s, &control.set, axes);
         let times: Vec<f64> = kept.iter().map(|&k| control.t_s[k]).collect();
@@ -52,12 +52,12 @@ impl Grid {
         };
         let pair = |&axis: &Axis| {
             let [set, encoder] = [&control.set, &control.encoder].map(|of| signal(of, axis));
-            (axis, Pair { set, encoder })
+            (axis, AxisSignals { set, encoder })
         };
-        let axes: Vec<(Axis, Pair)> = axes.iter().map(pair).collect();
+        let axes: Vec<(Axis, AxisSignals)> = axes.iter().map(pair).collect();
         let (readings, fast_mm) = readings(run, step_s);
         let count = if is_even { times.len() } else { count };
-        Grid { step_s, start_s, count, axes, readings, fast_mm }
+        RunGrid { step_s, start_s, count, axes, readings, fast_mm }
     }
 
     /// Set-points at a time of the control, mm and rad.
@@ -118,7 +118,7 @@ fn median_step(times: &[f64]) -> f64 {
 }
 
 /// Readings at three times the rate of the control, and what is left of single ones.
-fn readings(run: &Run, step_s: f64) -> (Vec<Signal>, [f64; 3]) {
+fn readings(run: &TraceRun, step_s: f64) -> (Vec<Signal>, [f64; 3]) {
     let times = &run.readings.t_s;
     let (Some(&start), Some(&end)) = (times.first(), times.last()) else { return (Vec::new(), [0.0; 3]) };
     let fine = (step_s / 3.0).max(median_step(times));

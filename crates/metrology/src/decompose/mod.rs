@@ -44,5 +44,5 @@ pub use measurement::{Of, measurement};
 pub use parts::{Decomposition, Fault, Options, RunParts, decompose};
 pub use power::{PowerLaw, power_law};
 pub use quasi_static::Link;
-pub use servo::{AxisServo, Servo};
-pub use shares::{SOURCES, Shares};
+pub use servo::{AxisServoErrors, ServoErrors};
+pub use shares::{SOURCES, SourceShares};

@@ -13,12 +13,12 @@ use super::basis::{Basis, Smooth};
 use super::clock::Clock;
 use super::compliance::{Compliances, Remainder, compliances, deflection};
 use super::contour::from_path;
-use super::grid::Grid;
-use super::poses::Poses;
+use super::grid::RunGrid;
+use super::poses::RunPoses;
 use super::power::{PowerLaw, power_law};
-use super::quasi_static::{Link, Links, Motion, links, motion};
-use super::servo::Servo;
-use super::shares::{Shares, shares};
+use super::quasi_static::{Link, Links, SmoothMotion, links, motion};
+use super::servo::ServoErrors;
+use super::shares::{SourceShares, shares};
 use super::together::{Synchronous, synchronous_telling};
 
 /// How far back and ahead the nearest point of the path is looked for, s.
@@ -102,7 +102,7 @@ pub struct RunParts {
     /// From the first to behind the last sample in which the machine moves.
     pub moving: std::ops::Range<usize>,
     /// How much each source makes while it moves.
-    pub shares: Shares,
+    pub shares: SourceShares,
     /// Thermal offset against the slowest run.
     pub thermal_mm: Vector,
     /// Length of the path in the workpiece, mm: where it is short the contouring error proper says little.
@@ -117,7 +117,7 @@ pub struct Decomposition {
     /// The cycle of the control, s.
     pub cycle_s: f64,
     /// Delay of the encoders and the loops.
-    pub servo: Option<Servo>,
+    pub servo: Option<ServoErrors>,
     /// Delay of the instrument; `None` where nothing was measured.
     pub clock: Option<Clock>,
     /// The runs, the slowest first.
@@ -215,17 +215,17 @@ struct Work<'a> {
     nominal: Model,
     axes: Vec<Axis>,
     tool_mm: Vector,
-    poses: &'a [Poses],
+    poses: &'a [RunPoses],
     feeds: Vec<Option<f64>>,
     /// χ − χenc.
     left: Vec<Vec<Option<Vector>>>,
     known: Vec<Vec<Known>>,
     found: Compliances,
-    quasi: Option<(Links, Motion)>,
+    quasi: Option<(Links, SmoothMotion)>,
 }
 
 impl Work<'_> {
-    fn divide(&mut self, free: &[crate::measure::trace::Unknown], reference: usize) -> Result<(), Fault> {
+    fn divide(&mut self, free: &[crate::measure::trace::TraceUnknown], reference: usize) -> Result<(), Fault> {
         self.known = self.known();
         let names =
             if self.options.links.is_empty() { default_links(self.machine) } else { self.options.links.clone() };
@@ -319,7 +319,7 @@ impl Work<'_> {
         rest.into_iter().flatten().sum::<Vector>() / count
     }
 
-    fn parts(&self, run: usize, number: usize, grid: &Grid, servo: &Servo) -> RunParts {
+    fn parts(&self, run: usize, number: usize, grid: &RunGrid, servo: &ServoErrors) -> RunParts {
         let poses = &self.poses[run];
         let count = poses.count();
         let has_readings = self.quasi.is_some();

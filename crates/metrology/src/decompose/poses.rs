@@ -6,7 +6,7 @@ use ncfix_base::geometry::{Axis, AxisVector, Matrix, Vector};
 use ncfix_machine::machine::State;
 use ncfix_model::{ErrorName, Model};
 
-use super::grid::Grid;
+use super::grid::RunGrid;
 use super::signal::second_difference;
 
 /// Arm by which an angle counts in the length of a path, mm.
@@ -14,12 +14,12 @@ const ARM_MM: f64 = 100.0;
 
 /// The samples of a run.
 #[derive(Clone, Debug)]
-pub struct Poses {
+pub struct RunPoses {
     /// By set-points, at the instants of the encoders.
     pub set: Vec<AxisVector>,
     /// By encoders.
     pub encoder: Vec<AxisVector>,
-    /// Accelerations by encoders, mm/s² or rad/s², as means over [`Poses::reach`] samples to both sides with falling weights.
+    /// Accelerations by encoders, mm/s² or rad/s², as means over [`RunPoses::reach`] samples to both sides with falling weights.
     pub acceleration: Vec<AxisVector>,
     /// The same of jerks, mm/s³ or rad/s³.
     pub jerk: Vec<AxisVector>,
@@ -35,10 +35,10 @@ pub struct Poses {
     pub to_f: Vec<Matrix>,
 }
 
-impl Poses {
+impl RunPoses {
     /// Puts a run on the machine, with the delay of the encoders behind the set-points taken out.
     #[must_use]
-    pub fn new(model: &Model, trace: &Trace, tool_mm: &Vector, grid: &Grid, delay_s: f64, reach: usize) -> Poses {
+    pub fn new(model: &Model, trace: &Trace, tool_mm: &Vector, grid: &RunGrid, delay_s: f64, reach: usize) -> RunPoses {
         let set: Vec<AxisVector> = (0..grid.count).map(|k| grid.set_at(grid.time(k) - delay_s)).collect();
         let encoder: Vec<AxisVector> = (0..grid.count).map(|k| grid.encoder(k)).collect();
         let mut acceleration = vec![AxisVector::ZERO; grid.count];
@@ -70,7 +70,17 @@ impl Poses {
         if length_mm > 0.0 {
             share.iter_mut().for_each(|share| *share /= length_mm);
         }
-        Poses { set, encoder, acceleration, jerk, reach, nominal: [by_set, by_encoder], share, length_mm, to_f: turns }
+        RunPoses {
+            set,
+            encoder,
+            acceleration,
+            jerk,
+            reach,
+            nominal: [by_set, by_encoder],
+            share,
+            length_mm,
+            to_f: turns,
+        }
     }
 
     /// Samples.
@@ -109,7 +119,7 @@ impl Poses {
     }
 }
 
-fn way(from: &AxisVector, to: &AxisVector, grid: &Grid) -> f64 {
+fn way(from: &AxisVector, to: &AxisVector, grid: &RunGrid) -> f64 {
     let squares = grid.axes.iter().map(|(axis, _)| {
         let step = to[*axis] - from[*axis];
         if axis.is_rotary() { (ARM_MM * step).powi(2) } else { step * step }

@@ -4,14 +4,14 @@
 //! machine's own chain, then smooth functions of what they leave. Along one path a part of the motion errors looks like link errors, and counts as
 //! such: this is a division of what was measured on this path, no calibration of the machine.
 
-use crate::measure::trace::Unknown;
+use crate::measure::trace::TraceUnknown;
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_base::numeric::{Solution, System};
 use ncfix_machine::machine::State;
 use ncfix_model::{Model, ParameterName};
 
 use super::basis::Basis;
-use super::poses::Poses;
+use super::poses::RunPoses;
 
 /// Samples that are fitted.
 const SAMPLES: usize = 8_000;
@@ -36,12 +36,12 @@ pub(super) struct Links {
     /// The links.
     pub(super) links: Vec<Link>,
     /// What is unknown of the set-up, and its three values, mm.
-    pub(super) setup: Vec<(Unknown, [f64; 3])>,
+    pub(super) setup: Vec<(TraceUnknown, [f64; 3])>,
 }
 
 /// The smooth part: coefficients along X, Y, Z; the constant first.
 #[derive(Clone, Debug)]
-pub(super) struct Motion {
+pub(super) struct SmoothMotion {
     basis: Basis,
     coefficients: [Vec<f64>; 3],
 }
@@ -51,9 +51,9 @@ pub(super) struct Motion {
 pub(super) fn links(
     model: &Model,
     names: &[ParameterName],
-    free: &[Unknown],
+    free: &[TraceUnknown],
     tool_mm: &Vector,
-    poses: &Poses,
+    poses: &RunPoses,
     left: &[Option<Vector>],
 ) -> Option<Links> {
     let columns = names.len() + 3 * free.len();
@@ -95,35 +95,35 @@ pub(super) fn links(
 impl Links {
     /// What the links do at a sample, mm.
     #[must_use]
-    pub(super) fn at(&self, model: &Model, tool_mm: &Vector, poses: &Poses, number: usize) -> Vector {
+    pub(super) fn at(&self, model: &Model, tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {
         self.links.iter().map(|link| effect(model, link.name, tool_mm, poses, number) * link.value).sum()
     }
 
     /// What the set-up adds to a reading, mm.
     #[must_use]
-    pub(super) fn setup_at(&self, poses: &Poses, number: usize) -> Vector {
+    pub(super) fn setup_at(&self, poses: &RunPoses, number: usize) -> Vector {
         let all = self.setup.iter().flat_map(|(unknown, values)| (0..3).map(move |k| (*unknown, k, values[k])));
         all.map(|(unknown, along, value)| of_setup(unknown, along, poses, number) * value).sum()
     }
 }
 
 /// What a link of 1 mm or rad does.
-fn effect(model: &Model, name: ParameterName, tool_mm: &Vector, poses: &Poses, number: usize) -> Vector {
+fn effect(model: &Model, name: ParameterName, tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {
     let weight = name.weight(&poses.encoder[number], &State::default());
     poses.effect(model, name.component, tool_mm, number) * weight
 }
 
 /// What 1 mm of the set-up does.
-fn of_setup(unknown: Unknown, along: usize, poses: &Poses, number: usize) -> Vector {
+fn of_setup(unknown: TraceUnknown, along: usize, poses: &RunPoses, number: usize) -> Vector {
     match unknown {
-        Unknown::Offset => Vector::ith(along, 1.0),
-        Unknown::Place => -poses.to_f[number].column(along),
+        TraceUnknown::Offset => Vector::ith(along, 1.0),
+        TraceUnknown::Place => -poses.to_f[number].column(along),
     }
 }
 
 /// Fits smooth functions to what is `left` of a run.
 #[must_use]
-pub(super) fn motion(basis: Basis, poses: &Poses, left: &[Option<Vector>]) -> Option<Motion> {
+pub(super) fn motion(basis: Basis, poses: &RunPoses, left: &[Option<Vector>]) -> Option<SmoothMotion> {
     let every = poses.count().div_ceil(SAMPLES).max(1);
     let mut coefficients = [const { Vec::new() }; 3];
     for (direction, out) in coefficients.iter_mut().enumerate() {
@@ -139,10 +139,10 @@ pub(super) fn motion(basis: Basis, poses: &Poses, left: &[Option<Vector>]) -> Op
         }
         *out = system.solve_to(SMOOTH_LIMIT)?.unknowns.iter().copied().collect();
     }
-    Some(Motion { basis, coefficients })
+    Some(SmoothMotion { basis, coefficients })
 }
 
-impl Motion {
+impl SmoothMotion {
     /// Its value at a pose and a share of the path, mm.
     #[must_use]
     pub(super) fn at(&self, position: &AxisVector, share: f64) -> Vector {

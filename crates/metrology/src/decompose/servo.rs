@@ -12,7 +12,7 @@
 //! line, so that only two numbers are searched.
 //!
 //! Andolfatto, Lavernhe and Mayer 2011, section 3.2, take the shift that fits best as that of their recorder (18 ms at all feeds). It is found here as
-//! well, axis by axis and run by run ([`AxisServo::shift_s`]): it holds the lag too.
+//! well, axis by axis and run by run ([`AxisServoErrors::shift_s`]): it holds the lag too.
 
 use ncfix_base::geometry::Axis;
 use ncfix_base::numeric::{in_parts, peak};
@@ -38,7 +38,7 @@ const OVER_S: f64 = 2e-3;
 
 /// The signals of an axis in a run.
 #[derive(Clone, Debug)]
-pub struct Pair {
+pub struct AxisSignals {
     /// Set-points.
     pub set: Signal,
     /// By the encoder; the same times.
@@ -47,7 +47,7 @@ pub struct Pair {
 
 /// The servo loop of one axis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AxisServo {
+pub struct AxisServoErrors {
     /// The axis.
     pub axis: Axis,
     /// By how much set-points must be shifted to fit the encoder best, with its standard uncertainty, s, by run; NaN where it stands.
@@ -60,7 +60,7 @@ pub struct AxisServo {
     pub rms: f64,
 }
 
-impl AxisServo {
+impl AxisServoErrors {
     /// The lag at constant velocity, s.
     #[must_use]
     pub fn lag_s(&self) -> f64 {
@@ -70,13 +70,13 @@ impl AxisServo {
 
 /// All loops.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Servo {
+pub struct ServoErrors {
     /// Delay of the record of the encoders behind that of the set-points, s.
     pub delay_s: f64,
     /// Its standard uncertainty, s.
     pub uncertainty_s: f64,
     /// The axes that move.
-    pub axes: Vec<AxisServo>,
+    pub axes: Vec<AxisServoErrors>,
 }
 
 /// What an axis does at one delay.
@@ -90,8 +90,8 @@ struct Follows {
 
 /// Finds delay and loops; `runs` are the pairs of each axis. `None` where no axis moves.
 #[must_use]
-pub fn servo(axes: &[(Axis, Vec<Pair>)]) -> Option<Servo> {
-    let moving: Vec<&(Axis, Vec<Pair>)> =
+pub fn servo(axes: &[(Axis, Vec<AxisSignals>)]) -> Option<ServoErrors> {
+    let moving: Vec<&(Axis, Vec<AxisSignals>)> =
         axes.iter().filter(|(_, runs)| runs.iter().any(|pair| travel(&pair.set) > STILL)).collect();
     let shifts: Vec<Vec<(f64, f64)>> = in_parts(&moving, &|(_, runs)| runs.iter().map(shift).collect());
     // A loop is never ahead of its set-points: the delay is at most the smallest shift.
@@ -115,7 +115,7 @@ pub fn servo(axes: &[(Axis, Vec<Pair>)]) -> Option<Servo> {
     let step = (high - low) / 20.0;
     let (delay_s, _) = peak(best - step, (best + step).min(high), CLOSE_S, STEPS, &likely);
     let found = at(delay_s);
-    let servo_axes: Vec<AxisServo> = moving
+    let servo_axes: Vec<AxisServoErrors> = moving
         .iter()
         .zip(&found)
         .zip(shifts)
@@ -124,7 +124,7 @@ pub fn servo(axes: &[(Axis, Vec<Pair>)]) -> Option<Servo> {
             let rms = (follows.squares / count).sqrt();
             let most = runs.iter().map(|pair| largest(&lag(&pair.set, follows.time_s))).fold(0.0, f64::max);
             let is_seen = (follows.share * most).abs() > LEAST_LAG * rms;
-            AxisServo {
+            AxisServoErrors {
                 axis: *axis,
                 shift_s,
                 velocity_gain: is_seen.then(|| 1.0 / follows.time_s),
@@ -133,7 +133,7 @@ pub fn servo(axes: &[(Axis, Vec<Pair>)]) -> Option<Servo> {
             }
         })
         .collect();
-    Some(Servo { delay_s, uncertainty_s: uncertainty(&moving, delay_s, &likely), axes: servo_axes })
+    Some(ServoErrors { delay_s, uncertainty_s: uncertainty(&moving, delay_s, &likely), axes: servo_axes })
 }
 
 fn travel(signal: &Signal) -> f64 {
@@ -147,7 +147,7 @@ fn largest(values: &[f64]) -> f64 {
 }
 
 /// The shift of a run with its standard uncertainty, s.
-fn shift(pair: &Pair) -> (f64, f64) {
+fn shift(pair: &AxisSignals) -> (f64, f64) {
     if travel(&pair.set) <= STILL {
         return (f64::NAN, f64::NAN);
     }
@@ -175,7 +175,7 @@ fn shift(pair: &Pair) -> (f64, f64) {
 }
 
 /// Encoder less shifted set-points.
-fn left(pair: &Pair, shift: f64) -> Vec<f64> {
+fn left(pair: &AxisSignals, shift: f64) -> Vec<f64> {
     let each = pair.encoder.values.iter().enumerate();
     each.map(|(k, value)| value - pair.set.at(pair.encoder.time(k) - shift)).collect()
 }
@@ -193,7 +193,7 @@ fn lag(set: &Signal, time_s: f64) -> Vec<f64> {
 }
 
 /// The loop that fits best for a delay.
-fn follows(runs: &[Pair], delay: f64) -> Follows {
+fn follows(runs: &[AxisSignals], delay: f64) -> Follows {
     let left: Vec<Vec<f64>> = runs.iter().map(|pair| left(pair, delay)).collect();
     let with = |log_time: f64| -> Follows {
         let time_s = log_time.exp();
@@ -224,7 +224,7 @@ fn follows(runs: &[Pair], delay: f64) -> Follows {
 }
 
 /// From how sharp the likelihood is about the best delay, and how much neighbours of what is left are alike.
-fn uncertainty(moving: &[&(Axis, Vec<Pair>)], delay: f64, likely: &dyn Fn(f64) -> f64) -> f64 {
+fn uncertainty(moving: &[&(Axis, Vec<AxisSignals>)], delay: f64, likely: &dyn Fn(f64) -> f64) -> f64 {
     let step = 2e-4;
     let bend = 2.0 * likely(delay) - likely(delay - step) - likely(delay + step);
     let alike: Vec<f64> = moving

@@ -7,7 +7,7 @@ pub const SOURCES: [&str; 5] = ["contouring", "link", "motion", "thermal", "dyna
 
 /// The sources of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Shares {
+pub struct SourceShares {
     /// Mean share of the sum of the norms, % (eq. 21); NaN where nothing was measured.
     pub percent: [f64; 5],
     /// Largest magnitude along X, Y, Z, mm (eq. 22).
@@ -18,8 +18,8 @@ pub struct Shares {
 
 /// Adds up what the sources do at every sample.
 #[must_use]
-pub(super) fn shares(samples: impl Iterator<Item = [Vector; 5]>) -> Shares {
-    let mut out = Shares::default();
+pub(super) fn shares(samples: impl Iterator<Item = [Vector; 5]>) -> SourceShares {
+    let mut out = SourceShares::default();
     let mut count = 0.0_f64;
     for parts in samples {
         let norms = parts.map(|part| part.norm());

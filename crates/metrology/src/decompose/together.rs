@@ -1,16 +1,16 @@
 //! A trace brought to one clock: the delays found, the runs at equal steps, the machine at every sample.
 
-use crate::measure::trace::{Run, Trace};
+use crate::measure::trace::{Trace, TraceRun};
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_base::numeric::in_parts;
 use ncfix_machine::machine::Machine;
 use ncfix_model::{ErrorModel, Model};
 
 use super::clock::{Clock, clock, reading};
-use super::grid::Grid;
+use super::grid::RunGrid;
 use super::parts::{Fault, Options};
-use super::poses::Poses;
-use super::servo::{Servo, servo};
+use super::poses::RunPoses;
+use super::servo::{ServoErrors, servo};
 
 /// Accelerations are means over this time to both sides, s.
 const REACH_S: f64 = 0.009;
@@ -22,18 +22,18 @@ const LEAST_MM: f64 = 1.0;
 const OTHER_UNIT: f64 = 2.0;
 
 /// The runs at equal steps, the slowest first, and their numbers in the trace.
-fn grids(machine: &Machine, trace: &Trace) -> (Vec<Axis>, Vec<usize>, Vec<Grid>) {
+fn grids(machine: &Machine, trace: &Trace) -> (Vec<Axis>, Vec<usize>, Vec<RunGrid>) {
     let axes: Vec<Axis> = machine.axes.iter().flatten().map(|data| data.axis).collect();
     let mut order: Vec<usize> = (0..trace.runs.len()).collect();
-    let feed = |run: &Run| run.feed_mm_min.unwrap_or(0.0);
+    let feed = |run: &TraceRun| run.feed_mm_min.unwrap_or(0.0);
     order.sort_by(|&a, &b| feed(&trace.runs[a]).total_cmp(&feed(&trace.runs[b])));
-    let runs: Vec<&Run> = order.iter().map(|&number| &trace.runs[number]).collect();
-    let grids = in_parts(&runs, &|run| Grid::new(run, &axes));
+    let runs: Vec<&TraceRun> = order.iter().map(|&number| &trace.runs[number]).collect();
+    let grids = in_parts(&runs, &|run| RunGrid::new(run, &axes));
     (axes, order, grids)
 }
 
 /// Finds the delay between the records, where it is not known.
-fn find_servo(axes: &[Axis], grids: &[Grid], options: &Options) -> Option<Servo> {
+fn find_servo(axes: &[Axis], grids: &[RunGrid], options: &Options) -> Option<ServoErrors> {
     let pairs: Vec<_> = axes
         .iter()
         .enumerate()
@@ -54,13 +54,13 @@ pub(super) struct Synchronous {
     /// The numbers of the runs in the trace, the slowest first; all lists are in this order.
     pub(super) order: Vec<usize>,
     /// The runs at equal steps.
-    pub(super) grids: Vec<Grid>,
+    pub(super) grids: Vec<RunGrid>,
     /// Where the machine is at them.
-    pub(super) poses: Vec<Poses>,
+    pub(super) poses: Vec<RunPoses>,
     /// χ − χenc by run and sample, mm.
     pub(super) left: Vec<Vec<Option<Vector>>>,
     /// Delay of the encoders, and the loops.
-    pub(super) servo: Servo,
+    pub(super) servo: ServoErrors,
     /// Delay of the instrument.
     pub(super) clock: Option<Clock>,
     /// The tool vector, mm.
@@ -89,9 +89,9 @@ pub(super) fn synchronous_telling(
     let servo = find_servo(&axes, &grids, options).ok_or(Fault::Still)?;
     let nominal = Model::new(machine, &ErrorModel::default());
     let tool_mm = trace.runs.first().map_or_else(Vector::zeros, |run| run.tool_mm);
-    let pose = |grid: &Grid| {
+    let pose = |grid: &RunGrid| {
         let reach = ((REACH_S / grid.step_s).round() as usize).max(1);
-        Poses::new(&nominal, trace, &tool_mm, grid, servo.delay_s, reach)
+        RunPoses::new(&nominal, trace, &tool_mm, grid, servo.delay_s, reach)
     };
     let poses = in_parts(&grids, &pose);
     check_paths(&poses, &order)?;
@@ -105,7 +105,7 @@ pub(super) fn synchronous_telling(
 }
 
 /// Whether the encoders go as far as the set-points do.
-fn check_units(grids: &[Grid]) -> Result<(), Fault> {
+fn check_units(grids: &[RunGrid]) -> Result<(), Fault> {
     let span = |values: &[f64]| {
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         most - values.iter().copied().fold(f64::INFINITY, f64::min)
@@ -121,7 +121,7 @@ fn check_units(grids: &[Grid]) -> Result<(), Fault> {
 }
 
 /// Whether all runs follow one path.
-fn check_paths(poses: &[Poses], order: &[usize]) -> Result<(), Fault> {
+fn check_paths(poses: &[RunPoses], order: &[usize]) -> Result<(), Fault> {
     let Some(first) = poses.first() else { return Err(Fault::Still) };
     if first.length_mm < LEAST_MM {
         return Err(Fault::Still);
@@ -135,8 +135,8 @@ fn check_paths(poses: &[Poses], order: &[usize]) -> Result<(), Fault> {
 }
 
 /// χ − χenc by run and sample.
-fn left(grids: &[Grid], poses: &[Poses], clock: Option<&Clock>) -> Vec<Vec<Option<Vector>>> {
-    let one = |(grid, poses): (&Grid, &Poses)| {
+fn left(grids: &[RunGrid], poses: &[RunPoses], clock: Option<&Clock>) -> Vec<Vec<Option<Vector>>> {
+    let one = |(grid, poses): (&RunGrid, &RunPoses)| {
         let at = |number: usize| Some(reading(grid, number, clock?.delay_s)? - poses.nominal[1][number]);
         (0..poses.count()).map(at).collect()
     };

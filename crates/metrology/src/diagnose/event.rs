@@ -23,7 +23,7 @@ pub(super) struct Events {
 
 /// What happened in one measurement.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Event {
+pub(super) struct MeasurementEvent {
     pub(super) set: usize,
     /// s.
     pub(super) instant: f64,
@@ -65,9 +65,9 @@ impl Events {
     }
 
     /// The one that explains most beside a constant, by sums of factor times what is left and of squares of factors, by row.
-    pub(super) fn best(&self, sums: &[f64], information: &[f64]) -> Option<Event> {
+    pub(super) fn best(&self, sums: &[f64], information: &[f64]) -> Option<MeasurementEvent> {
         let of = |values: &[f64], row: usize| values.get(row).copied().unwrap_or(0.0);
-        let mut best: Option<(f64, Event)> = None;
+        let mut best: Option<(f64, MeasurementEvent)> = None;
         for ((set, rows), faded) in self.sets.iter().enumerate().zip(&self.left) {
             let whole = rows.iter().map(|(row, _)| of(information, *row)).sum::<f64>();
             let level = rows.iter().map(|(row, _)| of(sums, *row)).sum::<f64>();
@@ -87,7 +87,7 @@ impl Events {
                     }
                     let gain = (left - once * level / whole).powi(2) / own;
                     if best.is_none_or(|(most, _)| gain > most) {
-                        best = Some((gain, Event { set, instant: time, fade }));
+                        best = Some((gain, MeasurementEvent { set, instant: time, fade }));
                     }
                 }
             }

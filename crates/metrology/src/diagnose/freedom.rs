@@ -8,7 +8,7 @@ use rustfft::num_complex::Complex;
 
 use super::sample::MANY;
 use super::search::Weights;
-use super::sweep::Transform;
+use super::sweep::FourierTransform;
 use ncfix_base::numeric::sums::dot;
 
 /// Distances at most.
@@ -21,7 +21,7 @@ const SHARE: usize = 3;
 pub(super) struct Order {
     series: Vec<Vec<usize>>,
     /// Of a series and as much nothing behind it as distances are looked at, where there are many readings.
-    transform: Option<Transform>,
+    transform: Option<FourierTransform>,
 }
 
 impl Order {
@@ -37,7 +37,7 @@ impl Order {
         }
         let longest = series.iter().map(Vec::len).max().unwrap_or(0);
         let is_many = series.iter().map(Vec::len).sum::<usize>() > MANY;
-        let transform = is_many.then(|| Transform::new((longest + furthest(longest) + 1).next_power_of_two()));
+        let transform = is_many.then(|| FourierTransform::new((longest + furthest(longest) + 1).next_power_of_two()));
         Order { series, transform }
     }
 
@@ -82,7 +82,7 @@ fn furthest(longest: usize) -> usize {
 
 /// Sums of products at the distances 1, 2 … in all rows, by their spectrum (Wiener & Khinchin). Two rows are one of complex numbers: the real part of its
 /// products is the sum of those of both.
-fn products(transform: &Transform, rows: &[Vec<f64>], most: usize) -> Vec<f64> {
+fn products(transform: &FourierTransform, rows: &[Vec<f64>], most: usize) -> Vec<f64> {
     let mut powers = vec![Complex::new(0.0, 0.0); transform.length()];
     for pair in rows.chunks(2) {
         let [one, other] = [0, 1].map(|k| pair.get(k).map_or(&[][..], Vec::as_slice));
@@ -117,7 +117,7 @@ mod tests {
     fn many_readings_have_the_same_products() {
         // Three rows: 1 2 3 4, 1 0 −1, 5. At the distance 1 that is 2 + 6 + 12 + 0 + 0, at 2 it is 3 + 8 − 1.
         let rows = [vec![1.0, 2.0, 3.0, 4.0], vec![1.0, 0.0, -1.0], vec![5.0]];
-        let found = products(&Transform::new(8), &rows, 2);
+        let found = products(&FourierTransform::new(8), &rows, 2);
         assert!((found[0] - 20.0).abs() < 1e-12 && (found[1] - 10.0).abs() < 1e-12, "{found:?}");
     }
 }

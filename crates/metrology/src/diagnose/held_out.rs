@@ -20,14 +20,14 @@ const AT_ONCE: usize = 2;
 
 /// What was selected without a part.
 #[derive(Clone, Debug)]
-pub(super) struct Selection {
+pub(super) struct HeldOutSelection {
     all: Vec<usize>,
     /// Whether the search went on to its end.
     is_whole: bool,
 }
 
 /// What was selected, by the kind of parts and the number of the part: it depends on the weights only.
-pub(super) type Selections = HashMap<(usize, usize), Selection>;
+pub(super) type Selections = HashMap<(usize, usize), HeldOutSelection>;
 
 /// What was gained on a part: squares without a term, and with it.
 struct Part {
@@ -53,7 +53,7 @@ struct Question<'q> {
 struct Answer {
     /// Of each that was asked for.
     gains: Vec<Option<Part>>,
-    selection: Option<Selection>,
+    selection: Option<HeldOutSelection>,
     /// Candidates that only this search found, numbered behind those that there were before.
     found: Vec<Candidate>,
 }
@@ -77,7 +77,7 @@ pub(super) fn of_parts(
     let all: Vec<usize> = (0..count).filter(|_| count > 1).collect();
     for some in all.chunks(AT_ONCE) {
         note(some.first().map_or(0.0, |part| *part as f64 / count as f64));
-        let of_some: Vec<(usize, Option<Selection>)> =
+        let of_some: Vec<(usize, Option<HeldOutSelection>)> =
             some.iter().map(|&part| (part, known.get(&(kind, part)).cloned())).collect();
         let shared: &Field<'_, '_> = field;
         let answers =
@@ -95,7 +95,7 @@ pub(super) fn of_parts(
 }
 
 impl Question<'_> {
-    fn asked_of(&self, part: usize, field: &mut Field<'_, '_>, known: Option<&Selection>) -> Answer {
+    fn asked_of(&self, part: usize, field: &mut Field<'_, '_>, known: Option<&HeldOutSelection>) -> Answer {
         let before = field.candidates.len();
         let of = |inside: bool| Weights {
             items: self
@@ -148,12 +148,17 @@ impl Question<'_> {
 }
 
 /// What is selected without a part; the search goes on only until all that are judged are among it.
-fn selected(field: &mut Field<'_, '_>, train: &Weights, judged: &[usize], known: Option<&Selection>) -> Selection {
+fn selected(
+    field: &mut Field<'_, '_>,
+    train: &Weights,
+    judged: &[usize],
+    known: Option<&HeldOutSelection>,
+) -> HeldOutSelection {
     if let Some(known) = known.filter(|known| known.is_whole || contains_all(&known.all, judged)) {
         return known.clone();
     }
     let all = field.forward_until(train, &[], judged);
-    Selection { is_whole: !contains_all(&all, judged), all }
+    HeldOutSelection { is_whole: !contains_all(&all, judged), all }
 }
 
 impl<'s, 'a> Field<'s, 'a> {

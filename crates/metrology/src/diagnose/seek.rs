@@ -10,7 +10,7 @@ use super::circles::Circles;
 use super::empirical::Empirical;
 use super::event::Events;
 use super::scene::{NO_ROW, Scene, Through};
-use super::sweep::{self, Sweep, Transform};
+use super::sweep::{self, FourierTransform, Sweep};
 use ncfix_base::geometry::Axis;
 use ncfix_base::numeric::both;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
@@ -56,7 +56,7 @@ struct Clock {
     some: Vec<bool>,
     length: f64,
     fastest: f64,
-    transform: Transform,
+    transform: FourierTransform,
 }
 
 impl Seek {
@@ -214,7 +214,7 @@ impl Clock {
         let fastest = (1.0 / (2.2 * step)).min(MOST_CYCLES / length);
         let starts = spans.iter().map(|span| span.0).collect();
         let bins = (PER_CYCLE * fastest * length) as usize;
-        let transform = Transform::new((PADDED * bins.max(1)).next_power_of_two());
+        let transform = FourierTransform::new((PADDED * bins.max(1)).next_power_of_two());
         (fastest * length > CYCLES && fastest * SLOWEST > 1.0).then_some(Clock {
             rows,
             starts,

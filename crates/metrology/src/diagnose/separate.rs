@@ -43,7 +43,9 @@ pub fn commands(causes: &Causes, scene: &Scene<'_>) -> Vec<String> {
     for one in &all {
         let Some(around) = Around::new(scene, one) else { continue };
         let plans = causes.iter().filter_map(|cause| told_apart([one.cause.effect, cause.cause().effect]).1);
-        out.extend(plans.chain([Plan::FineLine, Plan::Drift]).filter_map(|plan| around.command(plan)));
+        out.extend(
+            plans.chain([SeparatingPlan::FineLine, SeparatingPlan::Drift]).filter_map(|plan| around.command(plan)),
+        );
         out.sort();
         out.dedup();
     }
@@ -59,7 +61,7 @@ fn with_command(sentence: String, command: Option<String>) -> String {
 
 /// Kinds of measurements that `ncfix plan` writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Plan {
+pub(super) enum SeparatingPlan {
     /// Circles in both senses.
     Circles,
     /// The same at another feed, with another radius.
@@ -79,57 +81,66 @@ pub(super) enum Plan {
 }
 
 /// What tells causes of two effects apart, in whatever order; the plan that does it.
-fn told_apart(pair: [Effect; 2]) -> (Option<&'static str>, Option<Plan>) {
+fn told_apart(pair: [Effect; 2]) -> (Option<&'static str>, Option<SeparatingPlan>) {
     let is = |a, b| pair == [a, b] || pair == [b, a];
     let both = |a| pair == [a, a];
     let (sentence, plan) = if is(Effect::Location, Effect::ServoMismatch) {
-        ("the same circle in the other sense: squareness stays, a mismatch of the servos turns over", Plan::Circles)
+        (
+            "the same circle in the other sense: squareness stays, a mismatch of the servos turns over",
+            SeparatingPlan::Circles,
+        )
     } else if is(Effect::Backlash, Effect::Following) || is(Effect::Backlash, Effect::Delay) {
-        ("the same line at another feed: a lag goes with it, backlash stays", Plan::SlowLine)
+        ("the same line at another feed: a lag goes with it, backlash stays", SeparatingPlan::SlowLine)
     } else if is(Effect::Backlash, Effect::LateralPlay) || both(Effect::LateralPlay) || both(Effect::Backlash) {
         (
             "forth and back with two tool lengths, and with an indicator along and across: a turn of the carriage grows with the tool",
-            Plan::Line,
+            SeparatingPlan::Line,
         )
     } else if is(Effect::Backlash, Effect::Motion) {
-        ("the same line forth and back at every place: play turns over with the sense, a motion does not", Plan::Line)
+        (
+            "the same line forth and back at every place: play turns over with the sense, a motion does not",
+            SeparatingPlan::Line,
+        )
     } else if is(Effect::Motion, Effect::ThermalExpansion) {
-        ("the same lines at another temperature", Plan::Line)
+        ("the same lines at another temperature", SeparatingPlan::Line)
     } else if is(Effect::Location, Effect::ThermalSquareness) {
-        ("the same lines at another temperature", Plan::Grid)
+        ("the same lines at another temperature", SeparatingPlan::Grid)
     } else if is(Effect::Motion, Effect::Setup) {
-        ("the same line with the artefact shifted along it and turned by 90°", Plan::Line)
+        ("the same line with the artefact shifted along it and turned by 90°", SeparatingPlan::Line)
     } else if is(Effect::Motion, Effect::Cross) {
-        ("lines at three places of the other axis", Plan::Grid)
+        ("lines at three places of the other axis", SeparatingPlan::Grid)
     } else if is(Effect::Motion, Effect::Periodic) {
-        ("steps of an eighth of the period over three periods", Plan::FineLine)
+        ("steps of an eighth of the period over three periods", SeparatingPlan::FineLine)
     } else if is(Effect::Motion, Effect::Location) {
-        ("lines at two heights, and at the ends of the other axis", Plan::Heights)
+        ("lines at two heights, and at the ends of the other axis", SeparatingPlan::Heights)
     } else if both(Effect::Motion) {
         (
             "the same lines with a second tool length, and at a second height: angles grow with the arm, straightness does not",
-            Plan::Heights,
+            SeparatingPlan::Heights,
         )
     } else if both(Effect::Location) {
-        ("the same poses with a second tool length, and the artefact turned by 90°", Plan::Heights)
+        ("the same poses with a second tool length, and the artefact turned by 90°", SeparatingPlan::Heights)
     } else if is(Effect::ThermalDrift, Effect::Drift) || both(Effect::ThermalDrift) || both(Effect::Drift) {
         (
             "a run in which the temperatures do not rise together: spindle on and off by chance, then cooling",
-            Plan::Drift,
+            SeparatingPlan::Drift,
         )
     } else if is(Effect::ThermalDrift, Effect::ThermalExpansion) {
         return (Some("two poses far apart along the axis, in turn, while it warms up"), None);
     } else if both(Effect::ServoMismatch) || is(Effect::ServoMismatch, Effect::Following) || both(Effect::Following) {
-        ("circles in the planes of the other axes at the same feed", Plan::Circles)
+        ("circles in the planes of the other axes at the same feed", SeparatingPlan::Circles)
     } else if is(Effect::Following, Effect::Dynamic) {
         (
             "another radius at the same feed: a lag goes with the velocity, a deflection with its square over the radius",
-            Plan::SmallCircles,
+            SeparatingPlan::SmallCircles,
         )
     } else if is(Effect::Periodic, Effect::Dynamic) {
-        ("another feed: what vibrates moves along the path, what is periodic in position stays", Plan::SlowCircles)
+        (
+            "another feed: what vibrates moves along the path, what is periodic in position stays",
+            SeparatingPlan::SlowCircles,
+        )
     } else if pair[0] == Effect::Cross {
-        return (None, Some(Plan::Grid));
+        return (None, Some(SeparatingPlan::Grid));
     } else {
         return (None, None);
     };
@@ -204,7 +215,7 @@ impl Around {
     }
 
     /// The command that writes a plan; `None` where the axis has none.
-    fn command(&self, plan: Plan) -> Option<String> {
+    fn command(&self, plan: SeparatingPlan) -> Option<String> {
         let tool = hundredths(self.tool_mm);
         let tool = if tool > 0.0 { format!(" --tool {tool}") } else { String::new() };
         // Half of what was run, or a slow one.
@@ -216,26 +227,27 @@ impl Around {
         let length = self.travel[1] - self.travel[0];
         let line = format!("laser --axis {}{component}", self.axis);
         let own = match plan {
-            Plan::Circles => format!("ballbar --plane {}", self.plane),
-            Plan::SlowCircles => format!("ballbar --plane {} --feed {feed}", self.plane),
-            Plan::SmallCircles => format!("ballbar --plane {} --radius 50", self.plane),
-            Plan::Line => line,
-            Plan::SlowLine => format!("{line} --feed {feed}"),
-            Plan::FineLine => format!("{line} --points {}", (length / FINE).round().clamp(21.0, 201.0)),
-            Plan::Grid | Plan::Heights => {
+            SeparatingPlan::Circles => format!("ballbar --plane {}", self.plane),
+            SeparatingPlan::SlowCircles => format!("ballbar --plane {} --feed {feed}", self.plane),
+            SeparatingPlan::SmallCircles => format!("ballbar --plane {} --radius 50", self.plane),
+            SeparatingPlan::Line => line,
+            SeparatingPlan::SlowLine => format!("{line} --feed {feed}"),
+            SeparatingPlan::FineLine => format!("{line} --points {}", (length / FINE).round().clamp(21.0, 201.0)),
+            SeparatingPlan::Grid | SeparatingPlan::Heights => {
                 let every = (self.side_mm * WIDE / HOLES / 10.0).floor() * 10.0;
                 if !(every > 0.0 && every.is_finite()) {
                     return None;
                 }
                 let longer = hundredths(self.tool_mm + LONGER);
-                let second = if plan == Plan::Heights { format!(" --tool {longer}") } else { String::new() };
-                let first = if plan == Plan::Heights && tool.is_empty() { " --tool 0".into() } else { tool.clone() };
+                let second = if plan == SeparatingPlan::Heights { format!(" --tool {longer}") } else { String::new() };
+                let first =
+                    if plan == SeparatingPlan::Heights && tool.is_empty() { " --tool 0".into() } else { tool.clone() };
                 return Some(format!(
                     "ncfix plan plate --plane {} --every {every}{first}{second} --machine M.toml -o PLAN.csv",
                     self.plane
                 ));
             }
-            Plan::Drift => "drift --variant random".to_owned(),
+            SeparatingPlan::Drift => "drift --variant random".to_owned(),
         };
         Some(format!("ncfix plan {own}{tool} --machine M.toml -o PLAN.csv"))
     }
@@ -254,7 +266,7 @@ pub(super) fn steps(scene: &Scene<'_>, one: &Candidate, shortest: f64) -> String
         "the same line at points of uneven spacing, or every {step} mm over {} mm",
         hundredths((3.0 * longest / step).ceil() * step)
     );
-    with_command(sentence, Around::new(scene, one).and_then(|around| around.command(Plan::FineLine)))
+    with_command(sentence, Around::new(scene, one).and_then(|around| around.command(SeparatingPlan::FineLine)))
 }
 
 fn hundredths(value: f64) -> f64 {

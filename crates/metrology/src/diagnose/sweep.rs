@@ -37,12 +37,12 @@ const PEAKS: usize = 12;
 
 /// A Fourier transform of real numbers with nothing behind them.
 #[derive(Clone)]
-pub(super) struct Transform(Arc<dyn Fft<f64>>);
+pub(super) struct FourierTransform(Arc<dyn Fft<f64>>);
 
-impl Transform {
+impl FourierTransform {
     /// To so many frequencies.
-    pub(super) fn new(length: usize) -> Transform {
-        Transform(FftPlanner::new().plan_fft_forward(length.max(1)))
+    pub(super) fn new(length: usize) -> FourierTransform {
+        FourierTransform(FftPlanner::new().plan_fft_forward(length.max(1)))
     }
 
     /// How many.
@@ -64,7 +64,7 @@ impl Transform {
     }
 }
 
-impl fmt::Debug for Transform {
+impl fmt::Debug for FourierTransform {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Transform({})", self.length())
     }
@@ -78,7 +78,7 @@ pub(super) struct Sweep {
     /// Cycles over the travel that the places show like a constant, the fewest; infinite where steps differ.
     replica: f64,
     bins: Vec<u32>,
-    transform: Transform,
+    transform: FourierTransform,
 }
 
 /// Cycles over the travel of a frequency of the transform.
@@ -96,7 +96,7 @@ impl Sweep {
             let share = if place.is_finite() { (place - first) / travel } else { 0.0 };
             (share * (BINS - 1) as f64).round() as u32
         };
-        let transform = Transform::new(LENGTH);
+        let transform = FourierTransform::new(LENGTH);
         let shares: Vec<f64> = places.iter().map(|place| (place - first) / travel).collect();
         if shares.len() < FEWEST_PLACES {
             return None;
@@ -192,7 +192,7 @@ fn first() -> usize {
 }
 
 /// The fewest cycles over a travel that places (shares of it) show like a constant, as evenly spaced ones do; infinite where there are none.
-fn replica(transform: &Transform, places: &[f64]) -> f64 {
+fn replica(transform: &FourierTransform, places: &[f64]) -> f64 {
     let count = places.len() as f64;
     let mut bins = vec![0.0; BINS];
     for place in places {

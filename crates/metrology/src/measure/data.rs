@@ -19,7 +19,7 @@ use ncfix_machine::machine::condition::columns::OfDead;
 use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::ErrorName;
 
-use self::cycles::Cycle;
+use self::cycles::RepeatCycle;
 use super::kind::{Instruments, Kind};
 use super::reading::{Reading, Readings};
 
@@ -43,7 +43,7 @@ pub struct DataSet {
     /// Labels of the extension rods of ball-bars: set-ups with the same rod have the same length.
     pub rods: Vec<String>,
     /// Back-and-forth cycles of readings of one component, where a drift is unknown.
-    pub cycles: Vec<Cycle>,
+    pub cycles: Vec<RepeatCycle>,
     /// Labels of the repetitions, in the order in which they begin; one that is empty where there is no column `run`.
     pub runs: Vec<String>,
     /// Names of balls of unknown place.

@@ -25,13 +25,13 @@ const SLOWEST: f64 = 1e-4;
 
 /// A move to be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct ServoMove {
     /// Axis commands at its end.
     pub target: AxisVector,
     /// The circle that it goes around; a straight move of all axes without.
-    pub circle: Option<Circle>,
+    pub circle: Option<SpaceCircle>,
     /// How fast.
-    pub pace: Pace,
+    pub pace: MoveSpeed,
     /// Whether the feed is that of the tip in the workpiece.
     pub is_tip_feed: bool,
     /// What it is called in the results.
@@ -40,7 +40,7 @@ pub struct Motion {
 
 /// A circle in the space of X, Y and Z.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Circle {
+pub struct SpaceCircle {
     /// A point of its axis, mm.
     pub center: Vector,
     /// Unit vector: the move turns about it by the right-hand rule.
@@ -51,7 +51,7 @@ pub struct Circle {
 
 /// How fast a move is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pace {
+pub enum MoveSpeed {
     /// As fast as the axes allow.
     Rapid,
     /// The feed, mm/s or degrees per second.
@@ -93,23 +93,23 @@ impl Chord {
     }
 }
 
-impl Circle {
+impl SpaceCircle {
     /// The circle of an arc in the flat stream.
     #[must_use]
-    pub fn of_arc(arc: &Arc, start: &AxisVector) -> Circle {
+    pub fn of_arc(arc: &Arc, start: &AxisVector) -> SpaceCircle {
         let [abscissa, ordinate, across] = arc.plane.axes();
         let mut center = start.xyz();
         center[abscissa.slot()] = arc.center_mm[0];
         center[ordinate.slot()] = arc.center_mm[1];
         let mut normal = Vector::zeros();
         normal[across.slot()] = if arc.clockwise { -1.0 } else { 1.0 };
-        Circle { center, normal, extra_turns: arc.extra_turns }
+        SpaceCircle { center, normal, extra_turns: arc.extra_turns }
     }
 }
 
 /// A circle, or a helix or spiral about it, between two points.
 struct Turn {
-    circle: Circle,
+    circle: SpaceCircle,
     /// Unit vectors in the plane: to the start, and a quarter further.
     base: [Vector; 2],
     radii: [f64; 2],
@@ -119,7 +119,7 @@ struct Turn {
 }
 
 impl Turn {
-    fn new(circle: Circle, start: &Vector, end: &Vector) -> Option<Turn> {
+    fn new(circle: SpaceCircle, start: &Vector, end: &Vector) -> Option<Turn> {
         let split = |point: &Vector| {
             let from = point - circle.center;
             let height = from.dot(&circle.normal);
@@ -193,7 +193,7 @@ impl Cutter {
     }
 
     /// Hands the chords of a move on, in their order.
-    pub(super) fn cut(&self, start: &AxisVector, motion: &Motion, tool_mm: &Vector, see: &mut dyn FnMut(&Chord)) {
+    pub(super) fn cut(&self, start: &AxisVector, motion: &ServoMove, tool_mm: &Vector, see: &mut dyn FnMut(&Chord)) {
         let turn = motion.circle.and_then(|circle| Turn::new(circle, &start.xyz(), &motion.target.xyz()));
         let way = Way { start: *start, end: motion.target, turn };
         let count = self.count(&way, tool_mm);
@@ -233,7 +233,7 @@ impl Cutter {
         from: &AxisVector,
         to: &AxisVector,
         tips: [Vector; 2],
-        motion: &Motion,
+        motion: &ServoMove,
         count: usize,
     ) -> Option<Chord> {
         let steps = *to - *from;
@@ -255,10 +255,10 @@ impl Cutter {
         let way = if way > NO_WAY_MM { way } else { rotary.to_degrees() };
         let feed_share = way / size;
         let wanted = match motion.pace {
-            Pace::Rapid => f64::INFINITY,
-            Pace::Feed(feed) if feed > 0.0 => feed / feed_share,
-            Pace::Time(time_s) if time_s > 0.0 => size * count as f64 / time_s,
-            Pace::Feed(_) | Pace::Time(_) => f64::INFINITY,
+            MoveSpeed::Rapid => f64::INFINITY,
+            MoveSpeed::Feed(feed) if feed > 0.0 => feed / feed_share,
+            MoveSpeed::Time(time_s) if time_s > 0.0 => size * count as f64 / time_s,
+            MoveSpeed::Feed(_) | MoveSpeed::Time(_) => f64::INFINITY,
         };
         Some(Chord {
             start: *from,
@@ -266,7 +266,7 @@ impl Cutter {
             bulge_mm: Vector::zeros(),
             tips,
             block: motion.block,
-            is_rapid: motion.pace == Pace::Rapid,
+            is_rapid: motion.pace == MoveSpeed::Rapid,
             size,
             speed: wanted.min(allowed(&self.speeds)).max(SLOWEST),
             acceleration: allowed(&self.accelerations),
@@ -293,7 +293,7 @@ mod tests {
                 let mut target = AxisVector::ZERO;
                 (target[abscissa], target[ordinate], target[across]) = (end[0], end[1], 3.0);
                 let arc = Arc { plane, clockwise, center_mm: [0.0, 0.0], extra_turns };
-                let turn = Turn::new(Circle::of_arc(&arc, &start), &start.xyz(), &target.xyz()).unwrap();
+                let turn = Turn::new(SpaceCircle::of_arc(&arc, &start), &start.xyz(), &target.xyz()).unwrap();
                 for share in [0.25, 0.5, 0.9] {
                     let expected = arc.at(&start, &target, share).xyz();
                     assert!((turn.at(share) - expected).norm() < 1e-9, "{plane:?} {clockwise} {share}");

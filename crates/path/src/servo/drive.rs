@@ -1,6 +1,6 @@
 //! A machine that is driven move by move.
 
-use super::chord::{Cutter, Motion};
+use super::chord::{Cutter, ServoMove};
 use super::follow::{AxisFollower, Moment};
 use super::plan::LookAhead;
 use super::smoothing::Smoothing;
@@ -37,7 +37,7 @@ impl<'a> Drive<'a> {
     }
 
     /// Makes a move. The first one only says where the machine stands.
-    pub fn go(&mut self, motion: &Motion, see: &mut dyn FnMut(&Moment)) {
+    pub fn go(&mut self, motion: &ServoMove, see: &mut dyn FnMut(&Moment)) {
         let Some(standing) = self.standing else {
             self.jump(&motion.target, see);
             return;

@@ -26,7 +26,7 @@ mod response;
 mod run;
 mod smoothing;
 
-pub use chord::{Circle, Motion, Pace};
+pub use chord::{MoveSpeed, ServoMove, SpaceCircle};
 pub use contour::OnPath;
 pub use drive::Drive;
 pub use follow::Moment;

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::chord::{Circle, Motion, Pace};
+use super::chord::{MoveSpeed, ServoMove, SpaceCircle};
 use super::drive::Drive;
 use super::follow::Moment;
 use crate::path::{Increments, Options, Output, OutputFrame, Piece, PieceArc};
@@ -43,7 +43,7 @@ pub struct Run<'a> {
 /// How a move is to be made, whoever says so.
 struct Order {
     target: AxisVector,
-    circle: Option<Circle>,
+    circle: Option<SpaceCircle>,
     rapid: bool,
     feed: f64,
     manner: Manner,
@@ -93,7 +93,7 @@ impl<'a> Run<'a> {
         let start = self.drive.standing().copied().unwrap_or(motion.target);
         let order = Order {
             target: motion.target,
-            circle: motion.arc.map(|arc| Circle::of_arc(&arc, &start)),
+            circle: motion.arc.map(|arc| SpaceCircle::of_arc(&arc, &start)),
             rapid: motion.rapid,
             feed: motion.feed,
             manner: motion.manner,
@@ -157,7 +157,7 @@ impl<'a> Run<'a> {
     }
 
     /// The circle of a piece, whose center relates to the emitted frame.
-    fn circle_of(&self, arc: &PieceArc, start: &AxisVector) -> Circle {
+    fn circle_of(&self, arc: &PieceArc, start: &AxisVector) -> SpaceCircle {
         let [_, _, across] = arc.plane.axes();
         let mut normal = Vector::zeros();
         normal[across.slot()] = if arc.clockwise { -1.0 } else { 1.0 };
@@ -172,7 +172,7 @@ impl<'a> Run<'a> {
             normal = linear * normal * linear.determinant().signum();
         }
         let normal = normal.try_normalize(0.0).unwrap_or(normal);
-        Circle { center: start.xyz() + center, normal, extra_turns: arc.extra_turns }
+        SpaceCircle { center: start.xyz() + center, normal, extra_turns: arc.extra_turns }
     }
 
     fn order(&mut self, order: &Order, block: u64, see: &mut dyn FnMut(&Moment)) {
@@ -188,7 +188,7 @@ impl<'a> Run<'a> {
             self.drive.stop(see);
         }
         self.is_rapid = order.rapid;
-        let motion = Motion {
+        let motion = ServoMove {
             target: order.target,
             circle: order.circle,
             pace: self.pace(order),
@@ -202,24 +202,24 @@ impl<'a> Run<'a> {
         self.stops_once = false;
     }
 
-    fn pace(&self, order: &Order) -> Pace {
+    fn pace(&self, order: &Order) -> MoveSpeed {
         if order.rapid || matches!(order.manner, Manner::Positioning | Manner::Reference) {
-            return Pace::Rapid;
+            return MoveSpeed::Rapid;
         }
         if let Manner::Thread(thread) = order.manner
             && let Some((_, lead_mm)) = thread.lead
         {
-            return Pace::Feed(lead_mm.abs() * self.spindle_rpm / 60.0);
+            return MoveSpeed::Feed(lead_mm.abs() * self.spindle_rpm / 60.0);
         }
         if let Some(feed_mm_min) = self.feed_mm_min {
-            return Pace::Feed(feed_mm_min / 60.0);
+            return MoveSpeed::Feed(feed_mm_min / 60.0);
         }
         if order.unit == FeedUnit::InverseTime {
-            return Pace::Time(if order.feed > 0.0 { 60.0 / order.feed } else { 0.0 });
+            return MoveSpeed::Time(if order.feed > 0.0 { 60.0 / order.feed } else { 0.0 });
         }
         match order.unit {
-            FeedUnit::PerTurn => Pace::Feed(order.feed * self.spindle_rpm / 60.0),
-            _ => Pace::Feed(order.feed / 60.0),
+            FeedUnit::PerTurn => MoveSpeed::Feed(order.feed * self.spindle_rpm / 60.0),
+            _ => MoveSpeed::Feed(order.feed / 60.0),
         }
     }
 

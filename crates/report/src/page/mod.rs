@@ -77,7 +77,7 @@ fn page_with(title: &str, style: &str, policy: &str, inside: impl FnOnce(&mut Ma
 
 /// A column of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Column {
+pub struct PageColumn {
     /// Its heading.
     pub title: &'static str,
     /// Whether it has numbers, which are flush right.
@@ -86,10 +86,10 @@ pub struct Column {
 
 /// Columns of texts and, behind a `#`, of numbers.
 #[must_use]
-pub fn columns<const N: usize>(titles: [&'static str; N]) -> [Column; N] {
+pub fn columns<const N: usize>(titles: [&'static str; N]) -> [PageColumn; N] {
     titles.map(|title| match title.strip_prefix('#') {
-        Some(title) => Column { title, is_number: true },
-        None => Column { title, is_number: false },
+        Some(title) => PageColumn { title, is_number: true },
+        None => PageColumn { title, is_number: false },
     })
 }
 
@@ -103,8 +103,8 @@ pub struct Row {
 }
 
 /// A table with a note below. Rows beyond `most` are counted, not written.
-pub fn table(out: &mut Markup, columns: &[Column], rows: &[Row], caption: &str, most: usize) {
-    let class = |column: Option<&Column>| if column.is_some_and(|column| column.is_number) { "n" } else { "t" };
+pub fn table(out: &mut Markup, columns: &[PageColumn], rows: &[Row], caption: &str, most: usize) {
+    let class = |column: Option<&PageColumn>| if column.is_some_and(|column| column.is_number) { "n" } else { "t" };
     out.element("div", &[("class", &"wide")], |out| {
         out.element("table", &[], |out| {
             out.element("thead", &[], |out| {

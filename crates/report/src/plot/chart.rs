@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::decimate::spans;
-use super::frame::{Frame, legend, text};
+use super::frame::{PlotFrame, legend, text};
 use super::ticks::Scale;
 use super::{Picture, WIDTH, color, dash};
 use crate::markup::Markup;
@@ -76,7 +76,7 @@ pub struct Line {
 
 impl Chart {
     /// The frame that holds all points, error bars and levels.
-    fn frame(&self) -> Frame {
+    fn frame(&self) -> PlotFrame {
         let points = || self.series.iter().flat_map(|series| &series.points);
         let across = Scale::around(points().map(|point| point.0), 8);
         let fence = if self.is_clipped { self.fence() } else { None };
@@ -88,7 +88,7 @@ impl Chart {
         });
         let ups = ups.chain(bars);
         let up = if self.is_balanced { Scale::balanced(ups, 6) } else { Scale::around(ups, 6) };
-        Frame::new(across, up, self.height())
+        PlotFrame::new(across, up, self.height())
     }
 
     /// Between which values points are not far from the others.
@@ -102,7 +102,7 @@ impl Chart {
     }
 
     /// The paths of a series: filled or stroked shapes, thin lines, and dots.
-    fn paths(&self, number: usize, series: &Series, frame: &Frame, is_dense: bool) -> [String; 3] {
+    fn paths(&self, number: usize, series: &Series, frame: &PlotFrame, is_dense: bool) -> [String; 3] {
         let [mut shapes, mut lines, mut dots] = [String::new(), String::new(), String::new()];
         let points = || series.points.iter().copied().filter(|point| point.0.is_finite() && point.1.is_finite());
         if is_dense {

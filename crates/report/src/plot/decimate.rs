@@ -2,7 +2,7 @@
 
 /// The points of one column of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
+pub struct PixelSpan {
     /// The first of them.
     pub first: f64,
     /// The last of them.
@@ -18,8 +18,8 @@ pub struct Span {
 /// The smallest and largest value in each of `columns` columns; `None` where a column has none. A place is 0 at the left end and 1 at the right
 /// one; points beyond, and those that are no number, are left out.
 #[must_use]
-pub fn spans(points: impl IntoIterator<Item = (f64, f64)>, columns: usize) -> Vec<Option<Span>> {
-    let mut out: Vec<Option<Span>> = vec![None; columns];
+pub fn spans(points: impl IntoIterator<Item = (f64, f64)>, columns: usize) -> Vec<Option<PixelSpan>> {
+    let mut out: Vec<Option<PixelSpan>> = vec![None; columns];
     for (place, value) in points {
         let at = place * columns as f64;
         if !value.is_finite() || !(-1e-6..=columns as f64 + 1e-6).contains(&at) {
@@ -35,7 +35,7 @@ pub fn spans(points: impl IntoIterator<Item = (f64, f64)>, columns: usize) -> Ve
                 span.high = span.high.max(value);
                 span.count += 1;
             }
-            None => *slot = Some(Span { first: value, last: value, low: value, high: value, count: 1 }),
+            None => *slot = Some(PixelSpan { first: value, last: value, low: value, high: value, count: 1 }),
         }
     }
     out

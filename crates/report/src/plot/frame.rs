@@ -18,15 +18,15 @@ const MOST_ENTRIES: usize = 8;
 
 /// Where values are drawn.
 #[derive(Clone, Debug)]
-pub(super) struct Frame {
+pub(super) struct PlotFrame {
     pub(super) across: Scale,
     pub(super) up: Scale,
     height: f64,
 }
 
-impl Frame {
-    pub(super) fn new(across: Scale, up: Scale, height: f64) -> Frame {
-        Frame { across, up, height }
+impl PlotFrame {
+    pub(super) fn new(across: Scale, up: Scale, height: f64) -> PlotFrame {
+        PlotFrame { across, up, height }
     }
 
     /// Place of a value across.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::frame::{Frame, text};
+use super::frame::{PlotFrame, text};
 use super::ticks::Scale;
 use super::{Picture, WIDTH, color};
 use crate::markup::Markup;
@@ -88,7 +88,7 @@ impl Picture for Histogram {
         let most = bins.counts.iter().copied().max().unwrap_or(1) as f64;
         // A curve much narrower than the bins would be all that there is to see.
         let across = Scale::around([bins.low, high], 8);
-        let frame = Frame::new(across, Scale::around([0.0, most, top.min(2.0 * most)], 5), self.height());
+        let frame = PlotFrame::new(across, Scale::around([0.0, most, top.min(2.0 * most)], 5), self.height());
         frame.draw(out, &self.title, &self.across, self.counted);
         let mut shapes = String::new();
         for (k, &count) in bins.counts.iter().enumerate() {

@@ -15,7 +15,7 @@ mod ticks;
 
 pub use bars::{Bar, Bars};
 pub use chart::{Chart, Line, Series, Shape};
-pub use decimate::{Span, spans};
+pub use decimate::{PixelSpan, spans};
 pub use histogram::Histogram;
 pub use polar::{Polar, Trace};
 pub use ticks::{Scale, round_step};

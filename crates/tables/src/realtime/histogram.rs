@@ -12,19 +12,19 @@ const DOUBLINGS: usize = 36;
 
 /// Counts of times. Noting one allocates nothing.
 #[derive(Clone, Debug)]
-pub struct Histogram {
+pub struct LatencyHistogram {
     counts: [u64; PER_DOUBLING * DOUBLINGS],
     total: u64,
     max_ns: u64,
 }
 
-impl Default for Histogram {
+impl Default for LatencyHistogram {
     fn default() -> Self {
-        Histogram { counts: [0; PER_DOUBLING * DOUBLINGS], total: 0, max_ns: 0 }
+        LatencyHistogram { counts: [0; PER_DOUBLING * DOUBLINGS], total: 0, max_ns: 0 }
     }
 }
 
-impl Histogram {
+impl LatencyHistogram {
     /// Notes a time.
     pub fn note(&mut self, time: Duration) {
         let ns = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
@@ -105,7 +105,7 @@ mod tests {
 
     #[test]
     fn quantiles_count() {
-        let mut histogram = Histogram::default();
+        let mut histogram = LatencyHistogram::default();
         assert_eq!(histogram.quantile_ns(0.5), 0);
         (1..=1000).for_each(|ns| histogram.note(Duration::from_nanos(ns)));
         for (share, exact) in [(0.01, 10), (0.5, 500), (0.999, 999), (1.0, 1000)] {

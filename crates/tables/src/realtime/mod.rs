@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The correction is looked up at the uncompensated set-point and not at the measured position: [`stability`] shows why. A [`ring`] in shared
-//! memory connects the cycle to a control in another process, [`Histogram`] counts how long cycles took.
+//! memory connects the cycle to a control in another process, [`LatencyHistogram`] counts how long cycles took.
 
 //!
 //! ```
@@ -51,6 +51,6 @@ mod update;
 
 pub use cycle::{Answer, Cycle, Signals};
 pub use dosing::Dosing;
-pub use histogram::Histogram;
+pub use histogram::LatencyHistogram;
 pub use kernel::{Agreement, INTERVALS, Kernel};
 pub use update::{Publisher, Subscriber, Updater, handover};

@@ -8,7 +8,7 @@ use super::region::senses;
 use super::target::Target;
 use super::{Control, Orientation};
 use ncfix_base::geometry::{AXES, Axis};
-use ncfix_machine::machine::Compensation as _;
+use ncfix_machine::machine::ActiveCompensation as _;
 
 /// A pose and the senses in which the axes came there.
 pub type CheckedPose = (AxisVector, State);

@@ -2,7 +2,7 @@
 
 use super::{ErrorTables, Multiplication, Tables};
 use ncfix_base::geometry::{Axis, AxisVector, LINEAR_AXES, Vector};
-use ncfix_machine::machine::{ActiveTables, Compensation, Machine, State};
+use ncfix_machine::machine::{ActiveCompensation, ActiveTables, Machine, State};
 use ncfix_model::location::LocationError;
 use ncfix_model::motion::{Function, MotionError, table};
 use ncfix_model::name::DIRECTIONS;
@@ -72,7 +72,7 @@ impl Control {
     }
 }
 
-impl Compensation for Control {
+impl ActiveCompensation for Control {
     fn correction(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> AxisVector {
         Control::correction(self, command, tool_mm, state)
     }

@@ -11,7 +11,7 @@ const TCP: &str = "tcp:";
 const PSEUDO: &str = "/dev/pts/";
 
 /// A port that is open.
-pub struct Opened {
+pub struct OpenPort {
     /// It.
     pub port: Box<dyn Port>,
     /// What a person should know of it: settings that it did not take, a name that stays the same.
@@ -22,7 +22,7 @@ pub struct Opened {
 ///
 /// # Errors
 /// A sentence that says why it cannot be opened.
-pub fn open(name: &str, profile: &Profile) -> Result<Opened, String> {
+pub fn open(name: &str, profile: &Profile) -> Result<OpenPort, String> {
     match name.strip_prefix(TCP) {
         Some(address) => tcp::open(address),
         None => serial::open(name, profile),

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use serialport::{DataBits, FlowControl, SerialPort, StopBits};
 
-use super::{Opened, PSEUDO};
+use super::{OpenPort, PSEUDO};
 use crate::feed::{Parity, Port, Profile, Serial};
 
 /// Bytes that are read ahead while it waits.
@@ -30,7 +30,7 @@ struct Line {
 }
 
 /// Opens a port with the settings of a profile.
-pub(super) fn open(name: &str, profile: &Profile) -> Result<Opened, String> {
+pub(super) fn open(name: &str, profile: &Profile) -> Result<OpenPort, String> {
     let serial = &profile.serial;
     let (data_bits, parity) =
         if serial.software_parity { (8, Parity::None) } else { (serial.data_bits, serial.parity) };
@@ -68,7 +68,7 @@ pub(super) fn open(name: &str, profile: &Profile) -> Result<Opened, String> {
         notes.push(format!("{name} may be another port tomorrow; this one is also {same}"));
     }
     let parity = if serial.software_parity { serial.parity } else { Parity::None };
-    Ok(Opened { port: Box::new(Line { port, parity, heard: VecDeque::new(), coded: Vec::new() }), notes })
+    Ok(OpenPort { port: Box::new(Line { port, parity, heard: VecDeque::new(), coded: Vec::new() }), notes })
 }
 
 /// `7E2`.

@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::time::Duration;
 
-use super::Opened;
+use super::OpenPort;
 use crate::feed::Port;
 
 /// A server that does not answer sooner is not there.
@@ -13,7 +13,7 @@ const CONNECT: Duration = Duration::from_secs(5);
 struct Tcp(TcpStream);
 
 /// Connects to `host:port`.
-pub(super) fn open(address: &str) -> Result<Opened, String> {
+pub(super) fn open(address: &str) -> Result<OpenPort, String> {
     let fault = |error: &io::Error| format!("cannot connect to {address}: {error}");
     let addresses = address.to_socket_addrs().map_err(|error| fault(&error))?;
     let mut last = format!("there is no address of {address}");
@@ -22,7 +22,7 @@ pub(super) fn open(address: &str) -> Result<Opened, String> {
             Ok(stream) => {
                 // A line waits for no other one.
                 stream.set_nodelay(true).and_then(|()| stream.set_nonblocking(true)).map_err(|error| fault(&error))?;
-                return Ok(Opened { port: Box::new(Tcp(stream)), notes: Vec::new() });
+                return Ok(OpenPort { port: Box::new(Tcp(stream)), notes: Vec::new() });
             }
             Err(error) => last = fault(&error),
         }

@@ -12,7 +12,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::file::Section;
 
 use super::super::config::seconds;
-use super::super::lines::{LONGEST_LINE, Lines};
+use super::super::lines::{LONGEST_LINE, LineReader};
 use super::super::outlet::Outlet;
 use super::{Items, Kind, Opened, Plan, Polled, Wanted, items, polled};
 
@@ -101,7 +101,7 @@ impl Polled for Run {
         if !status.success() {
             return Err(format!("{} ended with {status}", self.program.display()));
         }
-        let mut lines = Lines::new(&self.settings.items, self.settings.has_times);
+        let mut lines = LineReader::new(&self.settings.items, self.settings.has_times);
         let mut is_silent = true;
         for line in bytes.split(|&byte| byte == b'\n') {
             lines.read(line, &mut |channel, told, stamp| {

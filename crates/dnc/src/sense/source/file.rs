@@ -13,7 +13,7 @@ use std::time::{Duration, SystemTime};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::file::Section;
 
-use super::super::lines::{LONGEST_LINE, Lines, Splitter};
+use super::super::lines::{LONGEST_LINE, LineReader, Splitter};
 use super::super::monitor::Told;
 use super::super::outlet::Outlet;
 use super::{Items, Kind, Opened, Plan, Polled, Wanted, items, polled};
@@ -56,7 +56,7 @@ fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn 
 
 impl Plan for Settings {
     fn open(&self, base: &Path, poll: Duration) -> Result<Opened, String> {
-        let (path, lines) = (base.join(&self.path), Lines::new(&self.items, self.has_times));
+        let (path, lines) = (base.join(&self.path), LineReader::new(&self.items, self.has_times));
         Ok(if self.is_value {
             polled(Whole { path, lines }, poll)
         } else {
@@ -75,7 +75,7 @@ fn fault(path: &Path, error: &io::Error) -> String {
 /// A file that holds a value.
 struct Whole {
     path: PathBuf,
-    lines: Lines,
+    lines: LineReader,
 }
 
 impl Polled for Whole {
@@ -100,7 +100,7 @@ impl Polled for Whole {
 /// A file that grows.
 struct Tail {
     path: PathBuf,
-    lines: Lines,
+    lines: LineReader,
     splitter: Splitter,
     /// The file, which one it is, and how far it has been read.
     open: Option<(File, Identity, u64)>,

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use ncfix_machine::machine::file::Section;
 
-use super::super::lines::{Lines, Splitter};
+use super::super::lines::{LineReader, Splitter};
 use super::{Items, Kind, Opened, Plan, Wanted, items};
 
 pub(super) const KIND: Kind =
@@ -26,7 +26,7 @@ fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn 
 
 impl Plan for Settings {
     fn open(&self, _: &Path, _: Duration) -> Result<Opened, String> {
-        let mut lines = Lines::new(&self.items, self.has_times);
+        let mut lines = LineReader::new(&self.items, self.has_times);
         Ok(Opened::Thread(Box::new(move |outlet| {
             let (mut input, mut bytes, mut splitter) = (io::stdin(), [0; 1 << 12], Splitter::default());
             // A read that waits cannot be ended; the thread ends with the next line, or with the program.

@@ -17,7 +17,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::Source;
 
 use super::columns::{Column, NO_LOAD, OfDead, check_load, read_cell};
-use super::{Condition, Load, Trace};
+use super::{Condition, ConditionLog, Load};
 
 /// More findings than this help nobody.
 const MOST_FINDINGS: usize = 50;
@@ -98,7 +98,7 @@ struct Readings {
     columns: Vec<Column>,
     sign: DecimalSign,
     /// By column.
-    traces: Vec<Trace>,
+    traces: Vec<ConditionLog>,
     time_s: Option<f64>,
     /// The last load.
     load: Load,
@@ -110,7 +110,7 @@ struct Readings {
 
 impl Readings {
     fn new(columns: Vec<Column>, sign: DecimalSign, of_dead: OfDead) -> Readings {
-        let traces = vec![Trace::default(); columns.len()];
+        let traces = vec![ConditionLog::default(); columns.len()];
         let dead = BTreeMap::new();
         Readings { columns, sign, traces, time_s: None, load: NO_LOAD, loads: Vec::new(), of_dead, dead }
     }

@@ -8,7 +8,7 @@ pub mod file;
 pub mod log;
 mod trace;
 
-pub use trace::Trace;
+pub use trace::ConditionLog;
 
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -37,7 +37,7 @@ pub struct Load {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Condition {
     /// Shared by the conditions at all instants of one log.
-    sensors: Arc<BTreeMap<String, Trace>>,
+    sensors: Arc<BTreeMap<String, ConditionLog>>,
     /// Those that stand there now; the one of the log comes first.
     loads: Vec<Load>,
     /// What stands on the table from a time on, s, in the order of time.
@@ -80,13 +80,13 @@ impl FromStr for Load {
 /// Changes what a sensor reads in all of some conditions; those that share their readings share them afterwards as well.
 pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f64) -> f64) {
     // Kept, so that no other readings come to lie at the same place meanwhile.
-    let mut done: Vec<[Arc<BTreeMap<String, Trace>>; 2]> = Vec::new();
+    let mut done: Vec<[Arc<BTreeMap<String, ConditionLog>>; 2]> = Vec::new();
     let mut change = |condition: &mut Condition| {
         let known = done.iter().rev().find(|[old, _]| Arc::ptr_eq(old, &condition.sensors));
         let new = known.map(|[_, new]| Arc::clone(new)).unwrap_or_else(|| {
             let mut sensors = BTreeMap::clone(&condition.sensors);
             if let Some(own) = sensors.get_mut(sensor) {
-                let mut trace = Trace::default();
+                let mut trace = ConditionLog::default();
                 own.points().iter().for_each(|&(time_s, value)| trace.add(time_s, of(value)));
                 *own = trace;
             }
@@ -150,14 +150,14 @@ impl Condition {
         if let Some(trace) = sensors.get_mut(sensor) {
             trace.add(time_s, temperature_c);
         } else {
-            let mut trace = Trace::default();
+            let mut trace = ConditionLog::default();
             trace.add(time_s, temperature_c);
             sensors.insert(sensor.to_owned(), trace);
         }
     }
 
     /// Adds the readings of a sensor in place of those that it has.
-    pub fn set_trace(&mut self, sensor: &str, trace: Trace) {
+    pub fn set_trace(&mut self, sensor: &str, trace: ConditionLog) {
         Arc::make_mut(&mut self.sensors).insert(sensor.to_owned(), trace);
     }
 
@@ -271,7 +271,7 @@ impl Condition {
 
     /// The readings of a sensor.
     #[must_use]
-    pub fn trace(&self, sensor: &str) -> Option<&Trace> {
+    pub fn trace(&self, sensor: &str) -> Option<&ConditionLog> {
         self.sensors.get(sensor)
     }
 

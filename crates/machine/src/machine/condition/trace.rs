@@ -10,7 +10,7 @@ const SHORT: usize = 8;
 
 /// Readings in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trace {
+pub struct ConditionLog {
     /// Time, s, and temperature, °C.
     points: Vec<(f64, f64)>,
     followers: Followers,
@@ -59,7 +59,7 @@ impl PartialEq for Followers {
     }
 }
 
-impl Trace {
+impl ConditionLog {
     /// Adds a reading; one that is older than the last is left out, one at the same time replaces it.
     pub fn add(&mut self, time_s: f64, temperature_c: f64) {
         self.followers.forget();
@@ -131,7 +131,7 @@ impl Trace {
         })
     }
 
-    /// [`Trace::lagged`] at many times in one pass; they do not go back. Empty without readings.
+    /// [`ConditionLog::lagged`] at many times in one pass; they do not go back. Empty without readings.
     #[must_use]
     pub fn lagged_at(&self, times_s: &[f64], lag_s: f64) -> Vec<f64> {
         let Some(&(mut from_s, mut from)) = self.points.first() else { return Vec::new() };
@@ -164,8 +164,8 @@ fn follow(start: f64, from: f64, slope: f64, passed_s: f64, lag_s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn trace(points: &[(f64, f64)]) -> Trace {
-        let mut trace = Trace::default();
+    fn trace(points: &[(f64, f64)]) -> ConditionLog {
+        let mut trace = ConditionLog::default();
         points.iter().for_each(|&(time_s, value)| trace.add(time_s, value));
         trace
     }
@@ -176,7 +176,7 @@ mod tests {
         for (time_s, value) in [(-5.0, 20.0), (0.0, 20.0), (5.0, 25.0), (15.0, 28.0), (20.0, 26.0), (99.0, 26.0)] {
             assert_eq!(trace.lagged(time_s, 0.0), Some(value), "{time_s}");
         }
-        assert_eq!(Trace::default().lagged(0.0, 0.0), None);
+        assert_eq!(ConditionLog::default().lagged(0.0, 0.0), None);
     }
 
     #[test]
@@ -213,7 +213,7 @@ mod tests {
                 assert!((trace.lagged(time_s, lag_s).unwrap() - value).abs() < 1e-12, "{time_s} {lag_s}");
             }
         }
-        assert!(Trace::default().lagged_at(&times_s, 1.0).is_empty());
+        assert!(ConditionLog::default().lagged_at(&times_s, 1.0).is_empty());
     }
 
     #[test]
@@ -238,7 +238,7 @@ mod tests {
     #[test]
     fn copies_that_go_different_ways_have_followers_of_their_own() {
         // Long enough for what follows to be kept, and none asked for before the readings come.
-        let mut both = vec![Trace::default(); 2];
+        let mut both = vec![ConditionLog::default(); 2];
         for k in 0..20 {
             both[0].add(f64::from(k), 20.0);
             both[1].add(f64::from(k), 20.0 + f64::from(k));

@@ -22,7 +22,7 @@ const COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 
 /// One run.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct SensorRun {
     /// Name of its file.
     pub name: String,
     /// Time of every row, s; it does not go back.
@@ -39,7 +39,7 @@ pub struct Run {
     pub warnings: Vec<Diagnostic>,
 }
 
-impl Run {
+impl SensorRun {
     /// Where an axis stood in a row.
     #[must_use]
     pub fn position(&self, axis: Axis, row: usize) -> Option<f64> {
@@ -51,7 +51,11 @@ impl Run {
 ///
 /// # Errors
 /// Findings for everything that is no number, for columns that are missing and readings that contradict each other.
-pub fn read(source: &Source, temperatures: Option<&Condition>, machine: &Machine) -> Result<Run, Vec<Diagnostic>> {
+pub fn read(
+    source: &Source,
+    temperatures: Option<&Condition>,
+    machine: &Machine,
+) -> Result<SensorRun, Vec<Diagnostic>> {
     let (table, mut findings) = Table::read(source);
     let Some(table) = table else { return Err(findings) };
     let condition = match temperatures {
@@ -84,7 +88,7 @@ pub fn read(source: &Source, temperatures: Option<&Condition>, machine: &Machine
         findings.push(finding);
         DecimalSign::Point
     });
-    let mut run = Run {
+    let mut run = SensorRun {
         name: source.name().to_owned(),
         times_s: Vec::new(),
         drift_um: Vec::new(),
@@ -146,7 +150,7 @@ pub fn read(source: &Source, temperatures: Option<&Condition>, machine: &Machine
 ///
 /// # Errors
 /// A finding where several axes have been moved, or one all the way.
-pub fn over(runs: &[Run]) -> Result<Option<(Axis, Vec<f64>)>, Diagnostic> {
+pub fn over(runs: &[SensorRun]) -> Result<Option<(Axis, Vec<f64>)>, Diagnostic> {
     let mut found: Option<(Axis, Vec<f64>)> = None;
     for axis in AXES {
         let mut values: Vec<f64> = Vec::new();

@@ -26,4 +26,4 @@ pub mod subset;
 mod subset_tests;
 pub mod text;
 
-pub use select::{Options, Selection, Size, Term, select};
+pub use select::{SelectionOptions, SensorSelection, SensorTerm, SubsetSize, select};

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use ncfix_base::geometry::Axis;
 
-use super::data::Run;
+use super::data::SensorRun;
 use super::subset::Products;
 
 /// Rows that a fit takes: a slow process has nothing more to say in more of them.
@@ -15,12 +15,12 @@ const LEAST_ROWS: usize = 100;
 const STILL_K: f64 = 1e-6;
 
 /// A sensor by its number and the lag with which it is followed, s.
-pub(super) type Candidate = (usize, f64);
+pub(super) type LaggedSensor = (usize, f64);
 
 /// The rows of one run.
 #[derive(Clone, Debug)]
-pub(super) struct Piece<'a> {
-    pub(super) run: &'a Run,
+pub(super) struct RunRows<'a> {
+    pub(super) run: &'a SensorRun,
     pub(super) times_s: Vec<f64>,
     /// Since the first of them, µm.
     pub(super) drift_um: Vec<f64>,
@@ -28,7 +28,7 @@ pub(super) struct Piece<'a> {
 
 /// Which rows of every piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum RowPart {
     All,
     /// All but the last third.
     Early,
@@ -37,7 +37,7 @@ pub(super) enum Part {
 }
 
 /// The readings of one direction at one position of an axis.
-pub(super) fn pieces<'a>(runs: &'a [Run], direction: usize, at: Option<(Axis, f64)>) -> Vec<Piece<'a>> {
+pub(super) fn pieces<'a>(runs: &'a [SensorRun], direction: usize, at: Option<(Axis, f64)>) -> Vec<RunRows<'a>> {
     let mut out = Vec::new();
     for run in runs {
         let is_here = |row: usize| at.is_none_or(|(axis, value)| run.position(axis, row) == Some(value));
@@ -52,13 +52,13 @@ pub(super) fn pieces<'a>(runs: &'a [Run], direction: usize, at: Option<(Axis, f6
         let step = rows.len().div_ceil((MOST_ROWS / runs.len().max(1)).max(LEAST_ROWS)).max(1);
         if let Some(&(_, first)) = rows.first() {
             let (times_s, drift_um) = rows.iter().step_by(step).map(|&(time_s, um)| (time_s, um - first)).unzip();
-            out.push(Piece { run, times_s, drift_um });
+            out.push(RunRows { run, times_s, drift_um });
         }
     }
     out
 }
 
-impl Piece<'_> {
+impl RunRows<'_> {
     /// Rise of a sensor since the first row, K; zero where it has no readings.
     pub(super) fn rise_k(&self, sensor: &str, lag_s: f64) -> Vec<f64> {
         let rise = self.run.condition.trace(sensor).map(|trace| trace.lagged_at(&self.times_s, lag_s));
@@ -69,12 +69,12 @@ impl Piece<'_> {
     }
 
     /// A part of the values of its rows.
-    pub(super) fn part<'v>(&self, values: &'v [f64], part: Part) -> &'v [f64] {
+    pub(super) fn part<'v>(&self, values: &'v [f64], part: RowPart) -> &'v [f64] {
         let border = values.len() - values.len() / 3;
         match part {
-            Part::All => values,
-            Part::Early => values.get(..border).unwrap_or_default(),
-            Part::Late => values.get(border..).unwrap_or_default(),
+            RowPart::All => values,
+            RowPart::Early => values.get(..border).unwrap_or_default(),
+            RowPart::Late => values.get(border..).unwrap_or_default(),
         }
     }
 }
@@ -82,7 +82,7 @@ impl Piece<'_> {
 /// Products of all candidates, each run without its mean.
 #[derive(Clone, Debug)]
 pub(super) struct Bank {
-    pub(super) candidates: Vec<Candidate>,
+    pub(super) candidates: Vec<LaggedSensor>,
     /// Of columns of unit length.
     pub(super) products: Products,
     /// Length of every column, K.
@@ -94,8 +94,8 @@ pub(super) struct Bank {
 
 impl Bank {
     /// The products of a part of the rows; candidates that do not change are left out.
-    pub(super) fn new(pieces: &[Piece<'_>], sensors: &[String], candidates: &[Candidate], part: Part) -> Bank {
-        let gather = |of: &dyn Fn(&Piece<'_>) -> Vec<f64>| -> Vec<f64> {
+    pub(super) fn new(pieces: &[RunRows<'_>], sensors: &[String], candidates: &[LaggedSensor], part: RowPart) -> Bank {
+        let gather = |of: &dyn Fn(&RunRows<'_>) -> Vec<f64>| -> Vec<f64> {
             let mut out = Vec::new();
             for piece in pieces {
                 let values = of(piece);
@@ -124,7 +124,7 @@ impl Bank {
     }
 
     /// Where a candidate stands.
-    pub(super) fn place(&self, candidate: Candidate) -> Option<usize> {
+    pub(super) fn place(&self, candidate: LaggedSensor) -> Option<usize> {
         self.candidates.iter().position(|&known| known == candidate)
     }
 

@@ -2,8 +2,8 @@
 
 use ncfix_base::geometry::Axis;
 
-use super::data::Run;
-use super::products::{Bank, Candidate, Part, Piece, pieces};
+use super::data::SensorRun;
+use super::products::{Bank, LaggedSensor, RowPart, RunRows, pieces};
 use super::subset::Subset;
 
 /// Products of numbers that a search may take: some seconds.
@@ -25,7 +25,7 @@ const ALIKE: f64 = 1.01;
 
 /// What to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct SelectionOptions {
     /// The largest number of sensors.
     pub most: usize,
     /// Whether time constants are searched.
@@ -36,7 +36,7 @@ pub struct Options {
 
 /// One sensor of a model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Term {
+pub struct SensorTerm {
     /// Its name.
     pub sensor: String,
     /// Its coefficient.
@@ -49,9 +49,9 @@ pub struct Term {
 
 /// The best model with one number of sensors.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Size {
+pub struct SubsetSize {
     /// Its sensors, with coefficients of all data.
-    pub terms: Vec<Term>,
+    pub terms: Vec<SensorTerm>,
     /// Mallows' Cp; `None` where all sensors together leave no degree of freedom.
     pub cp: Option<f64>,
     /// Efficiency on the data.
@@ -66,7 +66,7 @@ pub struct Size {
 
 /// What was found for one direction and position.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Selection {
+pub struct SensorSelection {
     /// 0 to 2 for X, Y, Z.
     pub direction: usize,
     /// The position, mm or degrees.
@@ -76,15 +76,15 @@ pub struct Selection {
     /// Root of the mean square of the drift on the independent rows, µm.
     pub drift_um: f64,
     /// By number of sensors, from 1.
-    pub sizes: Vec<Size>,
+    pub sizes: Vec<SubsetSize>,
     /// Place of the chosen one in `sizes`; `None` where none tells the independent rows.
     pub chosen: Option<usize>,
 }
 
-impl Selection {
+impl SensorSelection {
     /// The chosen model.
     #[must_use]
-    pub fn model(&self) -> Option<&Size> {
+    pub fn model(&self) -> Option<&SubsetSize> {
         self.sizes.get(self.chosen?)
     }
 }
@@ -93,17 +93,20 @@ impl Selection {
 /// is held back.
 #[must_use]
 pub fn select(
-    runs: &[Run],
-    independent: &[Run],
+    runs: &[SensorRun],
+    independent: &[SensorRun],
     direction: usize,
     at: Option<(Axis, f64)>,
-    options: &Options,
-) -> Option<Selection> {
+    options: &SelectionOptions,
+) -> Option<SensorSelection> {
     let data = pieces(runs, direction, at);
     let others = pieces(independent, direction, at);
     let is_held_back = others.is_empty();
-    let (learned, held, held_part) =
-        if is_held_back { (Part::Early, data.as_slice(), Part::Late) } else { (Part::All, data.as_slice(), Part::All) };
+    let (learned, held, held_part) = if is_held_back {
+        (RowPart::Early, data.as_slice(), RowPart::Late)
+    } else {
+        (RowPart::All, data.as_slice(), RowPart::All)
+    };
     let held = if is_held_back { held } else { others.as_slice() };
     let sensors = common_sensors(data.iter().chain(held).map(|piece| piece.run));
     let candidates = candidates(&data, sensors.len(), options.lags);
@@ -114,12 +117,12 @@ pub fn select(
     }
     let found = if options.lags { with_lags(&bank, sensors.len(), most) } else { bank.products.best(most, WORK) };
     let noise = full_mean_square(&bank, found.last());
-    let all = (learned != Part::All).then(|| Bank::new(&data, &sensors, &candidates, Part::All));
+    let all = (learned != RowPart::All).then(|| Bank::new(&data, &sensors, &candidates, RowPart::All));
     let mut sizes = Vec::new();
     let mut rests = Vec::new();
     for subset in &found {
         let Some(learned_um_per_k) = bank.coefficients(&subset.members, options.fault_k) else { continue };
-        let terms: Vec<Candidate> =
+        let terms: Vec<LaggedSensor> =
             subset.members.iter().filter_map(|&member| bank.candidates.get(member).copied()).collect();
         let um_per_k = match &all {
             Some(all) => {
@@ -136,7 +139,7 @@ pub fn select(
         let cp = noise.map(|noise| subset.squares / noise + 2.0 * p - bank.rows as f64);
         let [measured, left] = rest(&data, learned, true, &sensors, &terms, &learned_um_per_k);
         let [held_measured, held_left] = rest(held, held_part, false, &sensors, &terms, &learned_um_per_k);
-        sizes.push(Size {
+        sizes.push(SubsetSize {
             terms: named(&bank, &sensors, subset, &um_per_k),
             cp,
             efficiency: efficiency(&measured, &left),
@@ -148,11 +151,11 @@ pub fn select(
     }
     let drift = rest(held, held_part, false, &sensors, &[], &[]);
     let chosen = choose(&sizes, &rests);
-    Some(Selection { direction, at, rows: bank.rows, drift_um: root_mean_square(&drift[0]), sizes, chosen })
+    Some(SensorSelection { direction, at, rows: bank.rows, drift_um: root_mean_square(&drift[0]), sizes, chosen })
 }
 
 /// The sensors that every run has, in the order of their names.
-fn common_sensors<'a>(mut runs: impl Iterator<Item = &'a Run>) -> Vec<String> {
+fn common_sensors<'a>(mut runs: impl Iterator<Item = &'a SensorRun>) -> Vec<String> {
     let Some(first) = runs.next() else { return Vec::new() };
     let mut sensors: Vec<String> = first.condition.sensors().map(str::to_owned).collect();
     for run in runs {
@@ -162,7 +165,7 @@ fn common_sensors<'a>(mut runs: impl Iterator<Item = &'a Run>) -> Vec<String> {
 }
 
 /// All sensors without a lag, or with all lags.
-fn candidates(data: &[Piece<'_>], sensors: usize, lags: bool) -> Vec<Candidate> {
+fn candidates(data: &[RunRows<'_>], sensors: usize, lags: bool) -> Vec<LaggedSensor> {
     let duration_s =
         data.iter().filter_map(|piece| Some(piece.times_s.last()? - piece.times_s.first()?)).fold(0.0_f64, f64::max);
     let longest_s = duration_s / RUNS_PER_LAG;
@@ -263,11 +266,11 @@ fn full_mean_square(bank: &Bank, largest: Option<&Subset>) -> Option<f64> {
 
 /// Measured, and measured less simulated, row by row, µm; with an offset of the fit, or from the first reading.
 fn rest(
-    pieces: &[Piece<'_>],
-    part: Part,
+    pieces: &[RunRows<'_>],
+    part: RowPart,
     is_free: bool,
     sensors: &[String],
-    terms: &[Candidate],
+    terms: &[LaggedSensor],
     um_per_k: &[f64],
 ) -> [Vec<f64>; 2] {
     let [mut measured, mut left] = [Vec::new(), Vec::new()];
@@ -295,7 +298,7 @@ fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-fn named(bank: &Bank, sensors: &[String], subset: &Subset, um_per_k: &[f64]) -> Vec<Term> {
+fn named(bank: &Bank, sensors: &[String], subset: &Subset, um_per_k: &[f64]) -> Vec<SensorTerm> {
     let name = |sensor: usize| sensors.get(sensor).cloned().unwrap_or_default();
     let mut out = Vec::new();
     for ((place, &member), &um_per_k) in subset.members.iter().enumerate().zip(um_per_k) {
@@ -314,13 +317,13 @@ fn named(bank: &Bank, sensors: &[String], subset: &Subset, um_per_k: &[f64]) -> 
                 alike.push(name(candidate));
             }
         }
-        out.push(Term { sensor: name(sensor), um_per_k, lag_s, alike });
+        out.push(SensorTerm { sensor: name(sensor), um_per_k, lag_s, alike });
     }
     out
 }
 
 /// The smallest size whose rest is within one standard error of the least, where that tells anything.
-fn choose(sizes: &[Size], rests: &[Vec<f64>]) -> Option<usize> {
+fn choose(sizes: &[SubsetSize], rests: &[Vec<f64>]) -> Option<usize> {
     let best = (0..sizes.len()).max_by(|&a, &b| sizes[a].independent.total_cmp(&sizes[b].independent))?;
     if sizes.get(best)?.independent <= 0.0 {
         return None;

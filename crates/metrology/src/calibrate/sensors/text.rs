@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::select::Selection;
+use super::select::SensorSelection;
 
 /// The entries; directions and positions without a model have a comment that says so.
 #[must_use]
-pub fn entries(selections: &[Selection]) -> String {
+pub fn entries(selections: &[SensorSelection]) -> String {
     let mut out = String::new();
     for selection in selections {
         let letter = ["X", "Y", "Z"].get(selection.direction).copied().unwrap_or("Z");
@@ -75,8 +75,9 @@ mod tests {
         let alike = vec!["nose\nof the spindle".into(), "column".into()];
         let term = Term { sensor: "bearing".into(), um_per_k: -1.5, lag_s: 0.0, alike };
         let size =
-            Size { terms: vec![term], cp: None, efficiency: 0.9, independent: 0.8, left_um: 2.0, is_exact: true };
-        let one = Selection { direction: 2, at: None, rows: 90, drift_um: 10.0, sizes: vec![size], chosen: Some(0) };
+            SubsetSize { terms: vec![term], cp: None, efficiency: 0.9, independent: 0.8, left_um: 2.0, is_exact: true };
+        let one =
+            SensorSelection { direction: 2, at: None, rows: 90, drift_um: 10.0, sizes: vec![size], chosen: Some(0) };
         let text = entries(&[one]);
         assert!(text.contains("\n# In place of bearing: nose of the spindle, column.\n[[drift]]\n"), "{text}");
         assert!(text.contains("    { name = \"bearing\", um_per_K = -1.50000 },\n"), "{text}");

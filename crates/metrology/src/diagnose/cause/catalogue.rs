@@ -18,7 +18,7 @@ pub enum Sought {
 
 /// A row.
 #[derive(Clone, Copy, Debug)]
-pub struct Entry {
+pub struct CatalogueEntry {
     /// Its number.
     pub number: u8,
     /// What it is.
@@ -38,13 +38,13 @@ pub struct Entry {
 #[rustfmt::skip]
 const fn entry(
     number: u8, title: &'static str, regressor: &'static str, shown_by: &'static str, confused_with: &'static str, separate_by: &'static str, sought: Sought,
-) -> Entry {
-    Entry { number, title, regressor, shown_by, confused_with, separate_by, sought }
+) -> CatalogueEntry {
+    CatalogueEntry { number, title, regressor, shown_by, confused_with, separate_by, sought }
 }
 
 /// All rows in their order.
 #[rustfmt::skip]
-pub const CATALOGUE: &[Entry] = &[
+pub const CATALOGUE: &[CatalogueEntry] = &[
     entry(1, "scale of an axis", "k·x", "laser, hole plate; ball-bar with a calibrated bar", "thermal scale, length of the bar", "measure at another temperature; two radii", Sought::By(&[&motion::CAUSE])),
     entry(2, "shape of the positioning error", "smooth in x", "laser", "cosine error of the set-up", "its slope only is the set-up's", Sought::By(&[&motion::CAUSE])),
     entry(3, "cyclic error of screw or encoder", "sin, cos 2πnx/P", "laser in fine steps, ball-bar", "vibration", "another feed", Sought::By(&[&periodic::CAUSE])),

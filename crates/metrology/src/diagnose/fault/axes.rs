@@ -6,7 +6,7 @@
 //! fit without.
 
 use super::exchanged_positions::{self, Turned};
-use super::readings::{Beside, Readings};
+use super::readings::{Allowance, WeighedReadings};
 use super::single::{by_one_cause, left, thinned};
 use super::{Check, Fault, Then, View};
 use crate::measure::data::DataSet;
@@ -47,17 +47,17 @@ const OF_ONE: [&str; 3] = ["dr_um", "", ""];
 
 /// A way to read three columns: how each comes from them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct ColumnMeaning {
     pub(super) permutation: [usize; 3],
     pub(super) sign: [f64; 3],
 }
 
-impl Way {
+impl ColumnMeaning {
     /// All, the one as they are first.
-    pub(super) fn all() -> impl Iterator<Item = Way> {
+    pub(super) fn all() -> impl Iterator<Item = ColumnMeaning> {
         PERMUTATIONS.into_iter().flat_map(|permutation| {
             let sign = |signs: usize| [0, 1, 2].map(|k| if signs >> k & 1 == 1 { -1.0 } else { 1.0 });
-            (0..8).map(move |signs| Way { permutation, sign: sign(signs) })
+            (0..8).map(move |signs| ColumnMeaning { permutation, sign: sign(signs) })
         })
     }
 
@@ -95,10 +95,10 @@ impl Way {
 
 /// What several ways leave, the one as it is first.
 struct Left<'w> {
-    ways: &'w [Way],
+    ways: &'w [ColumnMeaning],
     left: Vec<f64>,
     columns: [&'static str; 3],
-    beside: Beside,
+    beside: Allowance,
 }
 
 /// What was found.
@@ -106,12 +106,14 @@ struct Told {
     name: String,
     what: String,
     left: [f64; 2],
-    beside: Beside,
+    beside: Allowance,
 }
 
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, data) in view.sets() {
-        let (Some(readings), Some(trail)) = (Readings::new(view.scene, set), view.trails.get(set)) else { continue };
+        let (Some(readings), Some(trail)) = (WeighedReadings::new(view.scene, set), view.trails.get(set)) else {
+            continue;
+        };
         let noise = trail.noise_ratio().unwrap_or(1.0).powi(2).max(1e-6);
         let mut add = |name: String, what: String, evidence: String| {
             let rows = [0, data.observations.len().saturating_sub(1)];
@@ -131,7 +133,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             continue;
         }
         // What grows with an axis may be metres of an instrument; the length of a ball-bar is known.
-        let beside = if is_circle(data) { Beside::Nothing } else { Beside::Straight };
+        let beside = if is_circle(data) { Allowance::Nothing } else { Allowance::Straight };
         let away = readings.beside(view.scene, view.tips(), beside).map_or(0.0, |readings| readings.middle());
         if away > PLAUSIBLE_MM {
             let evidence = format!(
@@ -157,10 +159,10 @@ impl Told {
     fn evidence(&self, noise: f64) -> String {
         let [as_is, otherwise] = self.left.map(|left| (left / noise).sqrt());
         let beside = match self.beside {
-            Beside::Nothing => "",
-            Beside::Turning => " beside all that turns over with the sense of an axis",
-            Beside::Straight => " beside all that grows with an axis or turns over with its sense",
-            Beside::Bent => " beside all that grows with an axis, turns over with its sense or bends over it",
+            Allowance::Nothing => "",
+            Allowance::Turning => " beside all that turns over with the sense of an axis",
+            Allowance::Straight => " beside all that grows with an axis or turns over with its sense",
+            Allowance::Bent => " beside all that grows with an axis, turns over with its sense or bends over it",
         };
         let what = &self.what;
         let open = if self.left[1] > CLEAN * noise {
@@ -175,8 +177,8 @@ impl Told {
 }
 
 /// A component with the other sign.
-fn component(view: &View<'_, '_>, readings: &Readings, number: usize, noise: f64) -> Option<Told> {
-    for beside in Beside::ALL {
+fn component(view: &View<'_, '_>, readings: &WeighedReadings, number: usize, noise: f64) -> Option<Told> {
+    for beside in Allowance::ALL {
         let readings = readings.beside(view.scene, view.tips(), beside)?;
         let left = [1.0, -1.0].map(|times| readings.left_with(Some(number), times));
         if left[0] < FITS * noise.min(1.0) || readings.matched(Some(number)).size < SIZE * noise.sqrt() {
@@ -196,19 +198,19 @@ fn is_circle(data: &DataSet) -> bool {
 }
 
 /// The simplest of the other ways to read the columns that fits.
-fn columns(view: &View<'_, '_>, data: &DataSet, readings: &Readings, noise: f64) -> Option<Told> {
+fn columns(view: &View<'_, '_>, data: &DataSet, readings: &WeighedReadings, noise: f64) -> Option<Told> {
     let values = readings.values();
-    let ways: Vec<Way> = Way::all().filter(|way| way.is_of(&values)).collect();
+    let ways: Vec<ColumnMeaning> = ColumnMeaning::all().filter(|way| way.is_of(&values)).collect();
     let columns = if is_circle(data) { OF_ONE } else { COLUMNS };
     let mut turned: Option<Turned> = None;
     let mut told: Option<Told> = None;
     let mut first: Option<Vec<f64>> = None;
-    for beside in Beside::ALL {
+    for beside in Allowance::ALL {
         let Some(own) = readings.beside(view.scene, view.tips(), beside) else { break };
         let left: Vec<f64> = ways.iter().map(|way| own.left_if(None, &|value, all| way.of(value, all), 1.0)).collect();
         let left = Left { ways: &ways, left, columns, beside };
         // Where much goes with it, the readings as they are fit better than they did.
-        if left.fits_as_is(noise) && (beside == Beside::Nothing || left.told(noise, CLEAN).is_none()) {
+        if left.fits_as_is(noise) && (beside == Allowance::Nothing || left.told(noise, CLEAN).is_none()) {
             break;
         }
         let as_is = left.as_is();
@@ -230,7 +232,7 @@ fn columns(view: &View<'_, '_>, data: &DataSet, readings: &Readings, noise: f64)
     }
     // Where a cause stands beside it nothing fits before so much may go with it that everything does: then the simplest level says, if all runs do.
     told.or_else(|| {
-        let first = Left { ways: &ways, left: first?, columns, beside: Beside::Nothing };
+        let first = Left { ways: &ways, left: first?, columns, beside: Allowance::Nothing };
         let (_, best) = first.left.iter().zip(&ways).min_by(|a, b| a.0.total_cmp(b.0))?;
         let (runs, share) = readings.better_if(&|value, all| best.of(value, all));
         first.told(noise, f64::INFINITY).filter(|_| runs >= RUNS && share > SHARE)
@@ -251,14 +253,14 @@ impl Left<'_> {
         let as_is = self.as_is();
         let best = self.left.iter().copied().fold(f64::INFINITY, f64::min);
         // What goes with it may fit better by chance: causes that are not among it leave a little more than noise either way.
-        let least = if self.beside == Beside::Nothing { 0.0 } else { MUCH * noise };
+        let least = if self.beside == Allowance::Nothing { 0.0 } else { MUCH * noise };
         if best > fits * noise || as_is < (WORSE * best).max(least) {
             return None;
         }
         let good = || self.ways.iter().zip(&self.left).filter(|(_, left)| **left < TIE * best);
         let simplest = good().map(|(way, _)| way.moved()).min()?;
         // With much that goes with them, one of many ways fits by chance.
-        if self.beside != Beside::Nothing && simplest > SIMPLE {
+        if self.beside != Allowance::Nothing && simplest > SIMPLE {
             return None;
         }
         let mut simple = good().filter(|(way, _)| way.moved() == simplest);

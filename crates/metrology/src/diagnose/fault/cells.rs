@@ -46,14 +46,14 @@ pub(super) fn sensors(data: &DataSet) -> Vec<Sensor> {
 
 /// The clock of a table: how jumps of a sensor from one row to the next are told from what warms up.
 #[derive(Debug)]
-pub(super) struct Clock {
+pub(super) struct TableClock {
     times: Vec<f64>,
     /// Longer than this is a pause, s, behind which a machine may have become another one.
     pause: f64,
 }
 
-impl Clock {
-    pub(super) fn new(data: &DataSet) -> Clock {
+impl TableClock {
+    pub(super) fn new(data: &DataSet) -> TableClock {
         /// A pause is longer than so many of the longer usual intervals.
         const PAUSE: f64 = 3.0;
         /// Interval below which nothing warms up, s.
@@ -64,7 +64,7 @@ impl Clock {
         let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
         steps.sort_by(f64::total_cmp);
         let usual = steps.get(steps.len() * 9 / 10).copied().unwrap_or(0.0);
-        Clock { times, pause: (PAUSE * usual).max(SHORT_S) }
+        TableClock { times, pause: (PAUSE * usual).max(SHORT_S) }
     }
 
     fn step(&self, from: usize, to: usize) -> Option<f64> {

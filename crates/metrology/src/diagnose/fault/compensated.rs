@@ -1,6 +1,6 @@
 //! Readings of a machine whose control already takes out what the model has: an active table. What is left is the known map with the other sign.
 
-use super::readings::Readings;
+use super::readings::WeighedReadings;
 use super::single::{MOST, by_one_cause, left, thinned};
 use super::{Check, Fault, Then, View};
 
@@ -32,7 +32,7 @@ const NEAR: f64 = 0.1;
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     let scene = view.scene;
     for (set, data) in view.sets() {
-        let (Some(readings), Some(trail)) = (Readings::new(scene, set), view.trails.get(set)) else { continue };
+        let (Some(readings), Some(trail)) = (WeighedReadings::new(scene, set), view.trails.get(set)) else { continue };
         let noise = trail.noise_ratio().unwrap_or(1.0).powi(2).max(1e-6);
         let matched = readings.matched(None);
         if matched.size < SIZE * noise.sqrt() {

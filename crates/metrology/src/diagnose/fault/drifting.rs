@@ -6,9 +6,9 @@
 use super::cells::Sensor;
 use super::fading;
 use super::sharp::{EACH, usual_of};
-use super::step::{self, Change};
+use super::step::{self, ChangePoint};
 use super::switched;
-use super::trail::{Channel, Trail};
+use super::trail::{ReadingTrail, Trail};
 use crate::measure::data::DataSet;
 use ncfix_base::numeric::in_parts;
 
@@ -37,7 +37,7 @@ const COLUMNS: usize = 32;
 const READINGS: usize = 8;
 
 /// The step that stands out most beside what drifts.
-pub(super) fn change(trail: &Trail, data: &DataSet, sensors: &[Sensor]) -> Option<Change> {
+pub(super) fn change(trail: &Trail, data: &DataSet, sensors: &[Sensor]) -> Option<ChangePoint> {
     if !trail.has_sense {
         return None;
     }
@@ -89,7 +89,7 @@ fn breaks(trail: &Trail) -> Vec<usize> {
 }
 
 /// By how much lines through some readings on both sides miss each other before each row.
-fn misses(trail: &Trail, channel: &Channel, side: usize) -> Vec<(usize, f64)> {
+fn misses(trail: &Trail, channel: &ReadingTrail, side: usize) -> Vec<(usize, f64)> {
     // What a line through equally spaced readings says half a step beyond its end.
     let count = side as f64;
     let spread = count * (count * count - 1.0) / 12.0;
@@ -111,7 +111,7 @@ fn misses(trail: &Trail, channel: &Channel, side: usize) -> Vec<(usize, f64)> {
 
 /// Whether readings jump back elsewhere.
 fn goes_back(trail: &Trail, row: usize) -> bool {
-    let jump = |channel: &Channel, at: usize| -> Option<f64> {
+    let jump = |channel: &ReadingTrail, at: usize| -> Option<f64> {
         let from = at.checked_sub(SIDE)?;
         let [(behind, _), (before, _)] = [channel.mean(at, at + SIDE)?, channel.mean(from, at)?];
         Some(behind - before)
@@ -127,7 +127,7 @@ fn goes_back(trail: &Trail, row: usize) -> bool {
         .sum();
     let rows = (0..trail.rows).filter(|other| other.abs_diff(row) > SIDE && !trail.is_border(*other, SIDE));
     let most = rows.map(|other| {
-        let of = |(channel, own): (&Channel, &Option<f64>)| {
+        let of = |(channel, own): (&ReadingTrail, &Option<f64>)| {
             let there = jump(channel, channel.range(other, other).start)?;
             Some((*own)? * there / channel.noise.powi(2))
         };
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn lines_that_rise_alike_break_where_one_jumps() {
         let trail = |jump: f64| {
-            let mut channel = Channel::default();
+            let mut channel = ReadingTrail::default();
             channel.at = (0..200).map(|row| (row, 0)).collect();
             let read = |row: i32| 0.01 * f64::from(row) + if row < 100 { 0.0 } else { jump };
             channel.left = (0..200).map(read).collect();

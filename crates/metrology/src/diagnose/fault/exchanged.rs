@@ -2,7 +2,7 @@
 //!
 //! Only the change shows it: two sensors that were exchanged from the beginning are two sensors with each other's names, which no reading contradicts.
 
-use super::cells::{Clock, Sensor};
+use super::cells::{Sensor, TableClock};
 use super::{Check, Fault, Then, View, spread};
 
 pub(super) const CHECK: Check = Check {
@@ -35,7 +35,7 @@ struct Swap {
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
         let Some(data) = view.scene.sets.get(set) else { continue };
-        let clock = Clock::new(data);
+        let clock = TableClock::new(data);
         let Some(best) = best(sensors, &clock).or_else(|| over_rows(sensors, &clock)) else { continue };
         let names = best.pair.map(|number| sensors[number].name.clone());
         out.push(Fault {
@@ -53,7 +53,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     }
 }
 
-fn best(sensors: &[Sensor], clock: &Clock) -> Option<Swap> {
+fn best(sensors: &[Sensor], clock: &TableClock) -> Option<Swap> {
     let rows = sensors.iter().map(|sensor| sensor.values.len()).max()?;
     let jumps: Vec<Vec<Option<f64>>> = sensors
         .iter()
@@ -89,7 +89,7 @@ fn best(sensors: &[Sensor], clock: &Clock) -> Option<Swap> {
 
 /// Two sensors that are less apart than their noise shows in one row: by the means of some rows on both sides of their difference, which changes its
 /// sign, and of their sum, which does not jump.
-fn over_rows(sensors: &[Sensor], clock: &Clock) -> Option<Swap> {
+fn over_rows(sensors: &[Sensor], clock: &TableClock) -> Option<Swap> {
     let mut best: Option<Swap> = None;
     for one in 0..sensors.len() {
         for other in one + 1..sensors.len() {
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn sensors_far_apart_that_are_exchanged_leave_their_noise() {
         let machine = bench::machine();
-        let clock = Clock::new(&bench::reads_along_x(&machine, &[0.0; 60]));
+        let clock = TableClock::new(&bench::reads_along_x(&machine, &[0.0; 60]));
         let swapped = sensors([[20.0, 35.0], [35.0, 20.0], [22.0, 22.0]], 60);
         let found = best(&swapped, &clock).unwrap();
         assert_eq!((found.row, found.pair), (30, [0, 1]));
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn sensors_that_are_nearly_alike_are_told_by_means_over_rows() {
         let machine = bench::machine();
-        let clock = Clock::new(&bench::reads_along_x(&machine, &[0.0; 120]));
+        let clock = TableClock::new(&bench::reads_along_x(&machine, &[0.0; 120]));
         // 0.3 K apart with a noise of 0.1 K at most.
         let alike = sensors([[20.0, 20.3], [20.3, 20.0]], 120);
         let found = over_rows(&alike, &clock).unwrap();

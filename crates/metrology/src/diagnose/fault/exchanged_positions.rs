@@ -1,7 +1,7 @@
 //! Positions of the linear axes in each other's columns, or with the other sign: what would be left of the readings if they were so.
 
-use super::axes::Way;
-use super::readings::{Beside, Readings};
+use super::axes::ColumnMeaning;
+use super::readings::{Allowance, WeighedReadings};
 use crate::diagnose::scene::{Scene, Through};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::{AXES, Axis};
@@ -17,7 +17,7 @@ const BEYOND_MM: f64 = 1.0;
 
 /// Ways to read the positions, the one as they are first, and what each of the others leaves beside what.
 pub(super) struct Turned {
-    pub(super) ways: Vec<Way>,
+    pub(super) ways: Vec<ColumnMeaning>,
     pub(super) left: Vec<[f64; 4]>,
 }
 
@@ -33,8 +33,8 @@ pub(super) fn turned(scene: &Scene<'_>, data: &DataSet) -> Turned {
         at.len() >= PLACES
     };
     let there: Vec<usize> = (0..linear.len().min(3)).filter(|&k| moves(linear[k])).collect();
-    let mut out = Turned { ways: Way::all().take(1).collect(), left: Vec::new() };
-    for way in Way::all().skip(1).filter(|way| way.is_of(&there)) {
+    let mut out = Turned { ways: ColumnMeaning::all().take(1).collect(), left: Vec::new() };
+    for way in ColumnMeaning::all().skip(1).filter(|way| way.is_of(&there)) {
         let mut best: Option<[f64; 4]> = None;
         // The senses may stand in columns of their own, or follow from the positions.
         for with_senses in [false, true] {
@@ -67,7 +67,7 @@ fn thinned(data: &DataSet) -> DataSet {
     out
 }
 
-fn read_by(data: &DataSet, way: &Way, linear: &[Axis], with_senses: bool) -> Option<DataSet> {
+fn read_by(data: &DataSet, way: &ColumnMeaning, linear: &[Axis], with_senses: bool) -> Option<DataSet> {
     let mut out = data.clone();
     for (to, from) in out.observations.iter_mut().zip(&data.observations) {
         for k in 0..3 {
@@ -94,9 +94,9 @@ fn is_within(machine: &Machine, data: &DataSet) -> bool {
 fn left(machine: &Machine, errors: &ErrorModel, data: DataSet) -> Option<[f64; 4]> {
     let sets = [data];
     let scene = Scene::new(machine, errors, &sets).ok()?;
-    let readings = Readings::new(&scene, 0)?;
+    let readings = WeighedReadings::new(&scene, 0)?;
     let tips = [0, 1, 2].map(|k| scene.factors(Through::Tip(k)));
-    Some(Beside::ALL.map(|beside| {
+    Some(Allowance::ALL.map(|beside| {
         let own = readings.beside(&scene, &tips, beside);
         own.map_or(f64::INFINITY, |own| own.left_with(None, 1.0))
     }))

@@ -2,8 +2,8 @@
 //!
 //! Beside a drift that sensors and time take up, the rest of a shift that fades looks flat. Both are therefore fitted beside all that drifts.
 
-use super::step::Change;
-use super::trail::{Channel, Trail};
+use super::step::ChangePoint;
+use super::trail::{ReadingTrail, Trail};
 use crate::measure::data::DataSet;
 use ncfix_base::numeric::Series;
 
@@ -13,7 +13,7 @@ const TAUS_S: [f64; 6] = [450.0, 900.0, 1500.0, 2400.0, 3600.0, 5400.0];
 const MORE: f64 = 8.0;
 
 /// Whether a shift from a row on that fades says the readings surely better than one that stays, beside what goes with the senses of their channels.
-pub(super) fn fades(trail: &Trail, data: &DataSet, change: &Change) -> bool {
+pub(super) fn fades(trail: &Trail, data: &DataSet, change: &ChangePoint) -> bool {
     let times: Option<Vec<f64>> = data.observations.iter().map(|one| one.t_s).collect();
     let Some(times) = times else { return false };
     let Some(begin) = times.get(change.row) else { return false };
@@ -29,7 +29,7 @@ pub(super) fn fades(trail: &Trail, data: &DataSet, change: &Change) -> bool {
 
 /// Squares, in squares of the noise, that are left of all channels beside a column by row.
 fn left(trail: &Trail, column: &dyn Fn(usize) -> f64) -> f64 {
-    let of_channel = |channel: &Channel| {
+    let of_channel = |channel: &ReadingTrail| {
         let counts = |k: &usize| channel.value[*k].is_finite() && channel.group[*k] < channel.groups;
         let known: Vec<usize> = (0..channel.at.len()).filter(counts).collect();
         // Against the same repetitions.

@@ -1,7 +1,7 @@
 //! The first cycle: a machine that has not yet settled reads otherwise than in all later ones (ISO 230-2 has it warmed up by cycles that do not count).
 
 use super::sharp::{CHANCE, EACH};
-use super::step::{Change, change, evidence};
+use super::step::{ChangePoint, change, evidence};
 use super::trail::Trail;
 use super::{Check, Fault, Then, View, spread};
 use crate::measure::data::DataSet;
@@ -46,7 +46,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
 }
 
 /// Whether a step parts the first cycle from the others.
-pub(super) fn is_early(trail: &Trail, change: &Change) -> bool {
+pub(super) fn is_early(trail: &Trail, change: &ChangePoint) -> bool {
     trail.blocks.first().is_some_and(|block| block[0] == change.block[0])
         && ((change.row - change.block[0]) as f64) < EARLY * trail.rows as f64
         && 2 * (change.row - change.block[0]) < change.block[1] - change.row

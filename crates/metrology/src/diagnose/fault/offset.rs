@@ -1,6 +1,6 @@
 //! A sensor that reads some kelvin more or less from one row on: it came off and was fixed elsewhere, or its amplifier changed.
 
-use super::cells::Clock;
+use super::cells::TableClock;
 use super::{Check, Fault, Then, View, spread};
 use crate::measure::data::DataSet;
 
@@ -22,7 +22,7 @@ const LARGEST: f64 = 2.5;
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
         let Some(data) = view.scene.sets.get(set) else { continue };
-        let clock = Clock::new(data);
+        let clock = TableClock::new(data);
         let jumps: Vec<Vec<f64>> = sensors
             .iter()
             .map(|sensor| {

@@ -1,6 +1,6 @@
 //! Single readings far from the one before, the one behind and their own repetitions. A spike behind a reversal comes again at the next visit and is none.
 
-use super::trail::Channel;
+use super::trail::ReadingTrail;
 use super::{Check, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
@@ -32,7 +32,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     }
 }
 
-fn far(channel: &Channel) -> Vec<(usize, usize)> {
+fn far(channel: &ReadingTrail) -> Vec<(usize, usize)> {
     let left = |place: usize| channel.left.get(place).copied().filter(|left| left.is_finite());
     let limit = FAR * channel.noise;
     let is_far = |place: usize| {

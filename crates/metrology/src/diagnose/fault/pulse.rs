@@ -2,7 +2,7 @@
 //! sharp ends, and neither before nor behind nor at another visit of the same places.
 
 use super::sharp::{CHANCE, EACH, END, sharpness};
-use super::trail::{Channel, Trail};
+use super::trail::{ReadingTrail, Trail};
 use super::{Check, Fault, Then, View, spread, switched};
 
 pub(super) const CHECK: Check = Check {
@@ -128,7 +128,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     }
 }
 
-fn contrast(trail: &Trail, channel: &Channel, rows: [usize; 2]) -> Option<Contrast> {
+fn contrast(trail: &Trail, channel: &ReadingTrail, rows: [usize; 2]) -> Option<Contrast> {
     let whole = channel.range(rows[0], rows[1]);
     // The piece in which most of it is: another piece has another zero.
     let middle = channel.at.get(usize::midpoint(whole.start, whole.end.checked_sub(1)?))?.0;

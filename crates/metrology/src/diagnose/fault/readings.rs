@@ -9,7 +9,7 @@ const MOST: f64 = 25.0;
 
 /// One measurement, in units of the uncertainty of each reading.
 #[derive(Debug)]
-pub(super) struct Readings {
+pub(super) struct WeighedReadings {
     /// Row, value and number of the component of each.
     pub(super) at: Vec<[usize; 3]>,
     read: Vec<f64>,
@@ -26,7 +26,7 @@ pub(super) struct Readings {
 
 /// How much of what may be wrong with the machine is let go with the readings: a fault beside a cause is else not told from what it makes of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Beside {
+pub(super) enum Allowance {
     /// The set-ups only.
     Nothing,
     /// Also everything that turns over with the sense of an axis.
@@ -37,9 +37,10 @@ pub(super) enum Beside {
     Bent,
 }
 
-impl Beside {
+impl Allowance {
     /// From the least to the most.
-    pub(super) const ALL: [Beside; 4] = [Beside::Nothing, Beside::Turning, Beside::Straight, Beside::Bent];
+    pub(super) const ALL: [Allowance; 4] =
+        [Allowance::Nothing, Allowance::Turning, Allowance::Straight, Allowance::Bent];
 }
 
 /// How readings go with the prediction.
@@ -55,8 +56,8 @@ pub(super) struct Match {
     pub(super) size: f64,
 }
 
-impl Readings {
-    pub(super) fn new(scene: &Scene<'_>, set: usize) -> Option<Readings> {
+impl WeighedReadings {
+    pub(super) fn new(scene: &Scene<'_>, set: usize) -> Option<WeighedReadings> {
         let data = scene.sets.get(set)?;
         let (mut at, mut read, mut predicted, mut weights) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (mut items, mut numbers, mut sigma, mut run) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -92,14 +93,14 @@ impl Readings {
         columns.iter().for_each(|column| {
             series.take(column);
         });
-        (!at.is_empty()).then_some(Readings { at, read, predicted, items: numbers, sigma, of_row, run, series })
+        (!at.is_empty()).then_some(WeighedReadings { at, read, predicted, items: numbers, sigma, of_row, run, series })
     }
 
     /// The same where something may go with the readings beside the set-ups; `None` where too few are left to say anything.
-    pub(super) fn beside(&self, scene: &Scene<'_>, tips: &[Vec<f64>], what: Beside) -> Option<Readings> {
+    pub(super) fn beside(&self, scene: &Scene<'_>, tips: &[Vec<f64>], what: Allowance) -> Option<WeighedReadings> {
         /// Readings for each unknown at least.
         const READINGS: usize = 3;
-        let mut out = Readings {
+        let mut out = WeighedReadings {
             at: self.at.clone(),
             read: self.read.clone(),
             predicted: self.predicted.clone(),
@@ -109,7 +110,7 @@ impl Readings {
             run: self.run.clone(),
             series: self.series.clone(),
         };
-        if what == Beside::Nothing {
+        if what == Allowance::Nothing {
             return Some(out);
         }
         let row = |item: usize| scene.items.get(item).and_then(|item| scene.rows.get(item.row));
@@ -124,9 +125,9 @@ impl Readings {
                 let [low, high] = at.fold([f64::MAX, f64::MIN], |[low, high], at| [low.min(at), high.max(at)]);
                 let (middle, half) = (f64::midpoint(low, high), ((high - low) / 2.0).max(f64::MIN_POSITIVE));
                 out.series.take(&own(&|row| row.sense_of(axis)));
-                if high > low && what != Beside::Turning {
+                if high > low && what != Allowance::Turning {
                     out.series.take(&own(&|row| (row.position[axis] - middle) / half));
-                    if what == Beside::Bent {
+                    if what == Allowance::Bent {
                         out.series.take(&own(&|row| ((row.position[axis] - middle) / half).powi(2)));
                     }
                 }

@@ -2,7 +2,7 @@
 //! goes as far, but not at once.
 
 use super::spread;
-use super::trail::{Channel, Trail};
+use super::trail::{ReadingTrail, Trail};
 
 /// Sums of squares in what is usual are no chance beyond this (1e-7 or less over all places), where each channel counts less by
 pub(super) const CHANCE: f64 = 24.0;
@@ -35,7 +35,7 @@ pub(super) fn sharpness(trail: &Trail, row: usize, most: usize) -> Option<f64> {
 }
 
 /// The mean of some readings from a row on less that of as many before it.
-fn jump(channel: &Channel, block: [usize; 2], row: usize, side: usize) -> Option<f64> {
+fn jump(channel: &ReadingTrail, block: [usize; 2], row: usize, side: usize) -> Option<f64> {
     let piece = channel.range(block[0], block[1]);
     let at = channel.range(row, row).start;
     let [from, until] = [channel.before(at, side, piece.start), channel.beyond(at, side, piece.end)];
@@ -46,13 +46,13 @@ fn jump(channel: &Channel, block: [usize; 2], row: usize, side: usize) -> Option
     (many == side && of_before == side && goes_on).then_some(behind - before)
 }
 
-fn jumps(channel: &Channel, side: usize) -> impl Iterator<Item = f64> {
+fn jumps(channel: &ReadingTrail, side: usize) -> impl Iterator<Item = f64> {
     let at = (side..channel.at.len().saturating_sub(side)).step_by((side / 8).max(1));
     at.filter_map(move |k| Some(channel.mean(k, k + side)?.0 - channel.mean(k - side, k)?.0))
 }
 
 /// What warms up differs more in some pieces than in most: the standard deviation by what a tenth of all exceeds.
-fn often(channel: &Channel, side: usize) -> f64 {
+fn often(channel: &ReadingTrail, side: usize) -> f64 {
     tenth(jumps(channel, side).collect())
 }
 
@@ -71,7 +71,7 @@ pub(super) fn usual_of(jumps: impl Iterator<Item = f64>, least: f64) -> f64 {
 }
 
 /// As neighbouring pieces differ where nothing is.
-pub(super) fn usual(channel: &Channel, side: usize) -> f64 {
+pub(super) fn usual(channel: &ReadingTrail, side: usize) -> f64 {
     spread(jumps(channel, side)).max(LEAST * channel.noise * (2.0 / side as f64).sqrt())
 }
 
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn a_jump_counts_in_what_is_usual_and_needs_readings_on_both_sides() {
-        let mut channel = Channel::default();
+        let mut channel = ReadingTrail::default();
         channel.at = (0..200).map(|row| (row, 0)).collect();
         channel.left = (0..200).map(|row| if row < 100 { 0.0 } else { 1.0 }).collect();
         (channel.noise, channel.step) = (0.1, 1);

@@ -1,6 +1,6 @@
 //! What a single cause of the machine explains: a fault of the data is said only where none does it as well.
 
-use super::readings::Readings;
+use super::readings::WeighedReadings;
 use crate::diagnose::scene::{Scene, Through};
 use crate::measure::data::DataSet;
 use ncfix_machine::machine::Machine;
@@ -13,7 +13,7 @@ pub(super) const MOST: f64 = 5.0;
 
 /// What is left of all measurements, in units of the uncertainty, one after the other.
 #[derive(Debug)]
-pub(super) struct Left {
+pub(super) struct SingleResiduals {
     pub(super) values: Vec<f64>,
     pub(super) squares: f64,
 }
@@ -33,19 +33,19 @@ pub(super) fn thinned(data: &DataSet) -> DataSet {
 }
 
 /// The readings of some measurements beside what a machine with the known errors says of them, each up to `most` in σ.
-pub(super) fn left(machine: &Machine, scene: &Scene<'_>, sets: &[DataSet], most: f64) -> Option<Left> {
+pub(super) fn left(machine: &Machine, scene: &Scene<'_>, sets: &[DataSet], most: f64) -> Option<SingleResiduals> {
     let own = Scene::new(machine, &scene.errors, sets).ok()?;
     let values: Vec<f64> =
-        (0..sets.len()).filter_map(|set| Readings::new(&own, set)).flat_map(|one| one.left()).collect();
+        (0..sets.len()).filter_map(|set| WeighedReadings::new(&own, set)).flat_map(|one| one.left()).collect();
     let values: Vec<f64> = values.into_iter().map(|left| left.clamp(-most, most)).collect();
     let squares = values.iter().map(|left| left * left).sum();
-    Some(Left { values, squares })
+    Some(SingleResiduals { values, squares })
 }
 
 /// What is left with the cause that explains most: an error of one axis that is constant, grows, bends or turns over with its sense.
-pub(super) fn by_one_cause(machine: &Machine, sets: &[DataSet], as_is: &Left) -> f64 {
+pub(super) fn by_one_cause(machine: &Machine, sets: &[DataSet], as_is: &SingleResiduals) -> f64 {
     let Ok(scene) = Scene::new(machine, &ncfix_model::ErrorModel::default(), sets) else { return 0.0 };
-    let readings: Vec<Readings> = (0..sets.len()).filter_map(|set| Readings::new(&scene, set)).collect();
+    let readings: Vec<WeighedReadings> = (0..sets.len()).filter_map(|set| WeighedReadings::new(&scene, set)).collect();
     let mut most = 0.0_f64;
     for axis in machine.axes.iter().flatten().map(|data| data.axis) {
         let at = |row: usize| scene.rows.get(row).map_or(0.0, |row| row.position[axis]);

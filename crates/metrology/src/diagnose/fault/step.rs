@@ -2,9 +2,9 @@
 //!
 //! What warms up, cools down or is switched on and off is none: it does not begin within a reading, does not stay, or comes with a driver.
 
-use super::cells::Clock;
+use super::cells::TableClock;
 use super::sharp::{CHANCE, EACH, END, sharpness, usual};
-use super::trail::{Channel, Trail};
+use super::trail::{ReadingTrail, Trail};
 use super::{Check, Fault, Then, View, drifting, switched};
 use crate::measure::data::DataSet;
 
@@ -49,7 +49,7 @@ const AT_ONCE: f64 = 18.0;
 
 /// A change point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Change {
+pub(super) struct ChangePoint {
     /// The first row behind it.
     pub(super) row: usize,
     /// Its block.
@@ -85,7 +85,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
 }
 
 /// In words.
-pub(super) fn evidence(change: &Change) -> String {
+pub(super) fn evidence(change: &ChangePoint) -> String {
     format!(
         "readings shift by {:.1} times their noise within a reading and stay: flat over {} readings on both sides, against earlier visits of the same places",
         change.size, change.side
@@ -93,7 +93,7 @@ pub(super) fn evidence(change: &Change) -> String {
 }
 
 /// The change that stands out most, if it is a step.
-pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
+pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<ChangePoint> {
     // Where every visit comes from another side, a new side looks like a step.
     if !trail.has_sense {
         return None;
@@ -145,7 +145,7 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
         .collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     all.truncate(TRIED);
-    let mut found: Option<Change> = None;
+    let mut found: Option<ChangePoint> = None;
     for (_, block, gains) in all {
         let most = |from: usize, until: usize| {
             (from.max(block[0] + 1)..=until.min(block[1]))
@@ -177,8 +177,8 @@ pub(super) fn judged(
     block: [usize; 2],
     (row, gain): (usize, f64),
     (at_once, most, sharp): (f64, usize, f64),
-) -> Option<(Change, Trail)> {
-    let goes_on = Clock::new(data).goes_on(row.saturating_sub(PAUSE), (row + PAUSE).min(block[1]));
+) -> Option<(ChangePoint, Trail)> {
+    let goes_on = TableClock::new(data).goes_on(row.saturating_sub(PAUSE), (row + PAUSE).min(block[1]));
     if gain < LEAST || !goes_on {
         return None;
     }
@@ -193,7 +193,7 @@ pub(super) fn judged(
     });
     let (_, end, around) = all.reduce(|best, other| if other.0 > SHORTER * best.0 { other } else { best })?;
     let change = beside(&around, [block[0], end], row, gain)?;
-    let change = Change { row: sharpest(&around, &change), ..change };
+    let change = ChangePoint { row: sharpest(&around, &change), ..change };
     let row = change.row;
     let is_sharp = || sharpness(&around, row, most).is_some_and(|sharpness| sharpness > at_once);
     let is_one = change.size > SIZE
@@ -201,12 +201,12 @@ pub(super) fn judged(
         && is_step(&around, &change, sharp)
         && !switched::is_driven(&around, &change, data);
     let until = if end < block[1] { end } else { trail.rows.saturating_sub(1) };
-    is_one.then_some((Change { until, ..change }, around))
+    is_one.then_some((ChangePoint { until, ..change }, around))
 }
 
 /// The squares that a shift of some rows explains, in squares of the noise: readings are beside the visits that do not have it.
 fn explained(around: &Trail, rows: [usize; 2]) -> f64 {
-    let of = |channel: &Channel| {
+    let of = |channel: &ReadingTrail| {
         let range = channel.range(rows[0], rows[1]);
         let known = channel.left.iter().filter(|left| left.is_finite()).count() as f64;
         let (amount, inside) = channel.mean(range.start, range.end)?;
@@ -217,9 +217,9 @@ fn explained(around: &Trail, rows: [usize; 2]) -> f64 {
 }
 
 /// The row near a step before and behind which readings differ most.
-fn sharpest(around: &Trail, change: &Change) -> usize {
+fn sharpest(around: &Trail, change: &ChangePoint) -> usize {
     let differs = |row: usize| -> f64 {
-        let of = |channel: &Channel| {
+        let of = |channel: &ReadingTrail| {
             let (range, at) = (channel.range(change.block[0], change.block[1]), channel.range(row, row).start);
             let [from, until] =
                 [channel.before(at, change.side, range.start), channel.beyond(at, change.side, range.end)];
@@ -232,7 +232,7 @@ fn sharpest(around: &Trail, change: &Change) -> usize {
 }
 
 /// A change at a row, over the longest sides that its piece has.
-fn beside(trail: &Trail, block: [usize; 2], row: usize, gain: f64) -> Option<Change> {
+fn beside(trail: &Trail, block: [usize; 2], row: usize, gain: f64) -> Option<ChangePoint> {
     for side in SIDES {
         let (mut size, mut count) = (0.0, 0.0_f64);
         for channel in &trail.channels {
@@ -250,13 +250,13 @@ fn beside(trail: &Trail, block: [usize; 2], row: usize, gain: f64) -> Option<Cha
             count += 1.0;
         }
         if count > 0.0 && side as f64 * count >= READINGS {
-            return Some(Change { row, block, until: block[1], gain, size: (size / count).sqrt(), side });
+            return Some(ChangePoint { row, block, until: block[1], gain, size: (size / count).sqrt(), side });
         }
     }
     None
 }
 
-fn is_step(trail: &Trail, change: &Change, sharp: f64) -> bool {
+fn is_step(trail: &Trail, change: &ChangePoint, sharp: f64) -> bool {
     let (mut whole, mut end, mut slopes) = (0.0, 0.0, [0.0; 2]);
     for channel in &trail.channels {
         let at = channel.range(change.row, change.row).start;
@@ -285,7 +285,7 @@ mod tests {
 
     #[test]
     fn a_step_begins_where_readings_differ_most() {
-        let mut channel = Channel::default();
+        let mut channel = ReadingTrail::default();
         channel.at = (0..200).map(|row| (row, 0)).collect();
         channel.left = (0..200).map(|row| if row < 100 { -1.0 } else { 1.0 }).collect();
         (channel.noise, channel.step) = (0.1, 1);
@@ -293,7 +293,7 @@ mod tests {
         let mut trail = Trail::default();
         (trail.channels, trail.blocks, trail.rows) = (vec![channel], vec![[0, 199]], 200);
         let found = |row: usize| {
-            sharpest(&trail, &Change { row, block: [0, 199], until: 199, gain: 100.0, size: 20.0, side: 12 })
+            sharpest(&trail, &ChangePoint { row, block: [0, 199], until: 199, gain: 100.0, size: 20.0, side: 12 })
         };
         assert_eq!([98, 99, 100, 101, 102].map(found), [100; 5]);
     }

@@ -1,7 +1,7 @@
 //! Drivers that are switched: what comes and goes with one is an effect of the machine, not a fault of the data.
 
-use super::step::Change;
-use super::trail::{Channel, Trail};
+use super::step::ChangePoint;
+use super::trail::{ReadingTrail, Trail};
 use crate::measure::data::{DataSet, Driver};
 
 /// Rows from a change within which a driver goes with it.
@@ -34,11 +34,11 @@ pub(super) fn is_on_in(data: &DataSet, [first, last]: [usize; 2]) -> bool {
 }
 
 /// Whether a driver changes at a step as well and the readings follow it elsewhere too.
-pub(super) fn is_driven(trail: &Trail, change: &Change, data: &DataSet) -> bool {
+pub(super) fn is_driven(trail: &Trail, change: &ChangePoint, data: &DataSet) -> bool {
     switches(data).any(|driver| goes_with(trail, change, driver))
 }
 
-fn goes_with(trail: &Trail, change: &Change, driver: &Driver) -> bool {
+fn goes_with(trail: &Trail, change: &ChangePoint, driver: &Driver) -> bool {
     let value = |row: usize| value(driver, row);
     let [before, behind] = [value(change.row.saturating_sub(NEAR)), value(change.row + NEAR)];
     if !(before != behind && before.is_finite() && behind.is_finite()) {
@@ -81,14 +81,14 @@ fn goes_with(trail: &Trail, change: &Change, driver: &Driver) -> bool {
 }
 
 /// Mean behind a change less that before it.
-fn jump(channel: &Channel, change: &Change) -> f64 {
+fn jump(channel: &ReadingTrail, change: &ChangePoint) -> f64 {
     let at = channel.range(change.row, change.row).start;
     let mean = |from: usize, to: usize| channel.mean(from, to).map_or(0.0, |one| one.0);
     mean(at, at + change.side) - mean(at.saturating_sub(change.side), at)
 }
 
 /// Whether little is left of a step between rows behind and before it in which the driver says the same: by the middle of its levels behind it.
-fn is_gone_at_levels(trail: &Trail, change: &Change, driver: &Driver, alike: f64) -> bool {
+fn is_gone_at_levels(trail: &Trail, change: &ChangePoint, driver: &Driver, alike: f64) -> bool {
     let levels = |rows: std::ops::Range<usize>| {
         let mut levels: Vec<f64> = rows.map(|row| value(driver, row)).filter(|level| level.is_finite()).collect();
         levels.sort_by(f64::total_cmp);

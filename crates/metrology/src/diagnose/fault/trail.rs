@@ -19,7 +19,7 @@ const MANNER: [&str; 5] = ["feed_mm_min", "load_N", "load_x_mm", "load_y_mm", "s
 
 /// Readings of one kind one after the other: one value, or one component.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Channel {
+pub(super) struct ReadingTrail {
     /// Row and value of each.
     pub(super) at: Vec<(usize, usize)>,
     /// What the model leaves, mm or rad; NaN for those that do not count.
@@ -47,7 +47,7 @@ pub(super) struct Channel {
 /// A measurement.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trail {
-    pub(super) channels: Vec<Channel>,
+    pub(super) channels: Vec<ReadingTrail>,
     /// Rows of the table.
     pub(super) rows: usize,
     /// Pieces of rows within which poses come again: first and last.
@@ -123,7 +123,7 @@ impl Trail {
             .collect();
         let count = channel.iter().max().map_or(0, |most| most + 1);
         let mut trail = Trail {
-            channels: vec![Channel::default(); count],
+            channels: vec![ReadingTrail::default(); count],
             rows: data.observations.len(),
             blocks: blocks(spans),
             is_repeated,
@@ -219,7 +219,7 @@ impl Trail {
     }
 }
 
-impl Channel {
+impl ReadingTrail {
     pub(super) fn senses(&self) -> &[Vec<f64>] {
         &self.senses
     }

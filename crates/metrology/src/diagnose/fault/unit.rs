@@ -1,6 +1,6 @@
 //! Readings by a factor: millimetres in a column of micrometres, micrometres in one of millimetres, inches.
 
-use super::readings::Readings;
+use super::readings::WeighedReadings;
 use super::{Check, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
@@ -38,7 +38,9 @@ const INCREDIBLE: f64 = 4.6;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, data) in view.sets() {
-        let (Some(readings), Some(trail)) = (Readings::new(view.scene, set), view.trails.get(set)) else { continue };
+        let (Some(readings), Some(trail)) = (WeighedReadings::new(view.scene, set), view.trails.get(set)) else {
+            continue;
+        };
         let matched = readings.matched(None);
         let noise = trail.noise_ratio();
         // Where neighbours differ by more than their noise, what the model leaves of them by this factor.

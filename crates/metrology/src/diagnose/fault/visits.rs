@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::trail::{Channel, Trail};
+use super::trail::{ReadingTrail, Trail};
 use super::{median, spread};
 
 /// Readings are far out from so many spreads on.
@@ -44,7 +44,7 @@ impl Trail {
 
     /// By how much the squares fall, in squares of the noise, where all readings of some rows are shifted.
     pub(super) fn window_gain(&self, rows: [usize; 2]) -> f64 {
-        let of_channel = |channel: &Channel| {
+        let of_channel = |channel: &ReadingTrail| {
             let (centred, _) = channel.centred(0..channel.left.len());
             let mut of_group = vec![[0.0_f64; 2]; channel.groups];
             let range = channel.range(rows[0], rows[1]);
@@ -97,7 +97,7 @@ impl Trail {
     }
 }
 
-impl Channel {
+impl ReadingTrail {
     /// Readings of some places against the mean of their visits there, and sums and numbers of these; those far out count less.
     fn centred(&self, range: std::ops::Range<usize>) -> (Vec<f64>, HashMap<usize, [f64; 2]>) {
         let limit = MOST * self.noise;
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn one_wild_reading_of_a_shifted_piece_counts_up_to_its_limit() {
         // Four visits that read 0 and seven in a window that read 1, but for one of 100; its noise of 0.5 lets it count as 3 beyond the middle.
-        let mut channel = Channel::default();
+        let mut channel = ReadingTrail::default();
         channel.at = (0..11).map(|row| (row, 0)).collect();
         channel.value = [0.0; 4].into_iter().chain([1.0; 6]).chain([100.0]).collect();
         (channel.group, channel.groups, channel.noise) = (vec![0; 11], 1, 0.5);

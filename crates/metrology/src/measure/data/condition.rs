@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_machine::machine::condition::Trace;
+use ncfix_machine::machine::condition::ConditionLog;
 use ncfix_machine::machine::condition::columns::{Column, NO_LOAD, OfDead, check_load, read_cell};
 use ncfix_machine::machine::{Condition, Load};
 
@@ -34,7 +34,7 @@ pub(super) struct Conditions {
 #[derive(Debug)]
 struct Clock {
     /// By column.
-    traces: Vec<Trace>,
+    traces: Vec<ConditionLog>,
     last_s: f64,
     /// Whether no temperature has changed so far.
     is_steady: bool,
@@ -166,7 +166,7 @@ impl Conditions {
     /// Notes temperatures on a clock, which begins where it is new.
     fn note(&mut self, clock: usize, time_s: f64, temperatures: &[Option<f64>]) {
         if clock == self.clocks.len() {
-            let traces = vec![Trace::default(); self.columns.len()];
+            let traces = vec![ConditionLog::default(); self.columns.len()];
             let alone = Clock { traces, last_s: time_s, is_steady: true };
             self.clocks.push(alone);
         }

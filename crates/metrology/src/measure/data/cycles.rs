@@ -10,7 +10,7 @@ use super::DataSet;
 
 /// A cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cycle {
+pub struct RepeatCycle {
     /// Number of its set-up.
     pub setup: usize,
     /// Number of its component among the targets.
@@ -77,7 +77,7 @@ pub(super) fn find(data: &mut DataSet, table: &Table, findings: &mut Vec<Diagnos
             let level = (number > 0).then_some(levels);
             levels += usize::from(number > 0);
             number += 1;
-            note(data, own, Cycle { setup, target, number, level }, findings);
+            note(data, own, RepeatCycle { setup, target, number, level }, findings);
             from = until;
         }
     }
@@ -90,7 +90,7 @@ const HELP: &str = "read each position on the way forth and on the way back, in 
     \"drift\" out of free";
 
 /// Adds a cycle.
-fn note(data: &mut DataSet, own: &[Member], cycle: Cycle, findings: &mut Vec<Diagnostic>) {
+fn note(data: &mut DataSet, own: &[Member], cycle: RepeatCycle, findings: &mut Vec<Diagnostic>) {
     let place = |data: &DataSet, member: Option<&Member>| {
         member.and_then(|member| data.observations.get(member.row)).map_or_else(Place::default, |row| row.place)
     };

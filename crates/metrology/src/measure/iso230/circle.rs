@@ -23,7 +23,7 @@ const ROUNDS: usize = 6;
 
 /// A reading of a ball-bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct CirclePoint {
     /// Angle on the nominal circle, rad.
     pub angle: f64,
     /// Measured less nominal radius, mm.
@@ -32,7 +32,7 @@ pub struct Point {
 
 /// The figures; those of a path that there is not are `None`. mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Figures {
+pub struct CircleFigures {
     /// Circular deviation of the path against the clock.
     pub g_counter: Option<f64>,
     /// Circular deviation of the path with the clock.
@@ -53,8 +53,8 @@ pub struct Figures {
 
 /// The figures of two paths on a circle of a radius; an empty one was not measured. `None` where neither is a circle.
 #[must_use]
-pub fn figures(radius_mm: f64, counter: &[Point], clock: &[Point]) -> Option<Figures> {
-    let place = |point: &Point| {
+pub fn figures(radius_mm: f64, counter: &[CirclePoint], clock: &[CirclePoint]) -> Option<CircleFigures> {
+    let place = |point: &CirclePoint| {
         let radius = radius_mm + point.deviation_mm;
         [radius * point.angle.cos(), radius * point.angle.sin()]
     };
@@ -62,10 +62,10 @@ pub fn figures(radius_mm: f64, counter: &[Point], clock: &[Point]) -> Option<Fig
     let both: Vec<[f64; 2]> = counter.iter().chain(&clock).copied().collect();
     let centre_mm = centre(&both)?;
     let g = |points: &[[f64; 2]]| minimum_zone(points).map(|zone| zone.width());
-    let about = |points: &[[f64; 2]]| -> Vec<Point> {
+    let about = |points: &[[f64; 2]]| -> Vec<CirclePoint> {
         let own = |&[x, y]: &[f64; 2]| {
             let [dx, dy] = [x - centre_mm[0], y - centre_mm[1]];
-            Point { angle: dy.atan2(dx).rem_euclid(TAU), deviation_mm: dx.hypot(dy) - radius_mm }
+            CirclePoint { angle: dy.atan2(dx).rem_euclid(TAU), deviation_mm: dx.hypot(dy) - radius_mm }
         };
         points.iter().map(own).collect()
     };
@@ -74,7 +74,7 @@ pub fn figures(radius_mm: f64, counter: &[Point], clock: &[Point]) -> Option<Fig
     let [one, other] = [&counter, &clock].map(|points| resampled(about(points)));
     let pairs: Vec<[f64; 2]> = one.iter().zip(&other).filter_map(|(one, other)| Some([(*one)?, (*other)?])).collect();
     let has_pairs = !pairs.is_empty();
-    Some(Figures {
+    Some(CircleFigures {
         g_counter: g(&counter),
         g_clock: g(&clock),
         g_both: (!counter.is_empty() && !clock.is_empty()).then(|| g(&both)).flatten(),
@@ -110,12 +110,12 @@ fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
 }
 
 /// A path at even angles, linear between readings; `None` in gaps.
-fn resampled(mut points: Vec<Point>) -> Vec<Option<f64>> {
+fn resampled(mut points: Vec<CirclePoint>) -> Vec<Option<f64>> {
     points.sort_by(|one, other| one.angle.total_cmp(&other.angle));
     let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return vec![None; STEPS] };
     // Around the turn.
-    points.insert(0, Point { angle: last.angle - TAU, ..last });
-    points.push(Point { angle: first.angle + TAU, ..first });
+    points.insert(0, CirclePoint { angle: last.angle - TAU, ..last });
+    points.push(CirclePoint { angle: first.angle + TAU, ..first });
     (0..STEPS)
         .map(|step| {
             let angle = TAU * step as f64 / STEPS as f64;

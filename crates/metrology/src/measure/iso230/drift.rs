@@ -5,7 +5,7 @@
 //! cycle and one B, and B is held against its standard error by a test of Student. Only where there is no reversal is the difference the
 //! drift alone: an axis with backlash is refused, because its cycles would be bent by half of it at each turn were the drift not straight.
 
-use super::positioning::{Approach, Fault, SAME, range};
+use super::positioning::{ApproachReading, FiguresError, SAME, range};
 
 /// A reversal below this share of the range of the readings harms no drift, however well it is known.
 const HARMLESS: f64 = 0.01;
@@ -17,11 +17,11 @@ const STUDENT: [f64; 4] = [636.62, 31.599, 12.924, 8.610];
 /// The readings without a drift that is linear in time within every cycle; cycles are brought to the mean of all.
 ///
 /// # Errors
-/// [`Fault::Backlash`] where the two ways differ by a reversal, [`Fault::TooFew`] where they cannot be compared.
-pub fn without_drift(readings: &[Approach]) -> Result<Vec<Approach>, Fault> {
+/// [`FiguresError::Backlash`] where the two ways differ by a reversal, [`FiguresError::TooFew`] where they cannot be compared.
+pub fn without_drift(readings: &[ApproachReading]) -> Result<Vec<ApproachReading>, FiguresError> {
     let pairs = pairs(readings)?;
     if let Some((reversal, sigma)) = reversal_of(&pairs, readings)? {
-        return Err(Fault::Backlash(reversal, sigma));
+        return Err(FiguresError::Backlash(reversal, sigma));
     }
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let level = mean(&readings.iter().map(|reading| reading.deviation).collect::<Vec<_>>());
@@ -32,7 +32,7 @@ pub fn without_drift(readings: &[Approach]) -> Result<Vec<Approach>, Fault> {
     }
     for (own, numbers) in pairs.iter().zip(&members) {
         let slope = sum(own, |[time, difference]| time * difference) / sum(own, |[time, _]| time * time);
-        let of = |value: fn(&Approach) -> f64| {
+        let of = |value: fn(&ApproachReading) -> f64| {
             mean(&numbers.iter().filter_map(|&number| readings.get(number)).map(value).collect::<Vec<_>>())
         };
         let (time, deviation) = (of(|reading| reading.time), of(|reading| reading.deviation));
@@ -48,13 +48,13 @@ pub fn without_drift(readings: &[Approach]) -> Result<Vec<Approach>, Fault> {
 /// The reversal and its standard error where readings have one that a test of Student finds: 0.1 % of readings without one have one by chance.
 ///
 /// # Errors
-/// [`Fault::TooFew`] where the two ways cannot be compared.
-pub fn significant_reversal(readings: &[Approach]) -> Result<Option<(f64, f64)>, Fault> {
+/// [`FiguresError::TooFew`] where the two ways cannot be compared.
+pub fn significant_reversal(readings: &[ApproachReading]) -> Result<Option<(f64, f64)>, FiguresError> {
     reversal_of(&pairs(readings)?, readings)
 }
 
-fn reversal_of(pairs: &[Vec<[f64; 2]>], readings: &[Approach]) -> Result<Option<(f64, f64)>, Fault> {
-    let (reversal, sigma, freedom) = reversal(pairs).ok_or(Fault::TooFew)?;
+fn reversal_of(pairs: &[Vec<[f64; 2]>], readings: &[ApproachReading]) -> Result<Option<(f64, f64)>, FiguresError> {
+    let (reversal, sigma, freedom) = reversal(pairs).ok_or(FiguresError::TooFew)?;
     let spread = range(readings.iter().map(|reading| reading.deviation));
     let is_there = reversal.abs() > student(freedom) * sigma && reversal.abs() > HARMLESS * spread;
     Ok(is_there.then_some((reversal, sigma)))
@@ -73,12 +73,12 @@ fn student(freedom: f64) -> f64 {
 }
 
 /// Of every cycle the time between the ways and the difference of what was read, at every target.
-fn pairs(readings: &[Approach]) -> Result<Vec<Vec<[f64; 2]>>, Fault> {
-    let cycles = readings.iter().map(|reading| reading.cycle).max().ok_or(Fault::Nothing)?.saturating_add(1);
+fn pairs(readings: &[ApproachReading]) -> Result<Vec<Vec<[f64; 2]>>, FiguresError> {
+    let cycles = readings.iter().map(|reading| reading.cycle).max().ok_or(FiguresError::Nothing)?.saturating_add(1);
     if cycles > readings.len() {
-        return Err(Fault::TooFew);
+        return Err(FiguresError::TooFew);
     }
-    let mut sorted: Vec<&Approach> = readings.iter().collect();
+    let mut sorted: Vec<&ApproachReading> = readings.iter().collect();
     sorted.sort_by(|one, other| one.cycle.cmp(&other.cycle).then(one.target.total_cmp(&other.target)));
     let mut pairs: Vec<Vec<[f64; 2]>> = vec![Vec::new(); cycles];
     for own in sorted.chunk_by(|one, other| one.cycle == other.cycle && (one.target - other.target).abs() < SAME) {
@@ -89,7 +89,7 @@ fn pairs(readings: &[Approach]) -> Result<Vec<Vec<[f64; 2]>>, Fault> {
             pairs.get_mut(up.cycle).into_iter().for_each(|own| own.push(pair));
         }
     }
-    if pairs.iter().any(|own| own.len() < 3) { Err(Fault::TooFew) } else { Ok(pairs) }
+    if pairs.iter().any(|own| own.len() < 3) { Err(FiguresError::TooFew) } else { Ok(pairs) }
 }
 
 /// The reversal that all cycles have in common, beside a drift of their own each, its standard error, and the degrees of freedom of that.

@@ -9,8 +9,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Matrix3;
 
-use super::circle::{self, Point};
-use super::positioning::{self, Approach};
+use super::circle::{self, CirclePoint};
+use super::positioning::{self, ApproachReading};
 use super::{drift, sphere};
 use crate::measure::data::{DataSet, Free, Observation};
 use ncfix_base::geometry::{AxisVector, Vector};
@@ -46,7 +46,7 @@ pub enum Figures {
     /// Of a component.
     Positioning {
         /// ISO 230-2; mm, or rad.
-        figures: positioning::Figures,
+        figures: positioning::PositioningFigures,
         /// Whether it is an angle.
         is_angle: bool,
         /// Whether a drift was taken out before.
@@ -55,7 +55,7 @@ pub enum Figures {
     /// Of circles.
     Circle {
         /// ISO 230-4, mm.
-        figures: circle::Figures,
+        figures: circle::CircleFigures,
         /// Nominal radius, mm.
         radius_mm: f64,
         /// Paths against and with the clock, seen against the normal.
@@ -104,7 +104,7 @@ fn components(data: &DataSet) -> Vec<Found> {
         let of = data.targets.get(target)?;
         let component = of.parse().ok()?;
         let figures = positioning::approaches(data, component, Some(setup)).and_then(|readings| {
-            let readings: Vec<Approach> =
+            let readings: Vec<ApproachReading> =
                 if data.free.contains(&Free::Drift) { drift::without_drift(&readings)? } else { readings };
             Ok(Figures::Positioning {
                 figures: positioning::figures(&readings)?,
@@ -211,7 +211,7 @@ fn directions(normal: &Vector) -> (String, [Vector; 2]) {
 fn circle_of(places: &[&Place], axes: [Vector; 2]) -> Result<Figures, String> {
     let radius_mm = places.iter().map(|place| place.nominal.norm()).sum::<f64>() / places.len().max(1) as f64;
     let angle = |place: &Place| place.nominal.dot(&axes[1]).atan2(place.nominal.dot(&axes[0]));
-    let mut sides: [Vec<(Point, &Place)>; 2] = [Vec::new(), Vec::new()];
+    let mut sides: [Vec<(CirclePoint, &Place)>; 2] = [Vec::new(), Vec::new()];
     for run in places.chunk_by(|one, other| one.run == other.run) {
         let step = |k: usize| -> Option<f64> {
             let (from, to) = (run.get(k.checked_sub(1)?)?, run.get(k)?);
@@ -221,7 +221,7 @@ fn circle_of(places: &[&Place], axes: [Vector; 2]) -> Result<Figures, String> {
         let mut last = (0..run.len()).find_map(step).unwrap_or(0.0);
         for (k, &place) in run.iter().enumerate() {
             last = step(k).unwrap_or(last);
-            let point = Point { angle: angle(place), deviation_mm: place.distance - radius_mm };
+            let point = CirclePoint { angle: angle(place), deviation_mm: place.distance - radius_mm };
             let [counter, clock] = &mut sides;
             if last >= 0.0 { counter } else { clock }.push((point, place));
         }
@@ -238,7 +238,7 @@ fn circle_of(places: &[&Place], axes: [Vector; 2]) -> Result<Figures, String> {
     Ok(Figures::Circle { figures, radius_mm, paths })
 }
 
-fn path(points: &[(Point, &Place)]) -> Path {
+fn path(points: &[(CirclePoint, &Place)]) -> Path {
     let Some((first, _)) = points.first() else { return Path::default() };
     let mut angles: Vec<f64> = points.iter().map(|(point, _)| point.angle.rem_euclid(TAU)).collect();
     angles.sort_by(f64::total_cmp);
@@ -250,7 +250,7 @@ fn path(points: &[(Point, &Place)]) -> Path {
 }
 
 /// The feed by the times of readings, mm/min: the way between them by the time.
-fn timed_feed(points: &[(Point, &Place)]) -> Option<f64> {
+fn timed_feed(points: &[(CirclePoint, &Place)]) -> Option<f64> {
     let steps = points.windows(2).filter(|pair| pair[0].1.run == pair[1].1.run).filter_map(|pair| {
         let time = pair[1].1.t_s? - pair[0].1.t_s?;
         (time > 0.0).then(|| ((pair[1].1.nominal - pair[0].1.nominal).norm(), time))

@@ -24,7 +24,7 @@ pub(super) const SAME: f64 = 1e-6;
 
 /// A reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Approach {
+pub struct ApproachReading {
     /// The commanded position, mm or rad.
     pub target: f64,
     /// Actual less commanded position, mm or rad (or any other component of the error).
@@ -67,7 +67,7 @@ pub struct BothWays {
 
 /// One target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target {
+pub struct PositioningTarget {
     /// Its position.
     pub position: f64,
     /// Mean and standard deviation of the positive sense, where there is one.
@@ -80,7 +80,7 @@ pub struct Target {
 
 /// All figures.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Figures {
+pub struct PositioningFigures {
     /// Of the positive sense.
     pub up: Option<OneWay>,
     /// Of the negative sense.
@@ -88,14 +88,14 @@ pub struct Figures {
     /// Of both, where every target was approached in both.
     pub both: Option<BothWays>,
     /// By rising position.
-    pub targets: Vec<Target>,
+    pub targets: Vec<PositioningTarget>,
     /// The smallest number of approaches of a target in one sense; the standard asks for five.
     pub runs: usize,
 }
 
 /// Why there are no figures.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Fault {
+pub enum FiguresError {
     /// There are no readings of the component.
     Nothing,
     /// The sense of approach of a reading is not known; its target.
@@ -108,25 +108,25 @@ pub enum Fault {
     Backlash(f64, f64),
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for FiguresError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Fault::Nothing => write!(f, "there are no readings of this component"),
-            Fault::NoSense(target) => write!(
+            FiguresError::Nothing => write!(f, "there are no readings of this component"),
+            FiguresError::NoSense(target) => write!(
                 f,
                 "the sense in which {target} was approached is not known: give it in the column of the sense (X_dir …)"
             ),
-            Fault::Once(target) => {
+            FiguresError::Once(target) => {
                 write!(
                     f,
                     "{target} was approached only once in a sense: at least two runs are needed, the standard asks for five"
                 )
             }
-            Fault::TooFew => write!(
+            FiguresError::TooFew => write!(
                 f,
                 "too few targets were read on the way out and on the way back of a cycle: a drift needs three or more"
             ),
-            Fault::Backlash(value, sigma) => write!(
+            FiguresError::Backlash(value, sigma) => write!(
                 f,
                 "the axis has a backlash of {value:.6} ± {sigma:.6}, so that way out and way back differ by more than drift"
             ),
@@ -137,10 +137,10 @@ impl fmt::Display for Fault {
 /// The figures.
 ///
 /// # Errors
-/// [`Fault`] where there is nothing, or a target was approached once only.
-pub fn figures(readings: &[Approach]) -> Result<Figures, Fault> {
+/// [`FiguresError`] where there is nothing, or a target was approached once only.
+pub fn figures(readings: &[ApproachReading]) -> Result<PositioningFigures, FiguresError> {
     let targets = targets(readings)?;
-    let one = |side: fn(&Target) -> Option<[f64; 2]>| -> Option<OneWay> {
+    let one = |side: fn(&PositioningTarget) -> Option<[f64; 2]>| -> Option<OneWay> {
         let sides: Vec<[f64; 2]> = targets.iter().filter_map(side).collect();
         (sides.len() == targets.len()).then(|| OneWay {
             accuracy: range(sides.iter().flat_map(|&[mean, s]| [mean + 2.0 * s, mean - 2.0 * s])),
@@ -165,24 +165,28 @@ pub fn figures(readings: &[Approach]) -> Result<Figures, Fault> {
         }
     });
     let runs = targets.iter().map(|target| target.runs).min().unwrap_or(0);
-    Ok(Figures { up: one(|target| target.up), down: one(|target| target.down), both, targets, runs })
+    Ok(PositioningFigures { up: one(|target| target.up), down: one(|target| target.down), both, targets, runs })
 }
 
 /// What was read of a component, in all set-ups or one; readings without `t_s` are evenly spaced in time, and a cycle ends where the axis comes
 /// back to the sense of its begin.
 ///
 /// # Errors
-/// [`Fault`] where there are no readings or their sense is not known.
-pub fn approaches(data: &DataSet, component: ErrorName, setup: Option<usize>) -> Result<Vec<Approach>, Fault> {
-    let axis: Axis = component.axis().ok_or(Fault::Nothing)?;
-    let mut out: Vec<Approach> = Vec::new();
+/// [`FiguresError`] where there are no readings or their sense is not known.
+pub fn approaches(
+    data: &DataSet,
+    component: ErrorName,
+    setup: Option<usize>,
+) -> Result<Vec<ApproachReading>, FiguresError> {
+    let axis: Axis = component.axis().ok_or(FiguresError::Nothing)?;
+    let mut out: Vec<ApproachReading> = Vec::new();
     let mut cycle = 0;
     let own = |row: &&Observation| row.component == Some(component) && setup.is_none_or(|setup| setup == row.setup);
     for observation in data.observations.iter().filter(own) {
         let Some(deviation) = observation.values[0] else { continue };
         let target = observation.reading.position[axis];
         let is_up = match observation.reading.state.direction[axis.slot()] {
-            0 => return Err(Fault::NoSense(target)),
+            0 => return Err(FiguresError::NoSense(target)),
             sense => sense > 0,
         };
         if let (Some(first), Some(last)) = (out.first(), out.last())
@@ -191,26 +195,32 @@ pub fn approaches(data: &DataSet, component: ErrorName, setup: Option<usize>) ->
         {
             cycle += 1;
         }
-        out.push(Approach { target, deviation, is_up, cycle, time: observation.t_s.unwrap_or(out.len() as f64) });
+        out.push(ApproachReading {
+            target,
+            deviation,
+            is_up,
+            cycle,
+            time: observation.t_s.unwrap_or(out.len() as f64),
+        });
     }
-    if out.is_empty() { Err(Fault::Nothing) } else { Ok(out) }
+    if out.is_empty() { Err(FiguresError::Nothing) } else { Ok(out) }
 }
 
-fn targets(readings: &[Approach]) -> Result<Vec<Target>, Fault> {
-    let mut sorted: Vec<&Approach> = readings.iter().collect();
+fn targets(readings: &[ApproachReading]) -> Result<Vec<PositioningTarget>, FiguresError> {
+    let mut sorted: Vec<&ApproachReading> = readings.iter().collect();
     sorted.sort_by(|one, other| one.target.total_cmp(&other.target));
     if sorted.is_empty() {
-        return Err(Fault::Nothing);
+        return Err(FiguresError::Nothing);
     }
     let at_one = sorted.chunk_by(|one, other| (one.target - other.target).abs() < SAME);
     at_one
         .map(|own| {
             let position = own.first().map_or(0.0, |reading| reading.target);
-            let side = |is_up: bool| -> Result<Option<[f64; 2]>, Fault> {
+            let side = |is_up: bool| -> Result<Option<[f64; 2]>, FiguresError> {
                 let values = || own.iter().filter(|reading| reading.is_up == is_up).map(|reading| reading.deviation);
                 match values().count() {
                     0 => Ok(None),
-                    1 => Err(Fault::Once(position)),
+                    1 => Err(FiguresError::Once(position)),
                     count => {
                         let mean = values().sum::<f64>() / count as f64;
                         let squares = values().map(|value| (value - mean).powi(2)).sum::<f64>();
@@ -220,7 +230,7 @@ fn targets(readings: &[Approach]) -> Result<Vec<Target>, Fault> {
             };
             let count = |is_up: bool| own.iter().filter(|reading| reading.is_up == is_up).count();
             let runs = [count(true), count(false)].into_iter().filter(|&count| count > 0).min().unwrap_or(0);
-            Ok(Target { position, up: side(true)?, down: side(false)?, runs })
+            Ok(PositioningTarget { position, up: side(true)?, down: side(false)?, runs })
         })
         .collect()
 }

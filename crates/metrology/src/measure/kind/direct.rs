@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use super::{Equation, Kind, Seen, Unknown, at, needed, no_ties, optional, zeros};
 use crate::measure::data::{DataSet, Free, Observation, number_of, text};
 use crate::measure::iso230::drift;
-use crate::measure::iso230::positioning::Approach;
+use crate::measure::iso230::positioning::ApproachReading;
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::units::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
@@ -75,7 +75,7 @@ fn check(data: &DataSet, _: &Table, findings: &mut Vec<Diagnostic>) {
     if data.is_plan || data.cycles.is_empty() {
         return;
     }
-    let mut groups: HashMap<(usize, usize), (Place, Vec<Approach>)> = HashMap::new();
+    let mut groups: HashMap<(usize, usize), (Place, Vec<ApproachReading>)> = HashMap::new();
     for row in &data.observations {
         let (Some((number, time)), Some(deviation)) = (row.cycle, row.values[0]) else { continue };
         let (Some(cycle), Some(axis)) = (data.cycles.get(number), row.component.and_then(|name| name.axis())) else {
@@ -87,7 +87,7 @@ fn check(data: &DataSet, _: &Table, findings: &mut Vec<Diagnostic>) {
             continue;
         }
         let target = row.reading.position[axis];
-        own.push(Approach { target, deviation, is_up: sense > 0, cycle: cycle.number - 1, time });
+        own.push(ApproachReading { target, deviation, is_up: sense > 0, cycle: cycle.number - 1, time });
     }
     let mut groups: Vec<_> = groups.into_iter().collect();
     groups.sort_by_key(|(key, _)| *key);

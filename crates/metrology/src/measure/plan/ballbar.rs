@@ -4,7 +4,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::builder::{Builder, Extra, Reach};
+use super::builder::{Builder, Extra, PlanReach};
 use super::{PlanKind, Refused, Wishes, along_spindle, empty, kind, sphere};
 use crate::measure::data::{Free, Setup};
 use ncfix_base::geometry::{Arc, AxisVector, Plane, Vector};
@@ -82,7 +82,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     data.setups.push(Setup { label: "A".into(), centre_mm, length_mm: radius_mm, ..Setup::default() });
     let mut plan = Builder::new(machine, wishes, data);
     let chord = 1_f64.to_radians();
-    plan.reach = Reach::Sphere { chord, feed };
+    plan.reach = PlanReach::Sphere { chord, feed };
     let planes = if wishes.planes.is_empty() { vec![Plane::XY, Plane::YZ, Plane::ZX] } else { wishes.planes.clone() };
     let centre = plan.at_tip(&centre_mm, &tool_mm);
     let centre = plan.on_increments(&centre);

@@ -32,7 +32,7 @@ pub struct Extra {
 
 /// How further poses are reached.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub enum Reach {
+pub enum PlanReach {
     /// They are not: the plan has no others.
     #[default]
     Never,
@@ -72,7 +72,7 @@ pub struct Builder {
     /// Whether its readings are of the geometry, so that parameters can be asked about.
     pub is_geometric: bool,
     /// How further poses are reached.
-    pub reach: Reach,
+    pub reach: PlanReach,
     /// What is done at a pose: a line, a time to wait, or nothing.
     pub at_pose: Vec<Kind>,
     /// Which of three readings of a displacement are taken.
@@ -101,7 +101,7 @@ impl Builder {
             candidates: Vec::new(),
             notes: Vec::new(),
             is_geometric: true,
-            reach: Reach::Never,
+            reach: PlanReach::Never,
             at_pose: Vec::new(),
             reads: [true; 3],
             side: None,

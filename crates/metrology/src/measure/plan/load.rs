@@ -4,7 +4,7 @@
 //! grid of holes. The instrument stays in one set-up, so that what the weight does to it from the start is in the readings.
 
 use super::builder::{Builder, Extra};
-use super::plate::Grid;
+use super::plate::PlannedPlate;
 use super::{PlanKind, Refused, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup, number_of};
 use ncfix_base::geometry::{Axis, Vector};
@@ -78,7 +78,7 @@ fn put(plan: &mut Builder, number: usize, (force_n, place_mm): Load) -> Result<S
 fn plate(machine: &Machine, wishes: &Wishes, loads: &[Load]) -> Result<Builder, Refused> {
     let tool_mm = wishes.tool_mm();
     let centre_mm = wishes.centre_or_middle(machine, &tool_mm);
-    let mut grid = Grid::new(machine, wishes)?;
+    let mut grid = PlannedPlate::new(machine, wishes)?;
     let setup = grid.mount("A", &centre_mm, &tool_mm);
     for (number, load) in loads.iter().enumerate() {
         let run = put(&mut grid.plan, number, *load)?;

@@ -1,6 +1,6 @@
 //! A plate with holes or balls in a square grid: every hole of it, in rows to and fro; one set-up for every tool and every place of the plate.
 
-use super::builder::{Builder, Reach, observation};
+use super::builder::{Builder, PlanReach, observation};
 use super::{PlanKind, Refused, Wishes, along_spindle, empty, kind};
 use crate::measure::data::{Free, Observation, Setup};
 use crate::measure::reading::Reading;
@@ -17,7 +17,7 @@ pub(super) const PLAN: PlanKind = PlanKind {
 };
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
-    let mut grid = Grid::new(machine, wishes)?;
+    let mut grid = PlannedPlate::new(machine, wishes)?;
     let tools = if wishes.tools_mm.is_empty() { vec![wishes.tool_mm()] } else { wishes.tools_mm.clone() };
     for (number, tool_mm) in tools.iter().enumerate() {
         let places = if wishes.centres_mm.is_empty() {
@@ -39,15 +39,15 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
 }
 
 /// A plate that is being planned.
-pub(super) struct Grid {
+pub(super) struct PlannedPlate {
     pub(super) plan: Builder,
     plane: Plane,
     side: usize,
     pitch_mm: f64,
 }
 
-impl Grid {
-    pub(super) fn new(machine: &Machine, wishes: &Wishes) -> Result<Grid, Refused> {
+impl PlannedPlate {
+    pub(super) fn new(machine: &Machine, wishes: &Wishes) -> Result<PlannedPlate, Refused> {
         let planes = if wishes.planes.is_empty() { vec![Plane::XY] } else { wishes.planes.clone() };
         let &[plane] = planes.as_slice() else {
             return Err(Refused(
@@ -63,7 +63,7 @@ impl Grid {
             }
             reads
         });
-        plan.reach = Reach::Above {
+        plan.reach = PlanReach::Above {
             clearance_mm: wishes.clearance_mm.unwrap_or(20.0).max(0.0),
             above_mm: 0.0,
             retract: false,
@@ -74,7 +74,7 @@ impl Grid {
             None => vec![Kind::Dwell(Dwell::Seconds(wishes.dwell_s.unwrap_or(3.0)))],
         };
         let side = wishes.points.unwrap_or(5).clamp(2, 200);
-        Ok(Grid { plan, plane, side, pitch_mm: wishes.every.unwrap_or(50.0) })
+        Ok(PlannedPlate { plan, plane, side, pitch_mm: wishes.every.unwrap_or(50.0) })
     }
 
     fn hole(&self, setup: usize, centre_mm: &Vector, tool_mm: &Vector, [column, row]: [f64; 2]) -> Observation {

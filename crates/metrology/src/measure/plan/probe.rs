@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::builder::{Builder, Reach, observation};
+use super::builder::{Builder, PlanReach, observation};
 use super::{PlanKind, Refused, Wishes, empty, kind, middle};
 use crate::measure::data::{Free, Observation, Setup};
 use crate::measure::reading::Reading;
@@ -110,7 +110,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let mut plan = Builder::new(machine, wishes, data);
     let clearance_mm = wishes.clearance_mm.unwrap_or(20.0).max(0.0);
     let feed = wishes.feed.unwrap_or(2000.0);
-    plan.reach = Reach::Above { clearance_mm, above_mm: clearance_mm, retract: true, feed };
+    plan.reach = PlanReach::Above { clearance_mm, above_mm: clearance_mm, retract: true, feed };
     plan.at_pose = match (&wishes.line, wishes.dwell_s) {
         (Some(line), _) => vec![Kind::Verbatim(line.as_bytes().to_vec())],
         (None, Some(seconds)) => vec![Kind::Dwell(Dwell::Seconds(seconds))],

@@ -10,7 +10,7 @@
 
 use std::f64::consts::PI;
 
-use super::builder::{Builder, Extra, Reach, observation};
+use super::builder::{Builder, Extra, PlanReach, observation};
 use super::{PlanKind, Refused, Wishes, along_spindle, empty, kind};
 use crate::measure::data::{Free, Observation, Setup};
 use crate::measure::reading::Reading;
@@ -160,7 +160,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         });
     }
     let mut plan = Builder::new(machine, wishes, data);
-    plan.reach = Reach::Sphere { chord, feed };
+    plan.reach = PlanReach::Sphere { chord, feed };
     let mut left_out = 0;
     for (number, sphere) in spheres.iter().enumerate() {
         left_out += hemisphere(&mut plan, number, sphere, &manner)?;

@@ -1,7 +1,7 @@
 //! Ways of a plan: to further poses, from above them, away from the workpiece and on a sphere.
 
 use super::Refused;
-use super::builder::{Builder, Extra, ROOM, Reach};
+use super::builder::{Builder, Extra, PlanReach, ROOM};
 use crate::measure::data::Observation;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 
@@ -30,14 +30,14 @@ impl Builder {
             self.stop(&format!("set-up {label}"));
         }
         match self.reach.clone() {
-            Reach::Never => return Err(Refused("the plan has no further poses".into())),
-            Reach::Sphere { chord, feed } => {
+            PlanReach::Never => return Err(Refused("the plan has no further poses".into())),
+            PlanReach::Sphere { chord, feed } => {
                 let setup = self.data.setups.get(candidate.setup);
                 let centre = setup.map_or_else(Vector::zeros, |setup| setup.centre_mm);
                 self.on_sphere(&centre, &tool_mm, &position, chord, feed)?;
                 extra.feed = Some(feed);
             }
-            Reach::Above { clearance_mm, above_mm, retract, feed } => {
+            PlanReach::Above { clearance_mm, above_mm, retract, feed } => {
                 self.above(&position, &tool_mm, [clearance_mm, above_mm], retract, feed)?;
             }
         }
@@ -47,7 +47,7 @@ impl Builder {
         self.row(&row, tool_mm, candidate.setup, extra)?;
         self.of_last(candidate.target, candidate.component);
         self.at_pose();
-        if let Reach::Above { clearance_mm, retract, feed, .. } = self.reach {
+        if let PlanReach::Above { clearance_mm, retract, feed, .. } = self.reach {
             // Who has probed by hand may be beside the ball: the first way is along the tool.
             let is_tilting = self.machine.topology.tool.iter().any(|axis| axis.is_rotary());
             if !retract || is_tilting {

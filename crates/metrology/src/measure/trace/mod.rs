@@ -35,14 +35,14 @@ pub struct Trace {
     /// that nominally coincides with it.
     pub ball_mm: Option<Vector>,
     /// What is unknown of the set-up.
-    pub free: Vec<Unknown>,
+    pub free: Vec<TraceUnknown>,
     /// Its runs in the order in which they begin.
-    pub runs: Vec<Run>,
+    pub runs: Vec<TraceRun>,
 }
 
 /// What may be unknown of the set-up of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unknown {
+pub enum TraceUnknown {
     /// The readings are shifted along F's directions: the zero of the instrument, the tool vector.
     Offset,
     /// The ball lies elsewhere in the workpiece.
@@ -50,11 +50,11 @@ pub enum Unknown {
 }
 
 /// Unknowns by their words in `free`.
-pub const UNKNOWNS: &[(&str, Unknown)] = &[("offset", Unknown::Offset), ("place", Unknown::Place)];
+pub const UNKNOWNS: &[(&str, TraceUnknown)] = &[("offset", TraceUnknown::Offset), ("place", TraceUnknown::Place)];
 
 /// One run over a path.
 #[derive(Clone, Debug, Default)]
-pub struct Run {
+pub struct TraceRun {
     /// Its label; empty where there is no column `run`.
     pub label: String,
     /// Programmed feed, mm/min.
@@ -62,7 +62,7 @@ pub struct Run {
     /// From the spindle gauge point to the tip, mm.
     pub tool_mm: Vector,
     /// What the control recorded.
-    pub control: Control,
+    pub control: ControlSamples,
     /// What the instrument recorded.
     pub readings: Deviations,
     /// Its first row.
@@ -71,7 +71,7 @@ pub struct Run {
 
 /// Set-points and encoders of a run, by sample; mm and rad, s.
 #[derive(Clone, Debug, Default)]
-pub struct Control {
+pub struct ControlSamples {
     /// When, by the clock of the control.
     pub t_s: Vec<f64>,
     /// Where the axes should be.

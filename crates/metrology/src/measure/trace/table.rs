@@ -9,8 +9,8 @@ use ncfix_base::source::Source;
 use ncfix_base::units::mm_from_um;
 use ncfix_machine::machine::Machine;
 
-use super::xml::Signals;
-use super::{Control, Described, Run, Trace};
+use super::xml::TraceSignals;
+use super::{ControlSamples, Described, Trace, TraceRun};
 
 const READINGS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 const TOOL: [&str; 3] = ["tool_x_mm", "tool_y_mm", "tool_z_mm"];
@@ -41,7 +41,7 @@ struct Columns {
 pub fn read(
     described: &Described,
     table: &Source,
-    control: Option<&Signals>,
+    control: Option<&TraceSignals>,
     machine: &Machine,
 ) -> (Option<Trace>, Vec<Diagnostic>) {
     let (rows, mut findings) = Table::read(table);
@@ -125,11 +125,11 @@ fn read_rows(
             Some(&number) => number,
             None => {
                 let label_text = String::from_utf8_lossy(label).trim().to_owned();
-                trace.runs.push(Run {
+                trace.runs.push(TraceRun {
                     label: label_text,
                     feed_mm_min: described.feed_mm_min,
                     place: Some(row.place(0)),
-                    ..Run::default()
+                    ..TraceRun::default()
                 });
                 numbers.insert(label.to_vec(), trace.runs.len() - 1);
                 trace.runs.len() - 1
@@ -143,7 +143,7 @@ fn read_rows(
     }
 }
 
-fn read_row(row: &Row<'_>, columns: &Columns, machine: &Machine, run: &mut Run) -> Result<(), Diagnostic> {
+fn read_row(row: &Row<'_>, columns: &Columns, machine: &Machine, run: &mut TraceRun) -> Result<(), Diagnostic> {
     let number = |column: usize| row.number(column, columns.sign);
     let is_empty = |column: usize| row.text(column).is_empty();
     let t_s = number(columns.time)?;
@@ -219,7 +219,7 @@ fn within(machine: &Machine, axis: Axis, at: f64, row: &Row<'_>, column: usize) 
 }
 
 /// The signals of a control beside the readings of an instrument.
-fn join(rows: &Table, signals: &Signals, machine: &Machine, trace: &mut Trace, findings: &mut Vec<Diagnostic>) {
+fn join(rows: &Table, signals: &TraceSignals, machine: &Machine, trace: &mut Trace, findings: &mut Vec<Diagnostic>) {
     match trace.runs.as_mut_slice() {
         [run] => {
             run.control = signals.control.clone();
@@ -239,7 +239,7 @@ fn join(rows: &Table, signals: &Signals, machine: &Machine, trace: &mut Trace, f
 }
 
 /// The first position of a control outside the travel.
-fn outside(rows: &Table, machine: &Machine, control: &Control) -> Option<Diagnostic> {
+fn outside(rows: &Table, machine: &Machine, control: &ControlSamples) -> Option<Diagnostic> {
     let far = |at: &AxisVector, axis: Axis| {
         let [low, high] = machine.axis(axis).and_then(|data| data.travel)?;
         (!(low - BEYOND..=high + BEYOND).contains(&at[axis])).then_some(axis)

@@ -20,16 +20,16 @@ use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_base::source::{Source, Span};
 use ncfix_machine::machine::Machine;
 
-use super::Control;
+use super::ControlSamples;
 
 /// Elements in a file: 15 minutes at 1 ms.
 const MOST_NODES: u32 = 2_000_000;
 
 /// The signals of a control.
 #[derive(Clone, Debug, Default)]
-pub struct Signals {
+pub struct TraceSignals {
     /// Set-points and encoders.
-    pub control: Control,
+    pub control: ControlSamples,
 }
 
 /// A signal of the file.
@@ -45,7 +45,11 @@ struct Signal<'a> {
 ///
 /// # Errors
 /// All findings.
-pub fn read(source: &Source, names: &BTreeMap<String, String>, machine: &Machine) -> Result<Signals, Vec<Diagnostic>> {
+pub fn read(
+    source: &Source,
+    names: &BTreeMap<String, String>,
+    machine: &Machine,
+) -> Result<TraceSignals, Vec<Diagnostic>> {
     let whole = Place { file: source.id(), span: Span::new(0, 0) };
     let none = |place: Place, message: String| {
         let help = "give the XML file that the control saves with Diagnostics › Trace";
@@ -68,7 +72,7 @@ pub fn read(source: &Source, names: &BTreeMap<String, String>, machine: &Machine
     let frame = find("dataFrame").ok_or_else(|| none(whole, "the file has no dataFrame: it is no trace".into()))?;
     let signals = signals(&document, frame);
     let columns = columns(names, &signals, machine, place(frame))?;
-    let mut control = Control::default();
+    let mut control = ControlSamples::default();
     let mut now: Vec<Option<f64>> = vec![None; columns.len()];
     for record in frame.children().filter(|node| node.has_tag_name("rec")) {
         let bad = |what: &str, text: &str| {
@@ -96,7 +100,7 @@ pub fn read(source: &Source, names: &BTreeMap<String, String>, machine: &Machine
         control.set.push(both[0]);
         control.encoder.push(both[1]);
     }
-    Ok(Signals { control })
+    Ok(TraceSignals { control })
 }
 
 /// The signals of a frame with their names, which stand in the set-up of the display.

@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 use self::lines::{Text, Texts};
 use self::packed::Packed;
-use super::{Column, columns, figure, page_with, pictures, strip, table};
+use super::{PageColumn, columns, figure, page_with, pictures, strip, table};
 use crate::markup::{Attributes, Markup};
 use crate::number::{grouped, micrometers, significant};
 use crate::plot::Histogram;
@@ -181,7 +181,7 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
         entries.push(("RMS error on the model", change(before.rms_um, after.rms_um)));
     }
     strip(out, &entries);
-    let titles: [Column; 7] = columns(["axis", "#largest", "#at line", "#mean", "#RMS", "#99 %", "unit"]);
+    let titles: [PageColumn; 7] = columns(["axis", "#largest", "#at line", "#mean", "#RMS", "#99 %", "unit"]);
     let rows: Vec<super::Row> = review
         .axes
         .iter()
