@@ -25,6 +25,7 @@ pub mod prelude;
 
 mod channel;
 mod check;
+mod compare;
 mod condition;
 mod correction;
 mod diagnostics;
@@ -37,6 +38,7 @@ mod program;
 mod recognition;
 mod registry;
 mod run;
+mod steps;
 mod support_file;
 mod tool;
 

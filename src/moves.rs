@@ -1,11 +1,22 @@
-//! The flat stream of a program as an iterator.
+//! The flat stream of a program: as an iterator, and in its text form.
 
 use std::fmt;
+use std::io::{self, Write};
+use std::path::PathBuf;
 
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
-use crate::run::Running;
-use ncfix_machine::snc::Element;
+use crate::machine::Machine;
+use crate::program::Program;
+use crate::run::{self, Running, Watch};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_base::source::Span;
+use ncfix_language::exec::{Options, RapidOrder};
+use ncfix_machine::snc::{Element, TextReader, TextWriter};
+
+/// The start of a file that is a flat stream already.
+const HEAD: &str = "; snc 1";
 
 /// The elements of a program in their order, from [`Program::moves`](crate::Program::moves): moves, dwells, tool and auxiliary words.
 pub struct Elements<'m> {
@@ -57,4 +68,116 @@ impl Iterator for Elements<'_> {
             }
         }
     }
+}
+
+impl Program {
+    /// Writes the flat stream in its text form, SNC: each line as soon as it is known.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let mut text = Vec::new();
+    /// program.write_moves(&machine, &mut text)?;
+    /// assert!(String::from_utf8(text).unwrap().contains("G1 X600 Y0 Z100 F500 ;@2"));
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the program is not understood or cannot be executed to its end, or `out` refuses the text.
+    pub fn write_moves(&self, machine: &Machine, out: &mut dyn Write) -> Result<(), Error> {
+        let mut found = Diagnostics::default();
+        if let Some(flat) = FlatText::of(self, machine, None, &mut found)?.filter(|_| !found.has_errors()) {
+            flat.write(out, &mut found).map_err(|error| Error::sink(&error))?;
+        }
+        if found.has_errors() { Err(Error::found(found)) } else { Ok(()) }
+    }
+}
+
+/// A program that is about to be written as a flat stream.
+pub(crate) struct FlatText<'a> {
+    program: &'a Program,
+    machine: &'a Machine,
+    running: Running<'a>,
+}
+
+impl<'a> FlatText<'a> {
+    /// Parses the program; `None` where findings forbid to execute it.
+    ///
+    /// # Errors
+    /// Where the dialect does not exist.
+    pub(crate) fn of(
+        program: &'a Program,
+        machine: &'a Machine,
+        watch: Option<fn() -> Box<dyn Watch>>,
+        found: &mut Diagnostics,
+    ) -> Result<Option<FlatText<'a>>, Error> {
+        let Some(opened) = program.open(Some(machine), found)? else { return Ok(None) };
+        let options = Options { rapid_order: RapidOrder::All, ..Options::default() };
+        let mut running = program.start_as(opened, &machine.machine, options);
+        if let Some(watch) = watch {
+            running = running.watched(watch());
+        }
+        Ok(Some(FlatText { program, machine, running }))
+    }
+
+    /// Writes the elements and gathers what is found; the files of the subprograms that were read.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub(crate) fn write(self, out: impl Write, found: &mut Diagnostics) -> io::Result<Vec<PathBuf>> {
+        let FlatText { program, machine: Machine { machine, .. }, mut running } = self;
+        let turned = |command: &AxisVector, tool_mm: &Vector| machine.turned_tool_mm(command, tool_mm);
+        let mut writer = TextWriter::new(out, &machine.name, machine.axis_set(), turned)?;
+        if let Some(start) = program.reading().start {
+            writer.start_at(start);
+        }
+        while let Some(item) = running.next() {
+            match item {
+                Ok(element) if element.origin.calls == 0 => writer.write(&element, &[])?,
+                Ok(element) => writer.write(&element, &running.call_lines(&element))?,
+                Err(diagnostic) => {
+                    found.add(diagnostic, running.sources());
+                    if found.is_hopeless() {
+                        break;
+                    }
+                }
+            }
+        }
+        writer.finish()?;
+        if !running.moves() && !found.has_errors() {
+            found.add(run::without_motion(program.source(), Code::MOVES_NOTHING), running.sources());
+        }
+        Ok(running.files())
+    }
+}
+
+/// Whether a program is a flat stream already.
+pub(crate) fn is_flat(program: &Program) -> bool {
+    program.bytes().starts_with(HEAD.as_bytes())
+}
+
+/// Reads a flat stream in its text form and writes it again; `None` where findings forbid it.
+pub(crate) fn written_again(program: &Program, machine: &Machine, found: &mut Diagnostics) -> Option<Vec<u8>> {
+    let (source, machine) = (program.source(), &machine.machine);
+    let text = String::from_utf8_lossy(source.bytes());
+    let mut reader = TextReader::new(&text);
+    // Positions are those of the tip already, so there is no tool to add. Nothing refuses bytes in memory.
+    let mut writer = TextWriter::new(Vec::new(), &machine.name, machine.axis_set(), |_, tool| *tool).ok()?;
+    while let Some(item) = reader.next() {
+        match item {
+            Ok(element) => {
+                let lines = reader.call_lines().to_vec();
+                writer.write(&element, &lines).ok()?;
+            }
+            Err(fault) => {
+                let start = text.split_inclusive('\n').take(fault.line - 1).map(str::len).sum();
+                let place = Place { file: source.id(), span: Span::new(start, start + 1) };
+                let help = "correct the line, or print the stream again from its program";
+                found.add(Diagnostic::at(Code::UNEXPECTED, place, fault.message, help), std::slice::from_ref(source));
+            }
+        }
+    }
+    if found.has_errors() { None } else { writer.finish().ok() }
 }

@@ -1,47 +1,40 @@
 //! The command line: commands, options and their help.
 
 mod calibrate;
-mod correction;
 mod decompose;
 mod diagnose;
-mod diff;
 mod examples;
-mod feed;
 mod figures;
 mod help;
-mod load;
 mod machine;
 mod measured;
 mod page;
 mod plan;
 mod realtime;
 mod sensors;
-mod simulate;
-mod steps;
 mod switches;
 mod tables;
-mod verify;
 mod work;
 
+pub(super) use super::diff::arguments::DiffArguments;
+pub(super) use super::feed::arguments::{FeedArguments, ResumeArguments};
+pub(super) use super::fix::arguments::{CompensationChoice, CorrectionChoice, RotaryChoice};
+pub(super) use super::load::arguments::LoadArguments;
+pub(super) use super::simulate::arguments::SimulateArguments;
+pub(super) use super::steps::arguments::StepsArguments;
+pub(super) use super::verify::arguments::VerifyArguments;
 pub(super) use calibrate::CalibrateArguments;
-pub(super) use correction::{CompensationChoice, CorrectionChoice, RotaryChoice};
 pub(super) use decompose::DecomposeArguments;
 pub(super) use diagnose::DiagnoseArguments;
-pub(super) use diff::DiffArguments;
-pub(super) use feed::{FeedArguments, ResumeArguments};
 pub(super) use figures::FiguresArguments;
 pub(super) use help::{CompletionsArguments, EXAMPLES, ManArguments, STATUSES};
-pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
 pub(super) use page::PageChoice;
 pub(super) use plan::PlanArguments;
 pub(super) use realtime::RealtimeArguments;
 pub(super) use sensors::SensorsArguments;
-pub(super) use simulate::SimulateArguments;
-pub(super) use steps::StepsArguments;
 pub(super) use tables::TablesArguments;
-pub(super) use verify::VerifyArguments;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -50,8 +43,8 @@ use clap::builder::NonEmptyStringValueParser;
 use clap::error::ErrorKind;
 use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
-use super::value;
 use super::voice::Voice;
+use super::{diff, feed, load, simulate, steps, value};
 use crate::options::{Compensation, Options};
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::file::nearest;
@@ -143,16 +136,16 @@ pub(super) enum Command {
     #[command(after_help = examples::VERIFY)]
     Verify(VerifyArguments),
     /// Show what was changed between an original and a corrected program
-    #[command(after_help = diff::AFTER_HELP)]
+    #[command(after_help = diff::arguments::AFTER_HELP)]
     Diff(Box<DiffArguments>),
     /// Subtract the corrections from positions that were read on the machine (measurement mode)
     #[command(after_help = measured::AFTER_HELP)]
     Measured(MeasuredArguments),
     /// Find the largest fixed step that keeps a residual, and draw residual over step
-    #[command(after_help = steps::AFTER_HELP)]
+    #[command(after_help = steps::arguments::AFTER_HELP)]
     Steps(StepsArguments),
     /// Weigh the workpiece: weight and place from readings of a strain gauge
-    #[command(after_help = load::AFTER_HELP)]
+    #[command(after_help = load::arguments::AFTER_HELP)]
     Load(LoadArguments),
     /// Find what the model gets wrong, and why
     #[command(after_help = diagnose::AFTER_HELP)]
@@ -164,13 +157,13 @@ pub(super) enum Command {
     #[command(after_help = sensors::AFTER_HELP)]
     Sensors(SensorsArguments),
     /// Send a program to the control line by line, corrected for the temperatures of the moment
-    #[command(after_help = feed::AFTER_HELP)]
+    #[command(after_help = feed::arguments::AFTER_HELP)]
     Feed(Box<FeedArguments>),
     /// Answer set-points with corrections in the cycle of a control
     #[command(after_help = realtime::AFTER_HELP)]
     Realtime(Box<RealtimeArguments>),
     /// Show how a transfer that was broken off can be taken up again, and do it
-    #[command(after_help = feed::RESUME_HELP)]
+    #[command(after_help = feed::arguments::RESUME_HELP)]
     Resume(ResumeArguments),
     /// Plan a measurement: the poses, and the program that runs them
     #[command(after_help = plan::AFTER_HELP)]
@@ -179,7 +172,7 @@ pub(super) enum Command {
     #[command(after_help = calibrate::AFTER_HELP)]
     Calibrate(CalibrateArguments),
     /// Write what instruments would read on a machine with its errors
-    #[command(after_help = simulate::AFTER_HELP)]
+    #[command(after_help = simulate::arguments::AFTER_HELP)]
     Simulate(SimulateArguments),
     /// Print figures of ISO 230 of measured data: A, E, R, B, M; G, F, D, H; size and form of a sphere
     #[command(after_help = figures::AFTER_HELP)]

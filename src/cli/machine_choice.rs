@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use super::arguments::MachineChoice;
+use super::arguments::{MachineChoice, StateChoice};
 use super::findings::Findings;
+use super::state;
 use super::stop::Stop;
-pub(super) use crate::disk::hash::{digest, short_hash, whole_hash};
+pub(super) use crate::disk::hash::{digest, short_hash};
 pub(super) use crate::disk::machine_file::{Found, Member, locate, members, read, source_of};
 pub(super) use crate::machine::Machine as Chosen;
 
@@ -15,4 +16,18 @@ pub(super) use crate::machine::Machine as Chosen;
 /// Where a file that was named cannot be read.
 pub(super) fn choose(choice: &MachineChoice, program: &Path, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
     Ok(crate::disk::machine_file::choose(choice.machine.as_deref(), &choice.setup, program, findings)?)
+}
+
+/// The same in the condition that was said.
+///
+/// # Errors
+/// Where a file that was named cannot be read.
+pub(super) fn choose_in(
+    choice: &MachineChoice,
+    condition: &StateChoice,
+    program: &Path,
+    findings: &mut Findings,
+) -> Result<Option<Chosen>, Stop> {
+    let Some(mut chosen) = choose(choice, program, findings)? else { return Ok(None) };
+    Ok(state::apply(condition, &mut chosen, findings)?.then_some(chosen))
 }

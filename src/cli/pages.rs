@@ -5,12 +5,10 @@ use std::path::{Path, PathBuf};
 
 use super::arguments::PageChoice;
 use super::input::is_standard_stream;
-use super::machine_choice::short_hash;
 use super::output::{Target, is_same};
 use super::stop::Stop;
 use super::together::Together;
-use ncfix_base::source::Source;
-use ncfix_report::compared::Input;
+pub(super) use crate::disk::hash::input_of as input;
 use ncfix_report::page::apart::pictures;
 
 /// What is wanted of a page.
@@ -99,11 +97,6 @@ pub(super) fn file(path: &Path) -> Result<Target, Stop> {
         return Err(Stop::Usage("a page needs a file, not standard output".into()));
     }
     Target::new(path)
-}
-
-/// A file that a page comes from.
-pub(super) fn input(source: &Source, role: &'static str) -> Input {
-    Input { file: source.name().to_owned(), role, hash: short_hash([source.bytes()]) }
 }
 
 /// Writes a text as a whole.

@@ -25,6 +25,14 @@ pub(super) fn of(path: &Path, choice: &ProgramChoice) -> Result<Program, Stop> {
     Ok(Program::new(run::read(path)?, path, Reading::from(choice)))
 }
 
+/// An original and a corrected program of the command line.
+///
+/// # Errors
+/// Where a file cannot be read.
+pub(super) fn both(original: &Path, corrected: &Path, choice: &ProgramChoice) -> Result<[Program; 2], Stop> {
+    Ok([of(original, choice)?, of(corrected, choice)?])
+}
+
 /// Reads the bytes of a program.
 ///
 /// # Errors

@@ -1,5 +1,7 @@
 //! Hashes of files: short ones for stamps and comments, whole ones for journals.
 
+use ncfix_base::source::Source;
+use ncfix_report::compared::Input;
 use sha2::{Digest as _, Sha256};
 
 /// The first 12 hexadecimal digits of SHA-256: enough to tell versions of a file apart, short enough for a comment.
@@ -21,6 +23,11 @@ pub(crate) fn whole_hash(bytes: &[u8]) -> String {
 /// SHA-256.
 pub(crate) fn digest(bytes: &[u8]) -> Vec<u8> {
     Sha256::digest(bytes).to_vec()
+}
+
+/// A file that a result comes from, with its role.
+pub(crate) fn input_of(source: &Source, role: &'static str) -> Input {
+    Input { file: source.name().to_owned(), role, hash: short_hash([source.bytes()]) }
 }
 
 #[cfg(test)]

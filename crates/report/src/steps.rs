@@ -21,11 +21,23 @@ const RED: &str = "\u{1b}[31m";
 const DIM: &str = "\u{1b}[2m";
 const PLAIN: &str = "\u{1b}[0m";
 
+/// How far a fixed step keeps a residual.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StepAnswer {
+    /// Any step does.
+    Any,
+    /// Steps up to a length do.
+    UpTo,
+    /// None does.
+    None,
+}
+
 /// The result of `ncfix steps`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct StepReport {
-    /// `up_to`, `any` or `none`; `null` where there is no result.
-    pub answer: Option<&'static str>,
+    /// The answer; `null` where there is no result.
+    pub answer: Option<StepAnswer>,
     /// The largest step that keeps the residual.
     pub largest_step_mm: Option<f64>,
     /// The residual asked for.
@@ -153,12 +165,12 @@ impl StepReport {
     pub(super) fn answer_text(&self) -> String {
         let limit = micrometers(self.residual_limit_um);
         match (self.answer, self.largest_step_mm) {
-            (Some("up_to"), Some(step)) => format!("{} mm for {limit}", rounded_down(step)),
-            (Some("any"), _) if self.lines == 0 => "any: there is no straight move with feed to cut".into(),
-            (Some("any"), _) if self.residual_um == 0.0 => {
+            (Some(StepAnswer::UpTo), Some(step)) => format!("{} mm for {limit}", rounded_down(step)),
+            (Some(StepAnswer::Any), _) if self.lines == 0 => "any: there is no straight move with feed to cut".into(),
+            (Some(StepAnswer::Any), _) if self.residual_um == 0.0 => {
                 "any: no line bends (errors that are constant, or depend on the sense of motion only, bend none)".into()
             }
-            (Some("any"), _) => format!("any: in one piece every line stays within {limit}"),
+            (Some(StepAnswer::Any), _) => format!("any: in one piece every line stays within {limit}"),
             _ => {
                 let smallest = self.steps.first().map_or(0.0, |row| row.step_mm);
                 format!("none: {} mm already leave more than {limit}", three_digits(smallest))
@@ -303,7 +315,7 @@ mod tests {
             StepRow { step_mm, residual_um, largest_um: residual_um }
         };
         StepReport {
-            answer: Some("up_to"),
+            answer: Some(StepAnswer::UpTo),
             largest_step_mm: Some(20.0),
             residual_limit_um: 5.0,
             residual_um: 4.99,

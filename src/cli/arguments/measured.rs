@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::super::value;
-use super::correction::MOST_CORRECTION;
 use super::{MachineChoice, RotaryChoice, StateChoice};
+use crate::cli::fix::arguments::MOST_CORRECTION;
 
 /// What `ncfix measured --help` says last.
 pub(super) const AFTER_HELP: &str = "\

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::cli::input;
 use crate::cli::machine_choice::digest;
-use crate::cli::pair::Outcome;
 use crate::cli::stop::Stop;
+use crate::compare::Outcome;
 use ncfix_base::source::{FileId, Source};
 use ncfix_dnc::feed::{Shown, shown};
 use ncfix_path::review::Trace;

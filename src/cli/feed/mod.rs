@@ -4,6 +4,8 @@
 //! made. The second time a thread of its own executes and corrects ([`source`]), another one looks at the temperatures ([`thermal`]), and the main one
 //! adds the second step, sends and listens ([`drive`]).
 
+pub(in crate::cli) mod arguments;
+
 mod book;
 mod drive;
 mod job;

@@ -1,0 +1,122 @@
+//! `ncfix diff`: what was changed between an original and a corrected program.
+
+pub(in crate::cli) mod arguments;
+
+mod page;
+mod pager;
+mod text;
+
+use crate::cli::arguments::DiffArguments;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::stop::Stop;
+use crate::cli::{machine_choice, pages, print, program, progress, tell};
+use crate::compare::{Compared, Listing, Outcome, Pair, ROWS, Wanted};
+use crate::program::Program;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_path::review::Trace;
+use ncfix_report::json;
+use ncfix_report::review::Review;
+
+pub(in crate::cli) use page::text as page;
+use pager::Page;
+
+/// Compares two programs.
+pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
+    if arguments.text {
+        return text::run(arguments);
+    }
+    let mut findings = Findings::default();
+    let target = arguments.html.as_deref().map(pages::file).transpose()?;
+    let journal = arguments.journal.as_deref().map(page::journal).transpose()?;
+    if let Some(target) = &target {
+        program::protect(target, [&arguments.original, &arguments.corrected], &mut findings);
+    }
+    // Both are read before anything else: a file that is missing is the first thing to know.
+    let programs = program::both(&arguments.original, &arguments.corrected, &arguments.program)?;
+    let Some((trace, outcome)) = compare(arguments, programs.each_ref(), target.is_some(), &mut findings)? else {
+        if arguments.json {
+            let review = Review { schema: 1, diagnostics: findings.json(), ..Review::default() };
+            print(&json::line(&review).map_err(Stop::Usage)?)?;
+        } else {
+            findings.draw();
+            tell(&format!(
+                "{}; nothing was compared; --text compares the words as they are written\n",
+                findings.count()
+            ));
+        }
+        return Ok(findings.exit_code());
+    };
+    let Some(corrected) = outcome.sources[1].first() else { return Err(Stop::Usage("nothing was executed".into())) };
+    let wanted = wanted(arguments);
+    let compared = Compared { wanted: &wanted, names: names(arguments), trace: &trace, outcome: &outcome, corrected };
+    let has_differences = !outcome.differences.is_empty();
+    findings.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
+    let mut review = compared.review(&findings);
+    if let Some(limit) = review.limits.iter().find(|limit| !limit.is_kept) {
+        let message =
+            format!("{} reaches {:.1} µm, more than the {:.1} µm allowed", limit.name, limit.value_um, limit.limit_um);
+        let help = "look at the largest rows with --top 20; correct again where they are not meant";
+        findings.add(Diagnostic::nowhere(Code::CORRECTION_TOO_LARGE, message, help), &[]);
+    }
+    let listing = Listing::new(&wanted, &trace.rows, &outcome.sources[0], corrected);
+    if target.is_some() || arguments.json {
+        (review.rows, review.more_rows) = listing.some(arguments.top.unwrap_or(ROWS));
+        review.diagnostics = findings.json();
+    }
+    if let Some(target) = target {
+        pages::publish(target, &page::text(&review, &trace, (&outcome, corrected), journal.as_ref())?)?;
+    }
+    if arguments.json {
+        print(&json::line(&review).map_err(Stop::Usage)?)?;
+    } else {
+        findings.draw();
+        let mut page = Page::open(arguments.no_pager || arguments.html.is_some());
+        page.write(&review.summary())?;
+        // Who asks for the page has the rows there.
+        if !arguments.summary && review.changed > 0 && arguments.html.is_none() {
+            page.write("\n")?;
+            let look = page.look();
+            listing.draw(&look, |text| page.write(text))?;
+        }
+        page.close();
+    }
+    if has_differences && arguments.fail_above.is_none() {
+        return Ok(ExitCode::Different);
+    }
+    if findings.has_errors() {
+        return Ok(findings.exit_code());
+    }
+    Ok(if review.same || arguments.fail_above.is_some() { ExitCode::Done } else { ExitCode::Different })
+}
+
+/// Reads the machine, and walks both programs; `None` where findings forbid it.
+fn compare(
+    arguments: &DiffArguments,
+    programs: [&Program; 2],
+    has_places: bool,
+    findings: &mut Findings,
+) -> Result<Option<(Trace, Outcome)>, Stop> {
+    let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.original, findings)?
+    else {
+        return Ok(None);
+    };
+    let (promised, watch) = (arguments.promised, Some(progress::watch as fn() -> _));
+    Ok(Pair { programs, machine: &machine, promised, at_feed: false, watch }.trace(has_places, findings)?)
+}
+
+/// What is wanted of the comparison.
+fn wanted(arguments: &DiffArguments) -> Wanted {
+    Wanted {
+        axes: arguments.axis.clone(),
+        tolerance_mm: arguments.tolerance.unwrap_or(0.0),
+        least_mm: arguments.only,
+        limit_mm: arguments.fail_above,
+        rows: arguments.top,
+    }
+}
+
+/// The names of both programs, as they were given.
+fn names(arguments: &DiffArguments) -> [String; 2] {
+    [&arguments.original, &arguments.corrected].map(|path| path.display().to_string())
+}

@@ -1,0 +1,217 @@
+//! `ncfix fix`: the whole way from a program to its corrected text.
+
+pub(in crate::cli) mod arguments;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use crate::cli::arguments::FixArguments;
+use crate::cli::diff;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::input::is_standard_stream;
+use crate::cli::machine_choice;
+use crate::cli::output::{Old, Spool, Target, next_backup};
+use crate::cli::program;
+use crate::cli::stop::Stop;
+use crate::cli::together::Together;
+use crate::cli::{pages, print, progress, tell};
+use crate::compare::Pair;
+use crate::machine::Machine;
+use crate::program::Program;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_base::units::um_from_mm;
+use ncfix_report::correction::Correction;
+use ncfix_report::json;
+
+/// Corrects a program.
+pub(in crate::cli) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
+    let started = Instant::now();
+    let job = Job::new(arguments)?;
+    let mut findings = Findings::default();
+    let mut report = Correction::default();
+    if let Err(stop) = job.correct(&mut findings, &mut report) {
+        findings.draw();
+        return Err(stop);
+    }
+    report.seconds = started.elapsed().as_secs_f64();
+    if arguments.json {
+        report.diagnostics = findings.json();
+        print(&json::line(&report).map_err(Stop::Usage)?)?;
+    } else {
+        findings.draw();
+        if findings.has_errors() {
+            tell(&format!("{}; nothing was written\n", findings.count()));
+        } else {
+            tell(&report.table());
+        }
+    }
+    Ok(findings.exit_code())
+}
+
+/// One program and where its correction goes.
+struct Job<'a> {
+    arguments: &'a FixArguments,
+    program: Program,
+    target: Target,
+    /// The target as the user named it.
+    target_name: String,
+    /// Where the page with the review goes.
+    page: Option<Target>,
+}
+
+impl<'a> Job<'a> {
+    /// Reads the program and looks at the target, before any work is done.
+    fn new(arguments: &'a FixArguments) -> Result<Job<'a>, Stop> {
+        let output = arguments.output.as_ref().unwrap_or(&arguments.input);
+        if arguments.in_place && is_standard_stream(&arguments.input) {
+            return Err(Stop::Usage("--in-place needs a file, not standard input".into()));
+        }
+        if arguments.json && is_standard_stream(output) {
+            return Err(Stop::Usage("--json and the program cannot both go to standard output; give -o a file".into()));
+        }
+        let page = arguments.review.as_deref().map(pages::file).transpose()?;
+        if page.is_some() && [output, &arguments.input].into_iter().any(|path| is_standard_stream(path)) {
+            return Err(Stop::Usage("--review needs a program in a file and -o a file: the page shows both".into()));
+        }
+        if arguments.in_place && program::is_in_archive(&arguments.input) {
+            let archive = arguments.input.display();
+            return Err(Stop::Usage(format!(
+                "{archive} is an archive of the control, which --in-place would replace by one program; give -o a file"
+            )));
+        }
+        // First: what comes into being there while the program is read is newer.
+        let target = Target::new(output)?;
+        let program = program::of(&arguments.input, &arguments.program)?;
+        Ok(Job { arguments, program, target, target_name: output.display().to_string(), page })
+    }
+
+    /// Reads the machine, corrects, and publishes the text if there is no error.
+    fn correct(&self, findings: &mut Findings, report: &mut Correction) -> Result<(), Stop> {
+        let arguments = self.arguments;
+        let Some(chosen) = machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.input, findings)?
+        else {
+            return Ok(());
+        };
+        report.machine.clone_from(&chosen.machine.name);
+        let correction = self.program.correct(&chosen, &arguments.options());
+        if correction.was_corrected_before(findings) {
+            return Ok(());
+        }
+        let own = (!arguments.in_place).then_some(&arguments.input);
+        program::protect_program(&self.target, chosen.files.iter().chain(own), findings);
+        if let Some(page) = &self.page {
+            program::protect(page, chosen.files.iter().chain([&arguments.input]), findings);
+            self.keep_apart(page, findings);
+        }
+        let Some(prepared) = correction.prepare(findings)? else { return Ok(()) };
+        let mut spool = Spool::new(self.target.clone())?;
+        let guard = |read: &[PathBuf], findings: &mut Findings| {
+            program::protect_program(&self.target, read, findings);
+            if arguments.in_place {
+                self.keep_programs(findings);
+            }
+        };
+        let written = prepared.write(spool.writer(), Some(progress::watch()), findings, report, guard)?;
+        let has_wear = written.map_err(|error| spool.fault(&error))?;
+        if has_wear && !findings.has_errors() {
+            correction.try_wear(&self.text(&mut spool)?, findings)?;
+        }
+        if findings.has_errors() {
+            // Numbers of an output that does not exist would be taken for its numbers.
+            *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
+            return Ok(());
+        }
+        let page = self.review(&chosen, &mut spool, findings, report)?;
+        if findings.has_errors() {
+            *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
+            return Ok(());
+        }
+        let mut together = Together::default();
+        let old = if arguments.in_place { Old::Kept(self.program.bytes()) } else { Old::Replaced };
+        if arguments.in_place { together.put(spool) } else { together.take(spool) }?;
+        if let (Some(target), Some(page)) = (&self.page, page) {
+            together.add(target.clone(), page.as_bytes())?;
+        }
+        let backup = match together.publish_first(old) {
+            Err(Stop::Found(diagnostic)) => {
+                findings.add(*diagnostic, &[]);
+                *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
+                return Ok(());
+            }
+            published => published?,
+        };
+        report.backup = backup.map(|backup| backup.display().to_string());
+        report.output = Some(self.target_name.clone());
+        Ok(())
+    }
+
+    /// Programs of the file that are not in the output stay only where the output is another file.
+    fn keep_programs(&self, findings: &mut Findings) {
+        let Some((left, source)) = findings.first_of(Code::MORE_PROGRAMS) else { return };
+        let (place, source) = (left.place, source.clone());
+        let message = format!("--in-place would remove other programs from {}: {}", self.target_name, left.message);
+        let help = "give -o another file, or put each program into a file of its own";
+        let found = match place {
+            Some(place) => Diagnostic::at(Code::LOST_PROGRAM, place, message, help),
+            None => Diagnostic::nowhere(Code::LOST_PROGRAM, message, help),
+        };
+        findings.add(found, source.as_slice());
+    }
+
+    /// A page that would be written over the program.
+    fn keep_apart(&self, page: &Target, findings: &mut Findings) {
+        let output = self.arguments.output.as_ref().unwrap_or(&self.arguments.input);
+        if *page == self.target || page.is(output) {
+            let message = format!("the review would overwrite {}", self.target_name);
+            findings.add(Diagnostic::nowhere(Code::WRONG_FILE, message, "choose another file for --review"), &[]);
+        }
+    }
+
+    /// The text that was written.
+    fn text(&self, spool: &mut Spool) -> Result<Source, Stop> {
+        Ok(crate::Correction::again(self.program.source(), &self.target_name, spool.text()?)?)
+    }
+
+    /// Executes both programs as they were read and will be written, and gives the page about what was changed.
+    fn review(
+        &self,
+        machine: &Machine,
+        spool: &mut Spool,
+        findings: &mut Findings,
+        report: &mut Correction,
+    ) -> Result<Option<String>, Stop> {
+        let Some(page) = &self.page else { return Ok(None) };
+        let arguments = self.arguments;
+        let kept = arguments.in_place.then(|| next_backup(&self.target)).flatten();
+        if kept.as_ref().is_some_and(|kept| page.is(kept)) {
+            return Err(Stop::Usage(format!(
+                "--review {page} is where the original would be kept; choose another file"
+            )));
+        }
+        let original = kept.unwrap_or_else(|| arguments.input.clone());
+        let output = arguments.output.clone().unwrap_or_else(|| arguments.input.clone());
+        let corrected = Program::new(self.text(spool)?, &output, self.program.reading().clone());
+        let names = [original, output].map(|path| path.display().to_string());
+        let pair = Pair {
+            programs: [&self.program, &corrected],
+            machine,
+            promised: None,
+            at_feed: false,
+            watch: Some(progress::watch),
+        };
+        let allowed_um = um_from_mm(arguments.correction.max_correction);
+        // What was found in the program is known already, and is found again.
+        let mut again = Findings::default();
+        let Some(reviewed) = pair.review(names, allowed_um, &mut again)? else {
+            findings.absorb(again);
+            return Ok(None);
+        };
+        let verdict = reviewed.review.verdict.clone();
+        let text = diff::page(&reviewed.review, &reviewed.trace, (&reviewed.outcome, corrected.source()), None)?;
+        report.review = arguments.review.as_ref().map(|path| path.display().to_string());
+        report.verdict = Some(verdict);
+        Ok(Some(text))
+    }
+}

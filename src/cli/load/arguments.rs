@@ -1,0 +1,38 @@
+//! The arguments of `ncfix load`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::arguments::MachineChoice;
+use crate::cli::value;
+
+/// What `ncfix load --help` says last.
+pub(in crate::cli) const AFTER_HELP: &str = "\
+STRAIN.csv has a line of column names: the letter of the axis that was moved (X; mm), strain_um_m (µm/m), and where they are there run and t_s \
+(s). [strain] of the machine file says what the gauge reads for a load. Readings of one run share an offset that temperature moves, evenly where \
+there is t_s. Measure every position twice, so that a reading disturbed by a pulse of lubricant is found. Uncertainties are standard \
+uncertainties.
+
+Examples:
+  ncfix load strain.csv --machine mill.toml -o state.toml";
+
+/// `ncfix load`.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct LoadArguments {
+    /// Table of readings; - for standard input
+    #[arg(value_name = "STRAIN.csv")]
+    pub(in crate::cli) data: PathBuf,
+    /// State file to write, with the load; - for standard output
+    #[arg(short, long, value_name = "STATE.toml")]
+    pub(in crate::cli) output: Option<PathBuf>,
+    #[command(flatten)]
+    /// Which machine.
+    pub(in crate::cli) machine: MachineChoice,
+    /// Where the load stands along some directions, mm from the center of the table; the others are measured
+    #[arg(long, value_name = "X0,Z-280", value_parser = value::place, allow_hyphen_values = true)]
+    pub(in crate::cli) known: Option<[Option<f64>; 3]>,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub(in crate::cli) json: bool,
+}

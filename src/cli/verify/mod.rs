@@ -1,0 +1,72 @@
+//! `ncfix verify`: executes an original and a corrected program and compares the errors of both on the error model.
+
+pub(in crate::cli) mod arguments;
+
+use crate::cli::arguments::VerifyArguments;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::pages::Pages;
+use crate::cli::stop::Stop;
+use crate::cli::{machine_choice, print, program, progress};
+use crate::compare::{Along, Outcome, Pair, verification};
+use ncfix_path::path::Follow;
+use ncfix_report::correction::{error_rows, feed_rows};
+use ncfix_report::{json, page};
+
+/// Compares two programs.
+pub(in crate::cli) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
+    let mut findings = Findings::default();
+    let pages = Pages::new(&arguments.page, None, arguments.json)?;
+    if let Some(target) = pages.as_ref().and_then(Pages::target) {
+        program::protect(target, [&arguments.original, &arguments.corrected], &mut findings);
+    }
+    let mut along = Along::default();
+    let mut see = |follow: Follow<'_>| {
+        if pages.is_some() {
+            along.see(&follow);
+        }
+    };
+    let outcome = compare(arguments, &mut findings, &mut see)?;
+    if let (Some(pages), Some(outcome)) = (pages, &outcome) {
+        pages.publish(&page::verification::verification(&along.verification(outcome, &findings)))?;
+    }
+    let result = verification(outcome.as_ref(), &findings);
+    if arguments.json {
+        print(&json::line(&result).map_err(Stop::Usage)?)?;
+        return Ok(findings.exit_code());
+    }
+    findings.draw();
+    if let (Some(before), Some(after)) = (result.before, result.after) {
+        let max_at = outcome.as_ref().and_then(|outcome| outcome.max_at.as_ref());
+        let at_feed = outcome.as_ref().and_then(|outcome| outcome.at_feed.as_ref());
+        let at_feed = at_feed.map_or_else(String::new, |[original, corrected]| feed_rows(original, corrected));
+        let verdict = result.verdict.map_or_else(String::new, |verdict| verdict.rows());
+        print(&(verdict + &error_rows(before, after, max_at.map(|(line, file)| (*line, file.as_str()))) + &at_feed))?;
+    }
+    Ok(findings.exit_code())
+}
+
+/// Reads both programs and the machine, and compares; `None` where findings forbid it.
+fn compare(
+    arguments: &VerifyArguments,
+    findings: &mut Findings,
+    see: &mut dyn FnMut(Follow<'_>),
+) -> Result<Option<Outcome>, Stop> {
+    // Both are read before anything else: a file that is missing is the first thing to know.
+    let programs = program::both(&arguments.original, &arguments.corrected, &arguments.program)?;
+    if findings.has_errors() {
+        return Ok(None);
+    }
+    let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.original, findings)?
+    else {
+        return Ok(None);
+    };
+    let pair = Pair {
+        programs: programs.each_ref(),
+        machine: &machine,
+        promised: arguments.promised,
+        at_feed: arguments.at_feed,
+        watch: Some(progress::watch),
+    };
+    Ok(pair.verify(findings, see)?)
+}

@@ -1,0 +1,81 @@
+//! The errors of two programs along their path, for the page of a verification.
+
+use std::collections::BTreeMap;
+
+use super::walk::Outcome;
+use crate::correction::spread;
+use crate::diagnostics::Diagnostics;
+use crate::disk::hash::input_of;
+use ncfix_base::units::um_from_mm;
+use ncfix_path::path::Follow;
+use ncfix_report::compared::Input;
+use ncfix_report::verification::{Piece, Verification};
+
+/// Moves that are listed.
+const LARGEST: usize = 10;
+
+/// The errors along the path.
+#[derive(Debug, Default)]
+pub(crate) struct Along {
+    path_mm: f64,
+    /// Pieces that count so far: rapid ones until there is one with feed.
+    pieces: Vec<Piece>,
+    has_feed: bool,
+}
+
+impl Along {
+    /// Takes a piece that both went along.
+    pub(crate) fn see(&mut self, follow: &Follow<'_>) {
+        self.path_mm += follow.length_mm;
+        let Some(errors_mm) = follow.errors_mm else { return };
+        if !follow.rapid && !self.has_feed {
+            self.has_feed = true;
+            self.pieces.clear();
+        }
+        if follow.rapid && self.has_feed {
+            return;
+        }
+        let errors_um = errors_mm.map(|error| um_from_mm(error) as f32);
+        let path_m = (self.path_mm / 1e3) as f32;
+        self.pieces.push(Piece { file: follow.original.file.0, line: follow.original.line, path_m, errors_um });
+    }
+
+    /// With what the whole comparison found.
+    pub(crate) fn verification(self, outcome: &Outcome, findings: &Diagnostics) -> Verification {
+        let name = |k: usize| outcome.sources[k].first().map_or_else(String::new, |source| source.name().to_owned());
+        let program = |k: usize, role: &'static str| outcome.sources[k].first().map(|source| input_of(source, role));
+        let mut inputs: Vec<Input> =
+            [program(0, "original program"), program(1, "corrected program")].into_iter().flatten().collect();
+        let machine = &outcome.machine;
+        inputs.push(Input { file: machine.name.clone(), role: "machine", hash: machine.model.clone() });
+        Verification {
+            files: [name(0), name(1)],
+            machine: machine.name.clone(),
+            before: Some(spread(&outcome.comparison.before)),
+            after: Some(spread(&outcome.comparison.after)),
+            samples: outcome.comparison.samples,
+            largest: self.largest(outcome),
+            pieces: self.pieces,
+            at_feed: outcome.at_feed.clone(),
+            inputs,
+            diagnostics: findings.json(),
+        }
+    }
+
+    /// The lines of which most is left.
+    fn largest(&self, outcome: &Outcome) -> Vec<(String, [f64; 2])> {
+        let mut lines: BTreeMap<(u16, u32), [f32; 2]> = BTreeMap::new();
+        for piece in &self.pieces {
+            let most = lines.entry((piece.file, piece.line)).or_default();
+            *most = [0, 1].map(|k| most[k].max(piece.errors_um[k]));
+        }
+        let mut all: Vec<_> = lines.into_iter().collect();
+        all.sort_by(|(_, a), (_, b)| b[1].total_cmp(&a[1]));
+        let files = &outcome.sources[0];
+        let place = |(file, line): (u16, u32)| {
+            let name = files.iter().find(|source| source.id().0 == file).map_or("", |source| source.name());
+            format!("{name}:{line}")
+        };
+        all.into_iter().take(LARGEST).map(|(at, errors)| (place(at), errors.map(f64::from))).collect()
+    }
+}

@@ -1,0 +1,201 @@
+//! The rows of a comparison: which, in which order, with the words of the text.
+
+use super::Wanted;
+use ncfix_base::geometry::Axis;
+use ncfix_base::source::Source;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_path::review::words::{Word, block_number, decimals, words};
+use ncfix_path::review::{Row, moves};
+use ncfix_report::review::{Changed, Look, Row as Shown};
+
+/// A modal word stands at most so many lines above.
+const ABOVE: u32 = 200;
+
+/// The lines of a file.
+pub(crate) struct Text<'a> {
+    source: &'a Source,
+    /// Where each line begins.
+    starts: Vec<u32>,
+}
+
+impl<'a> Text<'a> {
+    pub(crate) fn new(source: &'a Source) -> Text<'a> {
+        let ends = source.bytes().iter().enumerate().filter(|(_, byte)| **byte == source.line_end());
+        let starts = std::iter::once(0).chain(ends.map(|(place, _)| place as u32 + 1)).collect();
+        Text { source, starts }
+    }
+
+    /// A line by its number, from 1. Bytes that are not UTF-8 are Latin-1, of which only letters and digits matter here.
+    pub(crate) fn line(&self, number: u32) -> String {
+        let at = number.saturating_sub(1) as usize;
+        let bytes = self.source.bytes();
+        let from = self.starts.get(at).map_or(bytes.len(), |start| *start as usize);
+        let to = self.starts.get(at + 1).map_or(bytes.len(), |next| *next as usize - 1);
+        String::from_utf8_lossy(bytes.get(from..to).unwrap_or_default()).into_owned()
+    }
+}
+
+/// The rows that are asked for.
+pub(crate) struct Listing<'a> {
+    wanted: &'a Wanted,
+    rows: &'a [Row],
+    axes: Vec<Axis>,
+    original: Vec<Text<'a>>,
+    corrected: Text<'a>,
+}
+
+impl<'a> Listing<'a> {
+    pub(crate) fn new(
+        wanted: &'a Wanted,
+        rows: &'a [Row],
+        sources: &'a [Source],
+        corrected: &'a Source,
+    ) -> Listing<'a> {
+        let original = sources.iter().map(Text::new).collect();
+        Listing { wanted, rows, axes: wanted.all_axes(), original, corrected: Text::new(corrected) }
+    }
+
+    /// The largest change of a move, µm.
+    fn largest(&self, own: &[Row]) -> f64 {
+        own.iter().map(|row| row.largest(&self.axes)).fold(0.0, f64::max)
+    }
+
+    fn is_wanted(&self, own: &[Row]) -> bool {
+        let largest = self.largest(own);
+        let least = self.wanted.least_mm.map_or(0.0, um_from_mm);
+        let same = um_from_mm(self.wanted.tolerance_mm);
+        largest > same && largest >= least
+    }
+
+    /// The moves with the largest changes, the largest first.
+    fn top(&self, count: usize) -> (Vec<&'a [Row]>, u64) {
+        let mut all: Vec<(f64, &[Row])> =
+            moves(self.rows).filter(|own| self.is_wanted(own)).map(|own| (self.largest(own), own)).collect();
+        let more = all.len().saturating_sub(count) as u64;
+        // Of equals the first.
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        all.truncate(count);
+        (all.into_iter().map(|(_, own)| own).collect(), more)
+    }
+
+    /// Some rows for the object for programs, and how many there are beside them.
+    pub(crate) fn some(&self, count: usize) -> (Vec<Shown>, u64) {
+        let (own, more) = self.top(count);
+        (own.into_iter().map(|own| self.shown(own, 0)).collect(), more)
+    }
+
+    /// Draws the rows, one after the other.
+    ///
+    /// # Errors
+    /// Those of `write`.
+    pub(crate) fn draw<E>(&self, look: &Look, mut write: impl FnMut(&str) -> Result<(), E>) -> Result<(), E> {
+        if let Some(count) = self.wanted.rows {
+            let (own, more) = self.top(count);
+            for own in own {
+                write(&self.shown(own, 0).line(look))?;
+            }
+            if more > 0 {
+                write(&format!("and {more} more\n"))?;
+            }
+            return Ok(());
+        }
+        let mut folded = 0;
+        for own in moves(self.rows) {
+            if self.is_wanted(own) {
+                write(&self.shown(own, std::mem::take(&mut folded)).line(look))?;
+            } else {
+                folded += 1;
+            }
+        }
+        if folded > 0 {
+            write(&format!("{:10}… {folded} not changed\n", ""))?;
+        }
+        Ok(())
+    }
+
+    /// A move as it is shown.
+    fn shown(&self, own: &[Row], folded: u64) -> Shown {
+        let (Some(first), Some(last)) = (own.first(), own.last()) else { return Shown::default() };
+        let text = self.original.get(usize::from(first.file));
+        let before = text.map_or(String::new(), |text| text.line(first.line));
+        let file = text.filter(|_| first.file > 0).map(|text| text.source.name());
+        let file = file.map(|name| name.rsplit(['/', '\\']).next().unwrap_or(name).to_owned());
+        // Where the move ends; the largest of its pieces where it ends as it was.
+        let most = own.iter().max_by(|a, b| a.largest(&self.axes).total_cmp(&b.largest(&self.axes))).unwrap_or(last);
+        let row = if last.largest(&self.axes) > 0.0 { last } else { most };
+        let [mm, rad] = self.wanted.tolerance();
+        let is_changed = |axis: &&Axis| row.added(**axis).abs() > if axis.is_rotary() { rad } else { mm };
+        Shown {
+            line: first.line,
+            file,
+            number: block_number(&before).unwrap_or_default().to_owned(),
+            corrected: [first.corrected_line, last.corrected_line],
+            pieces: own.iter().filter(|row| !row.is_on_the_spot()).count() as u64,
+            words: self.words(row, &before, self.axes.iter().filter(is_changed).copied()),
+            folded,
+        }
+    }
+
+    /// The words of axes that are changed.
+    fn words(&self, row: &Row, before: &str, axes: impl Iterator<Item = Axis>) -> Vec<Changed> {
+        let after = self.corrected.line(row.corrected_line);
+        let [of_before, of_after] = [before, &after].map(words);
+        axes.map(|axis| {
+            let written = word_of(&of_before, axis);
+            match word_of(&of_after, axis) {
+                Some(word) => changed(row, axis, Some(word), written),
+                None => self.above(row, axis, written),
+            }
+        })
+        .collect()
+    }
+
+    /// A word that stands above, as its value goes on.
+    fn above(&self, row: &Row, axis: Axis, written: Option<&Word<'_>>) -> Changed {
+        let highest = row.corrected_line.saturating_sub(ABOVE).max(1);
+        for line in (highest..row.corrected_line).rev() {
+            let text = self.corrected.line(line);
+            if let Some(word) = word_of(&words(&text), axis) {
+                return changed(row, axis, Some(word), written);
+            }
+        }
+        changed(row, axis, None, written)
+    }
+}
+
+/// A word that is changed, from that of the corrected program and that of the original.
+fn changed(row: &Row, axis: Axis, word: Option<&Word<'_>>, written: Option<&Word<'_>>) -> Changed {
+    let added = row.added(axis);
+    let (unit, shown) = if axis.is_rotary() { ("urad", urad_from_rad(added)) } else { ("um", um_from_mm(added)) };
+    let mut out = Changed { axis: axis.to_string(), added: shown, unit, ..Changed::default() };
+    let Some(word) = word else { return out };
+    let digits = decimals(word.value);
+    let was = word.number.unwrap_or_default() - if axis.is_rotary() { added.to_degrees() } else { added };
+    // As it was written, where that is the number; else what it was when it was executed.
+    let near = 0.6 * 10_f64.powi(-(digits as i32));
+    let written = written.filter(|written| written.number.is_some_and(|number| (number - was).abs() < near));
+    out.after = word.value.to_owned();
+    out.before = written.map_or_else(|| rounded(was, digits), |word| word.value.to_owned());
+    out
+}
+
+/// A number with so many decimals, and no minus in front of zero.
+fn rounded(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(bare) if bare.bytes().all(|byte| matches!(byte, b'0' | b'.')) => bare.to_owned(),
+        _ => text,
+    }
+}
+
+/// The word of an axis with a number.
+fn word_of<'w, 't>(words: &'w [Word<'t>], axis: Axis) -> Option<&'w Word<'t>> {
+    let letter = axis.letter();
+    let is_own = |address: &str| {
+        let bare = address.strip_prefix("POS[").and_then(|rest| rest.strip_suffix(']')).unwrap_or(address);
+        // X, and X1 as machines name their axes.
+        bare.as_bytes().first().is_some_and(|first| first.eq_ignore_ascii_case(&letter))
+            && matches!(&bare[1..], "" | "1")
+    };
+    words.iter().find(|word| is_own(word.address) && word.number.is_some())
+}

@@ -1,0 +1,217 @@
+//! Two programs compared: executed side by side on the machine, or as they are written.
+
+mod along;
+mod at_feed;
+mod differences;
+mod header;
+mod listing;
+mod review;
+mod stamp;
+mod text;
+mod walk;
+
+use crate::correction::spread;
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::program::Program;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_base::units::um_from_mm;
+use ncfix_path::path::{Follow, Promise};
+use ncfix_path::review::Trace;
+use ncfix_report::json::Verification;
+use ncfix_report::review::{Limit, Review};
+use ncfix_report::verdict::Verdict;
+
+pub(crate) use along::Along;
+pub(crate) use at_feed::{block_of, place_of};
+pub(crate) use listing::Listing;
+pub(crate) use review::Compared;
+pub(crate) use text::TextComparison;
+pub(crate) use walk::{Outcome, Pair};
+
+/// A line of a corrected program is hardly shorter, bytes.
+const LEAST_LINE: usize = 16;
+
+/// An angle counts what it makes at this arm, mm.
+const ARM_MM: f64 = 1000.0;
+
+/// Rows of a comparison where nothing else is said.
+pub(crate) const ROWS: usize = 20;
+
+/// What is wanted of a comparison.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Wanted {
+    /// Only these axes; all of them where none is named.
+    pub(crate) axes: Vec<Axis>,
+    /// Changes up to this are none, mm; a rotary axis by what its angle makes at 1 m.
+    pub(crate) tolerance_mm: f64,
+    /// Only moves that are changed by at least this, mm.
+    pub(crate) least_mm: Option<f64>,
+    /// Larger changes than this are not allowed, mm.
+    pub(crate) limit_mm: Option<f64>,
+    /// So many rows, the largest first.
+    pub(crate) rows: Option<usize>,
+}
+
+impl Wanted {
+    /// The axes that are asked for.
+    fn all_axes(&self) -> Vec<Axis> {
+        AXES.into_iter().filter(|axis| self.axes.is_empty() || self.axes.contains(axis)).collect()
+    }
+
+    /// What is the same, mm and rad.
+    fn tolerance(&self) -> [f64; 2] {
+        [self.tolerance_mm, self.tolerance_mm / ARM_MM]
+    }
+}
+
+impl Program {
+    /// Executes this program and its corrected one side by side, and compares the errors of both on the error model: how far the tool is off the path
+    /// that this one asks for, and whether anything but a correction tells them apart.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let text = program.correct(&machine, &Options::default()).text()?;
+    /// let corrected = Program::parse("corrected.mpf", text, DialectChoice::Sinumerik)?;
+    /// let found = program.verify(&corrected, &machine)?;
+    /// assert!(found.after.unwrap().max_um < 1.0 && found.before.unwrap().max_um > 10.0);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where one of both is not understood, or they are no pair.
+    pub fn verify(&self, corrected: &Program, machine: &Machine) -> Result<Verification, Error> {
+        let mut found = Diagnostics::default();
+        let pair = Pair { programs: [self, corrected], machine, promised: None, at_feed: false, watch: None };
+        match pair.verify(&mut found, &mut |_| ())? {
+            Some(outcome) => Ok(verification(Some(&outcome), &found)),
+            None => Err(Error::found(found)),
+        }
+    }
+
+    /// What was changed between this program and its corrected one, move by move: the twenty largest changes, figures of each axis, whether it should
+    /// run.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let text = program.correct(&machine, &Options::default()).text()?;
+    /// let corrected = Program::parse("corrected.mpf", text, DialectChoice::Sinumerik)?;
+    /// let review = program.compare(&corrected, &machine)?;
+    /// assert!(!review.same && review.axes["X"].max.abs() > 10.0);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where one of both is not understood, or they are no pair.
+    pub fn compare(&self, corrected: &Program, machine: &Machine) -> Result<Review, Error> {
+        let mut found = Diagnostics::default();
+        let pair = Pair { programs: [self, corrected], machine, promised: None, at_feed: false, watch: None };
+        let Some((trace, outcome)) = pair.trace(false, &mut found)? else { return Err(Error::found(found)) };
+        let Some(text) = outcome.sources[1].first() else { return Err(Error::found(found)) };
+        let (wanted, names) = (Wanted::default(), [self.name().to_owned(), corrected.name().to_owned()]);
+        found.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
+        let mut review =
+            Compared { wanted: &wanted, names, trace: &trace, outcome: &outcome, corrected: text }.review(&found);
+        let listing = Listing::new(&wanted, &trace.rows, &outcome.sources[0], text);
+        (review.rows, review.more_rows) = listing.some(ROWS);
+        Ok(review)
+    }
+}
+
+impl Pair<'_> {
+    /// Compares both, and says what is no correction, or that there is none; `None` where findings forbid to compare them.
+    ///
+    /// # Errors
+    /// Where their dialect does not exist.
+    pub(crate) fn verify(
+        &self,
+        found: &mut Diagnostics,
+        see: &mut dyn FnMut(Follow<'_>),
+    ) -> Result<Option<Outcome>, Error> {
+        let is_itself = self.programs[0].bytes() == self.programs[1].bytes();
+        let Some(outcome) = self.compare(found, see)? else { return Ok(None) };
+        if is_itself {
+            let most_um = um_from_mm(outcome.comparison.after.max_mm);
+            let promised_um = um_from_mm(self.promised.unwrap_or(Promise::default().tolerance_mm));
+            if most_um > promised_um {
+                let message = format!(
+                    "nothing was corrected: the tool is up to {most_um:.2} µm off its place, and a correction leaves {promised_um:.2} µm"
+                );
+                found.add(Diagnostic::nowhere(Code::OFF_PROMISE, message, "correct the program with ncfix fix"), &[]);
+            }
+        }
+        found.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
+        Ok(Some(outcome))
+    }
+
+    /// Compares both move by move; `None` where findings forbid it.
+    ///
+    /// # Errors
+    /// Where their dialect does not exist.
+    pub(crate) fn trace(&self, has_places: bool, found: &mut Diagnostics) -> Result<Option<(Trace, Outcome)>, Error> {
+        let mut trace = Trace::new(self.programs[1].bytes().len() / LEAST_LINE, has_places);
+        let outcome = self.compare(found, &mut |follow| trace.see(&follow, has_places))?;
+        Ok(outcome.filter(|_| !found.has_errors()).map(|outcome| (trace, outcome)))
+    }
+}
+
+/// What was changed between a program and what was just made of it.
+pub(crate) struct Reviewed {
+    pub(crate) review: Review,
+    pub(crate) trace: Trace,
+    pub(crate) outcome: Outcome,
+}
+
+impl Pair<'_> {
+    /// What a correction changed that was allowed so much, with its largest rows; `None` where findings forbid it. `names` are those of both files.
+    ///
+    /// # Errors
+    /// Where their dialect does not exist.
+    pub(crate) fn review(
+        &self,
+        names: [String; 2],
+        allowed_um: f64,
+        found: &mut Diagnostics,
+    ) -> Result<Option<Reviewed>, Error> {
+        let Some((trace, outcome)) = self.trace(true, found)? else { return Ok(None) };
+        let Some(corrected) = outcome.sources[1].first() else { return Ok(None) };
+        found.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
+        let wanted = Wanted::default();
+        let mut review = Compared { wanted: &wanted, names, trace: &trace, outcome: &outcome, corrected }.review(found);
+        let axes: Vec<Axis> = AXES.into_iter().filter(|axis| !axis.is_rotary()).collect();
+        let value_um = trace.rows.iter().map(|row| row.largest(&axes)).fold(0.0, f64::max);
+        let name = "the largest correction of a linear axis".to_owned();
+        review.limits.push(Limit { name, value_um, limit_um: allowed_um, is_kept: value_um <= allowed_um });
+        review.verdict = Verdict::of(&review);
+        let listing = Listing::new(&wanted, &trace.rows, &outcome.sources[0], corrected);
+        (review.rows, review.more_rows) = listing.some(ROWS);
+        Ok(Some(Reviewed { review, trace, outcome }))
+    }
+}
+
+/// What a comparison found.
+pub(crate) fn verification(outcome: Option<&Outcome>, found: &Diagnostics) -> Verification {
+    let before = outcome.map(|outcome| spread(&outcome.comparison.before));
+    let after = outcome.map(|outcome| spread(&outcome.comparison.after));
+    let verdict =
+        outcome.map(|_| Verdict::of(&Review { before, after, diagnostics: found.json(), ..Review::default() }));
+    let [original_at_feed, corrected_at_feed] =
+        outcome.and_then(|outcome| outcome.at_feed.clone()).map_or([None, None], |pair| pair.map(Some));
+    Verification {
+        verdict,
+        before,
+        after,
+        samples: outcome.map_or(0, |outcome| outcome.comparison.samples),
+        original_at_feed,
+        corrected_at_feed,
+        diagnostics: found.json(),
+    }
+}

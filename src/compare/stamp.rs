@@ -1,0 +1,87 @@
+//! What the stamp of a corrected program says beside the machine, the state and the original that it is compared with.
+
+use crate::diagnostics::Diagnostics;
+use crate::disk::hash::short_hash;
+use crate::machine::Machine;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_base::units::um_from_mm;
+use ncfix_path::emit;
+use ncfix_path::path::Promise;
+
+/// What the corrected program has promised; `None` where it is the original itself, and nothing was promised. `promised` is a tolerance that a person
+/// says, mm.
+pub(crate) fn promise(
+    sources: &[Source; 2],
+    chosen: &Machine,
+    promised: Option<f64>,
+    findings: &mut Diagnostics,
+) -> Option<Promise> {
+    let [original, corrected] = sources;
+    let bytes = corrected.bytes();
+    let name = corrected.name();
+    let mut warn = |code, message: String, help: &str| findings.add(Diagnostic::nowhere(code, message, help), sources);
+    let assumed = || {
+        let default = Promise::default();
+        Promise { tolerance_mm: promised.unwrap_or(default.tolerance_mm), ..default }
+    };
+    if !emit::is_stamped(bytes) {
+        if bytes == original.bytes() {
+            let message =
+                format!("{name} carries no stamp, and is the same as {}: nothing was corrected", original.name());
+            warn(Code::NO_STAMP, message, "compare a program with what ncfix fix has made from it");
+            return promised.map(|_| assumed());
+        }
+        let message =
+            format!("{name} carries no stamp: nobody can say for which machine, state and program it was made");
+        let help = "compare what ncfix fix has written; if somebody took the stamp out, correct the program again";
+        warn(Code::NO_STAMP, message, help);
+        return Some(assumed());
+    }
+    let is_changed = emit::is_stamp_changed(bytes);
+    if is_changed == Some(true) {
+        let message = format!("the stamp of {name} was changed since it was written");
+        let help = "what it promises is not believed, 1 µm or --promised counts; correct the program again";
+        warn(Code::NO_STAMP, message, help);
+    }
+    if let Some(model) = emit::stamped_model(bytes).filter(|model| *model != chosen.hash) {
+        let message = format!("{name} was corrected for the model {model}, and is compared on {}", chosen.hash);
+        warn(Code::OTHER_STAMP, message, "give --machine the machine file that it was corrected with");
+    } else if emit::is_stamped_for(bytes, &chosen.machine.name) == Some(false) {
+        let message = format!("the stamp of {name} names another machine than {}", chosen.machine.name);
+        warn(Code::OTHER_STAMP, message, "give --machine the machine file that it was corrected with");
+    }
+    let stamped_state = emit::stamped_state(bytes);
+    if stamped_state != chosen.state {
+        let said = |state: &Option<String>| state.clone().unwrap_or_else(|| "none".into());
+        let message = format!(
+            "{name} was corrected for the state {}, and is compared in {}",
+            said(&stamped_state),
+            said(&chosen.state)
+        );
+        let help = "give the same --state, --time, --zero-time, --zero-at and --load as for the correction";
+        warn(Code::OTHER_STAMP, message, help);
+    }
+    let hash = short_hash([original.bytes()]);
+    if let Some(source) = emit::stamped_source(bytes).filter(|source| *source != hash) {
+        let message =
+            format!("{name} was made from a program with the hash {source}, and {} has {hash}", original.name());
+        warn(
+            Code::OTHER_STAMP,
+            message,
+            "give the program that it was made from; where that has changed, correct it again",
+        );
+    }
+    if let Some(promise) = emit::stamped_promise(bytes).filter(|_| is_changed == Some(false)) {
+        return Some(promised.map_or(promise, |tolerance_mm| Promise { tolerance_mm, ..promise }));
+    }
+    let promise = assumed();
+    if promised.is_none() {
+        let message = format!(
+            "the stamp of {name} does not say its tolerance in a way that can be believed; {} µm are assumed",
+            um_from_mm(promise.tolerance_mm)
+        );
+        warn(Code::PROMISE_ASSUMED, message, "say it with --promised, or correct the program again");
+    }
+    Some(promise)
+}

@@ -1,0 +1,324 @@
+//! Two programs executed side by side, and their moves compared: what `ncfix verify` and `ncfix diff` have in common.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::panic::resume_unwind;
+
+use super::at_feed::Driven;
+use super::header::Header;
+use super::{differences, stamp};
+use crate::channel::{Filler, Taker, channel};
+use crate::correction::servo;
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::program::Program;
+use crate::run::{self, Running, Watch, is_wear_alone};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_base::source::{FileId, Source};
+use ncfix_language::exec::{Options, Radius, RapidOrder};
+use ncfix_machine::machine::Kinematics;
+use ncfix_machine::snc::{Element, Origin};
+use ncfix_path::emit;
+use ncfix_path::path::{self, Difference, Feeds, Follow, Grouping};
+use ncfix_report::json::AtFeed;
+
+/// Two programs and how they are executed.
+pub(crate) struct Pair<'a> {
+    /// The original and the corrected one.
+    pub(crate) programs: [&'a Program; 2],
+    pub(crate) machine: &'a Machine,
+    /// The tolerance of the correction that a person says, mm.
+    pub(crate) promised: Option<f64>,
+    /// Whether both are driven through the servo loops of the machine too.
+    pub(crate) at_feed: bool,
+    /// Who is told how far the original is.
+    pub(crate) watch: Option<fn() -> Box<dyn Watch>>,
+}
+
+impl Pair<'_> {
+    /// Opens both programs and walks them side by side; `None` where findings forbid it.
+    ///
+    /// # Errors
+    /// Where their dialect does not exist.
+    pub(crate) fn compare(
+        &self,
+        findings: &mut Diagnostics,
+        see: &mut dyn FnMut(Follow<'_>),
+    ) -> Result<Option<Outcome>, Error> {
+        if self.at_feed && servo(&self.machine.machine, findings).is_none() {
+            return Ok(None);
+        }
+        let open = |program: &Program| {
+            let mut own = Diagnostics::default();
+            let opened = program.open(Some(self.machine), &mut own);
+            (opened, own)
+        };
+        let [original, corrected] = std::thread::scope(|scope| {
+            let corrected = scope.spawn(|| open(self.programs[1]));
+            [open(self.programs[0]), corrected.join().unwrap_or_else(|fault| resume_unwind(fault))]
+        });
+        findings.absorb(original.1);
+        findings.absorb(corrected.1);
+        let (Some(original), Some(corrected)) = (original.0?, corrected.0?) else { return Ok(None) };
+        Ok(self.walked([original, corrected], findings, see))
+    }
+
+    fn walked(
+        &self,
+        [original, corrected]: [run::Opened; 2],
+        findings: &mut Diagnostics,
+        see: &mut dyn FnMut(Follow<'_>),
+    ) -> Option<Outcome> {
+        let chosen = self.machine;
+        let sources = &self.programs.map(|program| program.source().clone());
+        let has_wear_alone = is_wear_alone(&sources[1]);
+        let start = |opened: run::Opened, program: &Program| {
+            let is_stamped = emit::is_stamped(opened.source.bytes());
+            let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
+            // Where the control has the wear, the original has none.
+            let radius = if has_wear_alone && !is_stamped { Radius::Beside(0.0) } else { Radius::Whole };
+            let options = Options { rapid_order, radius, ..Options::default() };
+            program.start_as(opened, &chosen.machine, options)
+        };
+        let mut promise = stamp::promise(sources, chosen, self.promised, findings);
+        if let Some(promise) = &mut promise {
+            // The increment of a program in inches is another one.
+            let mut machine = chosen.machine.clone();
+            machine.control.increment_mm = promise.increment_mm.unwrap_or(machine.control.increment_mm);
+            run::keep_unit(&sources[0], original.dialect, false, &mut machine);
+            promise.increment_mm = Some(path::Increments::new(&machine.control).linear_mm);
+        }
+        let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());
+        let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };
+        let feeds = [&original, &corrected]
+            .map(|opened| emit::entry(opened.dialect.name).map_or(Feeds::default(), |entry| entry.feeds));
+        let assumed = emit::entry(corrected.dialect.name).map_or("", |entry| entry.assumed);
+        let (filler, ahead) = channel();
+        std::thread::scope(|scope| {
+            // One core executes the corrected program ahead, the other one the original, and compares.
+            let run = move || send(start(corrected, self.programs[1]), filler);
+            let thread = scope.spawn(run);
+            let mut original = start(original, self.programs[0]);
+            if let Some(watch) = self.watch {
+                original = original.watched(watch());
+            }
+            let how = How {
+                of_path: path::How { grouping, feeds, promise },
+                at_feed: self.at_feed,
+                start: self.programs[0].reading().start,
+                assumed: if is_marked { assumed } else { "" },
+            };
+            walk((original, ahead), &how, chosen, findings, see, || {
+                thread.join().unwrap_or_else(|fault| resume_unwind(fault))
+            })
+        })
+    }
+}
+
+/// An element, or a finding with the files that it may be in.
+type Item = Result<Element, (Diagnostic, Vec<Source>)>;
+
+/// Executes a program to its end, or until nobody wants its elements any more; its files.
+fn send(mut running: Running<'_>, to: Filler<Item>) -> Vec<Source> {
+    let items = std::iter::from_fn(|| {
+        let item = running.next()?;
+        Some(item.map_err(|finding| (finding, running.sources().to_vec())))
+    });
+    to.put_all(items);
+    running.sources().to_vec()
+}
+
+/// How two programs are compared.
+struct How {
+    of_path: path::How,
+    at_feed: bool,
+    start: Option<AxisVector>,
+    /// What the corrected program states before its first move.
+    assumed: &'static str,
+}
+
+/// Compares two running programs; `files` ends the corrected one and gives its files.
+fn walk(
+    (mut original, corrected): (Running<'_>, Taker<Item>),
+    how: &How,
+    chosen: &Machine,
+    findings: &mut Diagnostics,
+    see: &mut dyn FnMut(Follow<'_>),
+    files: impl FnOnce() -> Vec<Source>,
+) -> Option<Outcome> {
+    let model = chosen.model();
+    let increments = [chosen.machine.control.increment_mm, chosen.machine.control.increment_rad];
+    let kinematics = Kinematics::new(&chosen.machine);
+    let mut beyond: BTreeMap<Axis, (u64, u32)> = BTreeMap::new();
+    let mut see = |follow: Follow<'_>| {
+        if let Some(axis) = kinematics.beyond_travel(&follow.command) {
+            beyond.entry(axis).or_insert((0, follow.corrected.line)).0 += 1;
+        }
+        see(follow);
+    };
+    let mut differences: Vec<Difference> = Vec::new();
+    let mut differ = |difference: Difference| {
+        if differences.len() < differences::MOST {
+            differences.push(difference);
+        }
+    };
+    let shared = RefCell::new(std::mem::take(findings));
+    let items = std::iter::from_fn(|| {
+        let item = original.next()?;
+        Some(item.map_err(|finding| (finding, original.sources().to_vec())))
+    });
+    let options = path::Options { start: how.start, ..path::Options::default() };
+    let servo = chosen.machine.servo.as_ref().filter(|_| how.at_feed);
+    let driven = || servo.map(|servo| Driven::new(&chosen.machine, servo, &model, &options));
+    let (result, driven, headers) = {
+        let mut original = Clean { items, findings: &shared, mark: 0, driven: driven(), header: Header::default() };
+        let mut corrected = Clean {
+            items: corrected,
+            findings: &shared,
+            mark: OF_CORRECTED,
+            driven: driven(),
+            header: Header::default(),
+        };
+        let result = path::compare_seeing(
+            &mut original,
+            &mut corrected,
+            how.of_path,
+            &chosen.machine,
+            &model,
+            (&mut see, &mut differ),
+        );
+        (result, [original.driven, corrected.driven], [original.header, corrected.header])
+    };
+    let sources = [original.sources().to_vec(), files()];
+    let source = |marked: FileId| {
+        let marks = [0, OF_CORRECTED];
+        let mut all = sources.iter().zip(marks).flat_map(|(own, mark)| own.iter().map(move |one| (one, mark)));
+        all.find(|(one, mark)| one.id().0 ^ mark == marked.0).map(|(one, _)| one.clone())
+    };
+    let max_at = result.as_ref().ok().and_then(|comparison| comparison.max_at);
+    let max_at = max_at.and_then(|origin| Some((origin.line, source(origin.file)?.name().to_owned())));
+    *findings = shared.into_inner();
+    let mut told = Vec::new();
+    for mut one in differences {
+        one.corrected.file.0 ^= OF_CORRECTED;
+        told.push(differences::diagnostic(&one, [&sources[0], &sources[1]]));
+    }
+    if let Some(corrected) = sources[1].first().filter(|source| emit::is_stamped(source.bytes())) {
+        told.extend(differences::skipped(corrected));
+        if !how.assumed.is_empty() {
+            told.extend(differences::assigned(corrected));
+        }
+        let lacks = headers[1].lacks(&headers[0], how.assumed, corrected);
+        told.extend(lacks.into_iter().map(|word| differences::unstated(word, corrected)));
+    }
+    match result {
+        Ok(comparison) => {
+            let machine = MachineUsed {
+                name: chosen.machine.name.clone(),
+                model: chosen.hash.clone(),
+                state: chosen.state.clone(),
+            };
+            let [original, corrected] = driven;
+            let fed = original.zip(corrected).map(|pair| {
+                let of = |k: usize| {
+                    let own: &[Source] = &sources[k];
+                    |file: FileId| own.iter().find(|source| source.id() == file).cloned()
+                };
+                [pair.0.finish(of(0)), pair.1.finish(of(1))]
+            });
+            Some(Outcome { comparison, max_at, sources, increments, beyond, machine, at_feed: fed, differences: told })
+                .filter(|_| !findings.has_errors())
+        }
+        Err(mut partings) => {
+            // Where a program could not be executed to its end, that it does not match the other one is no news; that it parts before that is, and a line
+            // that is missing leaves an arc that cannot be.
+            if findings.has_errors() {
+                let line =
+                    partings.first().and_then(|parting| parting.corrected).map_or(0, |origin| origin.line as usize);
+                let is_later = |(code, place): (Code, Option<usize>)| {
+                    place.is_some_and(|place| place >= line || ARCS.contains(&code))
+                };
+                if line == 0 || !findings.errors_in(&sources[1]).all(is_later) {
+                    return None;
+                }
+                partings.truncate(1);
+            }
+            findings.extend(told, &sources[1]);
+            for parting in partings {
+                let name = |origin: &Origin| differences::line(origin, source(origin.file).as_ref());
+                let mut diagnostic = parting.diagnostic(name);
+                let source = diagnostic.place.and_then(|place| source(place.file));
+                if let (Some(place), Some(source)) = (&mut diagnostic.place, &source) {
+                    place.file = source.id();
+                }
+                findings.add(diagnostic, source.as_slice());
+            }
+            None
+        }
+    }
+}
+
+/// Arcs that cannot be.
+const ARCS: &[Code] = &[Code::ARC_OFF_CIRCLE, Code::RADIUS_TOO_SMALL];
+
+/// What a comparison found.
+pub(crate) struct Outcome {
+    pub(crate) comparison: path::Comparison,
+    /// Line and file of the largest error that is left.
+    pub(crate) max_at: Option<(u32, String)>,
+    /// The files of the original, and those of the corrected program.
+    pub(crate) sources: [Vec<Source>; 2],
+    /// Of the control, mm and rad.
+    pub(crate) increments: [f64; 2],
+    /// Pieces of the corrected program that end beyond the travel of an axis: how many, and the line of the first.
+    pub(crate) beyond: BTreeMap<Axis, (u64, u32)>,
+    pub(crate) machine: MachineUsed,
+    /// What is no correction, as findings in the corrected program.
+    pub(crate) differences: Vec<Diagnostic>,
+    /// What the axes make of both at feed, where that was asked for.
+    pub(crate) at_feed: Option<[AtFeed; 2]>,
+}
+
+/// On which machine they were executed.
+pub(crate) struct MachineUsed {
+    pub(crate) name: String,
+    /// Hash of its file.
+    pub(crate) model: String,
+    /// Hash of its state.
+    pub(crate) state: Option<String>,
+}
+
+/// Added to the file numbers of the corrected program: both programs count their files from 0, and a finding must be drawn in the
+/// right one.
+const OF_CORRECTED: u16 = 1 << 15;
+
+/// The elements of a program without its findings, which are put aside.
+struct Clean<'f, 'm, I> {
+    items: I,
+    findings: &'f RefCell<Diagnostics>,
+    mark: u16,
+    driven: Option<Driven<'m>>,
+    header: Header,
+}
+
+impl<I: Iterator<Item = Item>> Iterator for Clean<'_, '_, I> {
+    type Item = Element;
+
+    fn next(&mut self) -> Option<Element> {
+        loop {
+            match self.items.next()? {
+                Ok(mut element) => {
+                    if let Some(driven) = &mut self.driven {
+                        driven.element(&element);
+                    }
+                    self.header.see(&element);
+                    element.origin.file.0 ^= self.mark;
+                    return Some(element);
+                }
+                Err((finding, sources)) => self.findings.borrow_mut().add(finding, &sources),
+            }
+        }
+    }
+}

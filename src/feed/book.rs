@@ -1,0 +1,194 @@
+//! The file of a journal: only ever added to, written through to the disk by a thread of its own, so that a slow disk delays no line.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Read as _, Write};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::thread;
+
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_dnc::feed::{Store, Told, read_journal};
+
+/// How the record begins of the end of a job that went on in another journal.
+pub(crate) const TAKEN_UP: &str = "taken up again in ";
+
+/// A file that another thread writes through.
+pub(super) struct Book {
+    file: File,
+    ask: SyncSender<()>,
+    fault: Arc<Mutex<Option<io::Error>>>,
+}
+
+/// Looks whether a journal may be written there: that of a job that ended well, or of which no line was
+/// sent, gives way; any other file does not.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(crate) fn check(path: &Path, findings: &mut Diagnostics) -> Result<(), Error> {
+    let shown = path.display();
+    if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
+        let message = format!("{shown} is no file");
+        findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, "give a file with --journal"), &[]);
+        return Ok(());
+    }
+    if is_held(path) {
+        let message = format!("{shown} is the journal of a job that is running");
+        let help = "wait for its end, or give another file with --journal";
+        findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, help), &[]);
+        return Ok(());
+    }
+    let text = match std::fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(Error::file("read", path, &error)),
+    };
+    let (message, help) = match read_journal(&text) {
+        Ok(told) if gives_way(&told) => return Ok(()),
+        Ok(told) => (
+            format!(
+                "{shown} is the journal of a job that was broken off: {} lines sent, {} acknowledged",
+                told.frozen, told.acknowledged
+            ),
+            format!("look at `ncfix resume {shown}`, or remove it, or give another one with --journal"),
+        ),
+        Err(_) => (format!("{shown} is there and is no journal"), "give another file with --journal".to_owned()),
+    };
+    findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, help), &[]);
+    Ok(())
+}
+
+/// Whether a job holds a journal.
+pub(crate) fn is_held(path: &Path) -> bool {
+    let file = File::open(path);
+    file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+}
+
+/// Says in an old journal that its job went on in another one: there is nothing to take up again by it.
+fn supersede(mut file: &File, bytes: &[u8], path: &Path) -> io::Result<()> {
+    let is_done = String::from_utf8_lossy(bytes).lines().last().is_some_and(|line| line.ends_with(" E done"));
+    if is_done {
+        return Ok(());
+    }
+    // Behind a record that was cut off.
+    let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    file.set_len(whole as u64)?;
+    writeln!(file, "0 E {TAKEN_UP}{}", path.display())?;
+    file.sync_data()
+}
+
+/// Whether a file is still the one of its path: another job may have taken its own journal there meanwhile.
+#[cfg(unix)]
+fn is_there(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    let of = |data: std::fs::Metadata| (data.dev(), data.ino());
+    file.metadata().ok().map(of) == std::fs::metadata(path).ok().map(of)
+}
+
+/// The same where an open file keeps its name.
+#[cfg(not(unix))]
+fn is_there(_file: &File, path: &Path) -> bool {
+    path.exists()
+}
+
+/// Takes an old journal out of the way of a new one, while nobody else can have it. `expected` are the bytes by which its job is taken up again.
+fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Error> {
+    let fault = |error: &io::Error| Error::file("write", path, error);
+    let file = match OpenOptions::new().read(true).append(true).open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == io::ErrorKind::NotFound && expected.is_none() => return Ok(()),
+        Err(error) => return Err(fault(&error)),
+    };
+    let running = || Error::usage(format!("{} is the journal of a job that is running", path.display()));
+    match file.try_lock() {
+        Ok(()) if is_there(&file, path) => {}
+        Ok(()) | Err(TryLockError::WouldBlock) => return Err(running()),
+        Err(TryLockError::Error(error)) => return Err(fault(&error)),
+    }
+    let mut bytes = Vec::new();
+    (&file).read_to_end(&mut bytes).map_err(|error| fault(&error))?;
+    let is_free = match expected {
+        Some(expected) => bytes == expected,
+        None => read_journal(&String::from_utf8_lossy(&bytes)).is_ok_and(|told| gives_way(&told)),
+    };
+    if !is_free {
+        return Err(Error::usage(format!("{} has changed meanwhile: look at it again", path.display())));
+    }
+    std::fs::rename(path, kept(path)).and_then(|()| supersede(&file, &bytes, path)).map_err(|error| fault(&error))
+}
+
+/// Whether a journal gives way to that of a new job: its own has ended well, or none of its lines was sent. One that was to be taken up again is broken
+/// off all the same.
+fn gives_way(told: &Told) -> bool {
+    told.ended.as_deref() == Some("done") || told.frozen == 0 && told.head.iter().all(|(name, _)| name != "resumed")
+}
+
+/// A name beside a journal that no file has.
+fn kept(path: &Path) -> PathBuf {
+    let name = |number: Option<u32>| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(".old");
+        name.push(number.map_or(String::new(), |number| number.to_string()));
+        PathBuf::from(name)
+    };
+    std::iter::once(None).chain((1..).map(Some)).map(name).find(|name| !name.exists()).unwrap_or_else(|| name(None))
+}
+
+impl Book {
+    /// Begins a journal, in place of that of a job that is done or, with the bytes of its journal, taken up again, which is kept as `….old`, `….old1` ….
+    /// From here on nobody else has it: this goes before everything that waits.
+    ///
+    /// # Errors
+    /// Where it cannot be written, is that of a job that is running, or has changed.
+    pub(super) fn create(path: &Path, expected: Option<&[u8]>) -> Result<Book, Error> {
+        let fault = |error: &io::Error| Error::file("write", path, error);
+        take(path, expected)?;
+        let file = OpenOptions::new().append(true).create_new(true).open(path).map_err(|error| fault(&error))?;
+        // As long as it is held nobody takes the job up again.
+        file.try_lock().map_err(|error| Error::usage(format!("cannot lock {}: {error}", path.display())))?;
+        let second = file.try_clone().map_err(|error| fault(&error))?;
+        let (ask, asked) = sync_channel::<()>(1);
+        let shared = Arc::new(Mutex::new(None));
+        let to = Arc::clone(&shared);
+        thread::spawn(move || {
+            while asked.recv().is_ok() {
+                if let Err(error) = second.sync_data()
+                    && let Ok(mut fault) = to.lock()
+                {
+                    *fault = Some(error);
+                }
+            }
+        });
+        Ok(Book { file, ask, fault: shared })
+    }
+
+    /// Writes through and waits for it.
+    pub(super) fn close(&mut self) -> io::Result<()> {
+        self.file.sync_data()
+    }
+}
+
+impl Write for Book {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Store for Book {
+    fn sync(&mut self) -> io::Result<()> {
+        if let Some(error) = self.fault.lock().ok().and_then(|mut fault| fault.take()) {
+            return Err(error);
+        }
+        match self.ask.try_send(()) {
+            // One that waits is enough.
+            Ok(()) | Err(TrySendError::Full(())) => Ok(()),
+            Err(TrySendError::Disconnected(())) => Err(io::Error::other("the journal is not written through any more")),
+        }
+    }
+}

@@ -1,0 +1,384 @@
+//! Sends: the loop over port, sender, sensors and the keyboard, with one clock.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::sync_channel;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::book::Book;
+use super::job::Transfer;
+use super::meter::Meter;
+use super::source::{self, AHEAD, Source};
+use super::thermal::{Standing, Thermal};
+use super::{FeedEnd, FeedView, Sent};
+use crate::error::Error;
+use ncfix_base::geometry::{AXES, AXIS_COUNT};
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_dnc::drip::Lines;
+use ncfix_dnc::feed::{Ended, Event, Halt, Journal, Port, Progress, Sender};
+use ncfix_dnc::sense::Panel;
+use ncfix_report::feed::{Before, FeedEvent, FeedOutcome, Status};
+
+/// Time between two looks at the clock, the keyboard and the sensors, where nothing comes.
+const IDLE: Duration = Duration::from_millis(5);
+/// The same where bytes wait for the port, or lines for the execution.
+const BUSY: Duration = Duration::from_micros(200);
+/// Sensors that have said nothing for so long before the start are not there.
+const FIRST_READING: Duration = Duration::from_secs(180);
+/// What goes out last, a hold, has so long to leave.
+const LAST: Duration = Duration::from_millis(500);
+
+/// Why a transfer did not begin.
+#[derive(Debug)]
+pub(crate) enum Refused {
+    /// Something cannot be read or written.
+    Error(Error),
+    /// It has ended before its first line.
+    Ended(FeedEnd, String),
+}
+
+impl From<Error> for Refused {
+    fn from(error: Error) -> Refused {
+        Refused::Error(error)
+    }
+}
+
+/// What a transfer goes over.
+pub(crate) struct Lane<'a> {
+    pub(crate) port: Box<dyn Port>,
+    /// Characters a second that it takes.
+    pub(crate) characters_per_s: f64,
+    /// The sensors that are read meanwhile.
+    pub(crate) panel: Option<Panel>,
+    /// Where the journal is written.
+    pub(crate) journal: &'a Path,
+}
+
+/// Sends a program over an open port.
+///
+/// # Errors
+/// Where the journal cannot be written, or the sensors do not begin.
+pub(crate) fn run(
+    job: Transfer,
+    lane: Lane<'_>,
+    before: &Before,
+    begin: &Begin,
+    view: &mut dyn FeedView,
+) -> Result<Sent, Refused> {
+    let job = Arc::new(job);
+    let started = Instant::now();
+    let dialogue = job.dialogue()?;
+    let mut book = Book::create(lane.journal, begin.journal.as_deref())?;
+    let head = head(&job, before, begin);
+    let head: Vec<(&str, &str)> = head.iter().map(|(name, value)| (*name, value.as_str())).collect();
+    let unwritten = |error: &io::Error| Error::file("write", lane.journal, error);
+    let mut journal = Journal::new(&mut book, &head).map_err(|error| unwritten(&error))?;
+    let thermal = match lane.panel {
+        Some(panel) => {
+            let thermal = Thermal::start(&job, panel, job.options.every, job.options.zero_now, started);
+            wait_for_sensors(&thermal, view, started)?;
+            thermal
+        }
+        None => Thermal::default(),
+    };
+    let base = Arc::new(job.machine.model());
+    let (to, made) = sync_channel(AHEAD);
+    {
+        let (job, base) = (Arc::clone(&job), Arc::clone(&base));
+        let program = job.open()?;
+        thread::spawn(move || source::produce(&job, &base, program, &to));
+    }
+    let lines = Lines::new(&job.machine.machine, &base, &job.writing.options, job.writing.writer()?, job.settings);
+    let mut supply = Source::new(&job.options, made, lines, &thermal, (begin.skip, &begin.lines));
+    let profile = &job.link.profile;
+    let sender = Sender::new(dialogue, profile.window.system_bytes, &mut journal).patient(profile.patience);
+    let bound = profile.holds_at_most();
+    let (speed, meter) = (lane.characters_per_s, Meter::new());
+    let mut drive = Drive { sender, port: lane.port, view, before, speed, bound, started, meter, halted: None };
+    let (ended, end) = drive.go(&mut supply, &thermal).map_err(|error| unwritten(&error))?;
+    let status = drive.status(&supply, &thermal, Some(&ended));
+    let now = started.elapsed();
+    journal.end(&ended, now).map_err(|error| unwritten(&error))?;
+    book.close().map_err(|error| unwritten(&error))?;
+    Ok(Sent { status, end })
+}
+
+/// Where a transfer begins.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Begin {
+    /// The names of the program and of the port, as they were given.
+    pub(crate) input: String,
+    pub(crate) port: String,
+    /// Elements of the program up to this one are not sent.
+    pub(crate) skip: u64,
+    /// What is sent before.
+    pub(crate) lines: Vec<String>,
+    /// The words of the command line that began the job.
+    pub(crate) words: Vec<String>,
+    /// The plan by which it is taken up again, and the journal as it was read for that.
+    pub(crate) resumed: Option<String>,
+    pub(crate) journal: Option<Vec<u8>>,
+}
+
+/// What must be the same when the job is taken up again.
+fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(&'static str, String)> {
+    let mut head = vec![
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("program", format!("{} {}", before.program, begin.input)),
+        ("machine", format!("{} {}", job.machine.hash, job.machine.machine.name)),
+        ("state", job.machine.state.clone().unwrap_or_default()),
+        ("link", format!("{} {}", job.link.hash, job.link.profile.name)),
+        ("sensors", job.sensors_hash.clone()),
+        ("port", begin.port.clone()),
+        ("lines", before.lines.to_string()),
+    ];
+    let folder = std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default();
+    head.push(("folder", folder));
+    head.extend(begin.resumed.clone().map(|resumed| ("resumed", resumed)));
+    head.extend(begin.words.iter().map(|word| ("argument", word.clone())));
+    head
+}
+
+/// Waits until every sensor has said something.
+fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant) -> Result<(), Refused> {
+    loop {
+        let (standing, _) = thermal.standing();
+        let said = match standing {
+            Standing::Good if thermal.now().model.is_some() => return Ok(()),
+            Standing::Good => "reading temperatures".to_owned(),
+            Standing::Waiting(names) => format!("waiting for the first reading of {names}"),
+            Standing::Frozen(why) | Standing::Stop(why) | Standing::Hold(why) => {
+                let message = format!("sensors are bad before the start: {why}; nothing was sent");
+                return Err(Refused::Ended(FeedEnd::Sensors, message));
+            }
+        };
+        if started.elapsed() > FIRST_READING {
+            let message = format!(
+                "{said}, for {} s: look at `ncfix sensors … --watch`; nothing was sent",
+                FIRST_READING.as_secs()
+            );
+            return Err(Refused::Ended(FeedEnd::Sensors, message));
+        }
+        view.waiting(&said, started.elapsed());
+        if view.is_stopped() {
+            return Err(Refused::Ended(FeedEnd::Stopped, "stopped before the start; nothing was sent".into()));
+        }
+        thread::sleep(BUSY.max(IDLE));
+    }
+}
+
+/// The loop.
+struct Drive<'a> {
+    sender: Sender<'a>,
+    port: Box<dyn Port>,
+    view: &'a mut dyn FeedView,
+    before: &'a Before,
+    /// Characters a second that the link takes.
+    speed: f64,
+    /// Blocks that the control has taken and not carried out, at most, as the profile says.
+    bound: Option<u64>,
+    started: Instant,
+    /// From an answer to the bytes of the next line.
+    meter: Meter,
+    /// What a person or a sensor has asked for, with its status, why, and what was said of it.
+    halted: Option<(Halt, FeedEnd, String, String)>,
+}
+
+impl Drive<'_> {
+    fn go(&mut self, supply: &mut Source, thermal: &Thermal) -> io::Result<(Ended, FeedEnd)> {
+        let mut events: Vec<Event> = Vec::new();
+        loop {
+            let now = self.started.elapsed();
+            let before = (self.sender.progress().sent, self.sender.progress().bytes);
+            let ended = self.sender.step(now, self.port.as_mut(), supply, &mut |event| {
+                if !matches!(event, Event::Acknowledged(_) | Event::Checked(_) | Event::Left(_) | Event::Executed(_)) {
+                    events.push(event.clone());
+                }
+            })?;
+            let progress = self.sender.progress();
+            let has_worked = before != (progress.sent, progress.bytes);
+            if before.0 > 0 && progress.sent > before.0 {
+                self.meter.add(self.started.elapsed().saturating_sub(now));
+            }
+            events.drain(..).for_each(|event| self.view.event(&event, now));
+            if let Some(ended) = ended {
+                self.flush(supply)?;
+                return Ok(self.code(ended));
+            }
+            self.view.tick(now);
+            self.watch(thermal, now);
+            if let Some((Halt::Hold | Halt::Abort, code, _, said)) = self.halted.clone() {
+                self.flush(supply)?;
+                return Ok((Ended::Held(said), code));
+            }
+            if let Some((said, line)) = supply.warned.take() {
+                self.view.say(FeedEvent::Shift, now, None, format!("{said} at line {line} of the source (--warn-shift)"));
+            }
+            if self.view.is_due(now) {
+                let status = self.status(supply, thermal, None);
+                self.view.status(&status, now);
+            }
+            if !has_worked {
+                self.port.wait(if self.sender.wants_to_write() || self.sender.is_hungry() { BUSY } else { IDLE });
+            }
+        }
+    }
+
+    /// What ended it, with its status.
+    fn code(&self, ended: Ended) -> (Ended, FeedEnd) {
+        let code = match &ended {
+            Ended::Done => FeedEnd::Done,
+            Ended::Stopped => self.halted.as_ref().map_or(FeedEnd::Stopped, |(_, code, ..)| *code),
+            Ended::Refused(..) => FeedEnd::Control,
+            Ended::Lost(why) if why.starts_with(ncfix_dnc::feed::GONE) => FeedEnd::Link,
+            Ended::Lost(_) | Ended::Held(_) => FeedEnd::Control,
+            Ended::Fault(_) => FeedEnd::Fault,
+        };
+        (ended, code)
+    }
+
+    /// The keyboard and the sensors.
+    fn watch(&mut self, thermal: &Thermal, now: Duration) {
+        if self.view.is_stopped() {
+            let halt = if self.halted.is_some() { Halt::Hold } else { Halt::Stop };
+            self.halt(halt, FeedEnd::Stopped, "stopped by a person", now);
+        }
+        match thermal.standing().0 {
+            Standing::Stop(why) if self.halted.is_none() => self.halt(Halt::Stop, FeedEnd::Sensors, &why, now),
+            Standing::Hold(why) if self.halted.is_none() => self.halt(Halt::Hold, FeedEnd::Sensors, &why, now),
+            Standing::Frozen(why) => self.view.frozen(&why, now),
+            Standing::Good => self.view.thawed(now),
+            _ => {}
+        }
+    }
+
+    fn halt(&mut self, halt: Halt, code: FeedEnd, why: &str, now: Duration) {
+        let said = self.sender.halt(halt, now);
+        let halt = match (&said, halt) {
+            // It has no word for a hold: what it has runs out.
+            (None, Halt::Hold) if self.halted.is_none() => {
+                self.halt(Halt::Stop, code, why, now);
+                return;
+            }
+            _ => halt,
+        };
+        let (open, held) = (self.sender.progress().in_flight.0, self.held());
+        let what = said.unwrap_or_else(|| {
+            format!(
+                "this link has no word to hold the axes: use the control's own; ncfix leaves, and the {open} lines under way may still \
+                 be carried out, and {held}"
+            )
+        });
+        let message = format!("{why}: {what}");
+        self.view.say(FeedEvent::Halt, now, None, message.clone());
+        self.halted = Some((halt, code, why.to_owned(), message));
+    }
+
+    /// Lets what was said last go out.
+    fn flush(&mut self, supply: &mut Source) -> io::Result<()> {
+        let from = Instant::now();
+        while self.sender.wants_to_write() && from.elapsed() < LAST {
+            let now = self.started.elapsed();
+            self.sender.step(now, self.port.as_mut(), supply, &mut |_| ())?;
+            self.port.wait(BUSY);
+        }
+        Ok(())
+    }
+
+    /// What a job leaves that is lost.
+    fn lost(&self, why: &str, progress: &Progress) -> String {
+        let taken = progress.acknowledged.max(progress.left);
+        if progress.sent == 0 {
+            return format!("{why}; no line was sent");
+        }
+        let open = progress.sent.saturating_sub(taken);
+        let held = taken.saturating_sub(progress.executed.unwrap_or(0));
+        let mut what = format!("the job is lost: {why}; {open} lines were sent and not acknowledged");
+        if held > 0 {
+            what += &format!(", and of the {held} before them {} may still have waited", self.held());
+        }
+        what + ": each of these may have been carried out or not"
+    }
+
+    /// What the control has taken and may not have carried out.
+    fn held(&self) -> String {
+        match self.sender.progress().holds.max(self.bound) {
+            Some(most) => format!("up to {most} blocks that the control holds"),
+            None => "those that the control holds, which it does not tell,".to_owned(),
+        }
+    }
+
+    fn status(&self, supply: &Source, thermal: &Thermal, ended: Option<&Ended>) -> Status {
+        let progress: &Progress = self.sender.progress();
+        let elapsed_s = self.started.elapsed().as_secs_f64();
+        let (standing, age) = thermal.standing();
+        let left_s = (self.before.motion_s - supply.busy_s).max(0.0);
+        // What is sent is nearly what is done; it is as slow as it has been.
+        let pace = if supply.busy_s > 0.0 { (elapsed_s / supply.busy_s).max(1.0) } else { 1.0 };
+        let (word, message) = match ended {
+            None => (None, None),
+            Some(Ended::Done) => (Some(FeedOutcome::Done), None),
+            Some(Ended::Stopped) => {
+                let why = self.halted.as_ref().map_or("stopped", |(_, _, why, _)| why.as_str());
+                let what = if progress.left > 0 { "has left" } else { "was answered" };
+                (Some(FeedOutcome::Stopped), Some(format!("{why}; all that was sent {what}, and nothing else was sent")))
+            }
+            Some(Ended::Held(why)) => (Some(FeedOutcome::Held), Some(why.clone())),
+            Some(Ended::Lost(why)) => (Some(FeedOutcome::Lost), Some(self.lost(why, progress))),
+            Some(Ended::Refused(number, said)) => {
+                (Some(FeedOutcome::Refused), Some(format!("the control has refused line {number}: {said}")))
+            }
+            Some(Ended::Fault(why)) => {
+                (Some(FeedOutcome::Fault), Some(format!("no further line was sent: {why}; what was sent before has run out")))
+            }
+        };
+        Status {
+            schema: 1,
+            event: if ended.is_some() { FeedEvent::End } else { FeedEvent::Status },
+            time_s: elapsed_s,
+            lines: self.before.lines,
+            sent: progress.sent,
+            acknowledged: progress.acknowledged,
+            left: (progress.left > 0).then_some(progress.left),
+            executed: progress.executed,
+            window: progress.in_flight.0,
+            window_bytes: progress.in_flight.1,
+            lowest: progress.lowest,
+            link_percent: self
+                .speed
+                .is_finite()
+                .then(|| 100.0 * progress.bytes as f64 / (self.speed * elapsed_s.max(1e-3))),
+            repeats: progress.repeats,
+            stalls: progress.stalls,
+            applied: axes(&progress.last.offset, &progress.last.target),
+            target: axes(&progress.last.target, &progress.last.offset),
+            sensor_age_s: age.map(|age| age.as_secs_f64()),
+            sensors: match standing {
+                Standing::Good => None,
+                Standing::Waiting(why) | Standing::Frozen(why) | Standing::Stop(why) | Standing::Hold(why) => Some(why),
+            },
+            eta_s: ended.is_none().then_some(left_s * pace),
+            delay_us: self.meter.microseconds(),
+            ended: word,
+            message,
+            source_line: progress.last.source_line,
+        }
+    }
+}
+
+/// Axes with a shift, or for which one is asked.
+fn axes(values: &[f64; AXIS_COUNT], others: &[f64; AXIS_COUNT]) -> BTreeMap<String, f64> {
+    let mut out = BTreeMap::new();
+    for axis in AXES {
+        let (value, other) = (values[axis.slot()], others[axis.slot()]);
+        if value != 0.0 || other != 0.0 {
+            let (unit, shown) =
+                if axis.is_rotary() { ("urad", urad_from_rad(value)) } else { ("um", um_from_mm(value)) };
+            out.insert(format!("{axis}_{unit}"), (shown * 100.0).round() / 100.0);
+        }
+    }
+    out
+}

@@ -1,0 +1,116 @@
+//! A transfer: the program, the machine, the link and how it is sent.
+
+use super::link::ControlLink;
+use super::options::FeedOptions;
+use crate::correction::Writing;
+use crate::diagnostics::Diagnostics;
+use crate::disk::hash::short_hash;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::options::Options;
+use crate::program::Program;
+use crate::run::{self, Opened};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_dialect::Dialect;
+use ncfix_dnc::drip::Settings;
+use ncfix_dnc::feed::{Dialogue, Limits, PROTOCOLS};
+
+/// A program that will be sent to a control line by line, corrected for the current temperatures.
+pub struct Transfer {
+    pub(crate) program: Program,
+    pub(crate) machine: Machine,
+    pub(crate) link: ControlLink,
+    /// Hash of the file of the sensors.
+    pub(crate) sensors_hash: String,
+    pub(crate) options: FeedOptions,
+    pub(crate) writing: Writing,
+    pub(crate) dialect: &'static Dialect,
+    pub(crate) settings: Settings,
+}
+
+impl Transfer {
+    /// Parses the program, which carries no stamp; `None` where findings forbid to go on.
+    ///
+    /// # Errors
+    /// Where the program cannot be written.
+    pub(crate) fn new(
+        program: Program,
+        mut machine: Machine,
+        (link, sensors_hash): (ControlLink, String),
+        (correction, options): (&Options, FeedOptions),
+        found: &mut Diagnostics,
+    ) -> Result<Option<Transfer>, Error> {
+        if let Some(increment_mm) = correction.increment_mm {
+            machine.machine.control.increment_mm = increment_mm;
+        }
+        let Some(opened) = program.open(Some(&machine), found)? else { return Ok(None) };
+        let source = program.source();
+        run::keep_unit(source, opened.dialect, true, &mut machine.machine);
+        let bytes = (source.bytes(), short_hash([source.bytes()]));
+        let writing = Writing::new(correction, program.reading().start, opened.dialect.name, &machine, bytes)?;
+        let limits =
+            Limits { per_block: options.dose_per_block_mm, per_mm: options.dose_per_mm, per_s: options.dose_per_s_mm };
+        let settings =
+            Settings { limits, rapids_only: options.rapids_only, is_upper_case: link.profile.is_upper_case };
+        let dialect = opened.dialect;
+        Ok(Some(Transfer { program, machine, link, sensors_hash, options, writing, dialect, settings }))
+    }
+
+    /// The program once more from its beginning.
+    ///
+    /// # Errors
+    /// None that [`Transfer::new`] would not have met.
+    pub(super) fn open(&self) -> Result<Opened, Error> {
+        let opened = self.program.open(Some(&self.machine), &mut Diagnostics::default())?;
+        opened.ok_or_else(|| Error::usage("the program has changed".into()))
+    }
+
+    /// The dialogue of the link.
+    ///
+    /// # Errors
+    /// Where the profile does not fit it.
+    pub(crate) fn dialogue(&self) -> Result<Box<dyn Dialogue>, Error> {
+        let profile = &self.link.profile;
+        let protocol = PROTOCOLS.iter().find(|protocol| protocol.name == profile.protocol);
+        let protocol = protocol.ok_or_else(|| Error::usage(format!("there is no protocol '{}'", profile.protocol)))?;
+        (protocol.create)(profile).map_err(|why| Error::usage(format!("the link {}: {why}", profile.name)))
+    }
+
+    /// Why nothing may be sent before somebody has looked at the machine: the link cannot ask whether it stands still.
+    pub(crate) fn unasked(&self) -> Option<Diagnostic> {
+        let profile = &self.link.profile;
+        let asks = PROTOCOLS.iter().any(|protocol| protocol.name == profile.protocol && protocol.asks_idle);
+        if asks || self.options.machine_stands_still {
+            return None;
+        }
+        let message = format!(
+            "the link {} has no question whether the machine stands still; lines that are sent into a machine that moves run into what it does",
+            profile.name
+        );
+        let help = "look at the machine: no program runs, nothing moves, no alarm stands. Then add --i-checked-the-machine-stands-still";
+        Some(Diagnostic::nowhere(Code::IDLE_UNKNOWN, message, help))
+    }
+
+    /// Says that sensors of the model are missing among those of a panel.
+    pub(crate) fn missing<'c>(&self, channels: impl Iterator<Item = &'c str> + Clone) -> Option<Diagnostic> {
+        let is_known = |name: &str| {
+            channels.clone().any(|channel| channel == name) || self.machine.condition.trace(name).is_some()
+        };
+        let needed = self.machine.errors.sensors();
+        let lacking: Vec<&str> = needed.into_iter().filter(|name| !is_known(name)).collect();
+        (!lacking.is_empty()).then(|| missing(&lacking))
+    }
+}
+
+/// Says that sensors of the model are missing.
+fn missing(names: &[&str]) -> Diagnostic {
+    let message = format!(
+        "neither the sensors nor the state have a temperature of {}, and the error model needs it",
+        names.join(", ")
+    );
+    Diagnostic::nowhere(
+        Code::MISSING_SENSOR,
+        message,
+        "add it to the file of --sensors, or correct its name in the machine file",
+    )
+}

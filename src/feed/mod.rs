@@ -1,0 +1,222 @@
+//! Transfers: a corrected program is sent to a control line by line, corrected for the current temperatures.
+//!
+//! The program is run twice. The first time ([`survey`]) nothing is sent: all findings come up, every line is held against the link, and the forecast is
+//! made. The second time a thread of its own executes and corrects ([`source`]), another one looks at the temperatures ([`thermal`]), and the one that called
+//! adds the second step, sends and listens ([`drive`]).
+
+mod book;
+mod drive;
+mod job;
+mod link;
+mod meter;
+mod options;
+mod resume;
+mod source;
+mod survey;
+mod thermal;
+
+use std::path::Path;
+use std::time::Duration;
+
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::options::Options;
+use crate::program::Program;
+use crate::run::Watch;
+use ncfix_dnc::feed::{Event, Port};
+use ncfix_dnc::sense::Panel;
+use ncfix_report::feed::{Before, FeedEvent, Status};
+
+pub(crate) use book::{check as check_journal, is_held};
+pub(crate) use drive::{Begin, Lane, Refused, run as send};
+pub use job::Transfer;
+pub use link::ControlLink;
+pub use options::FeedOptions;
+pub(crate) use resume::{Broken, began_with, check_same, plan, read as read_broken};
+
+/// Why a transfer has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FeedEnd {
+    /// All lines were carried out, or at least answered.
+    Done,
+    /// A line could not be made.
+    Fault,
+    /// The link is gone.
+    Link,
+    /// The control has refused a line, or says nothing any more.
+    Control,
+    /// The sensors stay bad.
+    Sensors,
+    /// A person has stopped it.
+    Stopped,
+}
+
+/// How a transfer went.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Sent {
+    /// Counts, and what people should read.
+    pub status: Status,
+    /// Why it has ended.
+    pub end: FeedEnd,
+}
+
+/// Who looks at a transfer. Times count from its start.
+pub trait FeedView {
+    /// Whether a status is wanted now.
+    fn is_due(&self, _now: Duration) -> bool {
+        false
+    }
+
+    /// Where it stands.
+    fn status(&mut self, _status: &Status, _now: Duration) {}
+
+    /// What it waits for before the first line.
+    fn waiting(&mut self, _what: &str, _now: Duration) {}
+
+    /// What has happened on the link.
+    fn event(&mut self, _event: &Event, _now: Duration) {}
+
+    /// Time has passed.
+    fn tick(&mut self, _now: Duration) {}
+
+    /// Sensors are in doubt, and the correction is frozen.
+    fn frozen(&mut self, _why: &str, _now: Duration) {}
+
+    /// They are good again.
+    fn thawed(&mut self, _now: Duration) {}
+
+    /// What a person should know at once, with the line of the link that it is about.
+    fn say(&mut self, _event: FeedEvent, _now: Duration, _line: Option<u64>, _message: String) {}
+
+    /// Whether somebody wants it to stop, since the last question: once lets the control run out, twice holds the axes where the link has a word for it.
+    fn is_stopped(&mut self) -> bool {
+        false
+    }
+}
+
+/// Nobody.
+struct Nobody;
+
+impl FeedView for Nobody {}
+
+impl Program {
+    /// The program as it will be sent over a link.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let link = ControlLink::named("siemens-v24")?;
+    /// let transfer = program.feed(&machine, link, &Options::default(), FeedOptions::default())?;
+    /// assert!(transfer.forecast()?.lines > 2);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the program is not understood or refused.
+    pub fn feed(
+        &self,
+        machine: &Machine,
+        link: ControlLink,
+        options: &Options,
+        feed: FeedOptions,
+    ) -> Result<Transfer, Error> {
+        let mut found = Diagnostics::default();
+        self.was_corrected_before(&mut found);
+        let transfer = if found.has_errors() {
+            None
+        } else {
+            let link = (link, String::new());
+            Transfer::new(self.clone(), machine.clone(), link, (options, feed), &mut found)?
+        };
+        transfer.filter(|_| !found.has_errors()).ok_or_else(|| Error::found(found))
+    }
+}
+
+impl Transfer {
+    /// Runs the program without sending anything: whatever is wrong in it, lines that the link cannot take, and whether the link keeps up with the motion.
+    ///
+    /// # Errors
+    /// Where something forbids to send it.
+    pub fn forecast(&self) -> Result<Before, Error> {
+        let mut found = Diagnostics::default();
+        let before = self.survey("", None, &mut found)?;
+        self.dialogue()?;
+        match before.filter(|_| !found.has_errors()) {
+            Some(before) => Ok(Before { diagnostics: found.json(), ..before }),
+            None => Err(Error::found(found)),
+        }
+    }
+
+    /// Sends the program over a port, with the sensors that are read meanwhile, and keeps a journal, which must not be there yet or be that of a job that
+    /// is done. It returns when the transfer has ended, however it did.
+    ///
+    /// ```no_run
+    /// use ncfix::prelude::*;
+    ///
+    /// # fn of_yours() -> Box<dyn Port> { unimplemented!() }
+    /// let machine = Machine::from_file("mill.toml")?;
+    /// let program = Program::from_file("part.ngc", DialectChoice::Guess)?;
+    /// let transfer = program.feed(&machine, ControlLink::named("grbl")?, &Options::default(), FeedOptions::default())?;
+    /// let sent = transfer.send(of_yours(), None, "part.journal")?;
+    /// assert_eq!(sent.end, FeedEnd::Done);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where it does not begin: findings forbid it, the journal cannot be written, sensors are missing or do not begin.
+    pub fn send(
+        self,
+        port: Box<dyn Port>,
+        sensors: Option<Panel>,
+        journal: impl AsRef<Path>,
+    ) -> Result<Sent, Error> {
+        self.send_seen(port, sensors, journal, &mut Nobody)
+    }
+
+    /// The same with somebody who looks at it.
+    ///
+    /// # Errors
+    /// Those of [`Transfer::send`].
+    pub fn send_seen(
+        self,
+        port: Box<dyn Port>,
+        sensors: Option<Panel>,
+        journal: impl AsRef<Path>,
+        view: &mut dyn FeedView,
+    ) -> Result<Sent, Error> {
+        let (before, journal) = (self.forecast()?, journal.as_ref());
+        let mut found = Diagnostics::default();
+        check_journal(journal, &mut found)?;
+        found.extend(self.unasked(), &[]);
+        if let Some(panel) = &sensors {
+            found.extend(self.missing(panel.channels().map(|channel| channel.name.as_str())), &[]);
+        }
+        if found.has_errors() {
+            return Err(Error::found(found));
+        }
+        let lane = Lane { port, characters_per_s: f64::INFINITY, panel: sensors, journal };
+        let begin = Begin { input: self.program.name().to_owned(), ..Begin::default() };
+        send(self, lane, &before, &begin, view).map_err(|refused| match refused {
+            Refused::Error(error) => error,
+            Refused::Ended(_, why) => Error::usage(why),
+        })
+    }
+
+    /// Runs the program without sending anything; `None` where findings forbid it.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub(crate) fn survey(
+        &self,
+        port: &str,
+        watch: Option<fn() -> Box<dyn Watch>>,
+        found: &mut Diagnostics,
+    ) -> Result<Option<Before>, Error> {
+        survey::run(self, port, watch, found)
+    }
+}

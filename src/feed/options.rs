@@ -1,0 +1,54 @@
+//! How a program is sent.
+
+use std::time::Duration;
+
+/// How a program is sent to a control. `FeedOptions::default()` is what `ncfix feed` does without options.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let mut options = FeedOptions::default();
+/// assert_eq!(options.max_shift_mm, 0.2);
+/// options.rapids_only = true;
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FeedOptions {
+    /// Sends even where the control will have to wait for lines.
+    pub allow_starvation: bool,
+    /// Somebody has looked: the machine stands still. Needed for links that cannot ask.
+    pub machine_stands_still: bool,
+    /// Time between two looks at the temperatures.
+    pub every: Duration,
+    /// The zero point of the workpiece is set in the condition in which the job begins: drift counts from there.
+    pub zero_now: bool,
+    /// What temperatures ask for changes on rapid moves only.
+    pub rapids_only: bool,
+    /// The most that it changes from one block with feed to the next, mm.
+    pub dose_per_block_mm: f64,
+    /// The most that it changes on a mm of path, mm.
+    pub dose_per_mm: f64,
+    /// The most that it changes in a second, mm.
+    pub dose_per_s_mm: f64,
+    /// A warning where temperatures ask for more than this, mm.
+    pub warn_shift_mm: f64,
+    /// The transfer stops where they ask for more than this, mm.
+    pub max_shift_mm: f64,
+}
+
+impl Default for FeedOptions {
+    fn default() -> FeedOptions {
+        FeedOptions {
+            allow_starvation: false,
+            machine_stands_still: false,
+            every: Duration::from_secs(60),
+            zero_now: false,
+            rapids_only: false,
+            dose_per_block_mm: 1e-3,
+            dose_per_mm: 1e-4,
+            dose_per_s_mm: 5e-4,
+            warn_shift_mm: 0.05,
+            max_shift_mm: 0.2,
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! Jobs that were broken off: what their journals say, and where they can be taken up again.
+
+use std::path::Path;
+
+use super::book::{TAKEN_UP, is_held};
+use super::drive::Begin;
+use super::job::Transfer;
+use super::survey::{Step, walk};
+use crate::diagnostics::Diagnostics;
+use crate::disk::files;
+use crate::disk::hash::short_hash;
+use crate::error::Error;
+use crate::run::Watch;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::{FileId, Source};
+use ncfix_dnc::drip::restart::{CLEAR_MM, Found, Place, Search, Why};
+use ncfix_dnc::drip::{Ends, Grammar, Heights};
+use ncfix_dnc::feed::{Frozen, PROTOCOLS, Told, read_journal};
+use ncfix_machine::machine::ToolChange;
+use ncfix_path::path::Tips;
+use ncfix_report::feed::{Before, Plan};
+
+/// Moves of the program that the plan shows, with the lines between them.
+const SHOWN: usize = 3;
+const MOST_SHOWN: usize = 40;
+
+/// A job that was broken off.
+pub(crate) struct Broken {
+    /// Its journal.
+    pub(crate) source: Source,
+    /// What that says.
+    pub(crate) told: Told,
+}
+
+/// Reads the journal of a job that was broken off.
+///
+/// # Errors
+/// Where it cannot be read, or there is nothing to take up again.
+pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
+    let source = files::read(path, FileId(0), "journal")?;
+    let shown = path.display();
+    if is_held(path) {
+        return Err(Error::usage(format!("the job of {shown} is still running")));
+    }
+    let text = String::from_utf8_lossy(source.bytes()).into_owned();
+    let told = read_journal(&text).map_err(|(line, why)| Error::usage(format!("{shown}:{line}: {why}")))?;
+    if told.ended.as_deref() == Some("done") {
+        return Err(Error::usage(format!("the job of {shown} is done: there is nothing to take up again")));
+    }
+    if let Some(other) = told.ended.as_deref().and_then(|ended| ended.strip_prefix(TAKEN_UP))
+        && !is_empty(other)
+    {
+        return Err(Error::usage(format!("the job of {shown} was taken up again: its journal is {other}")));
+    }
+    if told.frozen == 0 && !head(&told, "resumed").is_empty() {
+        return Err(Error::usage(format!(
+            "{shown} has no line: the control took none when the job was to be taken up again; look at the newest journal beside it, `ncfix resume {shown}.old` or .old1 …"
+        )));
+    }
+    Ok(Broken { source, told })
+}
+
+/// The words of the command line with which the job began.
+///
+/// # Errors
+/// Where it began in another folder.
+pub(crate) fn began_with(told: &Told) -> Result<impl Iterator<Item = &str>, Error> {
+    let folder = std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default();
+    let began_in = head(told, "folder");
+    if folder != began_in {
+        return Err(Error::usage(format!("the job began in the folder {began_in}; go there first")));
+    }
+    Ok(told.head.iter().filter(|(name, _)| name == "argument").map(|(_, value)| value.as_str()))
+}
+
+/// Whether a journal says that no line was sent.
+fn is_empty(journal: &str) -> bool {
+    let text = std::fs::read_to_string(journal);
+    text.is_ok_and(|text| read_journal(&text).is_ok_and(|told| told.frozen == 0))
+}
+
+/// The value of a name in the head of a journal.
+fn head<'t>(told: &'t Told, name: &str) -> &'t str {
+    told.head.iter().find(|(known, _)| known == name).map_or("", |(_, value)| value)
+}
+
+/// Refuses what is not as it was.
+pub(crate) fn check_same(told: &Told, job: &Transfer, before: &Before, findings: &mut Diagnostics) {
+    let state = job.machine.state.clone().unwrap_or_default();
+    let first = |name: &str| head(told, name).split(' ').next().unwrap_or_default().to_owned();
+    for (what, was, is) in [
+        ("the program, or one that it calls,", first("program"), before.program.as_str()),
+        ("the machine file", first("machine"), job.machine.hash.as_str()),
+        ("the state of the machine", first("state"), state.as_str()),
+        ("the profile of the link", first("link"), job.link.hash.as_str()),
+        ("the file of the sensors", first("sensors"), job.sensors_hash.as_str()),
+        ("the version of ncfix", first("version"), env!("CARGO_PKG_VERSION")),
+    ] {
+        if was != is {
+            let message = format!("{what} is not the one with which the job began ({was}, now {is})");
+            let help = "bring back what it was, or machine the workpiece in another way";
+            findings.add(Diagnostic::nowhere(Code::OTHER_JOB, message, help), &[]);
+        }
+    }
+}
+
+/// Whether a line names an axis.
+fn is_move(text: &[u8]) -> bool {
+    text.split(|&byte| byte == b' ').any(|word| word.first().is_some_and(|letter| b"XYZABCUVW".contains(letter)))
+}
+
+/// How many blocks the control may have taken and not carried out, at most, and where that comes from: what it stated when the job began, and no less
+/// where a bound of the profile is smaller.
+fn holds(told: &Told, job: &Transfer) -> Option<(u64, String)> {
+    PROTOCOLS.iter().find(|protocol| protocol.name == job.link.profile.protocol && protocol.has_planner)?;
+    let source = job.link.profile.depth.as_ref().map(|bound| format!("profile {}: {}", job.link.profile.name, bound.source));
+    let bound = job.link.profile.holds_at_most().zip(source);
+    let stated = told.holds.clone().map(|(most, said)| (most, format!("the control: {said}")));
+    [bound, stated].into_iter().flatten().max_by_key(|(most, _)| *most)
+}
+
+/// Why nothing is taken up again.
+fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
+    let by_hand = "lift the tool by hand, remove the journal, and feed the program from its beginning";
+    let stated_mm = clearance_mm.unwrap_or_default();
+    let (code, message, help) = match *found {
+        Found::Place(_) | Found::Beginning(..) => return None,
+        Found::NotStated(highest_z_mm) => {
+            let highest = highest_z_mm
+                .map_or(String::new(), |mm| format!("; all that is machined ends at Z {mm:.3} mm of the program"));
+            (
+                Code::NOT_CLEAR,
+                format!(
+                    "no height is stated over which the tool may go to where the program is taken up again: nobody but you knows how high workpiece and clamps stand{highest}"
+                ),
+                "state a height that is clear of workpiece and clamps, Z of the program with its unit: --clearance 25mm".to_owned(),
+            )
+        }
+        Found::TooLow(highest_z_mm) => (
+            Code::CLEARANCE_TOO_LOW,
+            format!(
+                "--clearance {stated_mm:.3} mm is not {CLEAR_MM} mm above all that is machined, which ends at Z {highest_z_mm:.3} mm of the program"
+            ),
+            "state a height above that, and above the workpiece and its clamps".to_owned(),
+        ),
+        Found::OutOfTravel([low_mm, high_mm]) => (
+            Code::CLEARANCE_TOO_LOW,
+            format!(
+                "--clearance {stated_mm:.3} mm is outside of the travel of Z, which goes from {low_mm:.3} to {high_mm:.3} mm of the program with the tool and the zero offset there"
+            ),
+            "state a height within it; look at its unit, and at axis.Z.travel_mm in the machine file".to_owned(),
+        ),
+        Found::Nothing(why) => {
+            let message = match why {
+                Why::Tilted => "the tool was tilted against Z: lifting Z draws it sideways through the workpiece".to_owned(),
+                Why::HeightUnknown(line) => {
+                    format!("line {line} of the source machines at a height that the program does not state: what is above it is not known")
+                }
+                Why::BeginningCrosses => {
+                    "only the beginning is left, and nothing can lift the tool to the stated height before it: behind a tool, its length or a word of unknown effect Z means something else"
+                        .to_owned()
+                }
+            };
+            let help = match why {
+                Why::Tilted => {
+                    "retract the tool by hand along itself, remove the journal, and feed the program from its beginning"
+                }
+                Why::HeightUnknown(_) | Why::BeginningCrosses => by_hand,
+            };
+            (Code::NOT_CLEAR, message, help.to_owned())
+        }
+    };
+    Some(Diagnostic::nowhere(code, message, help))
+}
+
+/// Where the job is taken up again; a finding where it is not.
+pub(crate) fn plan(
+    told: &Told,
+    (input, port): (String, String),
+    job: &Transfer,
+    watch: Option<fn() -> Box<dyn Watch>>,
+    (journal, clearance_mm): (&[u8], Option<f64>),
+) -> Result<Result<(Plan, Begin), Diagnostic>, Error> {
+    let mut ignored = Diagnostics::default();
+    let (mut ends, mut heights) = (Ends::new(told), Heights::default());
+    let from_start = || Tips::new(&job.machine.machine, &job.writing.options);
+    let mut tips = from_start();
+    walk(job, watch, &mut ignored, &mut |step| {
+        if let Step::Element(output) = step {
+            ends.element(output);
+            heights.look(&tips, output);
+            tips.take(output);
+        }
+    })?;
+    let mut tips = from_start();
+    walk(job, watch, &mut ignored, &mut |step| {
+        if let Step::Element(output) = step {
+            heights.take(&tips, output);
+            tips.take(output);
+        }
+    })?;
+    let holds = holds(told, job);
+    let sure = ends.sure(told, holds.as_ref().map(|(most, _)| *most));
+    let at = |number: u64| told.lines.iter().find(|line: &&Frozen| line.number == number);
+    // Without a record of it nothing but the beginning is sure.
+    let until = at(sure + 1).or(at(sure)).map_or(0, |line| line.element);
+    let sent = at(told.frozen).map_or(0, |line| line.element);
+    let grammar = Grammar::new(job.dialect, job.machine.machine.control.tool_change == ToolChange::T);
+    let mut search = Search::new(grammar, (from_start(), &heights), [until, sent], clearance_mm);
+    walk(job, watch, &mut ignored, &mut |step| match step {
+        Step::Element(output) => search.element(output),
+        Step::Line(line) => search.line(line),
+    })?;
+    let unsure = search.unsure();
+    let found = search.finish();
+    if let Some(finding) = refusal(&found, clearance_mm) {
+        return Ok(Err(finding));
+    }
+    let (place, skip, lines, above_mm) = match found {
+        Found::Place(place) => (Some(place.clone()), place.element - 1, place.lines, place.above_mm),
+        Found::Beginning(lines, above_mm) => (None, 0, lines, above_mm),
+        _ => (None, 0, Vec::new(), f64::NAN),
+    };
+    let mut first = Vec::new();
+    let mut moves = 0;
+    walk(job, watch, &mut ignored, &mut |step| {
+        if let Step::Line(line) = step
+            && line.element > skip
+            && moves < SHOWN
+            && first.len() < MOST_SHOWN
+        {
+            moves += usize::from(is_move(&line.text));
+            first.push((line.source_line, String::from_utf8_lossy(&line.text).into_owned()));
+        }
+    })?;
+    let number = short_hash([journal, &skip.to_le_bytes()[..], lines.join("\n").as_bytes()]);
+    let line_of = |number: u64| at(number).map(|line| line.source_line);
+    let plan = Plan {
+        schema: 1,
+        plan: number.clone(),
+        program: input.clone(),
+        ended: told.ended.clone(),
+        acknowledged: told.acknowledged,
+        acknowledged_line: line_of(told.acknowledged),
+        executed: sure,
+        executed_line: line_of(sure),
+        holds: holds.as_ref().map(|(most, _)| *most),
+        holds_source: holds.map(|(_, source)| source),
+        sent: told.frozen,
+        sent_line: line_of(told.frozen),
+        source_line: first.first().map_or(0, |(line, _)| *line),
+        is_beginning: skip == 0,
+        above_mm: Some(above_mm).filter(|mm| mm.is_finite()),
+        unsure_line: unsure.filter(|_| place.is_none()),
+        tool: place.and_then(|place: Place| place.tool),
+        before: lines.clone(),
+        first: first.into_iter().map(|(_, text)| text).collect(),
+        clearance: clearance_mm.map(|mm| format!("{mm}mm")),
+        port: port.clone(),
+    };
+    let words = told.head.iter().filter(|(name, _)| name == "argument").map(|(_, word)| word.clone()).collect();
+    Ok(Ok((plan, Begin { input, port, skip, lines, words, resumed: Some(number), journal: Some(journal.to_vec()) })))
+}

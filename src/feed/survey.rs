@@ -1,0 +1,187 @@
+//! The first run of a program that is fed: all findings, every line held against the link, the forecast.
+
+use crate::correction::corrected_before;
+use crate::diagnostics::Diagnostics;
+use crate::disk::hash::short_hash;
+use crate::error::Error;
+use crate::run::{self, Watch};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_dnc::drip::Lines;
+use ncfix_dnc::feed::{Forecaster, Line, Link, port};
+use ncfix_language::exec::RapidOrder;
+use ncfix_path::emit;
+use ncfix_path::path::{Corrector, Output};
+use ncfix_report::feed::{Before, Late, rate};
+
+use super::job::Transfer;
+
+/// Lines that the link cannot take are shown up to so many.
+const MOST_SHOWN: usize = 20;
+/// The control may stand still for so much of the motion before that is an error.
+const MOST_STARVED: f64 = 0.01;
+/// Stretches in which it does so for less are not shown, s.
+const UNNOTICED_S: f64 = 0.05;
+/// And for so long, s.
+const LEAST_STARVED_S: f64 = 0.5;
+
+/// Runs the program without sending anything; `None` where findings forbid it.
+///
+/// # Errors
+/// Where it cannot be written.
+pub(crate) fn run(
+    job: &Transfer,
+    port: &str,
+    watch: Option<fn() -> Box<dyn Watch>>,
+    findings: &mut Diagnostics,
+) -> Result<Option<Before>, Error> {
+    let profile = &job.link.profile;
+    let link = Link {
+        characters_per_s: port::characters_per_s(port, profile),
+        answer_s: profile.answer_s,
+        lines: profile.window.lines + profile.window.planned,
+        // Lines that were answered take no bytes of the window.
+        bytes: if profile.window.planned > 0 { usize::MAX } else { profile.window.bytes },
+    };
+    let mut forecaster = Forecaster::new(link);
+    let end_of_block = profile.frame.end_of_block.len();
+    let mut refused = Vec::new();
+    let program = walk(job, watch, findings, &mut |step| {
+        let Step::Line(line) = step else { return };
+        if let Err(why) = profile.check(&line.text)
+            && refused.len() < MOST_SHOWN
+        {
+            refused.push(not_for_link(line, &why));
+        }
+        forecaster.line(line.text.len() + end_of_block, line.source_line, line.busy_s);
+    })?;
+    findings.extend(refused, &[]);
+    if findings.has_errors() {
+        return Ok(None);
+    }
+    let forecast = forecaster.finish();
+    if forecast.lines == 0 {
+        return Err(Error::usage("the program has no line that could be sent".into()));
+    }
+    let late = |stretch: &ncfix_dnc::feed::Stretch| Late {
+        source_lines: stretch.source_lines,
+        starved_s: stretch.starved_s,
+        needed_per_s: stretch.needed_per_s,
+        given_per_s: stretch.given_per_s,
+    };
+    // As many lines of middle length as the window takes, and those that the control holds beyond it.
+    let by_bytes = profile.window.bytes as f64 * forecast.lines as f64 / (forecast.bytes as f64).max(1.0);
+    let frozen = by_bytes.floor().clamp(1.0, profile.window.lines.max(1) as f64) + profile.window.planned as f64;
+    let per_line_s = forecast.motion_s / forecast.lines as f64;
+    let before = Before {
+        schema: 1,
+        event: "forecast",
+        program,
+        lines: forecast.lines,
+        bytes: forecast.bytes,
+        motion_s: forecast.motion_s,
+        total_s: forecast.total_s,
+        starved_s: forecast.starved_s,
+        lowest: forecast.lowest,
+        line_by_line: link.lines <= 1,
+        frozen_s: per_line_s * frozen.min(forecast.lines as f64),
+        late: forecast.stretches.iter().filter(|stretch| stretch.starved_s >= UNNOTICED_S).map(late).collect(),
+        diagnostics: Vec::new(),
+    };
+    judge(job.options.allow_starvation, &before, findings);
+    Ok(Some(before))
+}
+
+/// What comes up while a program is walked through.
+pub(crate) enum Step<'a> {
+    /// The next element, before its lines.
+    Element(&'a Output),
+    /// A line.
+    Line(&'a Line),
+}
+
+/// Executes and corrects a program without temperatures; behind an error without lines, so that all findings come up. Returns the hash of all of its files.
+///
+/// # Errors
+/// Where it cannot be written.
+pub(crate) fn walk(
+    job: &Transfer,
+    watch: Option<fn() -> Box<dyn Watch>>,
+    findings: &mut Diagnostics,
+    look: &mut dyn FnMut(Step<'_>),
+) -> Result<String, Error> {
+    let machine = &job.machine.machine;
+    let model = job.machine.model();
+    let opened = job.open()?;
+    let mut running = job.program.start_as(opened, machine, run::strict(RapidOrder::All));
+    if let Some(watch) = watch {
+        running = running.watched(watch());
+    }
+    let mut corrector = Corrector::new(running, machine, &model, job.writing.options.clone());
+    let mut lines = Lines::new(machine, &model, &job.writing.options, job.writing.writer()?, job.settings);
+    let mut found = Vec::new();
+    let mut is_good = true;
+    for output in &mut corrector {
+        match output {
+            Ok(output) if is_good => {
+                look(Step::Element(&output));
+                if let Err(finding) = lines.take(output, None, false) {
+                    is_good = false;
+                    found.push(finding);
+                }
+                while let Some(line) = lines.pop() {
+                    look(Step::Line(&line));
+                }
+            }
+            Ok(_) => {}
+            Err(finding) => {
+                is_good &= !finding.is_error();
+                found.push(finding);
+            }
+        }
+    }
+    lines.finish();
+    while let Some(line) = lines.pop() {
+        look(Step::Line(&line));
+    }
+    let sources = corrector.elements().sources();
+    findings.extend(found, sources);
+    for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
+        findings.add(corrected_before(stamped), sources);
+    }
+    Ok(short_hash(sources.iter().map(Source::bytes)))
+}
+
+/// Whether the link keeps up.
+fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
+    let Some(worst) = before.late.first() else { return };
+    let [first, last] = worst.source_lines;
+    let message = format!(
+        "the control will stand still for {:.1} s of {:.1} s; lines {first} to {last} of the source need {} lines/s, {} come{}",
+        before.starved_s,
+        before.total_s,
+        rate(worst.needed_per_s),
+        rate(worst.given_per_s),
+        if before.line_by_line { ", as this link takes line by line" } else { "" }
+    );
+    let is_much = before.starved_s > LEAST_STARVED_S.max(MOST_STARVED * before.motion_s);
+    let help = if before.line_by_line {
+        "load the corrected program into the control (`ncfix IN -o OUT`), or choose a larger --tolerance for fewer lines"
+    } else {
+        "choose a higher baud rate, a larger --tolerance or no numbers of blocks, or load the corrected program into the control"
+    };
+    let (code, help) = if is_much && !allows_starvation {
+        (Code::STARVED, format!("{help}; --allow-starvation sends it all the same"))
+    } else {
+        (Code::STARVING, help.to_owned())
+    };
+    findings.add(Diagnostic::nowhere(code, message, help), &[]);
+}
+
+fn not_for_link(line: &Line, why: &str) -> Diagnostic {
+    let text = String::from_utf8_lossy(&line.text);
+    let message = format!("line {} of the source becomes '{text}': {why}", line.source_line);
+    let help =
+        "change the program there, choose a larger --increment for shorter numbers, or another profile with --link";
+    Diagnostic::nowhere(Code::NOT_FOR_LINK, message, help)
+}

@@ -1,0 +1,138 @@
+//! The temperatures of the moment: a thread of its own looks at the sensors and makes a model of them, so that no sensor delays a line.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use ncfix_dnc::sense::{Action, Panel, Verdict};
+use ncfix_machine::machine::Condition;
+use ncfix_model::Model;
+
+use super::job::Transfer;
+use super::source::Now;
+
+/// Time between two looks at what the sensors have brought.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// How the sensors stand.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) enum Standing {
+    /// All are good, or there are none.
+    #[default]
+    Good,
+    /// Some have not said anything yet.
+    Waiting(String),
+    /// Some are in doubt: the last good values count, nothing is dosed.
+    Frozen(String),
+    /// They stay bad: no further line is sent.
+    Stop(String),
+    /// They stay bad: the axes are held.
+    Hold(String),
+}
+
+#[derive(Default)]
+struct Shared {
+    now: Now,
+    standing: Standing,
+    age: Option<Duration>,
+}
+
+/// The temperatures of the moment.
+#[derive(Default)]
+pub(super) struct Thermal {
+    shared: Arc<Mutex<Shared>>,
+    is_over: Arc<AtomicBool>,
+}
+
+/// What the thread works on.
+struct Watch {
+    job: Arc<Transfer>,
+    panel: Panel,
+    condition: Condition,
+    /// Instant of the condition at the start, s.
+    from_s: f64,
+    every: Duration,
+    zero_now: bool,
+    looked: Option<Duration>,
+}
+
+impl Thermal {
+    /// Starts to look at sensors.
+    pub(super) fn start(job: &Arc<Transfer>, panel: Panel, every: Duration, zero_now: bool, started: Instant) -> Thermal {
+        let thermal = Thermal::default();
+        let (shared, is_over) = (Arc::clone(&thermal.shared), Arc::clone(&thermal.is_over));
+        let condition = job.machine.condition.clone();
+        let from_s = condition.time_s();
+        let mut watch = Watch { job: Arc::clone(job), panel, condition, from_s, every, zero_now, looked: None };
+        if let Ok(mut shared) = shared.lock() {
+            shared.standing = Standing::Waiting("no reading yet".into());
+        }
+        thread::spawn(move || {
+            while !is_over.load(Ordering::Relaxed) {
+                watch.look(started.elapsed(), &shared);
+                thread::sleep(LOOK);
+            }
+        });
+        thermal
+    }
+
+    /// The model of the moment.
+    pub(super) fn now(&self) -> Now {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner).now.clone()
+    }
+
+    /// How the sensors stand, and how old the oldest of their values is.
+    pub(super) fn standing(&self) -> (Standing, Option<Duration>) {
+        let shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
+        (shared.standing.clone(), shared.age)
+    }
+}
+
+impl Drop for Thermal {
+    fn drop(&mut self) {
+        self.is_over.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Watch {
+    fn look(&mut self, now: Duration, shared: &Mutex<Shared>) {
+        self.panel.take(now);
+        let standing = match self.panel.verdict() {
+            Verdict::Good => Standing::Good,
+            Verdict::Waiting(names) => Standing::Waiting(names.join(", ")),
+            Verdict::Freeze(why) | Verdict::Act(Action::Continue, why) => Standing::Frozen(why),
+            Verdict::Act(Action::Stop, why) => Standing::Stop(why),
+            Verdict::Act(Action::Hold, why) => Standing::Hold(why),
+        };
+        let is_due = self.looked.is_none_or(|looked| now.saturating_sub(looked) >= self.every);
+        let model = (is_due && standing == Standing::Good).then(|| self.model(now));
+        let age = self.panel.channels().filter_map(|reading| reading.age).max();
+        let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
+        // What was good stays in force as long as something is in doubt.
+        shared.now.is_frozen = standing != Standing::Good;
+        if let Some((model, readings)) = model {
+            shared.now.model = Some(model);
+            shared.now.temperatures_c = Some(readings);
+        }
+        shared.standing = standing;
+        shared.age = age;
+    }
+
+    /// The model, and the temperatures that it is for.
+    fn model(&mut self, now: Duration) -> (Arc<Model>, Arc<[(String, f64)]>) {
+        let time_s = self.from_s + now.as_secs_f64();
+        let readings: Vec<(String, f64)> =
+            self.panel.channels().filter_map(|reading| Some((reading.name.clone(), reading.value_c?))).collect();
+        for (name, value_c) in &readings {
+            self.condition.add_reading(name, time_s, *value_c);
+        }
+        self.condition.set_time(time_s);
+        if self.looked.is_none() && self.zero_now {
+            self.condition.set_zero_at(time_s);
+        }
+        self.looked = Some(now);
+        let model = Model::at(&self.job.machine.machine, &self.job.machine.errors, &self.condition);
+        (Arc::new(model), readings.into())
+    }
+}
