@@ -203,6 +203,11 @@ impl Diagnostics {
         diagnostics.into_iter().for_each(|diagnostic| self.add(diagnostic, sources));
     }
 
+    /// The first of all.
+    pub(crate) fn first(&self) -> Option<&Diagnostic> {
+        self.kept.first().map(|(diagnostic, _)| diagnostic)
+    }
+
     /// The first finding of a code, with the file that it is about.
     pub(crate) fn first_of(&self, code: Code) -> Option<&(Diagnostic, Option<Source>)> {
         self.kept.iter().find(|(diagnostic, _)| diagnostic.code == code)

@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use crate::diagnostics::{Diagnostics, Located};
-use ncfix_base::diagnostic::Code;
+use ncfix_base::diagnostic::{Code, Diagnostic};
 
 /// Why a function of the library has no result.
 ///
@@ -24,12 +24,14 @@ use ncfix_base::diagnostic::Code;
 pub struct Error {
     message: String,
     diagnostics: Box<Diagnostics>,
+    /// Whether nothing is wrong but that the reader of standard output went away.
+    is_reader_gone: bool,
 }
 
 impl Error {
     /// A sentence about arguments or files.
     pub(crate) fn usage(message: String) -> Error {
-        Error { message, diagnostics: Box::default() }
+        Error { message, diagnostics: Box::default(), is_reader_gone: false }
     }
 
     /// A file that cannot be read or written: `cannot read part.mpf: no such file`.
@@ -45,7 +47,25 @@ impl Error {
     /// Diagnostics, at least one of which is an error.
     pub(crate) fn found(diagnostics: Diagnostics) -> Error {
         let message = diagnostics.errors().next().map_or_else(String::new, |first| first.to_string());
-        Error { message, diagnostics: Box::new(diagnostics) }
+        Error { message, diagnostics: Box::new(diagnostics), is_reader_gone: false }
+    }
+
+    /// One diagnostic without a place.
+    pub(crate) fn one(diagnostic: Diagnostic) -> Error {
+        let mut diagnostics = Diagnostics::default();
+        diagnostics.add(diagnostic, &[]);
+        Error::found(diagnostics)
+    }
+
+    /// Standard output that cannot be written.
+    pub(crate) fn output(error: &io::Error) -> Error {
+        let is_reader_gone = error.kind() == io::ErrorKind::BrokenPipe;
+        Error { is_reader_gone, ..Error::usage(format!("cannot write to standard output: {error}")) }
+    }
+
+    /// Whether nothing is wrong but that the reader of standard output went away.
+    pub(crate) fn is_reader_gone(&self) -> bool {
+        self.is_reader_gone
     }
 
     /// One sentence: what cannot be read or done, or the first diagnostic that is an error.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::correction::Correction;
+use crate::correction::{Correction, corrected_before};
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use crate::machine::Machine;
@@ -12,6 +12,7 @@ use crate::run::{self, Opened, Running, Subprograms};
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::{FileId, Source};
 use ncfix_language::exec;
+use ncfix_path::emit;
 
 /// The text of a part program and how it is read. It is parsed again for every run, so that memory is bounded by the text.
 ///
@@ -202,6 +203,15 @@ impl Program {
             }
             None => Err(Error::found(found)),
         }
+    }
+
+    /// Whether the program carries the stamp of a correction, which is a finding.
+    pub(crate) fn was_corrected_before(&self, found: &mut Diagnostics) -> bool {
+        let is_stamped = emit::is_stamped(self.bytes());
+        if is_stamped {
+            found.add(corrected_before(&self.source), std::slice::from_ref(&self.source));
+        }
+        is_stamped
     }
 
     /// The text.

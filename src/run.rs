@@ -265,11 +265,6 @@ impl<'a> Running<'a> {
         Running { execution, watch: None, loaded, length, moves: false }
     }
 
-    /// The same with nobody who is told.
-    pub(crate) fn silent(self) -> Self {
-        Running { watch: None, ..self }
-    }
-
     /// The same with somebody who is told how far it is.
     pub(crate) fn watched(self, watch: Box<dyn Watch>) -> Self {
         Running { watch: Some(watch), ..self }

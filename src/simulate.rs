@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::compare::{block_of, place_of};
 use crate::correction::servo;
@@ -85,7 +86,12 @@ impl Program {
     ///
     /// # Errors
     /// Where the program is not understood or moves nothing, the machine file has no `[servo]`, or `out` refuses the text.
-    pub fn simulate(&self, machine: &Machine, options: &SimulateOptions, out: &mut dyn Write) -> Result<Recorded, Error> {
+    pub fn simulate(
+        &self,
+        machine: &Machine,
+        options: &SimulateOptions,
+        out: &mut dyn Write,
+    ) -> Result<Recorded, Error> {
         let mut found = Diagnostics::default();
         let Some(mut recorder) = Recorder::new(self, machine, options, &mut found) else {
             return Err(Error::found(found));
@@ -112,7 +118,7 @@ pub(crate) struct Recorder<'a> {
     program: &'a Program,
     machine: &'a Machine,
     servo: &'a Servo,
-    model: Model,
+    model: Arc<Model>,
     pub(crate) recorded: Recorded,
 }
 
@@ -148,7 +154,14 @@ impl<'a> Recorder<'a> {
         found: &mut Diagnostics,
     ) -> Option<Recorder<'a>> {
         let servo = servo(&machine.machine, found)?;
-        Some(Recorder { options, program, machine, servo, model: machine.model(), recorded: Recorded::default() })
+        Some(Recorder {
+            options,
+            program,
+            machine,
+            servo,
+            model: Arc::new(machine.model()),
+            recorded: Recorded::default(),
+        })
     }
 
     /// Runs the program once with each feed and writes the table; whether it is whole. `guard` says what else forbids it, once the files are known that were read.
@@ -235,7 +248,8 @@ impl<'a> Recorder<'a> {
         out: &mut dyn Write,
     ) -> io::Result<()> {
         let options = Options { start: self.program.reading().start, ..Options::default() };
-        let mut drive = Run::new(&self.machine.machine, self.servo, &self.model, &options);
+        let model = Arc::clone(&self.model);
+        let mut drive = Run::new(&self.machine.machine, self.servo, &model, &options);
         if let Some(feed) = feed {
             drive = drive.with_feed(feed);
         }

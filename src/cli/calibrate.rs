@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
     if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
         result = calibrated_report::write(page, arguments, &mut files, &findings, &mut report);
     }
-    result = result.and_then(|()| files.publish());
+    result = result.and_then(|()| Ok(files.publish()?));
     if result.is_ok() && arguments.json {
         report.diagnostics = findings.json();
         print(&json::line(&report).map_err(Stop::Usage)?)?;

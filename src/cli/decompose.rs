@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, Stop> {
             report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
         }
     }
-    result = result.and_then(|()| files.publish());
+    result = result.and_then(|()| Ok(files.publish()?));
     if result.is_ok() && arguments.json {
         print(&json::line(&report).map_err(Stop::Usage)?)?;
         return Ok(findings.exit_code());

@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
             report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
         }
     }
-    result = result.and_then(|()| files.publish());
+    result = result.and_then(|()| Ok(files.publish()?));
     if result.is_ok() && arguments.json {
         report.diagnostics = findings.json();
         if report.readings == 0 {

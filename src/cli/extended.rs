@@ -47,7 +47,7 @@ impl Made {
     /// Adds it to what is written; findings say why not. Whether it will be.
     pub(super) fn write(self, target: Target, files: &mut Together, findings: &mut Findings) -> Result<bool, Stop> {
         match self.text {
-            Ok(text) => files.add(target, text.as_bytes()).map(|()| true),
+            Ok(text) => Ok(files.add(target, text.as_bytes()).map(|()| true)?),
             Err((message, help)) => {
                 findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
                 Ok(false)

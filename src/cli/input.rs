@@ -1,7 +1,7 @@
 //! What commands read; `-` is standard input.
 
 use super::stop::Stop;
-pub(super) use crate::disk::files::{first_read, is_standard_stream, read, read_written};
+pub(super) use crate::disk::files::{is_standard_stream, read, read_written};
 
 /// Standard output takes one of both.
 ///

@@ -52,7 +52,7 @@ fn write(command: &Command, path: &str, folder: &Path) -> Result<usize, Stop> {
     let text = page(command, path).map_err(|error| Stop::Usage(error.to_string()))?;
     let mut spool = Spool::new(Target::new(&file)?)?;
     if let Err(error) = spool.writer().write_all(text.as_bytes()) {
-        return Err(spool.fault(&error));
+        return Err(spool.fault(&error).into());
     }
     spool.publish(Old::Replaced)?;
     let mut count = 1;

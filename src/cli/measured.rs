@@ -130,7 +130,7 @@ impl Job<'_> {
             }
         }
         let fault = fault.or(copy.finish().err());
-        fault.map_or(Ok(report), |error| Err(spool.fault(&error)))
+        fault.map_or(Ok(report), |error| Err(spool.fault(&error).into()))
     }
 }
 

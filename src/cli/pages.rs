@@ -61,7 +61,7 @@ impl Pages {
                 to.add(Target::new(&folder.join(one.name))?, one.text.as_bytes())?;
             }
         }
-        self.page.map_or(Ok(()), |target| to.add(target, page.as_bytes()))
+        Ok(self.page.map_or(Ok(()), |target| to.add(target, page.as_bytes()))?)
     }
 
     /// Writes both, where nothing else is written.
@@ -71,7 +71,7 @@ impl Pages {
     pub(super) fn publish(self, page: &str) -> Result<(), Stop> {
         let mut together = Together::default();
         self.add(page, &mut together)?;
-        together.publish()
+        Ok(together.publish()?)
     }
 }
 
@@ -96,7 +96,7 @@ pub(super) fn file(path: &Path) -> Result<Target, Stop> {
     if is_standard_stream(path) {
         return Err(Stop::Usage("a page needs a file, not standard output".into()));
     }
-    Target::new(path)
+    Ok(Target::new(path)?)
 }
 
 /// Writes a text as a whole.
@@ -106,5 +106,5 @@ pub(super) fn file(path: &Path) -> Result<Target, Stop> {
 pub(super) fn publish(target: Target, text: &str) -> Result<(), Stop> {
     let mut together = Together::default();
     together.add(target, text.as_bytes())?;
-    together.publish()
+    Ok(together.publish()?)
 }

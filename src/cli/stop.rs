@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use super::exit_code::ExitCode;
-use crate::error::{Error, reason};
+use crate::error::Error;
 use ncfix_base::diagnostic::Diagnostic;
 
 /// Ends a command at once.
@@ -24,22 +24,22 @@ pub(super) enum Stop {
 impl Stop {
     /// A file that cannot be read or written: `cannot read part.mpf: no such file`.
     pub(super) fn file(doing: &str, path: &Path, error: &io::Error) -> Stop {
-        Stop::Usage(format!("cannot {doing} {}: {}", path.display(), reason(error)))
+        Error::file(doing, path, error).into()
     }
 
     /// Standard output that cannot be written.
     pub(super) fn output(error: &io::Error) -> Stop {
-        if error.kind() == io::ErrorKind::BrokenPipe {
-            Stop::ReaderGone
-        } else {
-            Stop::Usage(format!("cannot write to standard output: {error}"))
-        }
+        Error::output(error).into()
     }
 }
 
 impl From<Error> for Stop {
     fn from(error: Error) -> Stop {
-        Stop::Usage(error.to_string())
+        match error.diagnostics().first() {
+            _ if error.is_reader_gone() => Stop::ReaderGone,
+            Some(found) => Stop::Found(Box::new(found.clone())),
+            None => Stop::Usage(error.message().to_owned()),
+        }
     }
 }
 

@@ -95,5 +95,5 @@ pub(super) fn publish(
         together.add(page, page::tables::tables(report, &charts(sets), &all).as_bytes())?;
         report.written.push(path.display().to_string());
     }
-    together.publish()
+    Ok(together.publish()?)
 }

@@ -100,7 +100,7 @@ impl<'a> Correction<'a> {
         found: &mut Diagnostics,
         report: &mut CorrectionReport,
     ) -> Result<(), Error> {
-        if self.was_corrected_before(found) {
+        if self.program.was_corrected_before(found) {
             return Ok(());
         }
         let Some(prepared) = self.prepare(found)? else { return Ok(()) };
@@ -182,21 +182,11 @@ impl<'a> Correction<'a> {
     /// Where the program is not understood or refused; the pieces say what is met while it runs.
     pub fn pieces(&self) -> Result<Pieces<'_>, Error> {
         let mut found = Diagnostics::default();
-        let prepared = if self.was_corrected_before(&mut found) { None } else { self.prepare(&mut found)? };
+        let prepared = if self.program.was_corrected_before(&mut found) { None } else { self.prepare(&mut found)? };
         match prepared.filter(|_| !found.has_errors()) {
             Some(prepared) => prepared.pieces(found),
             None => Err(Error::found(found)),
         }
-    }
-
-    /// Whether the program carries the stamp of a correction, which is a finding.
-    pub(crate) fn was_corrected_before(&self, found: &mut Diagnostics) -> bool {
-        let source = self.program.source();
-        let is_stamped = emit::is_stamped(source.bytes());
-        if is_stamped {
-            found.add(corrected_before(source), std::slice::from_ref(source));
-        }
-        is_stamped
     }
 
     /// Parses the program and looks whether it can be corrected like that; `None` where findings forbid it.

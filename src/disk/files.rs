@@ -50,7 +50,7 @@ fn read_up_to(path: &Path, id: FileId, role: &str, most: usize) -> Result<Source
         Error::usage(if is_option { format!("{sentence} ({role})") } else { sentence })
     };
     let (name, bytes) = if is_standard_stream(path) {
-        BEFORE_STREAM.get().inspect(|act| act());
+        before_stream();
         let bytes = bounded(&mut io::stdin().lock(), most.min(MAX_STREAM_BYTES)).map_err(fault)?;
         (STANDARD_INPUT.to_owned(), bytes)
     } else {
@@ -94,7 +94,8 @@ pub(crate) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What is done before standard input is read: the command line takes its line of progress away, so that whoever types sees it.
+/// What is done before standard input is read or standard output is written: the command line takes its line of progress away, so that whoever types
+/// sees it.
 static BEFORE_STREAM: OnceLock<fn()> = OnceLock::new();
 
 /// Whether files that are read are listed.
@@ -105,6 +106,11 @@ pub(crate) fn begin_run(before_stream: fn()) {
     IS_LISTED.store(true, Ordering::Relaxed);
     // A second run in one process does the same.
     let _ = BEFORE_STREAM.set(before_stream);
+}
+
+/// To be called before standard input is read, or standard output is written.
+pub(crate) fn before_stream() {
+    BEFORE_STREAM.get().inspect(|act| act());
 }
 
 /// Files that this run has read, by whatever option or program.

@@ -1,4 +1,4 @@
-//! Files of a disk as the project reads them: programs with the folders beside them, archives of controls, tables, machine files.
+//! Files of a disk: programs with the folders beside them, archives of controls, tables, machine files are read; texts are written as a whole or not at all.
 //!
 //! The library opens files here only, and only for functions whose names say so. What was read, and why, is logged.
 
@@ -10,4 +10,8 @@ pub(crate) mod folder_library;
 mod folder_library_tests;
 pub(crate) mod hash;
 pub(crate) mod machine_file;
+pub(crate) mod output;
+mod replace;
 pub(crate) mod table_files;
+mod target;
+pub(crate) mod together;

@@ -215,7 +215,12 @@ impl Drive<'_> {
                 return Ok((Ended::Held(said), code));
             }
             if let Some((said, line)) = supply.warned.take() {
-                self.view.say(FeedEvent::Shift, now, None, format!("{said} at line {line} of the source (--warn-shift)"));
+                self.view.say(
+                    FeedEvent::Shift,
+                    now,
+                    None,
+                    format!("{said} at line {line} of the source (--warn-shift)"),
+                );
             }
             if self.view.is_due(now) {
                 let status = self.status(supply, thermal, None);
@@ -324,16 +329,20 @@ impl Drive<'_> {
             Some(Ended::Stopped) => {
                 let why = self.halted.as_ref().map_or("stopped", |(_, _, why, _)| why.as_str());
                 let what = if progress.left > 0 { "has left" } else { "was answered" };
-                (Some(FeedOutcome::Stopped), Some(format!("{why}; all that was sent {what}, and nothing else was sent")))
+                (
+                    Some(FeedOutcome::Stopped),
+                    Some(format!("{why}; all that was sent {what}, and nothing else was sent")),
+                )
             }
             Some(Ended::Held(why)) => (Some(FeedOutcome::Held), Some(why.clone())),
             Some(Ended::Lost(why)) => (Some(FeedOutcome::Lost), Some(self.lost(why, progress))),
             Some(Ended::Refused(number, said)) => {
                 (Some(FeedOutcome::Refused), Some(format!("the control has refused line {number}: {said}")))
             }
-            Some(Ended::Fault(why)) => {
-                (Some(FeedOutcome::Fault), Some(format!("no further line was sent: {why}; what was sent before has run out")))
-            }
+            Some(Ended::Fault(why)) => (
+                Some(FeedOutcome::Fault),
+                Some(format!("no further line was sent: {why}; what was sent before has run out")),
+            ),
         };
         Status {
             schema: 1,

@@ -13,7 +13,7 @@ use crate::run::{self, Opened};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_dialect::Dialect;
 use ncfix_dnc::drip::Settings;
-use ncfix_dnc::feed::{Dialogue, Limits, PROTOCOLS};
+use ncfix_dnc::feed::{Dialogue, Limits};
 
 /// A program that will be sent to a control line by line, corrected for the current temperatures.
 pub struct Transfer {
@@ -50,8 +50,7 @@ impl Transfer {
         let writing = Writing::new(correction, program.reading().start, opened.dialect.name, &machine, bytes)?;
         let limits =
             Limits { per_block: options.dose_per_block_mm, per_mm: options.dose_per_mm, per_s: options.dose_per_s_mm };
-        let settings =
-            Settings { limits, rapids_only: options.rapids_only, is_upper_case: link.profile.is_upper_case };
+        let settings = Settings { limits, rapids_only: options.rapids_only, is_upper_case: link.profile.is_upper_case };
         let dialect = opened.dialect;
         Ok(Some(Transfer { program, machine, link, sensors_hash, options, writing, dialect, settings }))
     }
@@ -71,16 +70,13 @@ impl Transfer {
     /// Where the profile does not fit it.
     pub(crate) fn dialogue(&self) -> Result<Box<dyn Dialogue>, Error> {
         let profile = &self.link.profile;
-        let protocol = PROTOCOLS.iter().find(|protocol| protocol.name == profile.protocol);
-        let protocol = protocol.ok_or_else(|| Error::usage(format!("there is no protocol '{}'", profile.protocol)))?;
-        (protocol.create)(profile).map_err(|why| Error::usage(format!("the link {}: {why}", profile.name)))
+        (profile.protocol.create)(profile).map_err(|why| Error::usage(format!("the link {}: {why}", profile.name)))
     }
 
     /// Why nothing may be sent before somebody has looked at the machine: the link cannot ask whether it stands still.
     pub(crate) fn unasked(&self) -> Option<Diagnostic> {
         let profile = &self.link.profile;
-        let asks = PROTOCOLS.iter().any(|protocol| protocol.name == profile.protocol && protocol.asks_idle);
-        if asks || self.options.machine_stands_still {
+        if profile.protocol.asks_idle || self.options.machine_stands_still {
             return None;
         }
         let message = format!(
@@ -92,10 +88,8 @@ impl Transfer {
     }
 
     /// Says that sensors of the model are missing among those of a panel.
-    pub(crate) fn missing<'c>(&self, channels: impl Iterator<Item = &'c str> + Clone) -> Option<Diagnostic> {
-        let is_known = |name: &str| {
-            channels.clone().any(|channel| channel == name) || self.machine.condition.trace(name).is_some()
-        };
+    pub(crate) fn missing(&self, channels: &[&str]) -> Option<Diagnostic> {
+        let is_known = |name: &str| channels.contains(&name) || self.machine.condition.trace(name).is_some();
         let needed = self.machine.errors.sensors();
         let lacking: Vec<&str> = needed.into_iter().filter(|name| !is_known(name)).collect();
         (!lacking.is_empty()).then(|| missing(&lacking))

@@ -7,7 +7,7 @@ use crate::disk::files;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::feed::{PROFILES, Profile};
+use ncfix_dnc::feed::{Links, Profile};
 
 /// How a control is spoken to.
 ///
@@ -31,7 +31,8 @@ impl ControlLink {
     /// # Errors
     /// Where there is none of the name.
     pub fn named(name: &str) -> Result<ControlLink, Error> {
-        ControlLink::of(&shipped(name)?, &mut Diagnostics::default())?.ok_or_else(|| Error::usage(format!("the profile {name} is not whole")))
+        ControlLink::of(&shipped(name)?, &mut Diagnostics::default())?
+            .ok_or_else(|| Error::usage(format!("the profile {name} is not whole")))
     }
 
     /// The link of a profile file (TOML).
@@ -61,7 +62,7 @@ impl ControlLink {
     /// # Errors
     /// Where there is none, or it cannot be read.
     pub(crate) fn find(link: &str, found: &mut Diagnostics) -> Result<Option<ControlLink>, Error> {
-        let is_shipped = PROFILES.iter().any(|(name, _)| name.eq_ignore_ascii_case(link));
+        let is_shipped = Links::default().iter().any(|shipped| shipped.name.eq_ignore_ascii_case(link));
         let is_file = Path::new(link).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
         let source = if !is_shipped && is_file {
             files::read_written(Path::new(link), FileId(0), "profile of the link, --link")?
@@ -84,11 +85,12 @@ impl ControlLink {
 
 /// The text of a profile that is shipped.
 fn shipped(link: &str) -> Result<Source, Error> {
-    let Some((name, text)) = PROFILES.iter().find(|(name, _)| name.eq_ignore_ascii_case(link)) else {
-        let names: Vec<&str> = PROFILES.iter().map(|(name, _)| *name).collect();
+    let links = Links::default();
+    let Some(found) = links.iter().find(|shipped| shipped.name.eq_ignore_ascii_case(link)) else {
+        let names: Vec<&str> = links.names().collect();
         let names = names.join(", ");
         return Err(Error::usage(format!("there is no link '{link}'; write one of {names}, or a profile file (.toml)")));
     };
-    let too_large = |_| Error::usage(format!("the profile {name} is too large"));
-    Source::new(FileId(0), name, text.as_bytes().to_vec()).map_err(too_large)
+    let too_large = |_| Error::usage(format!("the profile {} is too large", found.name));
+    Source::new(FileId(0), &found.name, found.text.as_bytes().to_vec()).map_err(too_large)
 }

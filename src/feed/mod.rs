@@ -28,7 +28,7 @@ use ncfix_dnc::feed::{Event, Port};
 use ncfix_dnc::sense::Panel;
 use ncfix_report::feed::{Before, FeedEvent, Status};
 
-pub(crate) use book::{check as check_journal, is_held};
+pub(crate) use book::check as check_journal;
 pub(crate) use drive::{Begin, Lane, Refused, run as send};
 pub use job::Transfer;
 pub use link::ControlLink;
@@ -169,12 +169,7 @@ impl Transfer {
     ///
     /// # Errors
     /// Where it does not begin: findings forbid it, the journal cannot be written, sensors are missing or do not begin.
-    pub fn send(
-        self,
-        port: Box<dyn Port>,
-        sensors: Option<Panel>,
-        journal: impl AsRef<Path>,
-    ) -> Result<Sent, Error> {
+    pub fn send(self, port: Box<dyn Port>, sensors: Option<Panel>, journal: impl AsRef<Path>) -> Result<Sent, Error> {
         self.send_seen(port, sensors, journal, &mut Nobody)
     }
 
@@ -194,7 +189,8 @@ impl Transfer {
         check_journal(journal, &mut found)?;
         found.extend(self.unasked(), &[]);
         if let Some(panel) = &sensors {
-            found.extend(self.missing(panel.channels().map(|channel| channel.name.as_str())), &[]);
+            let names: Vec<&str> = panel.channels().map(|channel| channel.name.as_str()).collect();
+            found.extend(self.missing(&names), &[]);
         }
         if found.has_errors() {
             return Err(Error::found(found));

@@ -15,7 +15,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 use ncfix_dnc::drip::restart::{CLEAR_MM, Found, Place, Search, Why};
 use ncfix_dnc::drip::{Ends, Grammar, Heights};
-use ncfix_dnc::feed::{Frozen, PROTOCOLS, Told, read_journal};
+use ncfix_dnc::feed::{Frozen, Told, read_journal};
 use ncfix_machine::machine::ToolChange;
 use ncfix_path::path::Tips;
 use ncfix_report::feed::{Before, Plan};
@@ -112,8 +112,11 @@ fn is_move(text: &[u8]) -> bool {
 /// How many blocks the control may have taken and not carried out, at most, and where that comes from: what it stated when the job began, and no less
 /// where a bound of the profile is smaller.
 fn holds(told: &Told, job: &Transfer) -> Option<(u64, String)> {
-    PROTOCOLS.iter().find(|protocol| protocol.name == job.link.profile.protocol && protocol.has_planner)?;
-    let source = job.link.profile.depth.as_ref().map(|bound| format!("profile {}: {}", job.link.profile.name, bound.source));
+    if !job.link.profile.protocol.has_planner {
+        return None;
+    }
+    let source =
+        job.link.profile.depth.as_ref().map(|bound| format!("profile {}: {}", job.link.profile.name, bound.source));
     let bound = job.link.profile.holds_at_most().zip(source);
     let stated = told.holds.clone().map(|(most, said)| (most, format!("the control: {said}")));
     [bound, stated].into_iter().flatten().max_by_key(|(most, _)| *most)

@@ -12,7 +12,7 @@ use ncfix_dnc::feed::{Forecaster, Line, Link, port};
 use ncfix_language::exec::RapidOrder;
 use ncfix_path::emit;
 use ncfix_path::path::{Corrector, Output};
-use ncfix_report::feed::{Before, Late, rate};
+use ncfix_report::feed::{Before, FeedEvent, Late, rate};
 
 use super::job::Transfer;
 
@@ -75,7 +75,7 @@ pub(crate) fn run(
     let per_line_s = forecast.motion_s / forecast.lines as f64;
     let before = Before {
         schema: 1,
-        event: "forecast",
+        event: FeedEvent::Forecast,
         program,
         lines: forecast.lines,
         bytes: forecast.bytes,

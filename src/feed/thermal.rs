@@ -59,7 +59,13 @@ struct Watch {
 
 impl Thermal {
     /// Starts to look at sensors.
-    pub(super) fn start(job: &Arc<Transfer>, panel: Panel, every: Duration, zero_now: bool, started: Instant) -> Thermal {
+    pub(super) fn start(
+        job: &Arc<Transfer>,
+        panel: Panel,
+        every: Duration,
+        zero_now: bool,
+        started: Instant,
+    ) -> Thermal {
         let thermal = Thermal::default();
         let (shared, is_over) = (Arc::clone(&thermal.shared), Arc::clone(&thermal.is_over));
         let condition = job.machine.condition.clone();

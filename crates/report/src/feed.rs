@@ -8,6 +8,53 @@ use serde::Serialize;
 use super::json::Finding;
 use super::number::{duration, grouped};
 
+/// What an object of a transfer tells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FeedEvent {
+    /// What will happen, before the start.
+    Forecast,
+    /// Where it stands.
+    #[default]
+    Status,
+    /// How it ended.
+    End,
+    /// The control says something.
+    Said,
+    /// Nothing was heard for longer than a line takes.
+    Stalled,
+    /// The control pauses, or goes on.
+    Paused,
+    /// How many blocks it may hold.
+    Holds,
+    /// A line is sent again.
+    Repeated,
+    /// Sensors are in doubt, or good again.
+    Sensors,
+    /// Temperatures ask for much.
+    Shift,
+    /// Somebody has stopped it.
+    Halt,
+}
+
+/// How a transfer ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FeedOutcome {
+    /// All lines were carried out, or at least answered.
+    Done,
+    /// A person or the sensors have stopped it, and what was sent has run out.
+    Stopped,
+    /// The axes were held.
+    Held,
+    /// The link or the control is gone.
+    Lost,
+    /// The control has refused a line.
+    Refused,
+    /// A line could not be made.
+    Fault,
+}
+
 /// A stretch of lines in which the control waits for the link.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Late {
@@ -26,8 +73,8 @@ pub struct Late {
 pub struct Before {
     /// Version of this object.
     pub schema: u32,
-    /// `forecast`.
-    pub event: &'static str,
+    /// [`FeedEvent::Forecast`].
+    pub event: FeedEvent,
     /// Hash of the program and of all that it calls.
     pub program: String,
     /// Lines.
@@ -108,8 +155,8 @@ pub fn rate(per_s: f64) -> String {
 pub struct Status {
     /// Version of this object.
     pub schema: u32,
-    /// `status` or `end`.
-    pub event: &'static str,
+    /// [`FeedEvent::Status`] or [`FeedEvent::End`].
+    pub event: FeedEvent,
     /// Time since the start.
     pub time_s: f64,
     /// Lines in all.
@@ -146,8 +193,8 @@ pub struct Status {
     pub eta_s: Option<f64>,
     /// From an answer to the bytes of the next line, µs: half of them, 99 of 100, the longest.
     pub delay_us: Option<[f64; 3]>,
-    /// How it ended: `done`, `stopped`, `lost`, `refused`, `held`.
-    pub ended: Option<&'static str>,
+    /// How it ended.
+    pub ended: Option<FeedOutcome>,
     /// What people should read.
     pub message: Option<String>,
     /// Line of the source of the last line.
@@ -221,7 +268,7 @@ pub struct Said {
     /// Version of this object.
     pub schema: u32,
     /// `said`, `holds`, `stalled`, `paused`, `repeated`, `sensors`, `shift`, `port`.
-    pub event: &'static str,
+    pub event: FeedEvent,
     /// Time since the start.
     pub time_s: f64,
     /// The line that it is about.

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::correction::push_row;
 use super::json::Finding;
 use super::number::significant;
+use ncfix_metrology::measure::weighing::{Coordinate as Weighed, Weighing};
 
 /// The result of `ncfix load`. Uncertainties are standard uncertainties.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -40,11 +41,53 @@ pub struct Coordinate {
     pub value_mm: f64,
     /// Its uncertainty; `null` where it was not measured.
     pub sigma_mm: Option<f64>,
-    /// `measured`, `known` or `assumed`.
-    pub basis: &'static str,
+    /// Where it comes from.
+    pub basis: Basis,
+}
+
+/// Where a coordinate comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Basis {
+    /// From the readings.
+    Measured,
+    /// As stated.
+    Known,
+    /// Taken for 0.
+    #[default]
+    Assumed,
+}
+
+impl Basis {
+    /// Its word.
+    fn word(self) -> &'static str {
+        match self {
+            Basis::Measured => "measured",
+            Basis::Known => "known",
+            Basis::Assumed => "assumed",
+        }
+    }
 }
 
 impl Load {
+    /// Takes a weighing into the report.
+    pub fn note(&mut self, weighing: &Weighing) {
+        self.force_n = Some(weighing.force_n.value);
+        self.force_sigma_n = Some(weighing.force_n.sigma);
+        self.place = Some(weighing.position_mm.map(|coordinate| {
+            let (sigma_mm, basis) = match coordinate {
+                Weighed::Measured(measured) => (Some(measured.sigma), Basis::Measured),
+                Weighed::Known(_) => (None, Basis::Known),
+                Weighed::Assumed => (None, Basis::Assumed),
+            };
+            Coordinate { value_mm: coordinate.value(), sigma_mm, basis }
+        }));
+        self.noise_um_m = Some(weighing.noise_um_m);
+        self.degrees_of_freedom = weighing.freedom;
+        self.readings = weighing.used;
+        self.left_out = weighing.left_out.len();
+    }
+
     /// The table for people, with a line feed behind every line.
     #[must_use]
     pub fn table(&self) -> String {
@@ -56,7 +99,7 @@ impl Load {
         for (letter, place) in ['X', 'Y', 'Z'].into_iter().zip(self.place.iter().flatten()) {
             let text = match place.sigma_mm {
                 Some(sigma) => format!("{:.1} ± {} mm", place.value_mm, significant(sigma)),
-                None => format!("{:.1} mm, {}", place.value_mm, place.basis),
+                None => format!("{:.1} mm, {}", place.value_mm, place.basis.word()),
             };
             row(&format!("place {letter}"), &text);
         }

@@ -7,8 +7,8 @@ use clap::Args;
 
 use crate::cli::arguments::{CorrectionChoice, MachineChoice, ProgramChoice, StateChoice};
 use crate::cli::value;
+use crate::feed::FeedOptions;
 use ncfix_base::units::parse_length_mm;
-use ncfix_dnc::feed::Limits;
 
 /// What `ncfix feed --help` says last.
 pub(in crate::cli) const AFTER_HELP: &str = "\
@@ -105,10 +105,21 @@ pub(in crate::cli) struct DosingChoice {
     pub(in crate::cli) max_shift: f64,
 }
 
-impl DosingChoice {
-    /// The limits of the doses.
-    pub(in crate::cli) fn limits(&self) -> Limits {
-        Limits { per_block: self.dose_per_block, per_mm: self.dose_per_mm, per_s: self.dose_per_s }
+impl From<&FeedArguments> for FeedOptions {
+    fn from(arguments: &FeedArguments) -> FeedOptions {
+        let dosing = &arguments.dosing;
+        FeedOptions {
+            allow_starvation: arguments.allow_starvation,
+            machine_stands_still: arguments.i_checked_the_machine_stands_still,
+            every: dosing.every,
+            zero_now: dosing.zero_now,
+            rapids_only: dosing.rapids_only,
+            dose_per_block_mm: dosing.dose_per_block,
+            dose_per_mm: dosing.dose_per_mm,
+            dose_per_s_mm: dosing.dose_per_s,
+            warn_shift_mm: dosing.warn_shift,
+            max_shift_mm: dosing.max_shift,
+        }
     }
 }
 

@@ -1,38 +1,26 @@
 //! `ncfix feed`: sends a program to a control line by line, corrected for the temperatures of the moment.
-//!
-//! The program is run twice. The first time ([`survey`]) nothing is sent: all findings come up, every line is held against the link, and the forecast is
-//! made. The second time a thread of its own executes and corrects ([`source`]), another one looks at the temperatures ([`thermal`]), and the main one
-//! adds the second step, sends and listens ([`drive`]).
 
 pub(in crate::cli) mod arguments;
-
-mod book;
-mod drive;
-mod job;
-mod meter;
+mod keys;
 mod show;
-mod source;
-mod survey;
-mod thermal;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::arguments::FeedArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::stop::Stop;
-use super::{input, print, tell};
+use super::{complain, input, machine_choice, print, program, progress, state, tell};
+use crate::disk::hash::short_hash;
+use crate::feed::{self as transfers, Begin, ControlLink, FeedEnd, FeedOptions, Lane, Refused, Transfer};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
-use ncfix_dnc::feed::{Dialogue, port};
+use ncfix_dnc::feed::port;
 use ncfix_dnc::sense::{Config, Panel};
 use ncfix_report::feed::Before;
 use ncfix_report::json;
 
-pub(super) use book::{TAKEN_UP, is_held};
-pub(super) use drive::Begin;
-pub(super) use job::Job;
-pub(super) use survey::{Step, walk};
+use show::Show;
 
 /// Sends a program.
 pub(super) fn run(arguments: &FeedArguments) -> Result<ExitCode, Stop> {
@@ -43,11 +31,7 @@ pub(super) fn run(arguments: &FeedArguments) -> Result<ExitCode, Stop> {
             before.diagnostics = findings.json();
             (job, before)
         }
-        Ok(None) => {
-            findings.draw();
-            tell(&format!("{}; nothing was sent\n", findings.count()));
-            return Ok(findings.exit_code());
-        }
+        Ok(None) => return Ok(nothing_sent(&findings)),
         Err(stop) => {
             findings.draw();
             return Err(stop);
@@ -68,68 +52,138 @@ pub(super) fn run(arguments: &FeedArguments) -> Result<ExitCode, Stop> {
     if arguments.dry_run {
         return Ok(ExitCode::Done);
     }
-    let begin = Begin { words: std::env::args().skip(1).collect(), ..Begin::default() };
+    let begin = Begin {
+        input: arguments.input.display().to_string(),
+        port: arguments.port.clone().unwrap_or_default(),
+        words: std::env::args().skip(1).collect(),
+        ..Begin::default()
+    };
     send(arguments, job, &before, &begin)
+}
+
+/// Says that findings forbid it.
+fn nothing_sent(findings: &Findings) -> ExitCode {
+    findings.draw();
+    tell(&format!("{}; nothing was sent\n", findings.count()));
+    findings.exit_code()
 }
 
 /// Opens the port and sends.
 ///
 /// # Errors
 /// Where the port cannot be opened, or the journal not be written.
-pub(super) fn send(arguments: &FeedArguments, job: Job, before: &Before, begin: &Begin) -> Result<ExitCode, Stop> {
+pub(super) fn send(arguments: &FeedArguments, job: Transfer, before: &Before, begin: &Begin) -> Result<ExitCode, Stop> {
     let name = arguments.port.as_deref().ok_or_else(|| Stop::Usage("--port is missing".into()))?;
-    if !asks_idle(&job) && !arguments.i_checked_the_machine_stands_still {
-        let mut findings = Findings::default();
-        findings.add(unasked(&job), &[]);
-        findings.draw();
+    let mut findings = Findings::default();
+    if let Some(unasked) = job.unasked() {
+        findings.add(unasked, &[]);
+        return Ok(nothing_sent(&findings));
+    }
+    let profile = &job.link.profile;
+    let opened = port::open(name, profile).map_err(|sentence| Stop::Ended(ExitCode::Link, sentence))?;
+    let journal = journal_of(&arguments.input, arguments.journal.as_deref())?;
+    if begin.resumed.is_none() {
+        transfers::check_journal(&journal, &mut findings)?;
+    }
+    let help = "give the lasting name to --port, or change the profile";
+    findings.extend(opened.notes.iter().map(|note| Diagnostic::nowhere(Code::SERIAL_SETTINGS, note, help)), &[]);
+    let panel = panel(arguments, &job, &mut findings)?;
+    findings.draw();
+    if findings.has_errors() {
         tell(&format!("{}; nothing was sent\n", findings.count()));
         return Ok(findings.exit_code());
     }
-    let opened = port::open(name, &job.profile).map_err(|sentence| Stop::Ended(ExitCode::Link, sentence))?;
-    drive::run(arguments, job, opened, before, begin)
+    let characters_per_s = port::characters_per_s(name, profile);
+    let lane = Lane { port: opened.port, characters_per_s, panel, journal: &journal };
+    let mut show = Show::new(arguments.json)?;
+    let sent = transfers::send(job, lane, before, begin, &mut show).map_err(|refused| match refused {
+        Refused::Error(error) => Stop::from(error),
+        Refused::Ended(end, message) => Stop::Ended(code_of(end), message),
+    })?;
+    show.end(&sent.status)?;
+    if let Some(message) = &sent.status.message
+        && !arguments.json
+    {
+        complain(message);
+    }
+    if sent.end != FeedEnd::Done && sent.status.sent > 0 && !arguments.json {
+        tell(&format!("help: `ncfix resume {}` shows how it can be taken up again\n", journal.display()));
+    }
+    Ok(code_of(sent.end))
+}
+
+/// The exit status of an end.
+fn code_of(end: FeedEnd) -> ExitCode {
+    match end {
+        FeedEnd::Done => ExitCode::Done,
+        FeedEnd::Fault => ExitCode::Refused,
+        FeedEnd::Link => ExitCode::Link,
+        FeedEnd::Control => ExitCode::Control,
+        FeedEnd::Sensors => ExitCode::Sensor,
+        FeedEnd::Stopped => ExitCode::Interrupted,
+    }
+}
+
+/// Where the journal of a job lies.
+///
+/// # Errors
+/// Where it has no name.
+fn journal_of(input: &Path, given: Option<&Path>) -> Result<PathBuf, Stop> {
+    if let Some(given) = given {
+        return Ok(given.to_path_buf());
+    }
+    if input::is_standard_stream(input) {
+        return Err(Stop::Usage("a program from standard input needs --journal".into()));
+    }
+    let mut name = input.as_os_str().to_owned();
+    name.push(".journal");
+    Ok(PathBuf::from(name))
 }
 
 /// Reads everything and walks through the program; `None` where findings forbid to send it.
 ///
 /// # Errors
 /// Where a file cannot be read, or the program cannot be written.
-pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<(Job, Before)>, Stop> {
-    let Some(job) = Job::new(arguments, findings)? else { return Ok(None) };
-    let before = survey::run(arguments, &job, findings)?;
+pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<(Transfer, Before)>, Stop> {
+    let Some(job) = transfer(arguments, findings)? else { return Ok(None) };
+    let before = job.survey(arguments.port.as_deref().unwrap_or_default(), Some(progress::watch), findings)?;
     // The profile fits its protocol, and the sensors are told of as they will be read.
-    dialogue(&job)?;
+    job.dialogue()?;
     if arguments.dry_run {
         panel(arguments, &job, findings)?;
     }
     Ok(before.map(|before| (job, before)))
 }
 
-/// The dialogue of a job.
-///
-/// # Errors
-/// Where the profile does not fit it.
-fn dialogue(job: &Job) -> Result<Box<dyn Dialogue>, Stop> {
-    (job.profile.protocol.create)(&job.profile)
-        .map_err(|why| Stop::Usage(format!("the link {}: {why}", job.profile.name)))
-}
-
-/// Whether the control is asked if it stands still before the first line.
-fn asks_idle(job: &Job) -> bool {
-    job.profile.protocol.asks_idle
-}
-
-fn unasked(job: &Job) -> Diagnostic {
-    let message = format!(
-        "the link {} has no question whether the machine stands still; lines that are sent into a machine that moves run into what it does",
-        job.profile.name
-    );
-    let help = "look at the machine: no program runs, nothing moves, no alarm stands. Then add --i-checked-the-machine-stands-still";
-    Diagnostic::nowhere(Code::IDLE_UNKNOWN, message, help)
+/// Reads what the arguments name; `None` where findings forbid to go on.
+fn transfer(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<Transfer>, Stop> {
+    let link = ControlLink::find(&arguments.link, findings)?;
+    let sensors_hash = match &arguments.sensors {
+        Some(path) => short_hash([input::read_written(path, FileId(0), "sensors, --sensors")?.bytes()]),
+        None => String::new(),
+    };
+    let part = program::of(&arguments.input, &arguments.program)?;
+    let Some(mut machine) = machine_choice::choose(&arguments.machine, &arguments.input, findings)? else {
+        return Ok(None);
+    };
+    if machine.is_demo && !arguments.dry_run {
+        return Err(Stop::Usage(
+            "the embedded demo machine is nobody's: give --machine, or put the machine file beside the program".into(),
+        ));
+    }
+    let is_read = match arguments.sensors {
+        // What the state does not say, sensors will.
+        Some(_) => state::read(&arguments.state, &mut machine, findings)?,
+        None => state::apply(&arguments.state, &mut machine, findings)?,
+    };
+    part.was_corrected_before(findings);
+    let Some(link) = link.filter(|_| is_read && !findings.has_errors()) else { return Ok(None) };
+    let how = (&arguments.correction.options(), FeedOptions::from(arguments));
+    Ok(Transfer::new(part, machine, (link, sensors_hash), how, findings)?)
 }
 
 /// Opens the sensors of a job; `None` where there are none, or findings forbid it.
-fn panel(arguments: &FeedArguments, job: &Job, findings: &mut Findings) -> Result<Option<Panel>, Stop> {
-    let needed = job.chosen.errors.sensors();
+fn panel(arguments: &FeedArguments, job: &Transfer, findings: &mut Findings) -> Result<Option<Panel>, Stop> {
     let Some(path) = &arguments.sensors else { return Ok(None) };
     let source = input::read_written(path, FileId(0), "sensors, --sensors")?;
     let fault = |found, findings: &mut Findings| {
@@ -140,12 +194,9 @@ fn panel(arguments: &FeedArguments, job: &Job, findings: &mut Findings) -> Resul
         Ok(config) => config,
         Err(found) => return fault(found, findings),
     };
-    let is_known = |name: &str| {
-        config.channels.iter().any(|channel| channel.name == name) || job.chosen.condition.trace(name).is_some()
-    };
-    let lacking: Vec<String> = needed.into_iter().filter(|name| !is_known(name)).map(str::to_owned).collect();
-    if !lacking.is_empty() {
-        findings.add(job::missing(&lacking), &[]);
+    let names: Vec<&str> = config.channels.iter().map(|channel| channel.name.as_str()).collect();
+    if let Some(missing) = job.missing(&names) {
+        findings.add(missing, &[]);
         return Ok(None);
     }
     match Panel::open(&config, path.parent().unwrap_or(Path::new("."))) {

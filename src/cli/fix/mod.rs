@@ -96,7 +96,7 @@ impl<'a> Job<'a> {
         };
         report.machine.clone_from(&chosen.machine.name);
         let correction = self.program.correct(&chosen, &arguments.options());
-        if correction.was_corrected_before(findings) {
+        if self.program.was_corrected_before(findings) {
             return Ok(());
         }
         let own = (!arguments.in_place).then_some(&arguments.input);
@@ -135,8 +135,8 @@ impl<'a> Job<'a> {
             together.add(target.clone(), page.as_bytes())?;
         }
         let backup = match together.publish_first(old) {
-            Err(Stop::Found(diagnostic)) => {
-                findings.add(*diagnostic, &[]);
+            Err(error) if error.code() == Some(Code::NEWER_FILE) => {
+                findings.absorb(error.diagnostics().clone());
                 *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
                 return Ok(());
             }

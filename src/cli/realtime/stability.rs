@@ -35,7 +35,7 @@ pub(super) fn write(path: &Path) -> Result<ExitCode, Stop> {
     };
     let mut spool = Spool::new(Target::new(path)?)?;
     if let Err(error) = spool.writer().write_all(stability(&data).as_bytes()) {
-        return Err(spool.fault(&error));
+        return Err(spool.fault(&error).into());
     }
     spool.publish(Old::Replaced)?;
     Ok(ExitCode::Done)

@@ -85,7 +85,7 @@ fn simulate(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Op
     let [data, description] = targets;
     let mut data = Spool::new(data)?;
     if let Err(error) = job.write(&rows, data.writer()) {
-        return Err(data.fault(&error));
+        return Err(data.fault(&error).into());
     }
     let mut together = Together::default();
     together.take(data)?;

@@ -9,8 +9,11 @@
 mod fit;
 mod outlier;
 
+use std::fmt::Write as _;
+
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::Vector;
+use ncfix_machine::machine::condition::file::load_text;
 use ncfix_machine::machine::{Load, StrainGauge};
 
 use super::strain::Reading;
@@ -81,6 +84,23 @@ impl Weighing {
     pub fn load(&self) -> Load {
         let [x, y, z] = self.position_mm.map(|coordinate| coordinate.value());
         Load { force_n: self.force_n.value.max(0.0), position_mm: Vector::new(x, y, z) }
+    }
+
+    /// The text of a state file with the load, weighed from `data` on a machine.
+    #[must_use]
+    pub fn state_text(&self, data: &str, machine: &str) -> String {
+        // A name may have any character; a comment ends with its line.
+        let name = |text: &str| text.replace(char::is_control, " ");
+        let mut text = format!("# Weighed by strain on {} from {}.\n", name(machine), name(data));
+        let sigma = |coordinate: &Coordinate| match coordinate {
+            Coordinate::Measured(measured) => format!("{:.1}", measured.sigma),
+            Coordinate::Known(_) => "known".to_owned(),
+            Coordinate::Assumed => "assumed".to_owned(),
+        };
+        let [x, y, z] = [0, 1, 2].map(|i| sigma(&self.position_mm[i]));
+        // Writing into a String cannot fail.
+        let _ = writeln!(text, "# Standard uncertainties: {:.1} N; X {x}, Y {y}, Z {z} (mm).", self.force_n.sigma);
+        text + &load_text(&self.load())
     }
 }
 

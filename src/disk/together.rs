@@ -4,11 +4,11 @@ use std::cmp::Reverse;
 use std::path::PathBuf;
 
 use super::output::{Old, Spool, Target};
-use super::stop::Stop;
+use crate::error::Error;
 
 /// Texts of one run: each is on the disk before the first gets its name.
 #[derive(Default)]
-pub(super) struct Together {
+pub(crate) struct Together {
     spools: Vec<Spool>,
 }
 
@@ -17,7 +17,7 @@ impl Together {
     ///
     /// # Errors
     /// A sentence where the disk has no room for it.
-    pub(super) fn take(&mut self, spool: Spool) -> Result<(), Stop> {
+    pub(crate) fn take(&mut self, spool: Spool) -> Result<(), Error> {
         spool.spare_inputs()?;
         self.put(spool)
     }
@@ -26,10 +26,10 @@ impl Together {
     ///
     /// # Errors
     /// A sentence where the disk has no room for it.
-    pub(super) fn put(&mut self, mut spool: Spool) -> Result<(), Stop> {
+    pub(crate) fn put(&mut self, mut spool: Spool) -> Result<(), Error> {
         if let Some(other) = self.spools.iter().find(|other| other.target().is_also(spool.target())) {
             let message = format!("two outputs of this run would be {}; give each a file of its own", other.target());
-            return Err(Stop::Usage(message));
+            return Err(Error::usage(message));
         }
         spool.settle()?;
         self.spools.push(spool);
@@ -40,7 +40,7 @@ impl Together {
     ///
     /// # Errors
     /// A sentence where it cannot be written.
-    pub(super) fn add(&mut self, target: Target, text: &[u8]) -> Result<(), Stop> {
+    pub(crate) fn add(&mut self, target: Target, text: &[u8]) -> Result<(), Error> {
         let mut spool = Spool::new(target)?;
         spool.writer().write_all(text).map_err(|error| spool.fault(&error))?;
         self.take(spool)
@@ -50,7 +50,7 @@ impl Together {
     ///
     /// # Errors
     /// A sentence where that fails.
-    pub(super) fn publish(self) -> Result<(), Stop> {
+    pub(crate) fn publish(self) -> Result<(), Error> {
         self.publish_first(Old::Replaced).map(drop)
     }
 
@@ -58,7 +58,7 @@ impl Together {
     ///
     /// # Errors
     /// A sentence where that fails.
-    pub(super) fn publish_first(self, old: Old<'_>) -> Result<Option<PathBuf>, Stop> {
+    pub(crate) fn publish_first(self, old: Old<'_>) -> Result<Option<PathBuf>, Error> {
         let mut order: Vec<(usize, Spool)> = self.spools.into_iter().enumerate().collect();
         order.sort_by_key(|(number, spool)| (spool.target().is_file(), Reverse(*number)));
         let mut kept = None;

@@ -13,7 +13,7 @@ const NEW_FILE: u32 = 0o666;
 
 /// What becomes of a file that was there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Old<'a> {
+pub(crate) enum Old<'a> {
     /// It is replaced.
     Replaced,
     /// It stays under the name of a backup: it is what the run has read, and this is all of it.
@@ -22,14 +22,14 @@ pub(super) enum Old<'a> {
 
 impl<'a> Old<'a> {
     /// What must be in the place of a file for it to be written.
-    pub(super) fn expected(self, file: &OneFile) -> Expected<'a> {
+    pub(crate) fn expected(self, file: &OneFile) -> Expected<'a> {
         let content = if let Old::Kept(content) = self { Some(content) } else { None };
         Expected { before: file.before, content }
     }
 }
 
 /// What became of a text.
-pub(super) enum Put {
+pub(crate) enum Put {
     /// It is in its place; the path of the file that was there, where it is kept.
     There(Option<PathBuf>),
     /// Something newer is there.
@@ -37,7 +37,7 @@ pub(super) enum Put {
 }
 
 /// A file without a name that is gone when it is closed, in a folder, with the permissions of any new file.
-pub(super) fn without_name(folder: &Path) -> io::Result<File> {
+pub(crate) fn without_name(folder: &Path) -> io::Result<File> {
     #[cfg(target_os = "linux")]
     {
         use rustix::fs::{Mode, OFlags, open};
@@ -69,7 +69,7 @@ fn name_beside(_: &File, _: &tempfile::Builder<'_, '_>, _: &Path) -> io::Result<
 }
 
 /// Names the text beside its file and puts it in the place of that.
-pub(super) fn replace(text: &mut File, target: &OneFile, old: Old<'_>) -> io::Result<Put> {
+pub(crate) fn replace(text: &mut File, target: &OneFile, old: Old<'_>) -> io::Result<Put> {
     let path = &target.path;
     let mut names = tempfile::Builder::new();
     names.prefix(".ncfix-").suffix(".tmp");
@@ -149,7 +149,7 @@ fn exchange(_: &Path, _: &Path) -> io::Result<()> {
 }
 
 /// The names of copies of a file, `NAME.bak`, `NAME.bak1` …
-pub(super) fn backups(path: &Path) -> impl Iterator<Item = PathBuf> {
+pub(crate) fn backups(path: &Path) -> impl Iterator<Item = PathBuf> {
     (0_u32..).map(move |number| {
         let mut name = path.as_os_str().to_owned();
         name.push(".bak");

@@ -5,16 +5,16 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::files::is_standard_stream;
 use super::fingerprint::Fingerprint;
-use super::input::is_standard_stream;
-use super::stop::Stop;
+use crate::error::Error;
 
 /// Symbolic links followed to find a target, as many as Linux follows.
 const MAX_LINKS: usize = 40;
 
 /// Where a text shall go.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Target {
+pub(crate) enum Target {
     /// Standard output.
     Standard,
     /// A file that may exist already; links are followed, so this is the file itself.
@@ -25,11 +25,11 @@ pub(super) enum Target {
 
 /// A file that a run will write.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct OneFile {
+pub(crate) struct OneFile {
     /// Where.
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
     /// What was there when the run began: whatever is there later and is something else is newer, and stays.
-    pub(super) before: Option<Fingerprint>,
+    pub(crate) before: Option<Fingerprint>,
 }
 
 impl Target {
@@ -37,31 +37,31 @@ impl Target {
     ///
     /// # Errors
     /// A sentence where nothing can be written there.
-    pub(super) fn new(path: &Path) -> Result<Target, Stop> {
+    pub(crate) fn new(path: &Path) -> Result<Target, Error> {
         if is_standard_stream(path) {
             return Ok(Target::Standard);
         }
         let path = follow(path)?;
         match fs::metadata(&path) {
-            Ok(found) if found.is_dir() => Err(Stop::file("write", &path, &io::ErrorKind::IsADirectory.into())),
+            Ok(found) if found.is_dir() => Err(Error::file("write", &path, &io::ErrorKind::IsADirectory.into())),
             Ok(found) if !found.is_file() => Ok(Target::Special(path)),
             Ok(found) if found.permissions().readonly() => {
-                Err(Stop::Usage(format!("cannot write {}: it is write-protected", path.display())))
+                Err(Error::usage(format!("cannot write {}: it is write-protected", path.display())))
             }
             Ok(found) => Ok(Target::File(OneFile { before: Some(Fingerprint::of(&found)), path })),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 if folder_of(&path).is_dir() {
                     Ok(Target::File(OneFile { path, before: None }))
                 } else {
-                    Err(Stop::file("write", &path, &error))
+                    Err(Error::file("write", &path, &error))
                 }
             }
-            Err(error) => Err(Stop::file("write", &path, &error)),
+            Err(error) => Err(Error::file("write", &path, &error)),
         }
     }
 
     /// Whether the target is the file `other`, by whatever name or link, also where neither is there yet.
-    pub(super) fn is(&self, other: &Path) -> bool {
+    pub(crate) fn is(&self, other: &Path) -> bool {
         self.path().is_some_and(|path| is_same(path, other))
     }
 
@@ -74,12 +74,12 @@ impl Target {
     }
 
     /// Whether it is a file, so that nothing is there before all is.
-    pub(super) fn is_file(&self) -> bool {
+    pub(crate) fn is_file(&self) -> bool {
         matches!(self, Target::File(_))
     }
 
     /// Whether both are one file.
-    pub(super) fn is_also(&self, other: &Target) -> bool {
+    pub(crate) fn is_also(&self, other: &Target) -> bool {
         matches!(other, Target::File(file) if self.is_file() && self.is(&file.path))
     }
 }
@@ -94,7 +94,7 @@ impl fmt::Display for Target {
 }
 
 /// Follows symbolic links, also one that leads to a file that does not exist yet.
-fn follow(path: &Path) -> Result<PathBuf, Stop> {
+fn follow(path: &Path) -> Result<PathBuf, Error> {
     let mut path = path.to_path_buf();
     for _ in 0..MAX_LINKS {
         // What leads to a pipe or a device need not say where it is: `/dev/stdout`.
@@ -106,11 +106,11 @@ fn follow(path: &Path) -> Result<PathBuf, Stop> {
             Err(_) => return Ok(path),
         }
     }
-    Err(Stop::Usage(format!("cannot write {}: too many links", path.display())))
+    Err(Error::usage(format!("cannot write {}: too many links", path.display())))
 }
 
 /// The folder of a file, `.` for a bare name.
-pub(super) fn folder_of(path: &Path) -> &Path {
+pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -118,12 +118,12 @@ pub(super) fn folder_of(path: &Path) -> &Path {
 }
 
 /// Whether two paths are one file, by whatever name or link, also where neither is there yet.
-pub(super) fn is_same(one: &Path, other: &Path) -> bool {
+pub(crate) fn is_same(one: &Path, other: &Path) -> bool {
     is_same_file(one, other) || is_same_name(one, other)
 }
 
 /// Whether two paths lead to one file: the same path, or two names (hard links) of it.
-pub(super) fn is_same_file(one: &Path, other: &Path) -> bool {
+pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt as _;

@@ -8,20 +8,19 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read as _, Seek as _, Write as _};
 use std::path::PathBuf;
 
-use super::input;
-use super::progress;
-pub(super) use super::replace::Old;
+use super::files;
+pub(crate) use super::replace::Old;
 use super::replace::{Put, backups, replace, without_name};
-use super::stop::Stop;
 use super::target::folder_of;
-pub(super) use super::target::{OneFile, Target, is_same, is_same_file};
+pub(crate) use super::target::{OneFile, Target, is_same, is_same_file};
+use crate::error::Error;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 
 /// Bytes gathered before they go to the disk.
 const BUFFER: usize = 1 << 16;
 
 /// A text on its way to a target.
-pub(super) struct Spool {
+pub(crate) struct Spool {
     file: BufWriter<File>,
     target: Target,
 }
@@ -31,7 +30,7 @@ impl Spool {
     ///
     /// # Errors
     /// A sentence where the folder cannot be written.
-    pub(super) fn new(target: Target) -> Result<Spool, Stop> {
+    pub(crate) fn new(target: Target) -> Result<Spool, Error> {
         let file = match &target {
             Target::Standard | Target::Special(_) => tempfile::tempfile(),
             Target::File(file) => without_name(folder_of(&file.path)),
@@ -41,17 +40,17 @@ impl Spool {
     }
 
     /// Where the text is written to.
-    pub(super) fn writer(&mut self) -> &mut (dyn io::Write + Send) {
+    pub(crate) fn writer(&mut self) -> &mut (dyn io::Write + Send) {
         &mut self.file
     }
 
     /// Where the text will go.
-    pub(super) fn target(&self) -> &Target {
+    pub(crate) fn target(&self) -> &Target {
         &self.target
     }
 
     /// The reason of a failed write, in words.
-    pub(super) fn fault(&self, error: &io::Error) -> Stop {
+    pub(crate) fn fault(&self, error: &io::Error) -> Error {
         target_fault(&self.target, error)
     }
 
@@ -59,7 +58,7 @@ impl Spool {
     ///
     /// # Errors
     /// A sentence where that fails.
-    pub(super) fn text(&mut self) -> Result<Vec<u8>, Stop> {
+    pub(crate) fn text(&mut self) -> Result<Vec<u8>, Error> {
         let mut text = Vec::new();
         let read = self.file.rewind().and_then(|()| self.file.get_mut().read_to_end(&mut text));
         read.map_err(|error| self.fault(&error))?;
@@ -70,12 +69,12 @@ impl Spool {
     ///
     /// # Errors
     /// A sentence that names the file.
-    pub(super) fn spare_inputs(&self) -> Result<(), Stop> {
-        match input::first_read(|path| self.target.is(path)) {
+    pub(crate) fn spare_inputs(&self) -> Result<(), Error> {
+        match files::first_read(|path| self.target.is(path)) {
             None => Ok(()),
             Some(path) => {
                 let path = path.display();
-                Err(Stop::Usage(format!(
+                Err(Error::usage(format!(
                     "the output would overwrite {path}, which is an input of this run; choose another output"
                 )))
             }
@@ -86,7 +85,7 @@ impl Spool {
     ///
     /// # Errors
     /// A sentence where there is none.
-    pub(super) fn settle(&mut self) -> Result<(), Stop> {
+    pub(crate) fn settle(&mut self) -> Result<(), Error> {
         let settled = self.file.flush().and_then(|()| self.file.get_ref().sync_all());
         settled.map_err(|error| self.fault(&error))
     }
@@ -95,7 +94,7 @@ impl Spool {
     ///
     /// # Errors
     /// A finding that names the file, or a sentence where nobody can tell.
-    pub(super) fn is_expected(&self, old: Old<'_>) -> Result<(), Stop> {
+    pub(crate) fn is_expected(&self, old: Old<'_>) -> Result<(), Error> {
         let Target::File(file) = &self.target else { return Ok(()) };
         match old.expected(file).is(&file.path) {
             Ok(true) => Ok(()),
@@ -108,7 +107,7 @@ impl Spool {
     ///
     /// # Errors
     /// A sentence where that fails, a finding where something newer is there; the target is then as it was before.
-    pub(super) fn publish(self, old: Old<'_>) -> Result<Option<PathBuf>, Stop> {
+    pub(crate) fn publish(self, old: Old<'_>) -> Result<Option<PathBuf>, Error> {
         if old == Old::Replaced {
             self.spare_inputs()?;
         }
@@ -118,7 +117,7 @@ impl Spool {
         text.rewind().map_err(fault)?;
         match &target {
             Target::Standard => {
-                progress::end();
+                files::before_stream();
                 let mut out = io::stdout().lock();
                 io::copy(&mut text, &mut out).and_then(|_| out.flush()).map_err(fault)?;
                 Ok(None)
@@ -138,7 +137,7 @@ impl Spool {
 }
 
 /// The finding about something newer in the place of an output.
-fn newer(file: &OneFile, old: Old<'_>) -> Stop {
+fn newer(file: &OneFile, old: Old<'_>) -> Error {
     let path = file.path.display();
     let message = match (old, file.before) {
         (Old::Kept(_), _) => format!("{path} has changed since this run read it"),
@@ -146,19 +145,19 @@ fn newer(file: &OneFile, old: Old<'_>) -> Stop {
         (Old::Replaced, None) => format!("{path} has come into being since this run began"),
     };
     let help = "what is there now stays; look at it, then run the command again";
-    Stop::Found(Box::new(Diagnostic::nowhere(Code::NEWER_FILE, message, help)))
+    Error::one(Diagnostic::nowhere(Code::NEWER_FILE, message, help))
 }
 
 /// The reason why a target cannot be written.
-fn target_fault(target: &Target, error: &io::Error) -> Stop {
+fn target_fault(target: &Target, error: &io::Error) -> Error {
     match target {
-        Target::Standard => Stop::output(error),
-        Target::File(OneFile { path, .. }) | Target::Special(path) => Stop::file("write", path, error),
+        Target::Standard => Error::output(error),
+        Target::File(OneFile { path, .. }) | Target::Special(path) => Error::file("write", path, error),
     }
 }
 
 /// The name that the copy of a target would get now.
-pub(super) fn next_backup(target: &Target) -> Option<PathBuf> {
+pub(crate) fn next_backup(target: &Target) -> Option<PathBuf> {
     let Target::File(file) = target else { return None };
     backups(&file.path).find(|backup| std::fs::symlink_metadata(backup).is_err())
 }
@@ -186,8 +185,9 @@ mod tests {
     fn nothing_newer_is_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.mpf");
-        let is_newer = |put: Result<Option<PathBuf>, Stop>| {
-            assert!(matches!(put, Err(Stop::Found(_))), "{put:?}");
+        let is_newer = |put: Result<Option<PathBuf>, Error>| {
+            let code = put.as_ref().err().and_then(Error::code);
+            assert_eq!(code, Some(Code::NEWER_FILE), "{put:?}");
             let left: Vec<String> = names(folder.path()).into_iter().filter(|name| name != "a.mpf").collect();
             assert_eq!(left, [""; 0]);
             fs::read_to_string(&path).unwrap()
@@ -195,7 +195,7 @@ mod tests {
         // It came into being.
         let ours = spool(&path, "ours");
         fs::write(&path, "theirs").unwrap();
-        assert!(matches!(ours.is_expected(Old::Replaced), Err(Stop::Found(_))));
+        assert!(ours.is_expected(Old::Replaced).is_err_and(|error| error.code() == Some(Code::NEWER_FILE)));
         assert_eq!(is_newer(ours.publish(Old::Replaced)), "theirs");
         // It was written, in place and by another file.
         let ours = spool(&path, "ours");
@@ -210,7 +210,8 @@ mod tests {
         // Of two runs at once one is refused.
         let (one, two) = (spool(&path, "one"), spool(&path, "two"));
         let backup = one.publish(Old::Kept(b"their third")).unwrap().unwrap();
-        assert!(matches!(two.publish(Old::Kept(b"their third")), Err(Stop::Found(_))));
+        let code = two.publish(Old::Kept(b"their third")).err().and_then(|error| error.code());
+        assert_eq!(code, Some(Code::NEWER_FILE));
         assert_eq!(fs::read_to_string(&path).unwrap(), "one");
         assert_eq!(fs::read_to_string(backup).unwrap(), "their third");
         assert_eq!(names(folder.path()), ["a.mpf", "a.mpf.bak"]);

@@ -1,0 +1,30 @@
+//! Ctrl-C and its kin while a program is sent.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::cli::stop::Stop;
+
+/// Ctrl-C and its kin.
+pub(super) struct Keys(Arc<AtomicBool>);
+
+impl Keys {
+    pub(super) fn new() -> Result<Keys, Stop> {
+        let pressed = Arc::new(AtomicBool::new(false));
+        let signals = [
+            signal_hook::consts::SIGINT,
+            signal_hook::consts::SIGTERM,
+            #[cfg(unix)]
+            signal_hook::consts::SIGHUP,
+        ];
+        for signal in signals {
+            signal_hook::flag::register(signal, Arc::clone(&pressed))
+                .map_err(|error| Stop::Usage(format!("cannot listen to Ctrl-C: {error}")))?;
+        }
+        Ok(Keys(pressed))
+    }
+
+    pub(super) fn pressed(&self) -> bool {
+        self.0.swap(false, Ordering::Relaxed)
+    }
+}
