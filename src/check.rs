@@ -41,7 +41,7 @@ impl Program {
     /// ```
     /// use ncfix::prelude::*;
     ///
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// assert!(!program.check(&Machine::demo()).has_errors());
     /// # Ok::<(), ncfix::Error>(())
     /// ```

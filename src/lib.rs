@@ -5,7 +5,7 @@
 //! use ncfix::prelude::*;
 //!
 //! let machine = Machine::from_file("samples/machines/demo.toml")?;
-//! let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+//! let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
 //! assert!(!program.check(&machine).has_errors());
 //!
 //! let mut text = Vec::new();
@@ -22,6 +22,7 @@
 
 pub mod extend;
 pub mod prelude;
+pub mod sensors;
 
 mod channel;
 mod check;

@@ -77,10 +77,10 @@ impl Program {
     /// use ncfix::prelude::*;
     ///
     /// let machine = Machine::demo();
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// let mut text = Vec::new();
     /// program.write_moves(&machine, &mut text)?;
-    /// assert!(String::from_utf8(text).unwrap().contains("G1 X600 Y0 Z100 F500 ;@2"));
+    /// assert!(String::from_utf8(text).unwrap().contains("G1 X600 Y50 Z100 F500 ;@2"));
     /// # Ok::<(), ncfix::Error>(())
     /// ```
     ///

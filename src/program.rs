@@ -20,7 +20,7 @@ use ncfix_path::emit;
 /// use ncfix::prelude::*;
 ///
 /// let machine = Machine::demo();
-/// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X900 F500\nM30\n", DialectChoice::Sinumerik)?;
+/// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X900 F500\nM30\n", DialectChoice::Sinumerik)?;
 /// let found = program.check(&machine);
 /// let first = found.iter().next().unwrap();
 /// assert_eq!((first.line(), first.column()), (Some(2), Some(4)));
@@ -164,7 +164,7 @@ impl Program {
     /// use ncfix::prelude::*;
     ///
     /// let machine = Machine::demo();
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// let report = program.correct(&machine, &Options::default()).report()?;
     /// assert!(report.after.unwrap().max_um < 1.0);
     /// # Ok::<(), ncfix::Error>(())
@@ -181,14 +181,14 @@ impl Program {
     /// use ncfix::prelude::*;
     ///
     /// let machine = Machine::demo();
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// let mut ends_mm = Vec::new();
     /// for element in program.moves(&machine)? {
     ///     if let Kind::Move(motion) = element?.kind {
     ///         ends_mm.push(motion.target[Axis::X]);
     ///     }
     /// }
-    /// assert_eq!(ends_mm, [0.0, 600.0]);
+    /// assert_eq!(ends_mm, [50.0, 600.0]);
     /// # Ok::<(), ncfix::Error>(())
     /// ```
     ///

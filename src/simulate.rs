@@ -77,7 +77,7 @@ impl Program {
     ///     + "[servo]\ncycle_ms = 3\nsmoothing_ms = 24\ncorner_tolerance_um = 50\n"
     ///     + &["X", "Y", "Z"].map(|axis| format!("[servo.{axis}]\nvelocity_gain_per_s = 50\nfeed_forward = 0.98\nmax_acceleration_m_s2 = 5\n")).concat();
     /// let machine = Machine::from_text("mill.toml", &text)?;
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X10 F2000\nY10\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X10 F2000\nY10\nM30\n", DialectChoice::Sinumerik)?;
     /// let mut table = Vec::new();
     /// let recorded = program.simulate(&machine, &SimulateOptions::default(), &mut table)?;
     /// assert_eq!(table.iter().filter(|&&byte| byte == b'\n').count() as u64, recorded.rows + 1);

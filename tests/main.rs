@@ -73,6 +73,7 @@ mod differential;
 mod edits;
 mod emission;
 mod esmaeili;
+mod examples;
 mod exec;
 mod exec_details;
 mod executed_curves;

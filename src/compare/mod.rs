@@ -75,7 +75,7 @@ impl Program {
     /// use ncfix::prelude::*;
     ///
     /// let machine = Machine::demo();
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// let text = program.correct(&machine, &Options::default()).text()?;
     /// let corrected = Program::parse("corrected.mpf", text, DialectChoice::Sinumerik)?;
     /// let found = program.verify(&corrected, &machine)?;
@@ -101,7 +101,7 @@ impl Program {
     /// use ncfix::prelude::*;
     ///
     /// let machine = Machine::demo();
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// let text = program.correct(&machine, &Options::default()).text()?;
     /// let corrected = Program::parse("corrected.mpf", text, DialectChoice::Sinumerik)?;
     /// let review = program.compare(&corrected, &machine)?;

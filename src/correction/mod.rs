@@ -45,7 +45,7 @@ pub(crate) use writing::Writing;
 /// use ncfix::prelude::*;
 ///
 /// let machine = Machine::demo();
-/// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+/// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
 /// let correction = program.correct(&machine, &Options::default());
 /// let mut text = Vec::new();
 /// let report = correction.write_to(&mut text)?;
@@ -127,7 +127,7 @@ impl<'a> Correction<'a> {
     /// use ncfix::prelude::*;
     ///
     /// let machine = Machine::demo();
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// let text = program.correct(&machine, &Options::default()).text()?;
     /// assert!(text.lines().count() > program.correct(&machine, &Options::default()).pieces()?.count());
     /// # Ok::<(), ncfix::Error>(())
@@ -147,7 +147,7 @@ impl<'a> Correction<'a> {
     /// use ncfix::prelude::*;
     ///
     /// let machine = Machine::demo();
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// let report = program.correct(&machine, &Options::default()).report()?;
     /// assert_eq!(report.blocks_in, 3);
     /// assert!(report.max_correction["X_um"] > 10.0);
@@ -166,7 +166,7 @@ impl<'a> Correction<'a> {
     /// use ncfix::prelude::*;
     ///
     /// let machine = Machine::demo();
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// let mut ends_mm = Vec::new();
     /// for output in program.correct(&machine, &Options::default()).pieces()? {
     ///     if let Output::Piece(piece) = output? {

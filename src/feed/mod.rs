@@ -109,7 +109,7 @@ impl Program {
     /// use ncfix::prelude::*;
     ///
     /// let machine = Machine::demo();
-    /// let program = Program::parse("part.mpf", "G0 X0 Y0 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// let link = ControlLink::named("siemens-v24")?;
     /// let transfer = program.feed(&machine, link, &Options::default(), FeedOptions::default())?;
     /// assert!(transfer.forecast()?.lines > 2);
