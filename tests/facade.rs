@@ -31,7 +31,8 @@ fn the_command_writes_what_the_library_writes() {
     let part = "N10 G17 G90 G71 G94 G500\nN20 G0 X50 Y50 Z100\nN30 Z5\nN40 G1 Z-2 F300\nN50 X600 F800\nN60 G3 X550 Y100 CR=50\nN70 G0 Z100\nN80 M30\n";
     let demo = machine("demo");
     let shop = Shop::new().file("part.mpf", part);
-    shop.run(["part.mpf", "-o", "out.mpf", "--machine", demo.as_str(), "--tolerance", "0.3um", "--arcs", "chords"]).exits(0);
+    shop.run(["part.mpf", "-o", "out.mpf", "--machine", demo.as_str(), "--tolerance", "0.3um", "--arcs", "chords"])
+        .exits(0);
     let machine = Machine::from_file(&demo).unwrap();
     let program = Program::parse("part.mpf", part, DialectChoice::Guess).unwrap();
     let mut options = Options::default();

@@ -16,14 +16,14 @@ const LARGEST: usize = 10;
 
 /// The errors along the path.
 #[derive(Debug, Default)]
-pub(crate) struct Along {
+pub(crate) struct ErrorsAlong {
     path_mm: f64,
     /// Pieces that count so far: rapid ones until there is one with feed.
     pieces: Vec<Piece>,
     has_feed: bool,
 }
 
-impl Along {
+impl ErrorsAlong {
     /// Takes a piece that both went along.
     pub(crate) fn see(&mut self, follow: &Follow<'_>) {
         self.path_mm += follow.length_mm;

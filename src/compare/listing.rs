@@ -1,6 +1,6 @@
 //! The rows of a comparison: which, in which order, with the words of the text.
 
-use super::Wanted;
+use super::CompareOptions;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::Source;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
@@ -37,7 +37,7 @@ impl<'a> Text<'a> {
 
 /// The rows that are asked for.
 pub(crate) struct Listing<'a> {
-    wanted: &'a Wanted,
+    wanted: &'a CompareOptions,
     rows: &'a [Row],
     axes: Vec<Axis>,
     original: Vec<Text<'a>>,
@@ -46,7 +46,7 @@ pub(crate) struct Listing<'a> {
 
 impl<'a> Listing<'a> {
     pub(crate) fn new(
-        wanted: &'a Wanted,
+        wanted: &'a CompareOptions,
         rows: &'a [Row],
         sources: &'a [Source],
         corrected: &'a Source,

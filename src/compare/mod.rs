@@ -24,10 +24,10 @@ use ncfix_report::json::Verification;
 use ncfix_report::review::{Limit, Review};
 use ncfix_report::verdict::Verdict;
 
-pub(crate) use along::Along;
+pub(crate) use along::ErrorsAlong;
 pub(crate) use at_feed::{block_of, place_of};
 pub(crate) use listing::Listing;
-pub(crate) use review::Compared;
+pub(crate) use review::ComparedPrograms;
 pub(crate) use text::TextComparison;
 pub(crate) use walk::{Outcome, Pair};
 
@@ -42,7 +42,7 @@ pub(crate) const ROWS: usize = 20;
 
 /// What is wanted of a comparison.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Wanted {
+pub(crate) struct CompareOptions {
     /// Only these axes; all of them where none is named.
     pub(crate) axes: Vec<Axis>,
     /// Changes up to this are none, mm; a rotary axis by what its angle makes at 1 m.
@@ -55,7 +55,7 @@ pub(crate) struct Wanted {
     pub(crate) rows: Option<usize>,
 }
 
-impl Wanted {
+impl CompareOptions {
     /// The axes that are asked for.
     fn all_axes(&self) -> Vec<Axis> {
         AXES.into_iter().filter(|axis| self.axes.is_empty() || self.axes.contains(axis)).collect()
@@ -116,10 +116,10 @@ impl Program {
         let pair = Pair { programs: [self, corrected], machine, promised: None, at_feed: false, watch: None };
         let Some((trace, outcome)) = pair.trace(false, &mut found)? else { return Err(Error::found(found)) };
         let Some(text) = outcome.sources[1].first() else { return Err(Error::found(found)) };
-        let (wanted, names) = (Wanted::default(), [self.name().to_owned(), corrected.name().to_owned()]);
+        let (wanted, names) = (CompareOptions::default(), [self.name().to_owned(), corrected.name().to_owned()]);
         found.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
-        let mut review =
-            Compared { wanted: &wanted, names, trace: &trace, outcome: &outcome, corrected: text }.review(&found);
+        let mut review = ComparedPrograms { wanted: &wanted, names, trace: &trace, outcome: &outcome, corrected: text }
+            .review(&found);
         let listing = Listing::new(&wanted, &trace.rows, &outcome.sources[0], text);
         (review.rows, review.more_rows) = listing.some(ROWS);
         Ok(review)
@@ -184,8 +184,9 @@ impl Pair<'_> {
         let Some((trace, outcome)) = self.trace(true, found)? else { return Ok(None) };
         let Some(corrected) = outcome.sources[1].first() else { return Ok(None) };
         found.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
-        let wanted = Wanted::default();
-        let mut review = Compared { wanted: &wanted, names, trace: &trace, outcome: &outcome, corrected }.review(found);
+        let wanted = CompareOptions::default();
+        let mut review =
+            ComparedPrograms { wanted: &wanted, names, trace: &trace, outcome: &outcome, corrected }.review(found);
         let axes: Vec<Axis> = AXES.into_iter().filter(|axis| !axis.is_rotary()).collect();
         let value_um = trace.rows.iter().map(|row| row.largest(&axes)).fold(0.0, f64::max);
         let name = "the largest correction of a linear axis".to_owned();

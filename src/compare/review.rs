@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Wanted;
+use super::CompareOptions;
 use super::walk::Outcome;
 use crate::correction::spread;
 use crate::diagnostics::Diagnostics;
@@ -15,8 +15,8 @@ use ncfix_report::review::{Beyond, Figures, Limit, Review, Step};
 use ncfix_report::verdict::{LEFT, Verdict};
 
 /// Both programs, compared.
-pub(crate) struct Compared<'a> {
-    pub(crate) wanted: &'a Wanted,
+pub(crate) struct ComparedPrograms<'a> {
+    pub(crate) wanted: &'a CompareOptions,
     /// The names of both files.
     pub(crate) names: [String; 2],
     pub(crate) trace: &'a Trace,
@@ -24,7 +24,7 @@ pub(crate) struct Compared<'a> {
     pub(crate) corrected: &'a Source,
 }
 
-impl Compared<'_> {
+impl ComparedPrograms<'_> {
     /// The report without its rows.
     pub(crate) fn review(&self, findings: &Diagnostics) -> Review {
         let axes = self.wanted.all_axes();
@@ -80,7 +80,7 @@ impl Compared<'_> {
     }
 }
 
-impl Compared<'_> {
+impl ComparedPrograms<'_> {
     /// The name of a file of the original; none for the program itself.
     fn subprogram(&self, file: u16) -> Option<String> {
         let files = self.outcome.sources[0].iter().skip(1);

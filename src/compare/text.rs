@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Wanted;
+use super::CompareOptions;
 use super::listing::Text;
 use ncfix_base::source::Source;
 use ncfix_path::review::text::{Aligned, Change, Pairing, compare};
@@ -16,7 +16,7 @@ pub(crate) struct TextComparison<'a> {
     pub(crate) is_beyond: bool,
     found: Aligned<'a>,
     texts: [Text<'a>; 2],
-    wanted: &'a Wanted,
+    wanted: &'a CompareOptions,
     /// Places of the rows that are shown, in the order in which they are.
     shown: Vec<usize>,
 }
@@ -26,7 +26,7 @@ impl<'a> TextComparison<'a> {
     pub(crate) fn new(
         sources: [&'a Source; 2],
         names: [String; 2],
-        wanted: &'a Wanted,
+        wanted: &'a CompareOptions,
         most: usize,
     ) -> TextComparison<'a> {
         let found = compare(sources.map(|source| (source.bytes(), source.line_end())), wanted.tolerance_mm);

@@ -33,16 +33,16 @@ const LAST: Duration = Duration::from_millis(500);
 
 /// Why a transfer did not begin.
 #[derive(Debug)]
-pub(crate) enum Refused {
+pub(crate) enum NotBegun {
     /// Something cannot be read or written.
     Error(Error),
     /// It has ended before its first line.
     Ended(FeedEnd, String),
 }
 
-impl From<Error> for Refused {
-    fn from(error: Error) -> Refused {
-        Refused::Error(error)
+impl From<Error> for NotBegun {
+    fn from(error: Error) -> NotBegun {
+        NotBegun::Error(error)
     }
 }
 
@@ -67,7 +67,7 @@ pub(crate) fn run(
     before: &Before,
     begin: &Begin,
     view: &mut dyn FeedView,
-) -> Result<Sent, Refused> {
+) -> Result<Sent, NotBegun> {
     let job = Arc::new(job);
     let started = Instant::now();
     let dialogue = job.dialogue()?;
@@ -143,7 +143,7 @@ fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(&'static str, St
 }
 
 /// Waits until every sensor has said something.
-fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant) -> Result<(), Refused> {
+fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant) -> Result<(), NotBegun> {
     loop {
         let (standing, _) = thermal.standing();
         let said = match standing {
@@ -152,7 +152,7 @@ fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant
             Standing::Waiting(names) => format!("waiting for the first reading of {names}"),
             Standing::Frozen(why) | Standing::Stop(why) | Standing::Hold(why) => {
                 let message = format!("sensors are bad before the start: {why}; nothing was sent");
-                return Err(Refused::Ended(FeedEnd::Sensors, message));
+                return Err(NotBegun::Ended(FeedEnd::Sensors, message));
             }
         };
         if started.elapsed() > FIRST_READING {
@@ -160,11 +160,11 @@ fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant
                 "{said}, for {} s: look at `ncfix sensors … --watch`; nothing was sent",
                 FIRST_READING.as_secs()
             );
-            return Err(Refused::Ended(FeedEnd::Sensors, message));
+            return Err(NotBegun::Ended(FeedEnd::Sensors, message));
         }
         view.waiting(&said, started.elapsed());
         if view.is_stopped() {
-            return Err(Refused::Ended(FeedEnd::Stopped, "stopped before the start; nothing was sent".into()));
+            return Err(NotBegun::Ended(FeedEnd::Stopped, "stopped before the start; nothing was sent".into()));
         }
         thread::sleep(BUSY.max(IDLE));
     }

@@ -29,7 +29,7 @@ use ncfix_dnc::sense::Panel;
 use ncfix_report::feed::{Before, FeedEvent, Status};
 
 pub(crate) use book::check as check_journal;
-pub(crate) use drive::{Begin, Lane, Refused, run as send};
+pub(crate) use drive::{Begin, Lane, NotBegun, run as send};
 pub use job::Transfer;
 pub use link::ControlLink;
 pub use options::FeedOptions;
@@ -198,8 +198,8 @@ impl Transfer {
         let lane = Lane { port, characters_per_s: f64::INFINITY, panel: sensors, journal };
         let begin = Begin { input: self.program.name().to_owned(), ..Begin::default() };
         send(self, lane, &before, &begin, view).map_err(|refused| match refused {
-            Refused::Error(error) => error,
-            Refused::Ended(_, why) => Error::usage(why),
+            NotBegun::Error(error) => error,
+            NotBegun::Ended(_, why) => Error::usage(why),
         })
     }
 

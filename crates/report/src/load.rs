@@ -42,13 +42,13 @@ pub struct Coordinate {
     /// Its uncertainty; `null` where it was not measured.
     pub sigma_mm: Option<f64>,
     /// Where it comes from.
-    pub basis: Basis,
+    pub basis: PlaceBasis,
 }
 
 /// Where a coordinate comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Basis {
+pub enum PlaceBasis {
     /// From the readings.
     Measured,
     /// As stated.
@@ -58,13 +58,13 @@ pub enum Basis {
     Assumed,
 }
 
-impl Basis {
+impl PlaceBasis {
     /// Its word.
     fn word(self) -> &'static str {
         match self {
-            Basis::Measured => "measured",
-            Basis::Known => "known",
-            Basis::Assumed => "assumed",
+            PlaceBasis::Measured => "measured",
+            PlaceBasis::Known => "known",
+            PlaceBasis::Assumed => "assumed",
         }
     }
 }
@@ -76,9 +76,9 @@ impl Load {
         self.force_sigma_n = Some(weighing.force_n.sigma);
         self.place = Some(weighing.position_mm.map(|coordinate| {
             let (sigma_mm, basis) = match coordinate {
-                Weighed::Measured(measured) => (Some(measured.sigma), Basis::Measured),
-                Weighed::Known(_) => (None, Basis::Known),
-                Weighed::Assumed => (None, Basis::Assumed),
+                Weighed::Measured(measured) => (Some(measured.sigma), PlaceBasis::Measured),
+                Weighed::Known(_) => (None, PlaceBasis::Known),
+                Weighed::Assumed => (None, PlaceBasis::Assumed),
             };
             Coordinate { value_mm: coordinate.value(), sigma_mm, basis }
         }));

@@ -11,7 +11,7 @@ use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, pages, print, program, progress, tell};
-use crate::compare::{Compared, Listing, Outcome, Pair, ROWS, Wanted};
+use crate::compare::{CompareOptions, ComparedPrograms, Listing, Outcome, Pair, ROWS};
 use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_path::review::Trace;
@@ -49,7 +49,8 @@ pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     };
     let Some(corrected) = outcome.sources[1].first() else { return Err(Stop::Usage("nothing was executed".into())) };
     let wanted = wanted(arguments);
-    let compared = Compared { wanted: &wanted, names: names(arguments), trace: &trace, outcome: &outcome, corrected };
+    let compared =
+        ComparedPrograms { wanted: &wanted, names: names(arguments), trace: &trace, outcome: &outcome, corrected };
     let has_differences = !outcome.differences.is_empty();
     findings.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
     let mut review = compared.review(&findings);
@@ -106,8 +107,8 @@ fn compare(
 }
 
 /// What is wanted of the comparison.
-fn wanted(arguments: &DiffArguments) -> Wanted {
-    Wanted {
+fn wanted(arguments: &DiffArguments) -> CompareOptions {
+    CompareOptions {
         axes: arguments.axis.clone(),
         tolerance_mm: arguments.tolerance.unwrap_or(0.0),
         least_mm: arguments.only,

@@ -12,7 +12,7 @@ use super::findings::Findings;
 use super::stop::Stop;
 use super::{complain, input, machine_choice, print, program, progress, state, tell};
 use crate::disk::hash::short_hash;
-use crate::feed::{self as transfers, Begin, ControlLink, FeedEnd, FeedOptions, Lane, Refused, Transfer};
+use crate::feed::{self as transfers, Begin, ControlLink, FeedEnd, FeedOptions, Lane, NotBegun, Transfer};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
 use ncfix_dnc::feed::port;
@@ -97,8 +97,8 @@ pub(super) fn send(arguments: &FeedArguments, job: Transfer, before: &Before, be
     let lane = Lane { port: opened.port, characters_per_s, panel, journal: &journal };
     let mut show = Show::new(arguments.json)?;
     let sent = transfers::send(job, lane, before, begin, &mut show).map_err(|refused| match refused {
-        Refused::Error(error) => Stop::from(error),
-        Refused::Ended(end, message) => Stop::Ended(code_of(end), message),
+        NotBegun::Error(error) => Stop::from(error),
+        NotBegun::Ended(end, message) => Stop::Ended(code_of(end), message),
     })?;
     show.end(&sent.status)?;
     if let Some(message) = &sent.status.message

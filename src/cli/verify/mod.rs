@@ -8,7 +8,7 @@ use crate::cli::findings::Findings;
 use crate::cli::pages::Pages;
 use crate::cli::stop::Stop;
 use crate::cli::{machine_choice, print, program, progress};
-use crate::compare::{Along, Outcome, Pair, verification};
+use crate::compare::{ErrorsAlong, Outcome, Pair, verification};
 use ncfix_path::path::Follow;
 use ncfix_report::correction::{error_rows, feed_rows};
 use ncfix_report::{json, page};
@@ -20,7 +20,7 @@ pub(in crate::cli) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop>
     if let Some(target) = pages.as_ref().and_then(Pages::target) {
         program::protect(target, [&arguments.original, &arguments.corrected], &mut findings);
     }
-    let mut along = Along::default();
+    let mut along = ErrorsAlong::default();
     let mut see = |follow: Follow<'_>| {
         if pages.is_some() {
             along.see(&follow);
