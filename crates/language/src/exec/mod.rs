@@ -43,9 +43,9 @@ impl<'a> Execution<'a> {
         let executor: Box<dyn Executor + 'a> = match program {
             Program::Sinumerik(program) => Box::new(sinumerik::Interpreter::new(program, machine, library, options)),
             Program::Words(program) if program.dialect.language == Language::Grundig => {
-                Box::new(grundig::Interpreter::new(program, machine, library, options))
+                grundig::start(program, machine, library, &options)
             }
-            Program::Words(program) => Box::new(iso::Interpreter::new(program, machine, library, options)),
+            Program::Words(program) => iso::start(program, machine, library, &options),
         };
         Execution { executor }
     }

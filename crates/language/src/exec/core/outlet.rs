@@ -21,6 +21,12 @@ const MOST_NOTED: usize = 20;
 /// Registers of tools that are named there, at most.
 const MOST_REGISTERS: usize = 1000;
 
+/// Who has an outlet.
+pub(in crate::exec) trait HasOutlet<'a> {
+    /// Where it puts what its blocks do.
+    fn outlet(&mut self) -> &mut Outlet<'a>;
+}
+
 /// Where an executor puts what its blocks do.
 pub(in crate::exec) struct Outlet<'a> {
     pub(in crate::exec) machine: &'a Machine,

@@ -12,7 +12,7 @@ use super::tool::place;
 use crate::exec::core::contour::{Corner, Soft};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::options::{Options, RapidOrder};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::outlet::{HasOutlet, Outlet};
 use crate::exec::core::radius::Radius;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Vector};
@@ -66,6 +66,12 @@ pub(super) struct Channel<'a> {
     pub(super) is_open: bool,
     /// Steps of the cycles of the block so far.
     pub(super) cycle_steps: usize,
+}
+
+impl<'a> HasOutlet<'a> for Channel<'a> {
+    fn outlet(&mut self) -> &mut Outlet<'a> {
+        &mut self.outlet
+    }
 }
 
 impl<'a> Channel<'a> {

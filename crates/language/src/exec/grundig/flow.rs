@@ -1,14 +1,16 @@
 //! What a block does to the order of execution: G14, G22, G23, G29, M30.
 
-use super::Interpreter;
 use super::gathered::Gathered;
-use super::level::{Level, LevelKind, Repeat};
+use super::level::{Action, Call, Interpreter, Level, LevelKind};
+use crate::exec::core::level::Section;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{Block, PartKind};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
+/// Repetitions within one another.
+const MOST_REPEATS: usize = 16;
 /// Macros within one another.
 const MOST_MACROS: usize = 8;
 /// Passes of one repetition at most.
@@ -20,28 +22,29 @@ pub(super) const FLOW_CODES: [u16; 4] = [14, 22, 23, 29];
 impl Interpreter<'_> {
     /// Carries out the flow code of a block.
     pub(super) fn flow(&mut self, code: u16, span: Span, block: &Block, index: usize) -> Result<(), Fault> {
-        let mut gathered = std::mem::take(&mut self.gathered);
+        let mut gathered = std::mem::take(&mut self.own);
         gathered.take_code(code);
         let other = gathered.codes.first().or(gathered.functions.first());
         if let Some(other) = other {
             let message = format!("G{code} shares its block with other G or M codes");
             let found = fault(Code::MUST_STAND_ALONE, other.span, message, "give it a block of its own");
-            self.gathered = gathered;
+            self.own = gathered;
             return Err(found);
         }
-        let done = match code {
-            14 => self.repeat(&mut gathered, span, index),
-            22 => self.call_macro(&mut gathered, span, block),
-            23 => self.call_program(&mut gathered, span, block),
+        let action = match code {
+            14 => self.section(&mut gathered, span, index),
+            22 => self.call_macro(&mut gathered, span),
+            23 => self.call_program(&mut gathered, span),
             _ => self.jump(&mut gathered, span),
         };
+        let done = action.and_then(|action| self.act(action, block));
         let rest = done.and_then(|()| gathered.check_all_used());
-        self.gathered = gathered;
+        self.own = gathered;
         rest
     }
 
     /// `G14 N1=a N2=b J n`: repeats the blocks from a to b n more times.
-    fn repeat(&mut self, gathered: &mut Gathered, span: Span, index: usize) -> Result<(), Fault> {
+    fn section(&self, gathered: &mut Gathered, span: Span, index: usize) -> Result<Action, Fault> {
         let Some((first, at)) = gathered.once(b'N', Some(1))? else {
             return Err(bad_value(span, "G14 needs N1=", "name the first block of the section"));
         };
@@ -81,12 +84,13 @@ impl Interpreter<'_> {
             ));
         }
         if left == 0.0 {
-            return Ok(());
+            return Ok(Action::Next);
         }
-        let Some(level) = self.levels.last_mut() else { return Ok(()) };
-        // The first pass begins at once.
-        level.begin(Repeat { first, last, left: left as u64 - 1, resume: index + 1, counter }, span)?;
-        self.count_down(counter)
+        if self.levels.last().is_some_and(|level| level.repetitions() >= MOST_REPEATS) {
+            let message = "repetitions (G14) are nested too deeply";
+            return Err(fault(Code::TOO_MANY_CALLS, span, message, "write some of the repetitions out"));
+        }
+        Ok(Action::Repeat(Section { first, last, passes: left as u64, pass: counter }))
     }
 
     /// A further pass has begun: its parameter falls.
@@ -97,26 +101,26 @@ impl Interpreter<'_> {
     }
 
     /// `G22 N=9101`, with a parameter only where that is above 0.
-    fn call_macro(&mut self, gathered: &mut Gathered, span: Span, block: &Block) -> Result<(), Fault> {
+    fn call_macro(&self, gathered: &mut Gathered, span: Span) -> Result<Action, Fault> {
         let number = self.called(gathered, span)?;
         if !self.holds(gathered)? {
-            return Ok(());
+            return Ok(Action::Next);
         }
-        let depth = self.levels.iter().filter(|level| level.kind == LevelKind::Macro).count();
+        let depth = self.levels.iter().filter(|level| level.own == LevelKind::Macro).count();
         if depth >= MOST_MACROS {
             let message = format!("macros are nested more than {MOST_MACROS} deep");
             return Err(fault(Code::TOO_MANY_CALLS, span, message, "does a macro call itself?"));
         }
-        self.enter(LevelKind::Macro, PartKind::Macro, number, span, block)
+        Ok(Action::Call(Call { kind: LevelKind::Macro, number, span }))
     }
 
     /// `G23 N=9002`: a whole program, whose M30 leads back.
-    fn call_program(&mut self, gathered: &mut Gathered, span: Span, block: &Block) -> Result<(), Fault> {
+    fn call_program(&self, gathered: &mut Gathered, span: Span) -> Result<Action, Fault> {
         let number = self.called(gathered, span)?;
         if !self.holds(gathered)? {
-            return Ok(());
+            return Ok(Action::Next);
         }
-        if self.levels.iter().any(|level| level.kind == LevelKind::Macro) {
+        if self.levels.iter().any(|level| level.own == LevelKind::Macro) {
             let message = "G23 calls a program from a macro";
             return Err(fault(Code::NOT_SUPPORTED, span, message, "call it from the main program"));
         }
@@ -124,7 +128,7 @@ impl Interpreter<'_> {
             let message = "programs are nested too deeply";
             return Err(fault(Code::TOO_MANY_CALLS, span, message, "does a program call itself?"));
         }
-        self.enter(LevelKind::Program, PartKind::Program, number, span, block)
+        Ok(Action::Call(Call { kind: LevelKind::Program, number, span }))
     }
 
     fn called(&self, gathered: &mut Gathered, span: Span) -> Result<u32, Fault> {
@@ -142,14 +146,10 @@ impl Interpreter<'_> {
         }
     }
 
-    fn enter(
-        &mut self,
-        kind: LevelKind,
-        part_kind: PartKind,
-        number: u32,
-        span: Span,
-        block: &Block,
-    ) -> Result<(), Fault> {
+    /// Begins a call.
+    pub(super) fn enter(&mut self, call: Call, block: &Block) -> Result<(), Fault> {
+        let Call { kind, number, span } = call;
+        let part_kind = if kind == LevelKind::Macro { PartKind::Macro } else { PartKind::Program };
         let Some((program, part)) = self.find(part_kind, number) else {
             let (what, ending) = if kind == LevelKind::Macro { ("macro", "MM") } else { ("program", "PM") };
             let message = self.library.refusal().unwrap_or_else(|| {
@@ -159,21 +159,20 @@ impl Interpreter<'_> {
         };
         let start = self.programs.get(program).and_then(|loaded| loaded.program.parts.get(part));
         let start = start.map_or(0, |part| part.blocks.start);
-        let caller = self.levels.last().map_or(0, |level| level.calls);
-        let calls = self.ledger.chain(caller, block.line);
-        self.levels.push(Level::new(kind, program, part, start, calls));
+        let calls = self.chain(block.line);
+        self.levels.push(Level::new(program, part, start, calls, kind));
         Ok(())
     }
 
     /// `G29 E1 N=30 K1`: jumps where the parameter is above 0, which falls by K then.
-    fn jump(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    fn jump(&mut self, gathered: &mut Gathered, span: Span) -> Result<Action, Fault> {
         let number = self.called(gathered, span)?;
         let step = gathered.once(b'K', None)?;
         // Which way the target is looked for: block numbers are unique, so that it is the same block.
         gathered.once(b'I', None)?;
         let parameter = gathered.parameters.last().copied();
         if !self.holds(gathered)? {
-            return Ok(());
+            return Ok(Action::Next);
         }
         if let (Some(parameter), Some((step, _))) = (parameter, step) {
             let place = usize::from(parameter.number);
@@ -181,10 +180,7 @@ impl Interpreter<'_> {
             self.channel.parameters.set(place, value - step, parameter.span)?;
         }
         let target = self.block_numbered(f64::from(number), span)?;
-        if let Some(level) = self.levels.last_mut() {
-            level.jump(target);
-        }
-        Ok(())
+        Ok(Action::Goto(target))
     }
 
     /// The block with a number in the program that is being executed.
@@ -203,9 +199,9 @@ impl Interpreter<'_> {
     }
 
     /// M30, M2, or the last block.
-    pub(super) fn end_of_program(&mut self, word: Option<u16>) {
+    pub(super) fn end(&mut self, word: Option<u16>) {
         let level = self.levels.pop();
-        if level.is_none_or(|level| level.kind == LevelKind::Main) {
+        if level.is_none_or(|level| level.own == LevelKind::Main) {
             if let Some(number) = word {
                 let value = WordValue::Number(f64::from(number));
                 self.channel.outlet.push(Kind::After(vec![Word { letter: b'M', extension: None, value }]));

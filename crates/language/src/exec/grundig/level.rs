@@ -1,11 +1,24 @@
-//! Where the execution is: the program, the next block, the sections that are being repeated.
+//! The family for the core: its types, and what it keeps for each level and call.
 
-use crate::exec::core::fault::{Fault, fault};
-use ncfix_base::diagnostic::Code;
+use std::convert::Infallible;
+
+use crate::exec::core;
+use crate::exec::core::family::Family;
+use crate::syntax::words::Program;
 use ncfix_base::source::Span;
 
-/// Repetitions within one another.
-const MOST_REPEATS: usize = 16;
+/// Grundig, Philips and `MillPlus`.
+#[derive(Debug)]
+pub(super) struct Grundig;
+
+/// A running program.
+pub(super) type Interpreter<'a> = core::interpreter::Interpreter<'a, Grundig>;
+/// A program that is being executed.
+pub(super) type Level = core::level::Level<Grundig>;
+/// What comes after a block.
+pub(super) type Action = core::level::Action<Grundig>;
+/// A file, ready to run.
+pub(super) type Loaded = core::family::FileOf<Grundig>;
 
 /// What a level runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,52 +31,26 @@ pub(super) enum LevelKind {
     Macro,
 }
 
-/// A section that G14 repeats.
+/// G22 and G23.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Repeat {
-    /// Its first and last block.
-    pub(super) first: usize,
-    pub(super) last: usize,
-    /// How many passes are still to come.
-    pub(super) left: u64,
-    /// The block behind the G14.
-    pub(super) resume: usize,
-    /// The parameter that counts, and by how much it falls with each pass.
-    pub(super) counter: Option<(usize, f64)>,
-}
-
-/// A program that is being executed.
-#[derive(Debug)]
-pub(super) struct Level {
+pub(super) struct Call {
     pub(super) kind: LevelKind,
-    pub(super) program: usize,
-    pub(super) part: usize,
-    pub(super) next: usize,
-    pub(super) calls: u32,
-    pub(super) repeats: Vec<Repeat>,
+    pub(super) number: u32,
+    pub(super) span: Span,
 }
 
-impl Level {
-    pub(super) fn new(kind: LevelKind, program: usize, part: usize, next: usize, calls: u32) -> Level {
-        Level { kind, program, part, next, calls, repeats: Vec::new() }
-    }
-
-    /// Begins to repeat a section.
-    pub(super) fn begin(&mut self, repeat: Repeat, span: Span) -> Result<(), Fault> {
-        if self.repeats.len() >= MOST_REPEATS {
-            let message = "repetitions (G14) are nested too deeply";
-            return Err(fault(Code::TOO_MANY_CALLS, span, message, "write some of the repetitions out"));
-        }
-        self.next = repeat.first;
-        self.repeats.push(repeat);
-        Ok(())
-    }
-
-    /// Goes on at another block; sections that it leaves are not repeated any more.
-    pub(super) fn jump(&mut self, target: usize) {
-        while self.repeats.last().is_some_and(|repeat| !(repeat.first..=repeat.last).contains(&target)) {
-            self.repeats.pop();
-        }
-        self.next = target;
-    }
+impl Family for Grundig {
+    type Program = Program;
+    type Prepared = ();
+    /// Whether it is a macro, and its number.
+    type Name = (bool, u32);
+    /// File and part.
+    type Entry = (usize, usize);
+    type Call = Call;
+    type Return = Infallible;
+    /// M30 or M2.
+    type End = Option<u16>;
+    /// The parameter of G14 that counts, and by how much it falls with each pass.
+    type Pass = Option<(usize, f64)>;
+    type Level = LevelKind;
 }

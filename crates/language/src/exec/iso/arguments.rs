@@ -1,5 +1,6 @@
 //! Arguments of macro calls: which variable each word of the block of G65 or G66 sets.
 
+use super::call::Arguments;
 use super::expression::Scope;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{Address, Value, Word};
@@ -67,9 +68,6 @@ impl Groups {
         (self.group < GROUPS).then(|| FIRST_IJK + 3 * self.group + place)
     }
 }
-
-/// Variables and their values, in the order of the words; null ones are left out.
-pub(super) type Arguments = Vec<(u32, f64)>;
 
 /// Evaluates the arguments. The letters in `taken` belong to the call itself; `increment` is what a length without a point counts, mm.
 pub(super) fn read(

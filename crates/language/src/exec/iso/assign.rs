@@ -5,7 +5,7 @@
 
 use super::channel::Channel;
 use super::expression::{Scope, name_of, no_variable};
-use super::loaded::Loaded;
+use super::level::Loaded;
 use super::variables::{Place, Symbol};
 use crate::exec::core::fault::{Fault, at, fault};
 use crate::syntax::words::{Address, Block, Node, Program, Value, Word};

@@ -6,19 +6,19 @@ use std::sync::Arc;
 use super::call::Call;
 use super::codes::{G80, Group};
 use super::cycle::Cycles;
-use super::flow::Loops;
 use super::gathered::Gathered;
 use super::length::ToolOffset;
 use super::modal::Modal;
 use super::motion::known_behind;
 use super::offsets::System;
+use super::passes::Passes;
 use super::special::Special;
 use super::state::SavedState;
 use super::variables::Variables;
 use crate::exec::core::contour::Corner;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::options::Options;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::outlet::{HasOutlet, Outlet};
 use crate::exec::core::radius::Radius;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, AxisVector, FrameParts, LINEAR_AXES, Plane, Vector};
@@ -56,7 +56,7 @@ pub(super) struct Channel<'a> {
     /// Which radius G41 and G42 work with.
     pub(super) radius: Radius,
     pub(super) variables: Variables,
-    pub(super) loops: Loops,
+    pub(super) loops: Passes,
     /// Calls of G66 in force, the last one the innermost.
     pub(super) modal_calls: Vec<Call>,
     /// How programmed positions relate to axis commands.
@@ -74,6 +74,12 @@ pub(super) struct Channel<'a> {
     pub(super) cycles: Cycles,
     pub(super) special: Special,
     gathered: Option<Box<Gathered>>,
+}
+
+impl<'a> HasOutlet<'a> for Channel<'a> {
+    fn outlet(&mut self) -> &mut Outlet<'a> {
+        &mut self.outlet
+    }
 }
 
 impl<'a> Channel<'a> {
@@ -97,7 +103,7 @@ impl<'a> Channel<'a> {
             strict: options.strict,
             radius: options.radius,
             variables: Variables::new(language, machine),
-            loops: Loops::default(),
+            loops: Passes::default(),
             modal_calls: Vec::new(),
             setup: Arc::default(),
             shown: Arc::default(),

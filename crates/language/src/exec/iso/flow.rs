@@ -1,56 +1,27 @@
 //! Control flow: what a block does to the order of execution.
 
-use std::collections::HashMap;
-
 use super::assign::{check_beside, evaluate, is_assignment, leaves_unset};
-use super::call::Call;
+use super::call::{Call, CallKind, Callee};
 use super::channel::Channel;
 use super::expression::Scope;
 use super::gather::gather;
 use super::gathered::Gathered;
-use super::level::Level;
-use super::loaded::Loaded;
+use super::level::{Action, Level, Loaded};
+use super::passes::Passes;
 use super::request::{Request, request};
 use crate::exec::core::fault::{Fault, at, fault};
-use crate::exec::core::ledger::Ledger;
-use crate::syntax::words::{Block, Body, ExprId, Label, Program, Word};
+use crate::syntax::words::{Block, Body, ExprId, Label, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
-/// What comes after a block.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Action {
-    /// The next block.
-    Next,
-    /// This block.
-    Jump(usize),
-    /// A program, and then the next block.
-    Call(Box<Call>),
-    /// Back to the caller: to this block number of it, where there is one.
-    Return(Option<u32>),
-    /// The program has ended.
-    End,
-}
-
-/// What LinuxCNC remembers of its loops, all of which share it.
-///
-/// A `break` is not forgotten until the end of a `do` loop, which then ends; neither is one that LinuxCNC only passes on its way to the
-/// end of the loop that it belongs to, because a condition or a `continue` leads there: it looks at the labels of what it passes. A
-/// `continue` in a `do` loop is not forgotten until the end of another loop, which then begins anew; and a `repeat` that a `return`
-/// leaves goes on with the passes that were left.
-#[derive(Debug, Default)]
-pub(super) struct Loops {
-    breaks: bool,
-    continues: bool,
-    /// Passes that are left, by program and block of the `repeat`.
-    left: HashMap<(usize, usize), u32>,
-}
+/// Arguments of an O-word call.
+const MAX_ARGUMENTS: usize = 30;
 
 /// Executes a block; `index` is its place.
 pub(super) fn block(
     loaded: &Loaded,
-    level: &mut Level,
+    level: &Level,
     channel: &mut Channel<'_>,
     block: &Block,
     index: usize,
@@ -80,7 +51,7 @@ pub(super) fn block(
         Body::While(Some(condition)) if scope.truth(condition)? => Action::Next,
         Body::While(Some(_)) => {
             channel.loops.continues = false;
-            channel.loops.breaks |= loaded.has_break_behind(index, index);
+            channel.loops.breaks |= loaded.own.has_break_behind(index, index);
             behind_partner()
         }
         Body::EndWhile | Body::EndRepeat => partner.map_or(Action::Next, Action::Jump),
@@ -106,7 +77,7 @@ pub(super) fn block(
         // A definition does nothing where it stands.
         Body::Sub => behind_partner(),
         Body::EndSub(value) | Body::Return(value) => {
-            if !level.is_sub() {
+            if !level.own.is_sub() {
                 let message = "this ends a subroutine, and none was called";
                 return Err(at(block.span, Code::UNMATCHED_STRUCTURE, message, "M2 ends the program"));
             }
@@ -117,7 +88,7 @@ pub(super) fn block(
         Body::Call(arguments) => {
             let arguments = loaded.program.arguments_of(arguments);
             let name = label(&scope, block)?;
-            Action::Call(Box::new(Call::of_sub(&scope, name, arguments, block.span)?))
+            Action::Call(Box::new(call_of_sub(&scope, name, arguments, block.span)?))
         }
         Body::Printing(span) => {
             let shown = String::from_utf8_lossy(loaded.program.source.slice(span)).into_owned();
@@ -168,7 +139,7 @@ fn execute(
         Ok(()) => {}
     }
     if ends {
-        return Ok(Action::End);
+        return Ok(Action::End(()));
     }
     match requested {
         Some((Request::Modal, Action::Call(call))) => {
@@ -208,6 +179,18 @@ fn run(
     if is_silent { Ok(()) } else { channel.execute(gathered) }
 }
 
+/// `o100 call [1] [2]`
+fn call_of_sub(scope: &Scope<'_, '_>, name: String, arguments: &[ExprId], span: Span) -> Result<Call, Fault> {
+    if arguments.len() > MAX_ARGUMENTS {
+        let message = format!("{} arguments; a subroutine has {MAX_ARGUMENTS}", arguments.len());
+        return Err(fault(Code::BAD_ARGUMENTS, span, message, "pass the others in global parameters"));
+    }
+    let values = (1..).zip(arguments).map(|(number, &id)| Ok((number, scope.number(id)?)));
+    let arguments = values.collect::<Result<_, Fault>>()?;
+    let callee = Callee::Sub(name);
+    Ok(Call { callee, kind: CallKind::Sub, repeats: 1, arguments, span, is_of_code: false })
+}
+
 /// `GOTO n`: the block with this number behind this one, else the first one of the program.
 fn jump(loaded: &Loaded, scope: &Scope<'_, '_>, level: &Level, index: usize, target: ExprId) -> Result<Action, Fault> {
     let span = scope.span(target);
@@ -224,43 +207,11 @@ fn jump(loaded: &Loaded, scope: &Scope<'_, '_>, level: &Level, index: usize, tar
 /// Refuses a jump into a loop.
 pub(super) fn check_loops(loaded: &Loaded, from: usize, to: usize, span: Span) -> Result<(), Fault> {
     let enters = |&(start, end): &(usize, usize)| (start + 1..=end).contains(&to) && !(start..=end).contains(&from);
-    if loaded.loops.iter().any(enters) {
+    if loaded.own.spans.iter().any(enters) {
         let message = "this jump leads into a loop whose DO was not executed";
         return Err(at(span, Code::SKIPPED_INTO, message, "jump to the block of the DO instead"));
     }
     Ok(())
-}
-
-/// First and last blocks of the loops that a jump could lead into.
-pub(super) fn loops_of(program: &Program) -> Vec<(usize, usize)> {
-    if program.dialect.language != Language::Fanuc {
-        return Vec::new();
-    }
-    let is_loop = |(start, block): (usize, &Block)| match block.body {
-        Body::While(_) => block.partner().map(|end| (start, end)),
-        _ => None,
-    };
-    program.blocks.iter().enumerate().filter_map(is_loop).collect()
-}
-
-/// The last `break` of each loop that is not left out, by the block where the loop begins.
-pub(super) fn breaks_of(program: &Program, ledger: &Ledger) -> HashMap<usize, usize> {
-    let is_left_out = |block: &Block| block.skip.is_some_and(|level| ledger.leaves_out(level));
-    let breaks =
-        program.blocks.iter().enumerate().filter(|(_, block)| block.body == Body::Break && !is_left_out(block));
-    breaks.filter_map(|(index, block)| Some((block.partner()?, index))).collect()
-}
-
-impl Loops {
-    /// Whether the pass of a `repeat` that begins here is made.
-    fn repeat(&mut self, place: (usize, usize), count: u32) -> bool {
-        let left = self.left.remove(&place).unwrap_or(count);
-        let left = if left == 0 && std::mem::take(&mut self.continues) { count } else { left };
-        if left > 0 {
-            self.left.insert(place, left - 1);
-        }
-        left > 0
-    }
 }
 
 /// The branch of an IF whose condition does not hold.
@@ -291,7 +242,7 @@ fn end_of_if(loaded: &Loaded, index: usize) -> usize {
 }
 
 /// `break` and `continue`.
-fn leave_pass(loaded: &Loaded, loops: &mut Loops, block: &Block, index: usize) -> Result<Action, Fault> {
+fn leave_pass(loaded: &Loaded, loops: &mut Passes, block: &Block, index: usize) -> Result<Action, Fault> {
     let at_index = |index: usize| loaded.program.blocks.get(index);
     let Some(partner) = block.partner() else { return Ok(Action::Next) };
     // The partner is one side of the loop; whichever it is, its partner is the other one.
@@ -305,7 +256,7 @@ fn leave_pass(loaded: &Loaded, loops: &mut Loops, block: &Block, index: usize) -
     let is_do = body == Some(Body::Do);
     if block.body == Body::Continue {
         loops.continues = is_do;
-        loops.breaks |= loaded.has_break_behind(start, index);
+        loops.breaks |= loaded.own.has_break_behind(start, index);
         return Ok(Action::Jump(end));
     }
     loops.breaks = true;

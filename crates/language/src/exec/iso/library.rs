@@ -1,12 +1,12 @@
 //! Finds programs: in the file that calls, in the main file, in files beside it.
 
-use super::Interpreter;
 use super::call::{Call, Callee};
-use super::loaded::Loaded;
+use super::level::{Interpreter, Loaded};
+use super::loaded::Loops;
 use crate::exec::core::fault::{Fault, fault};
-use crate::syntax::words::{self, Label, PartKind, Program};
+use crate::syntax::words::{Label, PartKind, Program};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::source::{Source, Span};
+use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
 /// Endings of the files of programs, in the order in which they are looked for.
@@ -142,26 +142,13 @@ impl Interpreter<'_> {
 
     /// Loads a file from the library, once; its number.
     fn load(&mut self, key: &str, names: &[String]) -> Option<usize> {
-        if let Some(&known) = self.files.get(key) {
-            return known;
-        }
-        let loaded = self.read(names);
-        self.files.insert(key.to_owned(), loaded);
-        loaded
-    }
-
-    fn read(&mut self, names: &[String]) -> Option<usize> {
-        let (shown, bytes) = self.library.load_file(names)?;
-        let id = self.ledger.next_file()?;
-        let source = Source::new(id, &shown, bytes).ok()?;
-        let (program, findings) = words::parse(&source, self.programs.first()?.program.dialect);
-        self.ledger.sources.push(program.source.clone());
-        for finding in findings {
-            self.ledger.report(finding);
-        }
-        self.channel.variables.add_program(&program);
-        self.programs.push(Loaded::new(program, &self.ledger));
-        Some(self.programs.len() - 1)
+        self.find_once(key, |run| {
+            let (shown, bytes) = run.library.load_file(names)?;
+            let program = run.read(&shown, bytes)?;
+            run.channel.variables.add_program(&program);
+            let loops = Loops::of(&program, &run.ledger);
+            Some(run.keep(Loaded::with(program, loops)))
+        })
     }
 }
 

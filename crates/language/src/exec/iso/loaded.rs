@@ -1,42 +1,46 @@
-//! Programs that are loaded.
+//! The loops of a file: where they begin and end, and where they are left.
 
 use std::collections::HashMap;
 
-use super::flow::{breaks_of, loops_of};
-use crate::exec::core::flags::Flags;
 use crate::exec::core::ledger::Ledger;
-use crate::syntax::words::{Block, Program};
+use crate::syntax::words::{Block, Body, Program};
+use ncfix_dialect::Language;
 
-/// A program file, ready to run.
-pub(super) struct Loaded {
-    pub(super) program: Program,
-    /// Blocks whose comments were passed on already.
-    commented: Flags,
+/// The loops of a file.
+pub(super) struct Loops {
     /// First and last blocks of the loops that a jump could lead into.
-    pub(super) loops: Vec<(usize, usize)>,
+    pub(super) spans: Vec<(usize, usize)>,
     /// The last `break` of the loops that have one, by the block where the loop begins.
     breaks: HashMap<usize, usize>,
 }
 
-impl Loaded {
-    pub(super) fn new(program: Program, ledger: &Ledger) -> Self {
-        let commented = Flags::new(program.blocks.len());
-        let loops = loops_of(&program);
-        let breaks = breaks_of(&program, ledger);
-        Loaded { program, commented, loops, breaks }
+impl Loops {
+    pub(super) fn of(program: &Program, ledger: &Ledger) -> Self {
+        Loops { spans: loops_of(program), breaks: breaks_of(program, ledger) }
     }
 
     /// Whether a `break` of the loop that begins at `start` stands behind a block of it.
     pub(super) fn has_break_behind(&self, start: usize, index: usize) -> bool {
         self.breaks.get(&start).is_some_and(|&last| last > index)
     }
+}
 
-    /// Whether the comments of a block that only explain the program are to be passed on: the first time it is executed, a loop does
-    /// not repeat them.
-    pub(super) fn takes_comments(&mut self, index: usize, block: &Block) -> bool {
-        if self.program.comments_of(block).is_empty() {
-            return false;
-        }
-        self.commented.note(index) == Some(false)
+/// First and last blocks of the loops that a jump could lead into.
+fn loops_of(program: &Program) -> Vec<(usize, usize)> {
+    if program.dialect.language != Language::Fanuc {
+        return Vec::new();
     }
+    let is_loop = |(start, block): (usize, &Block)| match block.body {
+        Body::While(_) => block.partner().map(|end| (start, end)),
+        _ => None,
+    };
+    program.blocks.iter().enumerate().filter_map(is_loop).collect()
+}
+
+/// The last `break` of each loop that is not left out, by the block where the loop begins.
+fn breaks_of(program: &Program, ledger: &Ledger) -> HashMap<usize, usize> {
+    let is_left_out = |block: &Block| block.skip.is_some_and(|level| ledger.leaves_out(level));
+    let breaks =
+        program.blocks.iter().enumerate().filter(|(_, block)| block.body == Body::Break && !is_left_out(block));
+    breaks.filter_map(|(index, block)| Some((block.partner()?, index))).collect()
 }

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::Interpreter;
 use super::arguments::letter_of;
 use super::call::{Call, CallKind, Callee};
+use super::level::Interpreter;
 use crate::exec::core::fault::{Fault, at};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;

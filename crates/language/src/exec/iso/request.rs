@@ -4,8 +4,7 @@ use super::arguments;
 use super::call::{Call, CallKind, Callee};
 use super::channel::Channel;
 use super::expression::Scope;
-use super::flow::Action;
-use super::level::Level;
+use super::level::{Action, Level};
 use crate::exec::core::fault::{Fault, at, bad_value, fault};
 use crate::syntax::words::{Address, Program, Value, Word};
 use ncfix_base::diagnostic::Code;
@@ -42,7 +41,7 @@ pub(super) enum Request {
 pub(super) fn request(channel: &Channel<'_>, level: &Level, words: &[Word]) -> Option<Request> {
     let is_fanuc = channel.language == Language::Fanuc;
     let codes = &channel.machine.control.macros.codes;
-    let may_map = is_fanuc && !codes.is_empty() && !level.is_of_code;
+    let may_map = is_fanuc && !codes.is_empty() && !level.own.is_of_code;
     words.iter().find_map(|word| {
         let Address::Letter(letter) = word.address else { return None };
         let Value::Number { value, .. } = word.value else { return None };

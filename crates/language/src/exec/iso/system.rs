@@ -11,7 +11,7 @@ use ncfix_base::geometry::{AXES, Axis, AxisVector, Frame};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{FeedUnit, Kind};
 
-use super::loaded::Loaded;
+use super::level::Loaded;
 use crate::syntax::words::Block;
 
 /// What a system variable stands for.

@@ -1,0 +1,280 @@
+//! The interpreter: levels, the files of the run, and the way from block to block, whatever the language.
+
+use std::borrow::Borrow;
+use std::collections::{HashMap, VecDeque};
+use std::hash::Hash;
+
+use super::executor::Executor;
+use super::family::{BlockOf, Family, FileOf};
+use super::fault::Fault;
+use super::ledger::Ledger;
+use super::level::{Action, Level};
+use super::library::Library;
+use super::outlet::HasOutlet;
+use super::program::{Statement, Text};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::source::{FileId, Source, Span};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Element, Origin};
+
+/// What a family of languages does in the places that the core leaves open.
+pub(in crate::exec) trait Execute: Family {
+    /// The state of the control, and the outlet.
+    type Channel<'a>: HasOutlet<'a>;
+    /// What a run keeps beside it.
+    type Run;
+
+    /// Reads a file that a call has named.
+    fn parse(run: &Interpreter<'_, Self>, source: &Source) -> (Self::Program, Vec<Diagnostic>);
+
+    /// The block behind the last one of a level.
+    fn end_of(channel: &Self::Channel<'_>, file: &FileOf<Self>, level: &Level<Self>) -> usize;
+
+    /// A block is about to be executed: whose place its elements have, and what stands before them.
+    fn begin(run: &mut Interpreter<'_, Self>, block: &BlockOf<Self>, own: Origin);
+
+    /// Executes a block; `index` is its place.
+    fn block(run: &mut Interpreter<'_, Self>, block: &BlockOf<Self>, index: usize) -> Result<Action<Self>, Fault>;
+
+    /// The program that is called behind a block that has moved; whether there is one, and its level has begun.
+    fn modal_call(_run: &mut Interpreter<'_, Self>, _block: &BlockOf<Self>) -> Result<bool, Fault> {
+        Ok(false)
+    }
+
+    /// Refuses one repetition too many within others.
+    fn check_repetition(_run: &Interpreter<'_, Self>, _span: Span) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// A pass of a repetition begins.
+    fn begin_pass(_run: &mut Interpreter<'_, Self>, _pass: Self::Pass) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// Begins a call.
+    fn call(run: &mut Interpreter<'_, Self>, call: Self::Call, block: &BlockOf<Self>) -> Result<(), Fault>;
+
+    /// Goes back to a caller.
+    fn return_to(run: &mut Interpreter<'_, Self>, target: Self::Return, span: Span) -> Result<(), Fault>;
+
+    /// A block has ended its program.
+    fn end_of_program(run: &mut Interpreter<'_, Self>, end: Self::End);
+
+    /// The blocks of a level have come to their end.
+    fn end_of_blocks(run: &mut Interpreter<'_, Self>);
+
+    /// A block had a fault.
+    fn behind_fault(_run: &mut Interpreter<'_, Self>) {}
+
+    /// A finding with the place that means something to the user.
+    fn as_seen_by_user(_run: &Interpreter<'_, Self>, finding: Diagnostic) -> Diagnostic {
+        finding
+    }
+
+    /// Ends what is held back when no more blocks are executed; called once.
+    fn finish(run: &mut Interpreter<'_, Self>);
+}
+
+/// A running program.
+pub(in crate::exec) struct Interpreter<'a, F: Execute> {
+    pub(in crate::exec) machine: &'a Machine,
+    pub(in crate::exec) library: Box<dyn Library + 'a>,
+    pub(in crate::exec) ledger: Ledger,
+    /// The files of the run; the first one has the main program.
+    pub(in crate::exec) programs: Vec<FileOf<F>>,
+    /// The programs that run, that of the last call last.
+    pub(in crate::exec) levels: Vec<Level<F>>,
+    pub(in crate::exec) channel: F::Channel<'a>,
+    /// What its family keeps.
+    pub(in crate::exec) own: F::Run,
+    /// Programs that were looked for.
+    found: HashMap<F::Name, Option<F::Entry>>,
+}
+
+impl<'a, F: Execute> Interpreter<'a, F> {
+    /// Starts the main program, the level of which is given.
+    pub(in crate::exec) fn start(
+        machine: &'a Machine,
+        library: Box<dyn Library + 'a>,
+        ledger: Ledger,
+        (channel, own): (F::Channel<'a>, F::Run),
+        (main, level): (FileOf<F>, Level<F>),
+    ) -> Self {
+        let (programs, levels) = (vec![main], vec![level]);
+        Interpreter { machine, library, ledger, programs, levels, channel, own, found: HashMap::new() }
+    }
+
+    /// Executes one block.
+    fn execute_block(&mut self) {
+        let Some(level) = self.levels.last_mut() else {
+            self.ledger.end();
+            return;
+        };
+        let Some(loaded) = self.programs.get_mut(level.program) else {
+            self.ledger.end();
+            return;
+        };
+        if let Some(pending) = level.pending.take() {
+            loaded.program.ensure(level.next.saturating_sub(1));
+            let file = loaded.program.source().id();
+            if let Err(found) = self.act(pending.0, &pending.1) {
+                self.report(found.in_file(file));
+            }
+            return;
+        }
+        if level.repetitions() > 0
+            && let Some(pass) = level.end_sections()
+        {
+            self.begin_pass(pass);
+        }
+        let Interpreter { programs, levels, channel, .. } = self;
+        let Some(level) = levels.last_mut() else { return };
+        let Some(loaded) = programs.get_mut(level.program) else { return };
+        let index = level.next;
+        loaded.program.ensure(index);
+        let end = F::end_of(channel, loaded, level);
+        let Some(&block) = loaded.program.block(index).filter(|_| index < end) else {
+            F::end_of_blocks(self);
+            return;
+        };
+        level.next += 1;
+        let calls = level.calls;
+        let file = loaded.program.source().id();
+        if let Err(found) = self.ledger.count(file, block.span()) {
+            found.into_iter().for_each(|found| self.report(found));
+            return;
+        }
+        if block.skip().is_some_and(|level| self.ledger.skips(level, file, block.span())) {
+            return;
+        }
+        F::begin(self, &block, Origin { file, line: block.line(), span: block.span(), calls });
+        let action = F::block(self, &block, index);
+        self.report_warnings(file);
+        let done = action.and_then(|action| self.behind_block(action, &block));
+        if let Err(found) = done {
+            self.report(found.in_file(file));
+            F::behind_fault(self);
+        }
+    }
+
+    fn begin_pass(&mut self, pass: F::Pass) {
+        if let Err(found) = F::begin_pass(self, pass) {
+            let file = self.channel.outlet().file();
+            self.report(found.in_file(file));
+        }
+    }
+
+    /// What a block does to the order of execution waits for the modal call that it triggers.
+    fn behind_block(&mut self, action: Action<F>, block: &BlockOf<F>) -> Result<(), Fault> {
+        if !F::modal_call(self, block)? {
+            return self.act(action, block);
+        }
+        let caller = self.levels.len().checked_sub(2).and_then(|index| self.levels.get_mut(index));
+        if let (Some(level), false) = (caller, action.is_next()) {
+            level.pending = Some(Box::new((action, *block)));
+        }
+        Ok(())
+    }
+
+    /// Does what a block does to the order of execution.
+    pub(in crate::exec) fn act(&mut self, action: Action<F>, block: &BlockOf<F>) -> Result<(), Fault> {
+        match action {
+            Action::Next => {}
+            Action::Jump(target) | Action::Goto(target) => {
+                if let Some(level) = self.levels.last_mut() {
+                    level.go_to(target, matches!(action, Action::Goto(_)));
+                }
+            }
+            Action::Repeat(section) => {
+                F::check_repetition(self, block.span())?;
+                let begins = self.levels.last_mut().is_some_and(|level| level.repeat(section, level.next));
+                if begins {
+                    F::begin_pass(self, section.pass)?;
+                }
+            }
+            Action::Call(call) => F::call(self, call, block)?,
+            Action::Return(target) => F::return_to(self, target, block.span())?,
+            Action::End(end) => F::end_of_program(self, end),
+        }
+        Ok(())
+    }
+
+    /// The call chain of a program that a line of the running one calls.
+    pub(in crate::exec) fn chain(&mut self, line: u32) -> u32 {
+        let caller = self.levels.last().map_or(0, |level| level.calls);
+        self.ledger.chain(caller, line)
+    }
+
+    /// A program that is looked for once: what was found the first time is so the next.
+    pub(in crate::exec) fn find_once<N>(
+        &mut self,
+        name: &N,
+        find: impl FnOnce(&mut Self) -> Option<F::Entry>,
+    ) -> Option<F::Entry>
+    where
+        N: Eq + Hash + ToOwned<Owned = F::Name> + ?Sized,
+        F::Name: Borrow<N>,
+    {
+        if let Some(found) = self.found.get(name) {
+            return *found;
+        }
+        let found = find(self);
+        self.found.insert(name.to_owned(), found);
+        found
+    }
+
+    /// What was not there may be there now.
+    pub(in crate::exec) fn forget_missing(&mut self) {
+        self.found.retain(|_, found| found.is_some());
+    }
+
+    /// Reads a file that becomes one of the run; its findings are reported. `None` where there are too many, or it is none.
+    pub(in crate::exec) fn read(&mut self, shown: &str, bytes: Vec<u8>) -> Option<F::Program> {
+        let id = self.ledger.next_file()?;
+        let source = Source::new(id, shown, bytes).ok()?;
+        let (program, findings) = F::parse(self, &source);
+        // With what its macros made of it.
+        self.ledger.sources.push(program.source().clone());
+        for finding in findings {
+            self.report(finding);
+        }
+        Some(program)
+    }
+
+    /// Keeps a file; its number.
+    pub(in crate::exec) fn keep(&mut self, file: FileOf<F>) -> usize {
+        self.programs.push(file);
+        self.programs.len() - 1
+    }
+
+    /// Reports a finding.
+    pub(in crate::exec) fn report(&mut self, finding: Diagnostic) {
+        let finding = F::as_seen_by_user(self, finding);
+        self.ledger.report(finding);
+    }
+
+    /// Reports what the stages behind a block have found.
+    pub(in crate::exec) fn report_warnings(&mut self, file: FileId) {
+        for found in std::mem::take(&mut self.channel.outlet().warnings) {
+            self.report(found.in_file(file));
+        }
+    }
+}
+
+impl<F: Execute> Executor for Interpreter<'_, F> {
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    fn books(&mut self) -> (&mut Ledger, &mut VecDeque<Element>) {
+        (&mut self.ledger, &mut self.channel.outlet().queue)
+    }
+
+    fn step(&mut self) {
+        self.execute_block();
+    }
+
+    fn finish(&mut self) {
+        F::finish(self);
+    }
+}

@@ -1,0 +1,104 @@
+//! Files of programs that are loaded.
+
+use super::flags::Flags;
+use crate::syntax::words;
+use ncfix_base::source::{Source, Span};
+use ncfix_machine::snc::BlockNumber;
+
+/// A block as the core sees it.
+pub(in crate::exec) trait Statement: Copy {
+    /// The line without its line end.
+    fn span(&self) -> Span;
+
+    /// Line number, from 1.
+    fn line(&self) -> u32;
+
+    /// Level of a `/` at its start.
+    fn skip(&self) -> Option<u8>;
+
+    /// Its number.
+    fn number(&self) -> Option<BlockNumber>;
+}
+
+/// A file as a grammar has read it.
+pub(in crate::exec) trait Text {
+    /// Its blocks.
+    type Block: Statement;
+
+    /// The bytes that all spans refer to.
+    fn source(&self) -> &Source;
+
+    /// How many blocks it has.
+    fn block_count(&self) -> usize;
+
+    /// Sees to it that a block, and what belongs to it, is there.
+    fn ensure(&mut self, block: usize);
+
+    /// A block that is there.
+    fn block(&self, block: usize) -> Option<&Self::Block>;
+}
+
+/// A file, ready to run.
+pub(in crate::exec) struct Loaded<P, T> {
+    pub(in crate::exec) program: P,
+    /// What its family has worked out of it.
+    pub(in crate::exec) own: T,
+    /// Blocks whose comments were passed on already.
+    commented: Flags,
+}
+
+impl<P: Text, T> Loaded<P, T> {
+    /// Of a file, and what its family has worked out of it.
+    pub(in crate::exec) fn with(program: P, own: T) -> Self {
+        let commented = Flags::new(program.block_count());
+        Loaded { program, own, commented }
+    }
+
+    /// Whether the comments of a block are to be passed on: the first time it is executed, a loop does not repeat them.
+    pub(in crate::exec) fn takes_comments_of(&mut self, block: usize) -> bool {
+        self.commented.note(block) == Some(false)
+    }
+
+    /// Its comments are nobody's.
+    pub(in crate::exec) fn drop_comments(&mut self) {
+        self.commented.note_all();
+    }
+}
+
+impl Statement for words::Block {
+    fn span(&self) -> Span {
+        self.span
+    }
+
+    fn line(&self) -> u32 {
+        self.line
+    }
+
+    fn skip(&self) -> Option<u8> {
+        self.skip
+    }
+
+    fn number(&self) -> Option<BlockNumber> {
+        self.number.map(|number| BlockNumber { main: false, number })
+    }
+}
+
+impl Text for words::Program {
+    type Block = words::Block;
+
+    fn source(&self) -> &Source {
+        &self.source
+    }
+
+    fn block_count(&self) -> usize {
+        self.blocks.len()
+    }
+
+    fn ensure(&mut self, block: usize) {
+        self.ensure(block);
+    }
+
+    fn block(&self, block: usize) -> Option<&words::Block> {
+        self.blocks.get(block)
+    }
+}

@@ -1,0 +1,201 @@
+//! Starts a program, and executes its blocks.
+
+use super::channel::Channel;
+use super::expression::Scope;
+use super::flow::FLOW_CODES;
+use super::gathered::Gathered;
+use super::level::{Action, Call, Grundig, Interpreter, Level, LevelKind, Loaded};
+use super::library::take_comment;
+use super::tables;
+use crate::exec::core::executor::Executor;
+use crate::exec::core::fault::{Fault, bad_value};
+use crate::exec::core::interpreter::Execute;
+use crate::exec::core::ledger::Ledger;
+use crate::exec::core::library::Library;
+use crate::exec::core::options::Options;
+use crate::exec::core::program::Statement;
+use crate::syntax::words::{self, Address, Block, Body, PartKind, Program, Value};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{Source, Span};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Kind, Origin};
+
+/// Starts a program. Syntax findings of the main program are the caller's business; faulty blocks do nothing here.
+pub(in crate::exec) fn start<'a>(
+    program: Program,
+    machine: &'a Machine,
+    library: Box<dyn Library + 'a>,
+    options: &Options,
+) -> Box<dyn Executor + 'a> {
+    let with_blocks = |kind: PartKind| move |part: &words::Part| part.kind == kind && !part.blocks.is_empty();
+    let acts = |part: &words::Part| with_blocks(PartKind::Program)(part) && !program.is_idle(part);
+    let main = program
+        .parts
+        .iter()
+        .position(acts)
+        .or_else(|| program.parts.iter().position(with_blocks(PartKind::Program)))
+        .or_else(|| program.parts.iter().position(with_blocks(PartKind::Macro)))
+        .unwrap_or(0);
+    let mut channel = Channel::new(machine, options, program.dialect.codes());
+    let source = program.source.clone();
+    let mut start = 0;
+    if let Some(part) = program.parts.get(main) {
+        start = part.blocks.start;
+        for &header in &part.headers {
+            channel.outlet.begin_block(Origin { file: source.id(), line: 1, span: header, calls: 0 }, None);
+            channel.outlet.push(Kind::Header(source.slice(header).to_vec()));
+        }
+    }
+    channel.take_tables(tables::read(&program));
+    let mut ledger = Ledger::new(source, program.blocks.len(), options);
+    ledger.findings.extend(left_out(&program, main));
+    ledger.findings.extend(tables_left_out(&program));
+    let level = Level::new(0, main, start, 0, LevelKind::Main);
+    let (state, main) = ((channel, Gathered::default()), (Loaded::with(program, ()), level));
+    Box::new(Interpreter::start(machine, library, ledger, state, main))
+}
+
+impl Execute for Grundig {
+    type Channel<'a> = Channel<'a>;
+    /// The words of the block at hand.
+    type Run = Gathered;
+
+    fn parse(run: &Interpreter<'_>, source: &Source) -> (Program, Vec<Diagnostic>) {
+        words::parse(source, run.programs[0].program.dialect)
+    }
+
+    fn end_of(_: &Channel<'_>, file: &Loaded, level: &Level) -> usize {
+        file.program.parts.get(level.part).map_or(0, |part| part.blocks.end)
+    }
+
+    fn begin(run: &mut Interpreter<'_>, block: &Block, own: Origin) {
+        run.channel.outlet.begin_block(own, Statement::number(block));
+    }
+
+    fn block(run: &mut Interpreter<'_>, block: &Block, index: usize) -> Result<Action, Fault> {
+        run.execute(block, index).map(|()| Action::Next)
+    }
+
+    fn begin_pass(run: &mut Interpreter<'_>, pass: Self::Pass) -> Result<(), Fault> {
+        run.count_down(pass)
+    }
+
+    fn call(run: &mut Interpreter<'_>, call: Call, block: &Block) -> Result<(), Fault> {
+        run.enter(call, block)
+    }
+
+    fn return_to(_: &mut Interpreter<'_>, target: Self::Return, _: Span) -> Result<(), Fault> {
+        match target {}
+    }
+
+    fn end_of_program(run: &mut Interpreter<'_>, end: Self::End) {
+        run.end(end);
+    }
+
+    fn end_of_blocks(run: &mut Interpreter<'_>) {
+        run.end(None);
+    }
+
+    fn finish(run: &mut Interpreter<'_>) {
+        run.channel.finish(run.ledger.has_errors());
+        run.report_warnings(run.channel.outlet.file());
+    }
+}
+
+impl Interpreter<'_> {
+    /// Executes a block; `index` is its place.
+    fn execute(&mut self, block: &Block, index: usize) -> Result<(), Fault> {
+        let comment = self
+            .levels
+            .last()
+            .and_then(|level| self.programs.get_mut(level.program))
+            .and_then(|loaded| take_comment(loaded, index, block));
+        match block.body {
+            Body::Words => {}
+            Body::Empty => {
+                let is_bare = comment.is_none() && block.number.is_some();
+                self.channel.comment(comment);
+                if is_bare {
+                    self.channel.outlet.push(Kind::Empty);
+                }
+                return Ok(());
+            }
+            _ => {
+                self.channel.comment(comment);
+                return Ok(());
+            }
+        }
+        let Some(loaded) = self.levels.last().and_then(|level| self.programs.get(level.program)) else { return Ok(()) };
+        let program = &loaded.program;
+        assignments(program, block, &mut self.channel)?;
+        let scope = Scope { program, parameters: &self.channel.parameters };
+        self.own.gather(program, block, scope)?;
+        self.own.put_on_grid(&self.channel.modal, self.channel.machine);
+        let gathered = &mut self.own;
+        if gathered.is_empty() {
+            // Nothing but assignments.
+            self.channel.comment(comment);
+            return Ok(());
+        }
+        if let Some(code) = gathered.codes.iter().find(|code| FLOW_CODES.contains(&code.number)).copied() {
+            self.channel.comment(comment);
+            return self.flow(code.number, code.span, block, index);
+        }
+        let end = gathered.take_function(30).map(|_| 30).or_else(|| gathered.take_function(2).map(|_| 2));
+        let mut gathered = std::mem::take(&mut self.own);
+        let done = if gathered.is_empty() {
+            self.channel.comment(comment);
+            Ok(())
+        } else {
+            self.channel.execute(&mut gathered, comment)
+        };
+        self.own = gathered;
+        if end.is_some() {
+            self.end(end);
+        }
+        done
+    }
+}
+
+/// The finding about further programs of the transfer, where nothing in it calls programs.
+fn left_out(program: &Program, main: usize) -> Option<Diagnostic> {
+    let is_program = |part: &words::Part| part.kind == PartKind::Program && !part.blocks.is_empty();
+    let (_, other) = program.parts.iter().enumerate().find(|(index, part)| *index != main && is_program(part))?;
+    let calls = |word: &words::Word| {
+        word.address == Address::Letter(b'G') && matches!(word.value, Value::Number { value, .. } if value == 23.0)
+    };
+    if program.words.iter().any(calls) {
+        return None;
+    }
+    let message = "this program is left out: only the first one of a transfer is executed, and nothing calls another";
+    let place = Place { file: program.source.id(), span: other.headers.first().copied().unwrap_or_default() };
+    Some(Diagnostic::at(Code::MORE_PROGRAMS, place, message, "put each program into a file of its own"))
+}
+
+/// The finding about tables of the transfer that the output needs and does not have.
+fn tables_left_out(program: &Program) -> Option<Diagnostic> {
+    let is_table = |part: &&words::Part| matches!(part.kind, PartKind::Tools | PartKind::ZeroOffsets);
+    let table = program.parts.iter().filter(|part| !part.blocks.is_empty()).find(is_table)?;
+    let message = "the tables of tools and zero offsets in this transfer are used, and left out of the output";
+    let place = Place { file: program.source.id(), span: table.headers.first().copied().unwrap_or_default() };
+    Some(Diagnostic::at(
+        Code::LEFT_OUT,
+        place,
+        message,
+        "the control must have them before it runs the output: send it the tables as they are",
+    ))
+}
+
+/// `E1=…`, from left to right, before everything else in the block.
+fn assignments(program: &Program, block: &Block, channel: &mut Channel<'_>) -> Result<(), Fault> {
+    for word in program.words_of(block) {
+        let Address::Indexed(b'E', number) = word.address else { continue };
+        let value = match word.value {
+            Value::Number { value, .. } => value,
+            Value::Expr(id) => Scope { program, parameters: &channel.parameters }.number(id)?,
+            Value::None => return Err(bad_value(word.span, "an assignment without a value", "add the value")),
+        };
+        channel.parameters.set(usize::from(number), value, word.span)?;
+    }
+    Ok(())
+}
