@@ -41,7 +41,7 @@ impl<'a> Execution<'a> {
     #[must_use]
     pub fn new(program: Program, machine: &'a Machine, library: Box<dyn Library + 'a>, options: Options) -> Self {
         let executor: Box<dyn Executor + 'a> = match program {
-            Program::Sinumerik(program) => Box::new(sinumerik::Interpreter::new(program, machine, library, options)),
+            Program::Sinumerik(program) => sinumerik::start(program, machine, library, &options),
             Program::Words(program) if program.dialect.language == Language::Grundig => {
                 grundig::start(program, machine, library, &options)
             }

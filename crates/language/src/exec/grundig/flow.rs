@@ -2,8 +2,8 @@
 
 use super::gathered::Gathered;
 use super::level::{Action, Call, Interpreter, Level, LevelKind};
-use crate::exec::core::level::Section;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::level::Section;
 use crate::syntax::words::{Block, PartKind};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

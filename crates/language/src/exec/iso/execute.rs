@@ -58,17 +58,14 @@ pub(in crate::exec) fn start<'a>(
         let shown = String::from_utf8_lossy(program.source.slice(number)).into_owned();
         let message =
             format!("blocks before the first program number {shown}: on the control they belong to no program");
-        let help = format!(
-            "put them behind {shown}, or take them out; where they are a program of their own end it with M30"
-        );
+        let help =
+            format!("put them behind {shown}, or take them out; where they are a program of their own end it with M30");
         let place = Place { file: program.source.id(), span: block };
         ledger.report(Diagnostic::at(Code::LOST_PROGRAM, place, message, help));
     }
     channel.variables.add_program(&program);
     let mut entered = vec![false; program.parts.len()];
-    [first, main]
-        .into_iter()
-        .for_each(|part| entered.iter_mut().skip(part).take(1).for_each(|place| *place = true));
+    [first, main].into_iter().for_each(|part| entered.iter_mut().skip(part).take(1).for_each(|place| *place = true));
     let loops = Loops::of(&program, &ledger);
     let level = Level::new(0, first, start, 0, Called::default());
     let (state, main) = ((channel, Run { main, entered }), (Loaded::with(program, loops), level));

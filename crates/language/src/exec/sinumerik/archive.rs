@@ -6,10 +6,12 @@ use std::collections::BTreeMap;
 use super::assign::{assign, assigned};
 use super::channel::Channel;
 use super::frame_store::settable_code;
+use super::level::Loaded;
+use super::loaded::load;
+use super::scope::scope_of;
 use super::system_write::{SystemName, assign_system};
 use super::value::Value as ExecValue;
 use super::variables::List;
-use super::{Loaded, scope_of};
 use crate::exec::Options;
 use crate::exec::core::fault::{Fault, at};
 use crate::syntax::sinumerik::{self, Address, ArgumentRange, Body, ExprId, Node, Value, Word};
@@ -36,7 +38,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
         return findings;
     }
     let before = machine.clone();
-    let loaded = Loaded::new(program, &before.control);
+    let loaded = load(program, &before.control);
     let mut reader = Reader {
         loaded: &loaded,
         channel: Channel::new(&before, &Options::default(), ncfix_dialect::sinumerik().codes()),

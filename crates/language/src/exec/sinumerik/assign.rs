@@ -1,12 +1,13 @@
 //! Assignments: R parameters, variables, arrays, and whatever else may stand left of an equals sign.
 
 use super::channel::Channel;
+use super::level::Loaded;
 use super::pass::file_result;
+use super::scope::scope_of;
 use super::system_write::{SystemName, assign_system};
 use super::value::Value as ExecValue;
 use super::variables::{List, Shape};
-use super::{Loaded, at, scope_of};
-use crate::exec::core::fault::Fault;
+use crate::exec::core::fault::{Fault, at};
 use crate::syntax::sinumerik::{Address, Block, Definition, ExprId, NameId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;

@@ -5,9 +5,9 @@
 
 use super::assign::is_assignable;
 use super::channel::Channel;
+use super::level::Loaded;
 use super::names::Meaning;
-use super::{Loaded, at};
-use crate::exec::core::fault::Fault;
+use crate::exec::core::fault::{Fault, at};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, ExprId, NameId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 
@@ -63,7 +63,7 @@ fn part(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> Part {
         Address::Extended(b'R', _) => Part::Assignment,
         Address::Name(name) => {
             let text = program.names.text(name);
-            match loaded.meanings[name.index()] {
+            match loaded.own.meanings[name.index()] {
                 Meaning::Message => Part::Display,
                 _ if text.starts_with('$') => of_name(text),
                 _ if channel.variables.has(name, text) => Part::Assignment,

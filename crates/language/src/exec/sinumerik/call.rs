@@ -1,36 +1,23 @@
 //! Calls: finds the program, begins its level, and comes back from it.
 
 use super::channel::Channel;
-use super::flow::ReturnTarget;
 use super::gathered::Call;
-use super::jump::{Place, place_of, search, variable};
-use super::level::Level;
-use super::parameters::{self, Argument};
-use super::part::{COUNT_HELP, Part, count_of};
+use super::jump::{place_of, search, variable};
+use super::level::{Called, Entry, Interpreter, Level, Loaded, ReturnTarget};
+use super::parameters;
+use super::part::{COUNT_HELP, count_of};
 use super::pass::opaque_statement;
+use super::place::Place;
+use super::scope::scope_of;
 use super::value::Value;
 use super::variables::Locals;
-use super::{Interpreter, Loaded, library, names, scope_of};
+use super::{library, names};
 use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::level::Section;
 use crate::syntax::sinumerik::{ArgumentRange, Block, CallKind, CallStatement, Callee, JumpTarget, Search};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::source::{FileId, Span};
+use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
-
-/// A program that is called.
-#[derive(Clone, Debug)]
-pub(super) struct Entry {
-    pub(super) program: usize,
-    pub(super) section: usize,
-    pub(super) arguments: Vec<Argument>,
-    pub(super) repeats: u32,
-    pub(super) is_modal: bool,
-    /// Only these blocks, first and last.
-    pub(super) part: Option<(usize, usize)>,
-    pub(super) span: Span,
-    /// The file of the call.
-    pub(super) file: FileId,
-}
 
 impl Interpreter<'_> {
     /// The word of a call: `NAME`, `NAME(…)`, `L10 P2`.
@@ -65,7 +52,7 @@ impl Interpreter<'_> {
         if kind == CallKind::Path {
             self.library.add_folder(name.as_deref().unwrap_or_default());
             // What was not there may be there now.
-            self.found.retain(|_, found| found.is_some());
+            self.forget_missing();
             return Ok(());
         }
         let repeats = match repeats {
@@ -78,12 +65,12 @@ impl Interpreter<'_> {
             None => 1,
         };
         if kind == CallKind::Modal {
-            self.modal_call = None;
+            self.own.modal_call = None;
             self.channel.system.modal_call = false;
             if let Some(name) = name {
                 let entry = self.entry(&name, arguments, repeats, span)?;
                 self.channel.system.modal_call = true;
-                self.modal_call = Some(Entry { is_modal: true, ..entry });
+                self.own.modal_call = Some(Entry { is_modal: true, ..entry });
             }
             return Ok(());
         }
@@ -105,7 +92,7 @@ impl Interpreter<'_> {
         let mut entry = match &name {
             Some(name) => self.entry(name, arguments, repeats, span)?,
             None => {
-                let section = self.levels.last().map_or(0, |level| level.section);
+                let section = self.levels.last().map_or(0, |level| level.part);
                 let file = self.programs[caller].program.source.id();
                 Entry {
                     program: caller,
@@ -126,7 +113,7 @@ impl Interpreter<'_> {
         let loaded = &self.programs[entry.program];
         let blocks = loaded.program.sections.get(entry.section).map_or(0..0, |section| section.blocks.clone());
         let find = |text: &[u8], from: usize| {
-            let place = Place::of_text(loaded, text)?;
+            let place = Place::of_text(&loaded.program, text)?;
             (from..blocks.end).find(|&at| place.is_at(&loaded.program.blocks[at]))
         };
         let found = find(&first, blocks.start).and_then(|first| Some((first, find(&last, first)?)));
@@ -137,8 +124,7 @@ impl Interpreter<'_> {
         if name.is_none() {
             // A part of the running program sees its variables.
             if let Some(level) = self.levels.last_mut() {
-                level.parts.push(Part { first, last, left: repeats, resume: level.next });
-                level.next = first;
+                level.repeat(Section { first, last, passes: u64::from(repeats), pass: () }, level.next);
             }
             return Ok(());
         }
@@ -149,10 +135,10 @@ impl Interpreter<'_> {
 
     /// The modal call, behind a block that moved.
     pub(super) fn trigger(&mut self, block: &Block) -> bool {
-        if self.levels.iter().any(|level| level.is_modal) {
+        if self.levels.iter().any(|level| level.own.is_modal) {
             return false;
         }
-        let Some(entry) = self.modal_call.clone() else { return false };
+        let Some(entry) = self.own.modal_call.clone() else { return false };
         if let Err(found) = self.check_depth("the modal program", block.span) {
             self.report_here(found);
             return false;
@@ -180,8 +166,8 @@ impl Interpreter<'_> {
 
     /// Program levels in use; a repetition counts as one.
     fn depth(&self) -> usize {
-        let counted = |level: &&Level| level.counts(&self.programs);
-        self.levels.iter().filter(counted).map(|level| 1 + level.parts.len()).sum()
+        let counted = |level: &&Level| counts(level, &self.programs);
+        self.levels.iter().filter(counted).map(|level| 1 + level.repetitions()).sum()
     }
 
     /// Refuses one program level too many.
@@ -230,7 +216,7 @@ impl Interpreter<'_> {
     /// Begins the level of a call in a line of the running program.
     pub(super) fn begin(&mut self, entry: Entry, line: u32) {
         let Some(level) = self.levels.last() else { return };
-        let caller = level.cycle.map_or((level.calls, line), |cycle| (cycle.origin.calls, cycle.origin.line));
+        let caller = level.own.cycle.map_or((level.calls, line), |cycle| (cycle.origin.calls, cycle.origin.line));
         let calls = self.ledger.chain(caller.0, caller.1);
         self.enter(entry, calls);
     }
@@ -241,20 +227,22 @@ impl Interpreter<'_> {
         let refused = self.under_compensation(cycle, span);
         let loaded = &self.programs[program];
         let blocks = loaded.program.sections.get(section).map_or(0..0, |section| section.blocks.clone());
-        let mut level = Level::new(program, section, blocks.start, calls);
+        let own = Called {
+            span,
+            cycle,
+            is_modal,
+            within: part,
+            saved: loaded.own.has_save(section).then(|| Box::new(self.channel.modal.clone())),
+            callers_variables: self.channel.variables.exchange(Locals::default()),
+            ..Called::default()
+        };
+        let mut level = Level::new(program, section, blocks.start, calls, own);
         if let Some((first, last)) = part {
-            level.next = first;
-            level.parts.push(Part { first, last, left: 1, resume: blocks.end });
+            level.repeat(Section { first, last, passes: 1, pass: () }, blocks.end);
         }
-        level.part = part;
-        level.span = span;
-        level.cycle = cycle;
         level.repeats = repeats;
-        level.is_modal = is_modal;
-        level.saved = loaded.has_save(section).then(|| Box::new(self.channel.modal.clone()));
-        level.callers_variables = self.channel.variables.exchange(Locals::default());
         let bound = parameters::bind(loaded, &mut self.channel, loaded.parameters(section), &arguments);
-        level.arguments = arguments;
+        level.own.arguments = arguments;
         let called = loaded.program.source.id();
         if let Some(found) = refused {
             self.report(found.in_file(file));
@@ -270,16 +258,17 @@ impl Interpreter<'_> {
     pub(super) fn leave(&mut self) -> Option<Level> {
         let mut level = self.levels.pop()?;
         let called = &self.programs[level.program];
-        parameters::results(called, &self.channel, called.parameters(level.section), &mut level.arguments);
-        let own = self.channel.variables.exchange(std::mem::take(&mut level.callers_variables));
-        if let Some(lent) = level.lent.take() {
+        parameters::results(called, &self.channel, called.parameters(level.part), &mut level.own.arguments);
+        let own = self.channel.variables.exchange(std::mem::take(&mut level.own.callers_variables));
+        if let Some(lent) = level.own.lent.take() {
             self.channel.variables.take_back(own, &lent);
         }
-        if let Some(saved) = level.saved.take() {
+        if let Some(saved) = level.own.saved.take() {
             self.channel.restore(*saved);
         }
         let caller = self.levels.last().map_or(0, |level| level.program);
-        let given = parameters::give_back(&self.programs[caller], &mut self.channel, &level.arguments, level.span);
+        let given =
+            parameters::give_back(&self.programs[caller], &mut self.channel, &level.own.arguments, level.own.span);
         if let Err(found) = given {
             self.report_here(found);
         }
@@ -300,10 +289,10 @@ impl Interpreter<'_> {
         }
         let Some(level) = self.leave() else { return };
         if level.repeats > 1 {
-            let Level { program, section, calls, arguments, is_modal, part, span, .. } = level;
-            let repeats = level.repeats - 1;
+            let Level { program, part: section, calls, repeats, own, .. } = level;
+            let Called { arguments, is_modal, within: part, span, .. } = own;
             let file = self.channel.outlet.file();
-            self.enter(Entry { program, section, arguments, repeats, is_modal, part, span, file }, calls);
+            self.enter(Entry { program, section, arguments, repeats: repeats - 1, is_modal, part, span, file }, calls);
         }
     }
 
@@ -327,8 +316,8 @@ impl Interpreter<'_> {
         let Some(level) = self.levels.last_mut().filter(|_| !target.place.is_empty()) else { return Ok(()) };
         let loaded = &mut self.programs[level.program];
         loaded.program.keep_whole();
-        let section = loaded.program.sections.get(level.section).map_or(0..0, |section| section.blocks.clone());
-        let place = Place::of_text(loaded, &target.place);
+        let section = loaded.program.sections.get(level.part).map_or(0..0, |section| section.blocks.clone());
+        let place = Place::of_text(&loaded.program, &target.place);
         let index = level.next.saturating_sub(1);
         let found = place.and_then(|place| search(&loaded.program.blocks, place, Search::Around, index, section));
         let Some(found) = found else {
@@ -365,16 +354,17 @@ impl Interpreter<'_> {
             }
         }
         let key = if is_path { name } else { &short };
-        if let Some(found) = self.found.get(key) {
-            return *found;
-        }
-        let mut found = self.load(key, &short, is_path);
-        if found.is_none() && is_path {
-            found = self.find(&short, caller);
-        }
-        self.found.insert(key.to_owned(), found);
-        found
+        self.find_once(key, |run| {
+            let found = run.load(key, &short, is_path);
+            if found.is_none() && is_path { run.find(&short, caller) } else { found }
+        })
     }
+}
+
+/// Whether a level counts as a program level: a cycle of the control is one, however it is made here.
+fn counts(level: &Level, programs: &[Loaded]) -> bool {
+    let name = programs.get(level.program).and_then(|loaded| loaded.own.built_in);
+    !name.is_some_and(|name| name.starts_with('_'))
 }
 
 /// The name or path of the program that a statement calls.

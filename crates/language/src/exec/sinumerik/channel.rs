@@ -14,7 +14,7 @@ use super::variables::Variables;
 use crate::exec::core::contour::{Corner, Soft};
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::options::Options;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::outlet::{HasOutlet, Outlet};
 use crate::exec::core::radius::Radius;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Plane};
@@ -51,6 +51,12 @@ pub(super) struct Channel<'a> {
     unitless: Option<u32>,
     unit_stated: bool,
     feed_warned: bool,
+}
+
+impl<'a> HasOutlet<'a> for Channel<'a> {
+    fn outlet(&mut self) -> &mut Outlet<'a> {
+        &mut self.outlet
+    }
 }
 
 impl<'a> Channel<'a> {

@@ -4,47 +4,18 @@ use std::ops::Range;
 
 use super::assign::{assign_value, assignments, define};
 use super::channel::Channel;
-use super::gathered::{Call, Gathered};
+use super::gathered::Gathered;
 use super::jump::jumps;
-use super::level::Level;
-use super::part;
+use super::level::{Action, Asked, Level, Loaded, ReturnTarget};
+use super::scope::{gatherer, scope_of};
 use super::value::{Value as ExecValue, is_same};
-use super::{Loaded, at, gatherer, scope_of, sync_action};
-use crate::exec::core::fault::Fault;
+use super::{part, sync_action};
+use crate::exec::core::fault::{Fault, at};
+use crate::exec::core::level::Section;
 use crate::syntax::sinumerik::{ArgumentRange, Block, Body};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Word as AuxWord, WordValue};
-
-/// What comes after a block.
-#[derive(Debug, PartialEq)]
-pub(super) enum Action {
-    Next,
-    /// Around the blocks of a control structure.
-    Jump(usize),
-    /// GOTO
-    Goto(usize),
-    /// REPEAT: first and last block, and how many times.
-    Repeat(usize, usize, u32),
-    Call(Call),
-    /// CALL, MCALL …: a place among the call statements.
-    CallStatement(u32),
-    /// RET
-    Return(ReturnTarget),
-    /// M2, M17, M30
-    End(u32),
-}
-
-/// Where RET goes.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct ReturnTarget {
-    /// Label or block number in the caller; empty for the block behind the call.
-    pub(super) place: Vec<u8>,
-    /// Whether to go on behind that block.
-    pub(super) behind: bool,
-    /// How many program levels back.
-    pub(super) levels: u32,
-}
 
 /// Executes one block.
 #[expect(clippy::too_many_arguments, reason = "the parts of one execution, borrowed apart")]
@@ -84,9 +55,9 @@ pub(super) fn block(
         Body::Until(_) => Action::Jump(partner + 1),
         Body::For { variable, from, to } => {
             // Where the values cannot be had, the loop ends with its first pass and says no more.
-            level.for_ends.insert(index, f64::NAN);
+            level.own.for_ends.insert(index, f64::NAN);
             let (from, to) = (scope.value(from)?, scope.number(to)?);
-            level.for_ends.insert(index, to);
+            level.own.for_ends.insert(index, to);
             assign_value(loaded, channel, variable, from, block.span)?;
             // What the variable holds: INT has rounded it.
             let start = scope_of(loaded, channel).number(variable)?;
@@ -94,7 +65,7 @@ pub(super) fn block(
         }
         Body::EndFor => return end_for(loaded, level, channel, block, partner),
         Body::Jumps { start, count } => return jumps(loaded, channel, index, section, start, count),
-        Body::Define { .. } if !level.defined.insert(index) => Action::Next,
+        Body::Define { .. } if !level.own.defined.insert(index) => Action::Next,
         Body::Define { start, count } => {
             for place in start as usize..start as usize + usize::from(count) {
                 let definition = loaded.program.definitions[place];
@@ -107,11 +78,11 @@ pub(super) fn block(
             Action::Next
         }
         Body::Proc { .. } | Body::Declaration => Action::Next,
-        Body::Call(place) => Action::CallStatement(place),
+        Body::Call(place) => Action::Call(Asked::Statement(place)),
         Body::RepeatPart(place) => {
             let passes = part::passes(loaded, channel, &loaded.program.repetitions[place as usize])?;
             let (first, last) = part::blocks_of(loaded, channel, place as usize, index, section)?;
-            Action::Repeat(first, last, passes)
+            Action::Repeat(Section { first, last, passes: u64::from(passes), pass: () })
         }
         Body::Synchronised { whole, id, condition, actions } => {
             sync_action::execute(loaded, channel, [whole, id, condition, actions])?;
@@ -140,13 +111,13 @@ fn words(
     channel.note_looks();
     if let Some(call) = gathered.call.take() {
         channel.comment(comment);
-        return Ok(Action::Call(call));
+        return Ok(Action::Call(Asked::Word(call)));
     }
     let end = gathered.program_end;
     let target = gathered.is_return.then(|| return_target(loaded, channel, gathered.return_arguments)).transpose()?;
     channel.execute(&mut gathered, comment, block.span)?;
     Ok(match end {
-        Some(number) => Action::End(number),
+        Some(number) => Action::End(Some(number)),
         None => target.map_or(Action::Next, Action::Return),
     })
 }
@@ -164,7 +135,7 @@ fn end_for(
     start: usize,
 ) -> Result<Action, Fault> {
     let Body::For { variable, .. } = loaded.program.blocks[start].body else { return Ok(Action::Next) };
-    let Some(&end) = level.for_ends.get(&start) else {
+    let Some(&end) = level.own.for_ends.get(&start) else {
         let message = "a jump led into this FOR loop, whose end value is unknown";
         return Err(at(block.span, Code::SKIPPED_INTO, message, "jump to the FOR block instead"));
     };

@@ -4,57 +4,25 @@ use std::ops::Range;
 
 use super::cells::Cells;
 use super::channel::Channel;
-use super::flow::Action;
+use super::level::{Action, Loaded};
+use super::place::Place;
+use super::scope::scope_of;
 use super::value::Value;
-use super::{Loaded, at, scope_of};
-use crate::exec::core::fault::Fault;
+use crate::exec::core::fault::{Fault, at};
 use crate::syntax::Shelf;
-use crate::syntax::sinumerik::{Block, BlockNumber, Jump, JumpTarget, NameId, Search};
+use crate::syntax::sinumerik::{Block, Jump, JumpTarget, NameId, Search};
 use ncfix_base::diagnostic::Code;
-
-/// What marks a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Place {
-    Label(NameId),
-    Number(BlockNumber),
-}
-
-impl Place {
-    /// Whether the block is the one.
-    pub(super) fn is_at(self, block: &Block) -> bool {
-        match self {
-            Place::Label(name) => block.label == Some(name),
-            Place::Number(number) => block.number == Some(number),
-        }
-    }
-
-    /// `LABEL`, `N10`, `:10` as a text; `None` for a label that the program does not have.
-    pub(super) fn of_text(loaded: &Loaded, text: &[u8]) -> Option<Place> {
-        let text: String = text.trim_ascii().iter().map(|byte| char::from(byte.to_ascii_uppercase())).collect();
-        let number = |main, digits: &str| {
-            let is_number = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
-            let number = digits.parse().ok().filter(|_| is_number)?;
-            Some(Place::Number(BlockNumber { main, number }))
-        };
-        let numbered = match text.as_bytes().first() {
-            Some(b'N') => number(false, &text[1..]),
-            Some(b':') => number(true, &text[1..]),
-            _ => None,
-        };
-        numbered.or_else(|| loaded.program.names.find(text.trim_end_matches(':')).map(Place::Label))
-    }
-}
 
 /// What a target means now; `None` where the program has no such label.
 pub(super) fn place_of(loaded: &Loaded, channel: &Channel<'_>, target: JumpTarget) -> Result<Option<Place>, Fault> {
     match target {
         JumpTarget::Label(name) => match variable(loaded, channel, name) {
-            Some(Value::Text(text)) => Ok(Place::of_text(loaded, text)),
+            Some(Value::Text(text)) => Ok(Place::of_text(&loaded.program, text)),
             _ => Ok(Some(Place::Label(name))),
         },
         JumpTarget::Number(number) => Ok(Some(Place::Number(number))),
         JumpTarget::Computed(id) => match scope_of(loaded, channel).value(id)? {
-            Value::Text(text) => Ok(Place::of_text(loaded, &text)),
+            Value::Text(text) => Ok(Place::of_text(&loaded.program, &text)),
             _ => {
                 let span = loaded.program.expr(id).span;
                 let message = "a jump target is a label or block number as a string";
@@ -88,7 +56,7 @@ pub(super) fn jumps(
         if !taken {
             continue;
         }
-        if let Some(target) = loaded.targets[number] {
+        if let Some(target) = loaded.own.targets[number] {
             return Ok(Action::Goto(target));
         }
         match find(loaded, channel, number, &jump, index, section.clone())? {
@@ -122,15 +90,15 @@ fn find(
         JumpTarget::Number(_) => true,
         JumpTarget::Computed(_) | JumpTarget::Start => false,
     };
-    if let Some(&known) = loaded.computed.get(&(number, place)).filter(|_| !is_fixed) {
+    if let Some(&known) = loaded.own.computed.get(&(number, place)).filter(|_| !is_fixed) {
         return Ok(Some(known));
     }
     let found = search(&loaded.program.blocks, place, jump.search, index, section);
     if let Some(found) = found {
         if is_fixed {
-            loaded.targets[number] = Some(found);
+            loaded.own.targets[number] = Some(found);
         } else {
-            loaded.computed.insert((number, place), found);
+            loaded.own.computed.insert((number, place), found);
         }
     }
     Ok(found)

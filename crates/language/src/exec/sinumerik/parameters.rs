@@ -1,30 +1,16 @@
 //! Parameters of subprograms: evaluates arguments, binds them, and takes VAR parameters back to the caller.
 
+use super::argument::{Argument, Reference};
+use super::assign;
 use super::cells::Cells;
 use super::channel::Channel;
+use super::level::Loaded;
+use super::scope::scope_of;
 use super::variables::List;
-use super::{Loaded, assign, scope_of};
 use crate::exec::core::fault::{Fault, fault};
-use crate::syntax::sinumerik::{ArgumentRange, ExprId, NameId, Node, Parameter};
+use crate::syntax::sinumerik::{ArgumentRange, ExprId, Node, Parameter};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
-
-/// An argument of a call.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Argument {
-    /// What the caller gave, as the parameter holds it; `None` for an empty slot.
-    cells: Option<Cells>,
-    /// The caller's variable, for VAR.
-    reference: Option<Reference>,
-}
-
-/// A variable of the caller, indices evaluated.
-#[derive(Clone, Debug, PartialEq)]
-enum Reference {
-    Parameter(i64),
-    Name(NameId),
-    Element(NameId, Vec<i64>),
-}
 
 /// Evaluates the arguments of a call. `called` is the program with its parameters, `span` that of the call.
 pub(super) fn evaluate(

@@ -3,54 +3,16 @@
 use std::ops::Range;
 
 use super::channel::Channel;
-use super::jump::{Place, place_of};
-use super::level::Level;
-use super::{Loaded, scope_of};
+use super::jump::place_of;
+use super::level::Loaded;
+use super::place::Place;
+use super::scope::scope_of;
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::Repetition;
 use ncfix_base::diagnostic::Code;
 
 /// Ends the part of `REPEAT label` before the block of the REPEAT.
 const END_LABEL: &str = "ENDLABEL";
-
-/// A program part that is being repeated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Part {
-    pub(super) first: usize,
-    pub(super) last: usize,
-    /// How many passes are left, this one included.
-    pub(super) left: u32,
-    /// Where it goes on behind the last pass.
-    pub(super) resume: usize,
-}
-
-impl Level {
-    /// At the end of a repeated part: back to its start, or on behind its REPEAT.
-    pub(super) fn end_parts(&mut self) {
-        while let Some(part) = self.parts.last_mut().filter(|part| self.next == part.last + 1) {
-            part.left = part.left.saturating_sub(1);
-            if part.left > 0 {
-                self.next = part.first;
-                return;
-            }
-            self.next = part.resume;
-            self.parts.pop();
-        }
-    }
-
-    /// Goes to a block; a part that is left by this is not repeated further. A jump of the program to the block behind the part leaves
-    /// it too, the way around a branch does not.
-    pub(super) fn go_to(&mut self, target: usize, is_jump: bool) {
-        self.next = target;
-        while let Some(part) = self.parts.last() {
-            let end = if is_jump { part.last } else { part.last + 1 };
-            if (part.first..=end).contains(&target) {
-                return;
-            }
-            self.parts.pop();
-        }
-    }
-}
 
 /// The blocks of a repetition: first and last.
 pub(super) fn blocks_of(
@@ -60,7 +22,7 @@ pub(super) fn blocks_of(
     index: usize,
     section: Range<usize>,
 ) -> Result<(usize, usize), Fault> {
-    if let Some(known) = loaded.parts[place] {
+    if let Some(known) = loaded.own.parts[place] {
         return Ok(known);
     }
     let repetition = loaded.program.repetitions[place];
@@ -71,7 +33,7 @@ pub(super) fn blocks_of(
         let help = "REPEAT looks for its label above itself, and must not stand between its two labels";
         return Err(fault(Code::NO_TARGET, repetition.span, message, help));
     };
-    loaded.parts[place] = Some(found);
+    loaded.own.parts[place] = Some(found);
     Ok(found)
 }
 
@@ -123,12 +85,4 @@ pub(super) const COUNT_HELP: &str = "P is a whole number from 0 to 2147483647";
 /// A number of repetitions.
 pub(super) fn count_of(value: f64) -> Option<u32> {
     (value >= 0.0 && value <= f64::from(MAX_COUNT) && value.fract() == 0.0).then_some(value as u32)
-}
-
-/// Begins to repeat a part.
-pub(super) fn begin(level: &mut Level, first: usize, last: usize, passes: u32) {
-    if passes > 0 {
-        level.parts.push(Part { first, last, left: passes, resume: level.next });
-        level.next = first;
-    }
 }

@@ -3,13 +3,15 @@
 //! Variables and R parameters of the program are gone from the output, so their values stand in their place; names that only the control
 //! knows (axes, spindles, constants of cycles) stay as written.
 
+use super::assign::assign_value;
 use super::channel::Channel;
 use super::functions::is_function;
 use super::gather::Gatherer;
 use super::gathered::Gathered;
+use super::level::Loaded;
 use super::names::{Meaning, is_indexed_letter};
+use super::scope::gatherer;
 use super::value::Value as ExecValue;
-use super::{Loaded, assign::assign_value, gatherer};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, ExprId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
@@ -311,7 +313,7 @@ pub(super) fn number_text(value: f64) -> Vec<u8> {
 /// The result variable of a file access, which takes place on the control only: no error.
 pub(super) fn file_result(loaded: &Loaded, channel: &mut Channel<'_>, word: &Word) -> Result<(), Fault> {
     let (Address::Name(name), Value::Arguments(range)) = (word.address, word.value) else { return Ok(()) };
-    let Meaning::Kept(row) = loaded.meanings[name.index()] else { return Ok(()) };
+    let Meaning::Kept(row) = loaded.own.meanings[name.index()] else { return Ok(()) };
     match loaded.program.arguments_of(range) {
         [Some(result), ..] if row.treatment == Treatment::File => {
             assign_value(loaded, channel, *result, ExecValue::Int(0), word.span)

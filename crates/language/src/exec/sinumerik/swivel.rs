@@ -7,9 +7,11 @@
 
 use super::channel::Channel;
 use super::gathered::{Call, Gathered};
+use super::level::Interpreter;
 use super::modal::MotionKind;
+use super::scope::scope_of;
 use super::value::Value;
-use super::{Interpreter, scope_of};
+
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::tilted_plane::{tilting_axis, turned_frame, unknown_places, workpiece_normal};
 use ncfix_base::diagnostic::Code;

@@ -6,9 +6,10 @@
 
 use super::channel::Channel;
 use super::functions::is_function;
+use super::level::Loaded;
 use super::pass::number_text;
+use super::scope::scope_of;
 use super::value::Value as ExecValue;
-use super::{Loaded, scope_of};
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet};

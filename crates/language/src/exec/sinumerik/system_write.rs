@@ -3,10 +3,11 @@
 use super::channel::Channel;
 use super::frame_store::FrameName;
 use super::frame_value::{Component, frame_text};
+use super::level::Loaded;
+use super::scope::scope_of;
 use super::system::tool_parameter;
 use super::value::Value;
 use super::variables::List;
-use super::{Loaded, scope_of};
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::ArgumentRange;
 use ncfix_base::diagnostic::Code;

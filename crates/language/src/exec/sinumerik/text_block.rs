@@ -1,9 +1,10 @@
 //! EXECSTRING: a text that is executed as a block where it stands, with the variables of the program that holds it.
 
-use super::call::Entry;
 use super::gathered::Call;
+use super::level::{Entry, Interpreter, Loaded};
+use super::loaded::load;
+use super::scope::scope_of;
 use super::value::Value;
-use super::{Interpreter, Loaded, scope_of};
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{self, Block, Body, NameId};
 use ncfix_base::diagnostic::Code;
@@ -19,7 +20,7 @@ impl Interpreter<'_> {
         self.check_depth("EXECSTRING", span)?;
         let Some(caller) = self.levels.last().map(|level| level.program) else { return Ok(()) };
         let text = text_of(&self.programs[caller], call, &scope_of(&self.programs[caller], &self.channel))?;
-        let program = match self.texts.get(&text) {
+        let program = match self.own.texts.get(&text) {
             Some(&known) => known,
             None => self.load_text(text, span)?,
         };
@@ -39,9 +40,9 @@ impl Interpreter<'_> {
             block.line,
         );
         if let Some(level) = self.levels.last_mut() {
-            let locals = level.callers_variables.lend(&lent);
+            let locals = level.own.callers_variables.lend(&lent);
             self.channel.variables.exchange(locals);
-            level.lent = Some(lent);
+            level.own.lent = Some(lent);
         }
         Ok(())
     }
@@ -54,10 +55,10 @@ impl Interpreter<'_> {
         };
         let id = u16::try_from(self.ledger.sources.len())
             .ok()
-            .filter(|_| self.texts.len() < MOST_TEXTS)
+            .filter(|_| self.own.texts.len() < MOST_TEXTS)
             .ok_or_else(too_many)?;
         let source = Source::new(FileId(id), "text of EXECSTRING", text.clone()).map_err(|_| too_many())?;
-        let (program, findings) = sinumerik::parse_with(&source, self.programs[0].program.dialect, &self.macros);
+        let (program, findings) = sinumerik::parse_with(&source, self.programs[0].program.dialect, &self.own.macros);
         let does = |block: &&Block| !matches!(block.body, Body::Empty);
         let allowed = |block: &Block| {
             matches!(block.body, Body::Words | Body::Call(_) | Body::Synchronised { .. } | Body::Faulty)
@@ -71,14 +72,14 @@ impl Interpreter<'_> {
         for finding in findings.into_iter().filter(|finding| finding.code != Code::NOT_A_PROGRAM) {
             self.report(finding);
         }
-        self.programs.push(Loaded::new(program, &self.machine.control));
-        self.texts.insert(text, self.programs.len() - 1);
-        Ok(self.programs.len() - 1)
+        let number = self.keep(load(program, &self.machine.control));
+        self.own.texts.insert(text, number);
+        Ok(number)
     }
 
     /// Ends the texts that run: RET and M17 in them are those of the program that holds them.
     pub(super) fn leave_texts(&mut self) {
-        while self.levels.len() > 1 && self.levels.last().is_some_and(|level| level.lent.is_some()) {
+        while self.levels.len() > 1 && self.levels.last().is_some_and(|level| level.own.lent.is_some()) {
             self.leave();
         }
     }
