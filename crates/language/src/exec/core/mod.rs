@@ -1,4 +1,58 @@
-//! The interpreter core: what every family of languages executes with.
+//! The interpreter core: all that executing a program has in common, whatever the language.
+//!
+//! | concept | file |
+//! | --- | --- |
+//! | the way from block to block, skip levels, modal calls, findings | [`interpreter`] |
+//! | levels, sections in repetition, what a block does to the order | [`level`] |
+//! | files of the run; where programs come from | [`program`], [`library`] |
+//! | what a family is made of | [`family`] |
+//! | frame, tool length and plane in force | [`standing`] |
+//! | radius compensation, roundings, chamfers | [`contour`] |
+//! | steps of cycles | [`step`] |
+//! | paths, and what the outlet makes of them | [`path`], [`outlet`], [`resolve`], [`five_axis`] |
+//! | findings, books, limits of a run | [`fault`], [`ledger`], [`options`] |
+//!
+//! # What a family brings
+//!
+//! 1. **A tree.** Its grammar lives in `syntax`; [`program::Text`] and [`program::Statement`] tell the core where blocks are, their lines,
+//!    numbers and skip levels.
+//! 2. **Types**, [`family::Family`]: what is worked out of a file once, what a call is, what a level keeps.
+//! 3. **A channel**: plain state and an [`outlet::Outlet`]. Gathering words, working out values, and executing a block in the order of
+//!    the control are its own; motions become a [`path::Path`] with a [`contour::Wish`] and go to the outlet.
+//! 4. **Answers**, [`interpreter::Execute`]: what a block does, how a call is found and begun, what an end means.
+//!
+//! In return the core counts blocks and ends endless programs, leaves skipped blocks out, gives each element its origin, repeats
+//! sections, holds what a block does to the order back behind a modal call, loads each file once, and hands findings out once.
+//!
+//! # A fourth family: Klartext
+//!
+//! | in the program | for the core |
+//! | --- | --- |
+//! | `CALL LBL 5` | `Action::Call`; `call` begins a level in the same file at the block of the label |
+//! | `LBL 0` | `Action::Return` where a call is open, else `Action::Next` |
+//! | `CALL LBL 5 REP 3` | `Action::Repeat` of the section from the label to the block before, three passes |
+//! | `FN 9: IF Q1 EQU Q2 GOTO LBL 7` | `Action::Goto`; labels are looked up once and kept in `Family::Prepared` |
+//! | `CALL PGM SUB` | `Action::Call`; `find_once` by name; the level keeps the QL of its caller, gives them back when it ends |
+//! | `M2`, `M30`, `END PGM` | `Action::End`, the latter by `end_of_blocks` |
+//! | `Q1 = Q2 + SIN 30` | no business of the core: the channel keeps Q, QL, QR, QS |
+//! | `L X+10 IY+5 R0 FMAX M3` | words gathered, axis by axis absolute or incremental; `Shape::Line`, `ContourModal::side` of R0, RL, RR |
+//! | `CC`, `C`, `CR`, `CT` | the pole is state; `Shape::Arc`; `CT` takes the direction of the path before |
+//! | `RND`, `CHF`, `APPR`, `DEP` | `Wish::corner`, `Wish::soft`, as contour words of Grundig are |
+//! | cycle 7, 8, 10, 11, 26, `PLANE` | frames of the channel; [`standing::Standing`] puts what they add up to in force |
+//! | `CYCL DEF 200 …` | state: the parameters are Q; DEF-active cycles act at once |
+//! | `CYCL CALL`, `M99` | steps of [`step`], carried out at the position |
+//! | `M89` | `modal_call`: there is one behind each block that has moved |
+//! | `TOOL CALL 5 Z S2500` | tool state of the channel; the axis chooses the plane |
+//!
+//! A program of the control that only it knows (a cycle of its builder) passes through, as `[[opaque]]` says.
+//!
+//! # Turning, in every family
+//!
+//! Diameters are read by the gatherer of a family: inside there are radii. The working plane is ZX; nose radius compensation is radius
+//! compensation about a center that [`contour`] shifts by the vector of the tip. G71 to G73 and their kin read a contour between two
+//! blocks: those blocks are executed into a list of paths in place of the outlet, and the cycle makes its [`step`]s of them; execution goes
+//! on with `Action::Goto` behind the last. Threads are moves with `Manner::Thread`. Feed per turn and constant cutting speed are state
+//! that moves carry already.
 
 pub(in crate::exec) mod arc;
 pub(in crate::exec) mod contour;
@@ -20,4 +74,5 @@ pub(in crate::exec) mod radius;
 pub(in crate::exec) mod resolve;
 pub(in crate::exec) mod rollover;
 pub(in crate::exec) mod sagitta;
+pub(in crate::exec) mod standing;
 pub(in crate::exec) mod tilted_plane;

@@ -1,5 +1,7 @@
 //! Arcs and helices: center by I, J, K or polar (B3, L3), radius (R), sweep (B5), turns by the pitch.
 
+use super::motion;
+use super::target;
 use std::f64::consts::TAU;
 
 use super::channel::Channel;
@@ -32,224 +34,221 @@ pub(super) struct Circle {
     pub(super) sweep_rad: f64,
 }
 
-impl Channel<'_> {
-    /// The motion of a block while G2 or G3 is in force.
-    pub(super) fn arc_words(&mut self, gathered: &mut Gathered, target: Target) -> Result<(), Fault> {
-        let clockwise = self.modal.motion == MotionKind::Clockwise;
-        let [abscissa, ordinate, applicate] = self.modal.plane.axes();
-        let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-        let letter = |axis: Axis| b"IJK".get(axis.slot()).copied().unwrap_or_default();
-        let words = [gathered.once(letter(abscissa), None)?, gathered.once(letter(ordinate), None)?];
-        let pitch = gathered.once(letter(applicate), None)?;
-        let polar = [gathered.once(b'B', Some(3))?, gathered.once(b'L', Some(3))?];
-        let (radius, sweep) = (gathered.once(b'R', None)?, gathered.once(b'B', Some(5))?);
-        let has_center = words.iter().chain(&polar).any(Option::is_some);
-        let is_idle = !has_center && radius.is_none() && sweep.is_none() && target.named.is_empty();
-        if is_idle {
-            if self.feed_named {
-                self.outlet.push(Kind::Feed(self.modal.feed));
+/// The motion of a block while G2 or G3 is in force.
+pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, target: Target) -> Result<(), Fault> {
+    let clockwise = channel.modal.motion == MotionKind::Clockwise;
+    let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+    let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
+    let letter = |axis: Axis| b"IJK".get(axis.slot()).copied().unwrap_or_default();
+    let words = [gathered.once(letter(abscissa), None)?, gathered.once(letter(ordinate), None)?];
+    let pitch = gathered.once(letter(applicate), None)?;
+    let polar = [gathered.once(b'B', Some(3))?, gathered.once(b'L', Some(3))?];
+    let (radius, sweep) = (gathered.once(b'R', None)?, gathered.once(b'B', Some(5))?);
+    let has_center = words.iter().chain(&polar).any(Option::is_some);
+    let is_idle = !has_center && radius.is_none() && sweep.is_none() && target.named.is_empty();
+    if is_idle {
+        if channel.feed_named {
+            channel.outlet.push(Kind::Feed(channel.modal.feed));
+        }
+        return Ok(());
+    }
+    target::check_plane_known(channel, gathered.span)?;
+    let here = target::here(channel);
+    let start = [here[abscissa], here[ordinate]];
+    // Without end words this is the start.
+    let mut end = [target.to[abscissa], target.to[ordinate]];
+    let has_end = !target.named.intersection(plane).is_empty();
+    let mut target = target;
+    if has_end {
+        end = closed_on_grid(channel, start, end, gathered.span)?;
+        (target.to[abscissa], target.to[ordinate]) = (end[0], end[1]);
+    }
+    if let Some((radius, span)) = radius {
+        if let Some((_, span)) = sweep.or(pitch).filter(|_| true).or(if has_center { Some((0.0, span)) } else { None })
+        {
+            let message = "R beside a center, a sweep or a pitch";
+            return Err(fault(Code::BAD_ARC, span, message, "keep one way to say which arc is meant"));
+        }
+        let center = center_by_radius(channel, radius, span, start, end, clockwise)?;
+        let sweep_rad = sweep_between(start, end, center, clockwise);
+        return circular(channel, Circle { clockwise, center, sweep_rad }, target.to, target.named.union(plane));
+    }
+    let center = center(channel, words, polar, start, gathered.span)?;
+    let depth = (target.to[applicate] - here[applicate]).abs();
+    let turns = match pitch {
+        None => None,
+        Some((pitch, span)) => {
+            let pitch = pitch.abs() * channel.modal.scale();
+            if pitch < 1e-6 || depth < 1e-9 {
+                let letter = char::from(letter(applicate));
+                let message = format!("the pitch {letter} needs a value and the end of {applicate}");
+                return Err(fault(Code::BAD_ARC, span, message, "program the depth of the helix in the block"));
             }
-            return Ok(());
+            Some((depth / pitch, span))
         }
-        self.check_plane_known(gathered.span)?;
-        let here = self.here();
-        let start = [here[abscissa], here[ordinate]];
-        // Without end words this is the start.
-        let mut end = [target.to[abscissa], target.to[ordinate]];
-        let has_end = !target.named.intersection(plane).is_empty();
-        let mut target = target;
-        if has_end {
-            end = self.closed_on_grid(start, end, gathered.span)?;
-            (target.to[abscissa], target.to[ordinate]) = (end[0], end[1]);
-        }
-        if let Some((radius, span)) = radius {
-            if let Some((_, span)) =
-                sweep.or(pitch).filter(|_| true).or(if has_center { Some((0.0, span)) } else { None })
+    };
+    let sweep_rad = match (sweep, turns) {
+        (Some((degrees, span)), _) => {
+            if has_end {
+                let message = "center, end point and sweep B5= in one block";
+                return Err(fault(Code::BAD_ARC, span, message, "keep the end point or the sweep"));
+            }
+            if !(degrees > 0.0 && degrees <= MOST_TURNS * 360.0) {
+                return Err(bad_value(span, format!("B5={degrees} is no sweep"), "write an angle above 0"));
+            }
+            if let Some((turns, span)) = turns
+                && (turns - degrees / 360.0).abs() > TURN_TOLERANCE
             {
-                let message = "R beside a center, a sweep or a pitch";
-                return Err(fault(Code::BAD_ARC, span, message, "keep one way to say which arc is meant"));
+                let message = format!("pitch and depth make {turns:.3} turns, B5= {:.3}", degrees / 360.0);
+                return Err(fault(Code::BAD_ARC, span, message, "correct one of them"));
             }
-            let center = self.center_by_radius(radius, span, start, end, clockwise)?;
-            let sweep_rad = sweep_between(start, end, center, clockwise);
-            return self.circular(Circle { clockwise, center, sweep_rad }, target.to, target.named.union(plane));
+            degrees.to_radians()
         }
-        let center = self.center(words, polar, start, gathered.span)?;
-        let depth = (target.to[applicate] - here[applicate]).abs();
-        let turns = match pitch {
-            None => None,
-            Some((pitch, span)) => {
-                let pitch = pitch.abs() * self.modal.scale();
-                if pitch < 1e-6 || depth < 1e-9 {
-                    let letter = char::from(letter(applicate));
-                    let message = format!("the pitch {letter} needs a value and the end of {applicate}");
-                    return Err(fault(Code::BAD_ARC, span, message, "program the depth of the helix in the block"));
-                }
-                Some((depth / pitch, span))
+        (None, None) if has_end => sweep_between(start, end, center, clockwise),
+        (None, None) => TAU,
+        (None, Some((turns, span))) if !has_end => {
+            if turns > MOST_TURNS {
+                return Err(bad_value(span, "a helix of more than 1000 turns", "check the pitch"));
             }
-        };
-        let sweep_rad = match (sweep, turns) {
-            (Some((degrees, span)), _) => {
-                if has_end {
-                    let message = "center, end point and sweep B5= in one block";
-                    return Err(fault(Code::BAD_ARC, span, message, "keep the end point or the sweep"));
-                }
-                if !(degrees > 0.0 && degrees <= MOST_TURNS * 360.0) {
-                    return Err(bad_value(span, format!("B5={degrees} is no sweep"), "write an angle above 0"));
-                }
-                if let Some((turns, span)) = turns
-                    && (turns - degrees / 360.0).abs() > TURN_TOLERANCE
-                {
-                    let message = format!("pitch and depth make {turns:.3} turns, B5= {:.3}", degrees / 360.0);
-                    return Err(fault(Code::BAD_ARC, span, message, "correct one of them"));
-                }
-                degrees.to_radians()
-            }
-            (None, None) if has_end => sweep_between(start, end, center, clockwise),
-            (None, None) => TAU,
-            (None, Some((turns, span))) if !has_end => {
-                if turns > MOST_TURNS {
-                    return Err(bad_value(span, "a helix of more than 1000 turns", "check the pitch"));
-                }
-                turns * TAU
-            }
-            (None, Some((turns, span))) => {
-                let part = sweep_between(start, end, center, clockwise) / TAU;
-                let whole = (turns - part).round().max(0.0);
-                if (turns - part - whole).abs() > TURN_TOLERANCE || whole > MOST_TURNS {
-                    let message = format!("pitch and depth make {turns:.3} turns, which do not end at the end point");
-                    return Err(fault(Code::BAD_ARC, span, message, "correct the pitch, the depth or the end point"));
-                }
-                (part + whole) * TAU
-            }
-        };
-        let mut to = target.to;
-        if !has_end {
-            let turns = sweep_rad / TAU;
-            if (turns - turns.round()).abs() > NO_REST {
-                end = turned(start, center, if clockwise { -sweep_rad } else { sweep_rad });
-            }
-            to[abscissa] = end[0];
-            to[ordinate] = end[1];
+            turns * TAU
         }
-        self.circular(Circle { clockwise, center, sweep_rad }, to, target.named.union(plane))
+        (None, Some((turns, span))) => {
+            let part = sweep_between(start, end, center, clockwise) / TAU;
+            let whole = (turns - part).round().max(0.0);
+            if (turns - part - whole).abs() > TURN_TOLERANCE || whole > MOST_TURNS {
+                let message = format!("pitch and depth make {turns:.3} turns, which do not end at the end point");
+                return Err(fault(Code::BAD_ARC, span, message, "correct the pitch, the depth or the end point"));
+            }
+            (part + whole) * TAU
+        }
+    };
+    let mut to = target.to;
+    if !has_end {
+        let turns = sweep_rad / TAU;
+        if (turns - turns.round()).abs() > NO_REST {
+            end = turned(start, center, if clockwise { -sweep_rad } else { sweep_rad });
+        }
+        to[abscissa] = end[0];
+        to[ordinate] = end[1];
     }
+    circular(channel, Circle { clockwise, center, sweep_rad }, to, target.named.union(plane))
+}
 
-    /// The end of an arc; where the increment of the control makes it one with the start, it is the start.
-    fn closed_on_grid(&self, start: [f64; 2], end: [f64; 2], span: Span) -> Result<[f64; 2], Fault> {
-        match meeting(start, end, 1.0 / self.machine.control.grid[0]) {
-            Meeting::Apart => Ok(end),
-            Meeting::Same => Ok(start),
-            Meeting::Unsure => Err(unsure(span, start, end, "the grid is control.increment_mm")),
+/// The end of an arc; where the increment of the control makes it one with the start, it is the start.
+fn closed_on_grid(channel: &Channel<'_>, start: [f64; 2], end: [f64; 2], span: Span) -> Result<[f64; 2], Fault> {
+    match meeting(start, end, 1.0 / channel.machine.control.grid[0]) {
+        Meeting::Apart => Ok(end),
+        Meeting::Same => Ok(start),
+        Meeting::Unsure => Err(unsure(span, start, end, "the grid is control.increment_mm")),
+    }
+}
+
+/// The center of an arc of a radius: at most half a turn, for a negative one more.
+fn center_by_radius(
+    channel: &Channel<'_>,
+    radius: f64,
+    span: Span,
+    start: [f64; 2],
+    end: [f64; 2],
+    clockwise: bool,
+) -> Result<[f64; 2], Fault> {
+    let control = &channel.machine.control;
+    let tolerance = |radius: f64| control.arc_tolerance_mm.max(control.arc_tolerance_ratio * radius);
+    center_of_radius(radius * channel.modal.scale(), start, end, clockwise, &tolerance).map_err(|found| {
+        let help = "correct R or the end point; a full circle needs its center";
+        fault(Code::RADIUS_TOO_SMALL, span, found.message("R"), help)
+    })
+}
+
+/// The center by words of the axes, absolute or in G91 from the start, or by B3 and L3 from the pole.
+fn center(
+    channel: &Channel<'_>,
+    words: [Option<Found>; 2],
+    polar: [Option<Found>; 2],
+    start: [f64; 2],
+    span: Span,
+) -> Result<[f64; 2], Fault> {
+    let scale = channel.modal.scale();
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    if let [Some((angle, span)), Some((length, _))] = polar {
+        if words.iter().any(Option::is_some) {
+            let message = "the center of this arc is given in two ways";
+            return Err(fault(Code::BAD_ARC, span, message, "keep I, J, K or B3= and L3="));
+        }
+        let center = plus(&channel.modal.pole, &channel.modal.direction(angle), length * scale);
+        return Ok([center[abscissa], center[ordinate]]);
+    }
+    if let Some((_, span)) = polar.into_iter().flatten().next() {
+        let message = "B3= and L3= only mean a center together";
+        return Err(fault(Code::BAD_POLAR, span, message, "program both in the block"));
+    }
+    if words.iter().all(Option::is_none) {
+        let message = "an arc without center and radius";
+        return Err(fault(Code::NO_CENTER, span, message, "add the center with I, J, K, or R"));
+    }
+    let mut center = start;
+    for ((place, word), axis) in center.iter_mut().zip(words).zip([abscissa, ordinate]) {
+        match word {
+            Some((value, _)) if channel.modal.incremental => *place += value * scale,
+            Some((value, _)) => *place = value * scale,
+            None if channel.modal.incremental => {}
+            None => {
+                let message = format!("the center of this arc has no coordinate along {axis}");
+                let help = "program both: absolute centers are not relative to the start";
+                return Err(fault(Code::NO_CENTER, span, message, help));
+            }
         }
     }
+    Ok(center)
+}
 
-    /// The center of an arc of a radius: at most half a turn, for a negative one more.
-    fn center_by_radius(
-        &self,
-        radius: f64,
-        span: Span,
-        start: [f64; 2],
-        end: [f64; 2],
-        clockwise: bool,
-    ) -> Result<[f64; 2], Fault> {
-        let control = &self.machine.control;
+/// A circular motion, one move a turn; other axes have their share of each.
+pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector, named: AxisSet) -> Result<(), Fault> {
+    motion::check_feed(channel, channel.modal.feed, channel.outlet.origin.span)?;
+    let turns = circle.sweep_rad / TAU;
+    let mut whole = turns.floor();
+    if turns - whole > 1.0 - NO_REST {
+        whole += 1.0;
+    }
+    let has_rest = turns - whole > NO_REST;
+    let from = target::here(channel);
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    // Between 0 and the limit of turns.
+    for turn in 1..=whole as u32 {
+        let mut end = from.lerp(&to, f64::from(turn) / turns);
+        end[abscissa] = from[abscissa];
+        end[ordinate] = from[ordinate];
+        if !has_rest && f64::from(turn) >= whole {
+            end = to;
+        }
+        one_arc(channel, circle, &end, named)?;
+    }
+    if has_rest { one_arc(channel, circle, &to, named) } else { Ok(()) }
+}
+
+/// One arc of at most a turn.
+pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector, named: AxisSet) -> Result<(), Fault> {
+    let (machine, setup, plane) = (channel.machine, std::sync::Arc::clone(&channel.setup), channel.modal.plane);
+    let control = &machine.control;
+    let [abscissa, ordinate, _] = plane.axes();
+    let span = channel.outlet.origin.span;
+    let programmed = target::here(channel);
+    let to = *to;
+    motion::elementary(channel, &to, named, false, channel.modal.feed, |[start, target]| {
+        // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit.
+        let is_shifted = setup.frame.is_translation();
+        let (from, end) = if is_shifted { (*start, *target) } else { (programmed, to) };
+        let mut center = circle.center;
+        if is_shifted {
+            for (place, axis) in center.iter_mut().zip([abscissa, ordinate]) {
+                *place += setup.frame.shift(axis) - setup.tool_mm[axis.slot()];
+            }
+        }
         let tolerance = |radius: f64| control.arc_tolerance_mm.max(control.arc_tolerance_ratio * radius);
-        center_of_radius(radius * self.modal.scale(), start, end, clockwise, &tolerance).map_err(|found| {
-            let help = "correct R or the end point; a full circle needs its center";
-            fault(Code::RADIUS_TOO_SMALL, span, found.message("R"), help)
-        })
-    }
-
-    /// The center by words of the axes, absolute or in G91 from the start, or by B3 and L3 from the pole.
-    fn center(
-        &self,
-        words: [Option<Found>; 2],
-        polar: [Option<Found>; 2],
-        start: [f64; 2],
-        span: Span,
-    ) -> Result<[f64; 2], Fault> {
-        let scale = self.modal.scale();
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        if let [Some((angle, span)), Some((length, _))] = polar {
-            if words.iter().any(Option::is_some) {
-                let message = "the center of this arc is given in two ways";
-                return Err(fault(Code::BAD_ARC, span, message, "keep I, J, K or B3= and L3="));
-            }
-            let center = plus(&self.modal.pole, &self.modal.direction(angle), length * scale);
-            return Ok([center[abscissa], center[ordinate]]);
-        }
-        if let Some((_, span)) = polar.into_iter().flatten().next() {
-            let message = "B3= and L3= only mean a center together";
-            return Err(fault(Code::BAD_POLAR, span, message, "program both in the block"));
-        }
-        if words.iter().all(Option::is_none) {
-            let message = "an arc without center and radius";
-            return Err(fault(Code::NO_CENTER, span, message, "add the center with I, J, K, or R"));
-        }
-        let mut center = start;
-        for ((place, word), axis) in center.iter_mut().zip(words).zip([abscissa, ordinate]) {
-            match word {
-                Some((value, _)) if self.modal.incremental => *place += value * scale,
-                Some((value, _)) => *place = value * scale,
-                None if self.modal.incremental => {}
-                None => {
-                    let message = format!("the center of this arc has no coordinate along {axis}");
-                    let help = "program both: absolute centers are not relative to the start";
-                    return Err(fault(Code::NO_CENTER, span, message, help));
-                }
-            }
-        }
-        Ok(center)
-    }
-
-    /// A circular motion, one move a turn; other axes have their share of each.
-    pub(super) fn circular(&mut self, circle: Circle, to: AxisVector, named: AxisSet) -> Result<(), Fault> {
-        self.check_feed(self.modal.feed, self.outlet.origin.span)?;
-        let turns = circle.sweep_rad / TAU;
-        let mut whole = turns.floor();
-        if turns - whole > 1.0 - NO_REST {
-            whole += 1.0;
-        }
-        let has_rest = turns - whole > NO_REST;
-        let from = self.here();
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        // Between 0 and the limit of turns.
-        for turn in 1..=whole as u32 {
-            let mut end = from.lerp(&to, f64::from(turn) / turns);
-            end[abscissa] = from[abscissa];
-            end[ordinate] = from[ordinate];
-            if !has_rest && f64::from(turn) >= whole {
-                end = to;
-            }
-            self.one_arc(circle, &end, named)?;
-        }
-        if has_rest { self.one_arc(circle, &to, named) } else { Ok(()) }
-    }
-
-    /// One arc of at most a turn.
-    pub(super) fn one_arc(&mut self, circle: Circle, to: &AxisVector, named: AxisSet) -> Result<(), Fault> {
-        let (machine, setup, plane) = (self.machine, std::sync::Arc::clone(&self.setup), self.modal.plane);
-        let control = &machine.control;
-        let [abscissa, ordinate, _] = plane.axes();
-        let span = self.outlet.origin.span;
-        let programmed = self.here();
-        let to = *to;
-        self.elementary(&to, named, false, self.modal.feed, |[start, target]| {
-            // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit.
-            let is_shifted = setup.frame.is_translation();
-            let (from, end) = if is_shifted { (*start, *target) } else { (programmed, to) };
-            let mut center = circle.center;
-            if is_shifted {
-                for (place, axis) in center.iter_mut().zip([abscissa, ordinate]) {
-                    *place += setup.frame.shift(axis) - setup.tool_mm[axis.slot()];
-                }
-            }
-            let tolerance = |radius: f64| control.arc_tolerance_mm.max(control.arc_tolerance_ratio * radius);
-            let arc = Arc::through(plane, circle.clockwise, &from, &end, center, 0, tolerance)
-                .map_err(|found| center_fault(found, span))?;
-            Ok::<Shape, Fault>(behind_frame(&arc, [&from, &end], target, &setup, control.chord_tolerance_mm))
-        })
-    }
+        let arc = Arc::through(plane, circle.clockwise, &from, &end, center, 0, tolerance)
+            .map_err(|found| center_fault(found, span))?;
+        Ok::<Shape, Fault>(behind_frame(&arc, [&from, &end], target, &setup, control.chord_tolerance_mm))
+    })
 }
 
 fn center_fault(found: CenterFault, span: Span) -> Fault {

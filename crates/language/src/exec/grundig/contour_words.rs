@@ -1,11 +1,16 @@
 //! Words of contours: elements whose end the next one tells (G64), roundings and chamfers (R1=, I1=), G11, G61 and G62.
 
+use super::arc;
 use super::arc::{Circle, sweep_between};
 use super::channel::Channel;
 use super::cycles::Flat;
 use super::gathered::{Found, Gathered};
 use super::geometry::{Choice, Element, meet};
+use super::machining;
 use super::modal::{MotionKind, plus};
+use super::motion;
+use super::setup;
+use super::target;
 use super::target::Target;
 use crate::exec::core::contour::{Clearance, Corner, Soft, SoftForm, SoftSide, Transition};
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -22,327 +27,328 @@ pub(super) struct Open {
     span: Span,
 }
 
-impl Channel<'_> {
-    /// Takes R1= and I1= of a motion: what stands between it and the next one.
-    pub(super) fn corner_words(&mut self, gathered: &mut Gathered) -> Result<(), Fault> {
-        self.corner = None;
-        if !self.modal.geometry {
-            return Ok(());
-        }
-        let (round, chamfer) = (gathered.once(b'R', Some(1))?, gathered.once(b'I', Some(1))?);
-        self.corner = self.transition(round, chamfer)?;
-        Ok(())
+/// Takes R1= and I1= of a motion: what stands between it and the next one.
+pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+    channel.corner = None;
+    if !channel.modal.geometry {
+        return Ok(());
     }
+    let (round, chamfer) = (gathered.once(b'R', Some(1))?, gathered.once(b'I', Some(1))?);
+    channel.corner = transition(channel, round, chamfer)?;
+    Ok(())
+}
 
-    /// A rounding by its radius, or a chamfer by its distance from the corner.
-    fn transition(&self, round: Option<Found>, chamfer: Option<Found>) -> Result<Option<Corner>, Fault> {
-        let scale = self.modal.scale() * self.plane_factor();
-        let size = |(value, span): Found| {
-            if value > 0.0 {
-                return Ok(value * scale);
-            }
-            Err(bad_value(span, format!("a rounding or chamfer of {value}"), "write a size above 0"))
-        };
-        let transition = match (round, chamfer) {
-            (None, None) => return Ok(None),
-            (Some(_), Some((_, span))) => {
-                return Err(bad_value(span, "a rounding and a chamfer at one corner", "keep one of them"));
-            }
-            (Some(round), None) => Transition::Round(size(round)?),
-            (None, Some(chamfer)) if self.machine.control.grundig.chamfer_is_length => {
-                Transition::ChamferLength(size(chamfer)?)
-            }
-            (None, Some(chamfer)) => Transition::ChamferSetback(size(chamfer)?),
-        };
-        Ok(Some(Corner { transition, feed: 0.0, is_modal: false }))
-    }
-
-    /// What a motion block of G64 is in the calculation of intersections; false where it is an ordinary motion.
-    pub(super) fn open_element(&mut self, gathered: &mut Gathered) -> Result<bool, Fault> {
-        if gathered.is_used_up() {
-            return Ok(false);
+/// A rounding by its radius, or a chamfer by its distance from the corner.
+fn transition(channel: &Channel<'_>, round: Option<Found>, chamfer: Option<Found>) -> Result<Option<Corner>, Fault> {
+    let scale = channel.modal.scale() * plane_factor(channel);
+    let size = |(value, span): Found| {
+        if value > 0.0 {
+            return Ok(value * scale);
         }
-        let Some((element, has_end)) = self.element_of(gathered)? else {
-            return match self.open.take() {
-                None => Ok(false),
-                Some(open) => Err(self.without_end(&open)),
+        Err(bad_value(span, format!("a rounding or chamfer of {value}"), "write a size above 0"))
+    };
+    let transition = match (round, chamfer) {
+        (None, None) => return Ok(None),
+        (Some(_), Some((_, span))) => {
+            return Err(bad_value(span, "a rounding and a chamfer at one corner", "keep one of them"));
+        }
+        (Some(round), None) => Transition::Round(size(round)?),
+        (None, Some(chamfer)) if channel.machine.control.grundig.chamfer_is_length => {
+            Transition::ChamferLength(size(chamfer)?)
+        }
+        (None, Some(chamfer)) => Transition::ChamferSetback(size(chamfer)?),
+    };
+    Ok(Some(Corner { transition, feed: 0.0, is_modal: false }))
+}
+
+/// What a motion block of G64 is in the calculation of intersections; false where it is an ordinary motion.
+pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<bool, Fault> {
+    if gathered.is_used_up() {
+        return Ok(false);
+    }
+    let Some((element, has_end)) = element_of(channel, gathered)? else {
+        return match channel.open.take() {
+            None => Ok(false),
+            Some(open) => Err(without_end(channel, &open)),
+        };
+    };
+    let choice = match gathered.once(b'J', Some(1))? {
+        None | Some((1.0, _)) => Choice::First,
+        Some((2.0, _)) => Choice::Second,
+        Some((value, span)) => {
+            return Err(bad_value(span, format!("J1={value} chooses no intersection"), "write J1=1 or J1=2"));
+        }
+    };
+    if !has_end {
+        if let Some(open) = channel.open.take() {
+            return Err(without_end(channel, &open));
+        }
+        begin_open(channel, element, choice, gathered.span)?;
+        return Ok(true);
+    }
+    let Some(open) = channel.open.take() else {
+        // With its end an element is what it is; only a tangent or an angle too much says nothing.
+        let message = "angle or tangent and end of an element whose start is known";
+        return match element {
+            Element::Arc { .. } => Ok(false),
+            _ => Err(bad_value(gathered.span, message, "keep the end, or leave the end of the element before open")),
+        };
+    };
+    let incremental = channel.modal.incremental;
+    let target = target_of_plane(channel, gathered, incremental)?;
+    let end = machining::flat(channel, &target.to);
+    let choice = if choice == Choice::Second { choice } else { open.choice };
+    let found = meet(open.start, open.element, element, end, choice);
+    let corner = match found {
+        Ok(corner) => corner,
+        Err(found) => {
+            channel.outlet.close(None, AxisSet::EMPTY);
+            let help = "correct one of them";
+            return Err(fault(Code::BAD_WORD_VALUE, gathered.span, found.message(), help));
+        }
+    };
+    let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
+    let mut place = target::here(channel);
+    machining::set_flat(channel, &mut place, corner);
+    channel.modal.command = motion::reach(channel, &place, plane);
+    channel.modal.known = channel.modal.known.union(plane);
+    let shown = setup::shown_axes(channel, plane, true);
+    channel.outlet.close(Some(channel.modal.command), shown);
+    match element {
+        Element::Arc { center, clockwise } => {
+            let sweep_rad = sweep_between(corner, end, center, clockwise);
+            let circle = Circle { clockwise, center: plane_coordinates(channel, center), sweep_rad };
+            arc::circular(channel, circle, target.to, target.named.union(plane))?;
+        }
+        _ => motion::straight(channel, target)?,
+    }
+    Ok(true)
+}
+
+/// The target of a block whose angles are done.
+fn target_of_plane(channel: &mut Channel<'_>, gathered: &mut Gathered, incremental: bool) -> Result<Target, Fault> {
+    let plane = channel.modal.plane.axes();
+    if incremental && plane.into_iter().take(2).any(|axis| gathered.peek(axis.letter(), None).is_some()) {
+        let message = "the end of this element is incremental, and its start is where it meets the one before";
+        return Err(bad_value(gathered.span, message, "program the end absolute"));
+    }
+    target::target(channel, gathered, incremental)
+}
+
+/// The element of a block and whether it has its end; `None` where the block needs no calculation.
+fn element_of(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Option<(Element, bool)>, Fault> {
+    let axes = channel.modal.plane.axes();
+    let words = |gathered: &Gathered| {
+        let named = |axis: ncfix_base::geometry::Axis| {
+            [None, Some(90), Some(91)].into_iter().any(|index| gathered.peek(axis.letter(), index).is_some())
+        };
+        axes.into_iter().take(2).filter(|&axis| named(axis)).count()
+    };
+    let ends = words(gathered);
+    let is_polar =
+        [(b'B', 2), (b'L', 1)].into_iter().any(|(letter, index)| gathered.peek(letter, Some(index)).is_some());
+    let has_end = ends == 2;
+    match channel.modal.motion {
+        MotionKind::Rapid | MotionKind::Line => {
+            if is_polar || ends == 1 {
+                return Ok(None);
+            }
+            if let Some((degrees, _)) = gathered.peek(b'B', Some(1)) {
+                gathered.take(b'B', Some(1));
+                return Ok(Some((Element::Line { angle_rad: degrees.to_radians() }, has_end)));
+            }
+            match gathered.once(b'K', Some(1))? {
+                Some(_) => Ok(Some((Element::Touching, has_end))),
+                None => Ok(None),
+            }
+        }
+        MotionKind::Clockwise | MotionKind::CounterClockwise => {
+            let letters = [axes[0], axes[1]].map(|axis| b"IJK".get(axis.slot()).copied().unwrap_or_default());
+            let given = letters.map(|letter| gathered.peek(letter, None));
+            let ([Some((first, _)), Some((second, _))], None) = (given, gathered.peek(b'B', Some(5))) else {
+                return Ok(None);
             };
-        };
-        let choice = match gathered.once(b'J', Some(1))? {
-            None | Some((1.0, _)) => Choice::First,
-            Some((2.0, _)) => Choice::Second,
-            Some((value, span)) => {
-                return Err(bad_value(span, format!("J1={value} chooses no intersection"), "write J1=1 or J1=2"));
+            // With an end and nothing open before, it is an ordinary arc.
+            if ends == 1 || is_polar || (has_end && channel.open.is_none()) {
+                return Ok(None);
             }
-        };
-        if !has_end {
-            if let Some(open) = self.open.take() {
-                return Err(self.without_end(&open));
+            for letter in letters {
+                gathered.take(letter, None);
             }
-            self.begin_open(element, choice, gathered.span)?;
-            return Ok(true);
-        }
-        let Some(open) = self.open.take() else {
-            // With its end an element is what it is; only a tangent or an angle too much says nothing.
-            let message = "angle or tangent and end of an element whose start is known";
-            return match element {
-                Element::Arc { .. } => Ok(false),
-                _ => {
-                    Err(bad_value(gathered.span, message, "keep the end, or leave the end of the element before open"))
-                }
-            };
-        };
-        let incremental = self.modal.incremental;
-        let target = self.target_of_plane(gathered, incremental)?;
-        let end = self.flat(&target.to);
-        let choice = if choice == Choice::Second { choice } else { open.choice };
-        let found = meet(open.start, open.element, element, end, choice);
-        let corner = match found {
-            Ok(corner) => corner,
-            Err(found) => {
-                self.outlet.close(None, AxisSet::EMPTY);
-                let help = "correct one of them";
-                return Err(fault(Code::BAD_WORD_VALUE, gathered.span, found.message(), help));
-            }
-        };
-        let plane: AxisSet = self.modal.plane.axes().into_iter().take(2).collect();
-        let mut place = self.here();
-        self.set_flat(&mut place, corner);
-        self.modal.command = self.reach(&place, plane);
-        self.modal.known = self.modal.known.union(plane);
-        let shown = self.shown_axes(plane, true);
-        self.outlet.close(Some(self.modal.command), shown);
-        match element {
-            Element::Arc { center, clockwise } => {
-                let sweep_rad = sweep_between(corner, end, center, clockwise);
-                let circle = Circle { clockwise, center: self.plane_coordinates(center), sweep_rad };
-                self.circular(circle, target.to, target.named.union(plane))?;
-            }
-            _ => self.straight(target)?,
-        }
-        Ok(true)
-    }
-
-    /// The target of a block whose angles are done.
-    fn target_of_plane(&mut self, gathered: &mut Gathered, incremental: bool) -> Result<Target, Fault> {
-        let plane = self.modal.plane.axes();
-        if incremental && plane.into_iter().take(2).any(|axis| gathered.peek(axis.letter(), None).is_some()) {
-            let message = "the end of this element is incremental, and its start is where it meets the one before";
-            return Err(bad_value(gathered.span, message, "program the end absolute"));
-        }
-        self.target(gathered, incremental)
-    }
-
-    /// The element of a block and whether it has its end; `None` where the block needs no calculation.
-    fn element_of(&mut self, gathered: &mut Gathered) -> Result<Option<(Element, bool)>, Fault> {
-        let axes = self.modal.plane.axes();
-        let words = |gathered: &Gathered| {
-            let named = |axis: ncfix_base::geometry::Axis| {
-                [None, Some(90), Some(91)].into_iter().any(|index| gathered.peek(axis.letter(), index).is_some())
-            };
-            axes.into_iter().take(2).filter(|&axis| named(axis)).count()
-        };
-        let ends = words(gathered);
-        let is_polar =
-            [(b'B', 2), (b'L', 1)].into_iter().any(|(letter, index)| gathered.peek(letter, Some(index)).is_some());
-        let has_end = ends == 2;
-        match self.modal.motion {
-            MotionKind::Rapid | MotionKind::Line => {
-                if is_polar || ends == 1 {
-                    return Ok(None);
-                }
-                if let Some((degrees, _)) = gathered.peek(b'B', Some(1)) {
-                    gathered.take(b'B', Some(1));
-                    return Ok(Some((Element::Line { angle_rad: degrees.to_radians() }, has_end)));
-                }
-                match gathered.once(b'K', Some(1))? {
-                    Some(_) => Ok(Some((Element::Touching, has_end))),
-                    None => Ok(None),
-                }
-            }
-            MotionKind::Clockwise | MotionKind::CounterClockwise => {
-                let letters = [axes[0], axes[1]].map(|axis| b"IJK".get(axis.slot()).copied().unwrap_or_default());
-                let given = letters.map(|letter| gathered.peek(letter, None));
-                let ([Some((first, _)), Some((second, _))], None) = (given, gathered.peek(b'B', Some(5))) else {
-                    return Ok(None);
-                };
-                // With an end and nothing open before, it is an ordinary arc.
-                if ends == 1 || is_polar || (has_end && self.open.is_none()) {
-                    return Ok(None);
-                }
-                for letter in letters {
-                    gathered.take(letter, None);
-                }
-                let here = self.here();
-                let scale = self.modal.scale();
-                let base = if self.modal.incremental { [here[axes[0]], here[axes[1]]] } else { [0.0; 2] };
-                let mut center = here;
-                center[axes[0]] = base[0] + first * scale;
-                center[axes[1]] = base[1] + second * scale;
-                let clockwise = self.modal.motion == MotionKind::Clockwise;
-                Ok(Some((Element::Arc { center: self.flat(&center), clockwise }, has_end)))
-            }
+            let here = target::here(channel);
+            let scale = channel.modal.scale();
+            let base = if channel.modal.incremental { [here[axes[0]], here[axes[1]]] } else { [0.0; 2] };
+            let mut center = here;
+            center[axes[0]] = base[0] + first * scale;
+            center[axes[1]] = base[1] + second * scale;
+            let clockwise = channel.modal.motion == MotionKind::Clockwise;
+            Ok(Some((Element::Arc { center: machining::flat(channel, &center), clockwise }, has_end)))
         }
     }
+}
 
-    /// Begins a motion whose end is not known.
-    fn begin_open(&mut self, element: Element, choice: Choice, span: Span) -> Result<(), Fault> {
-        self.check_plane_known(span)?;
-        if !self.setup.frame.keeps_circles(self.modal.plane) {
-            let message = "intersections of G64 under unequal scale";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "program the ends of the elements"));
+/// Begins a motion whose end is not known.
+fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span: Span) -> Result<(), Fault> {
+    target::check_plane_known(channel, span)?;
+    if !channel.setup.frame.keeps_circles(channel.modal.plane) {
+        let message = "intersections of G64 under unequal scale";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "program the ends of the elements"));
+    }
+    let start = machining::flat(channel, &target::here(channel));
+    let to = target::here(channel);
+    channel.is_open = true;
+    let feed = channel.modal.feed;
+    let rapid = channel.modal.motion == MotionKind::Rapid;
+    let done = match element {
+        Element::Arc { center, clockwise } => {
+            motion::check_feed(channel, feed, span)?;
+            let circle = Circle { clockwise, center: plane_coordinates(channel, center), sweep_rad: 0.0 };
+            arc::one_arc(channel, circle, &to, AxisSet::EMPTY)
         }
-        let start = self.flat(&self.here());
-        let to = self.here();
-        self.is_open = true;
-        let feed = self.modal.feed;
-        let rapid = self.modal.motion == MotionKind::Rapid;
-        let done = match element {
-            Element::Arc { center, clockwise } => {
-                self.check_feed(feed, span)?;
-                let circle = Circle { clockwise, center: self.plane_coordinates(center), sweep_rad: 0.0 };
-                self.one_arc(circle, &to, AxisSet::EMPTY)
-            }
-            _ if rapid => self.rapid_line(&to, AxisSet::EMPTY),
-            _ => self.feed_line(&to, AxisSet::EMPTY, feed),
-        };
-        self.is_open = false;
-        done?;
-        self.open = Some(Open { start, element, choice, span });
-        Ok(())
-    }
+        _ if rapid => motion::rapid_line(channel, &to, AxisSet::EMPTY),
+        _ => motion::feed_line(channel, &to, AxisSet::EMPTY, feed),
+    };
+    channel.is_open = false;
+    done?;
+    channel.open = Some(Open { start, element, choice, span });
+    Ok(())
+}
 
-    /// How much the frame enlarges the plane.
-    fn plane_factor(&self) -> f64 {
-        let frame = &self.setup.frame;
-        if frame.is_translation() {
-            return 1.0;
+/// How much the frame enlarges the plane.
+fn plane_factor(channel: &Channel<'_>) -> f64 {
+    let frame = &channel.setup.frame;
+    if frame.is_translation() {
+        return 1.0;
+    }
+    frame.linear().column(channel.modal.plane.axes()[0].slot()).norm()
+}
+
+fn without_end(channel: &mut Channel<'_>, open: &Open) -> Fault {
+    channel.outlet.close(None, AxisSet::EMPTY);
+    bad_value(
+        open.span,
+        "this element has no end, and the next one does not tell where they meet",
+        "let an element with its end follow: a line with B1= or K1=, or an arc with its center",
+    )
+}
+
+/// Says what an element that still waits lacks.
+pub(super) fn end_open(channel: &mut Channel<'_>) {
+    if let Some(open) = channel.open.take() {
+        let found = without_end(channel, &open);
+        channel.outlet.warnings.push(found);
+    }
+}
+
+/// Abscissa and ordinate of the plane of a point of the flat one.
+fn plane_coordinates(channel: &Channel<'_>, flat: Flat) -> [f64; 2] {
+    let mut place = ncfix_base::geometry::AxisVector::ZERO;
+    machining::set_flat(channel, &mut place, flat);
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    [place[abscissa], place[ordinate]]
+}
+
+/// `G11`: two lines in one block, each by its end, by angle and length, or the first by its angle alone.
+pub(super) fn two_lines(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    let help = "write for example G11 X40 Y10 R5 X1=60 Y1=30, or G11 B30 X1=60 Y1=30 B1=90";
+    if channel.modal.incremental {
+        return Err(fault(Code::NOT_SUPPORTED, span, "G11 behind G91", "program it behind G90"));
+    }
+    target::check_plane_known(channel, span)?;
+    channel.modal.motion = MotionKind::Line;
+    let start = target::here(channel);
+    let first = leg(channel, gathered, None)?;
+    let second = leg(channel, gathered, Some(1))?;
+    let corners = [(None, None), (Some(1), Some(1))].map(|(r, k)| (gathered.take(b'R', r), gathered.take(b'K', k)));
+    let scale = channel.modal.scale();
+    let from = machining::flat(channel, &start);
+    let middle = match (first.end(from, scale, channel), second) {
+        (Some(middle), _) => middle,
+        (None, Leg { angle: Some(b), place: [Some(_), Some(_)], .. }) => {
+            let Some(a) = first.angle else { return Err(bad_value(span, "the first line has no end", help)) };
+            let end = second.given(from, scale, channel);
+            let line = |degrees: f64| Element::Line { angle_rad: degrees.to_radians() };
+            meet(from, line(a), line(b), end, Choice::First)
+                .map_err(|found| fault(Code::BAD_WORD_VALUE, span, found.message(), help))?
         }
-        frame.linear().column(self.modal.plane.axes()[0].slot()).norm()
+        _ => return Err(bad_value(span, "the first line has no end", help)),
+    };
+    let second = Leg { angle: second.angle.filter(|_| !second.is_whole()), ..second };
+    let Some(end) = second.end(middle, scale, channel) else {
+        return Err(bad_value(span, "the second line has no end", help));
+    };
+    let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
+    for (place, (round, chamfer)) in [middle, end].into_iter().zip(corners) {
+        channel.corner = transition(channel, round, chamfer)?;
+        let mut to = start;
+        machining::set_flat(channel, &mut to, place);
+        motion::feed_line(channel, &to, plane, channel.modal.feed)?;
     }
+    Ok(())
+}
 
-    fn without_end(&mut self, open: &Open) -> Fault {
-        self.outlet.close(None, AxisSet::EMPTY);
-        bad_value(
-            open.span,
-            "this element has no end, and the next one does not tell where they meet",
-            "let an element with its end follow: a line with B1= or K1=, or an arc with its center",
-        )
+fn leg(channel: &Channel<'_>, gathered: &mut Gathered, index: Option<u16>) -> Result<Leg, Fault> {
+    let [abscissa, ordinate] = flat_letters(channel);
+    Ok(Leg {
+        place: [gathered.once(abscissa, index)?, gathered.once(ordinate, index)?].map(|word| word.map(|w| w.0)),
+        angle: gathered.once(b'B', index)?.map(|word| word.0),
+        length: gathered.once(b'L', index)?.map(|word| word.0),
+    })
+}
+
+/// The letters of the axes in which angles count.
+fn flat_letters(channel: &Channel<'_>) -> [u8; 2] {
+    match channel.modal.plane.number() {
+        17 => *b"XY",
+        18 => *b"XZ",
+        _ => *b"YZ",
     }
+}
 
-    /// Says what an element that still waits lacks.
-    pub(super) fn end_open(&mut self) {
-        if let Some(open) = self.open.take() {
-            let found = self.without_end(&open);
-            self.outlet.warnings.push(found);
-        }
+/// `G61`, `G62`: onto the contour and off it along a tangent.
+pub(super) fn soft_words(
+    channel: &mut Channel<'_>,
+    gathered: &mut Gathered,
+    retracts: bool,
+    span: Span,
+) -> Result<(), Fault> {
+    let form = match gathered.once(b'I', Some(2))?.map_or(0.0, |found| found.0) {
+        0.0 => SoftForm::Line,
+        1.0 => SoftForm::Quadrant,
+        2.0 => SoftForm::Semicircle,
+        other => return Err(bad_value(span, format!("I2={other} is no form"), "write I2=0, 1 or 2")),
+    };
+    let size = match gathered.once(b'R', None)? {
+        Some((value, _)) if value > 0.0 => value * channel.modal.scale(),
+        _ => return Err(bad_value(span, "the approach needs R", "write its radius or length")),
+    };
+    if !channel.modal.contour.compensates() && !retracts {
+        let message = "a tangential approach without radius compensation";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "program G41 or G42 in the block or before it"));
     }
+    // One that still waits for its motion gets none.
+    end_soft(channel);
+    let soft = Soft {
+        form,
+        retracts,
+        side: SoftSide::Compensation,
+        in_plane: true,
+        size_mm: size,
+        clearance: Clearance::Above(0.0),
+        infeed: 0.0,
+        feed_before: channel.modal.feed,
+        rapid_before: channel.modal.motion == MotionKind::Rapid,
+    };
+    channel.soft = Some((soft, span));
+    Ok(())
+}
 
-    /// Abscissa and ordinate of the plane of a point of the flat one.
-    fn plane_coordinates(&self, flat: Flat) -> [f64; 2] {
-        let mut place = ncfix_base::geometry::AxisVector::ZERO;
-        self.set_flat(&mut place, flat);
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        [place[abscissa], place[ordinate]]
-    }
-
-    /// `G11`: two lines in one block, each by its end, by angle and length, or the first by its angle alone.
-    pub(super) fn two_lines(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-        let help = "write for example G11 X40 Y10 R5 X1=60 Y1=30, or G11 B30 X1=60 Y1=30 B1=90";
-        if self.modal.incremental {
-            return Err(fault(Code::NOT_SUPPORTED, span, "G11 behind G91", "program it behind G90"));
-        }
-        self.check_plane_known(span)?;
-        self.modal.motion = MotionKind::Line;
-        let start = self.here();
-        let first = self.leg(gathered, None)?;
-        let second = self.leg(gathered, Some(1))?;
-        let corners = [(None, None), (Some(1), Some(1))].map(|(r, k)| (gathered.take(b'R', r), gathered.take(b'K', k)));
-        let scale = self.modal.scale();
-        let from = self.flat(&start);
-        let middle = match (first.end(from, scale, self), second) {
-            (Some(middle), _) => middle,
-            (None, Leg { angle: Some(b), place: [Some(_), Some(_)], .. }) => {
-                let Some(a) = first.angle else { return Err(bad_value(span, "the first line has no end", help)) };
-                let end = second.given(from, scale, self);
-                let line = |degrees: f64| Element::Line { angle_rad: degrees.to_radians() };
-                meet(from, line(a), line(b), end, Choice::First)
-                    .map_err(|found| fault(Code::BAD_WORD_VALUE, span, found.message(), help))?
-            }
-            _ => return Err(bad_value(span, "the first line has no end", help)),
-        };
-        let second = Leg { angle: second.angle.filter(|_| !second.is_whole()), ..second };
-        let Some(end) = second.end(middle, scale, self) else {
-            return Err(bad_value(span, "the second line has no end", help));
-        };
-        let plane: AxisSet = self.modal.plane.axes().into_iter().take(2).collect();
-        for (place, (round, chamfer)) in [middle, end].into_iter().zip(corners) {
-            self.corner = self.transition(round, chamfer)?;
-            let mut to = start;
-            self.set_flat(&mut to, place);
-            self.feed_line(&to, plane, self.modal.feed)?;
-        }
-        Ok(())
-    }
-
-    fn leg(&self, gathered: &mut Gathered, index: Option<u16>) -> Result<Leg, Fault> {
-        let [abscissa, ordinate] = self.flat_letters();
-        Ok(Leg {
-            place: [gathered.once(abscissa, index)?, gathered.once(ordinate, index)?].map(|word| word.map(|w| w.0)),
-            angle: gathered.once(b'B', index)?.map(|word| word.0),
-            length: gathered.once(b'L', index)?.map(|word| word.0),
-        })
-    }
-
-    /// The letters of the axes in which angles count.
-    fn flat_letters(&self) -> [u8; 2] {
-        match self.modal.plane.number() {
-            17 => *b"XY",
-            18 => *b"XZ",
-            _ => *b"YZ",
-        }
-    }
-
-    /// `G61`, `G62`: onto the contour and off it along a tangent.
-    pub(super) fn soft_words(&mut self, gathered: &mut Gathered, retracts: bool, span: Span) -> Result<(), Fault> {
-        let form = match gathered.once(b'I', Some(2))?.map_or(0.0, |found| found.0) {
-            0.0 => SoftForm::Line,
-            1.0 => SoftForm::Quadrant,
-            2.0 => SoftForm::Semicircle,
-            other => return Err(bad_value(span, format!("I2={other} is no form"), "write I2=0, 1 or 2")),
-        };
-        let size = match gathered.once(b'R', None)? {
-            Some((value, _)) if value > 0.0 => value * self.modal.scale(),
-            _ => return Err(bad_value(span, "the approach needs R", "write its radius or length")),
-        };
-        if !self.modal.contour.compensates() && !retracts {
-            let message = "a tangential approach without radius compensation";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "program G41 or G42 in the block or before it"));
-        }
-        // One that still waits for its motion gets none.
-        self.end_soft();
-        let soft = Soft {
-            form,
-            retracts,
-            side: SoftSide::Compensation,
-            in_plane: true,
-            size_mm: size,
-            clearance: Clearance::Above(0.0),
-            infeed: 0.0,
-            feed_before: self.modal.feed,
-            rapid_before: self.modal.motion == MotionKind::Rapid,
-        };
-        self.soft = Some((soft, span));
-        Ok(())
-    }
-
-    /// Says of G61 or G62 that still wait that nothing moves onto the contour or off it.
-    pub(super) fn end_soft(&mut self) {
-        if let Some((soft, span)) = self.soft.take() {
-            let message = if soft.retracts { "no motion follows this G62" } else { "no motion follows this G61" };
-            let help = "write where it leads, for example G61 X0 Y0 R8";
-            self.outlet.warnings.push(bad_value(span, message, help));
-        }
+/// Says of G61 or G62 that still wait that nothing moves onto the contour or off it.
+pub(super) fn end_soft(channel: &mut Channel<'_>) {
+    if let Some((soft, span)) = channel.soft.take() {
+        let message = if soft.retracts { "no motion follows this G62" } else { "no motion follows this G61" };
+        let help = "write where it leads, for example G61 X0 Y0 R8";
+        channel.outlet.warnings.push(bad_value(span, message, help));
     }
 }
 
@@ -376,7 +382,10 @@ impl Leg {
     fn end(&self, from: Flat, scale: f64, channel: &Channel<'_>) -> Option<Flat> {
         let given = self.given(from, scale, channel);
         let direction = |degrees: f64| {
-            channel.flat(&plus(&ncfix_base::geometry::AxisVector::ZERO, &channel.modal.direction(degrees), 1.0))
+            machining::flat(
+                channel,
+                &plus(&ncfix_base::geometry::AxisVector::ZERO, &channel.modal.direction(degrees), 1.0),
+            )
         };
         match (self.place, self.angle, self.length) {
             ([Some(_), Some(_)], None, None) => Some(given),

@@ -6,6 +6,8 @@ use super::flow::FLOW_CODES;
 use super::gathered::Gathered;
 use super::level::{Action, Call, Grundig, Interpreter, Level, LevelKind, Loaded};
 use super::library::take_comment;
+use super::order;
+use super::setup;
 use super::tables;
 use crate::exec::core::executor::Executor;
 use crate::exec::core::fault::{Fault, bad_value};
@@ -36,7 +38,7 @@ pub(in crate::exec) fn start<'a>(
         .or_else(|| program.parts.iter().position(with_blocks(PartKind::Program)))
         .or_else(|| program.parts.iter().position(with_blocks(PartKind::Macro)))
         .unwrap_or(0);
-    let mut channel = Channel::new(machine, options, program.dialect.codes());
+    let mut channel = setup::begin(machine, options, program.dialect.codes());
     let source = program.source.clone();
     let mut start = 0;
     if let Some(part) = program.parts.get(main) {
@@ -46,7 +48,7 @@ pub(in crate::exec) fn start<'a>(
             channel.outlet.push(Kind::Header(source.slice(header).to_vec()));
         }
     }
-    channel.take_tables(tables::read(&program));
+    tables::take_tables(&mut channel, tables::read(&program));
     let mut ledger = Ledger::new(source, program.blocks.len(), options);
     ledger.findings.extend(left_out(&program, main));
     ledger.findings.extend(tables_left_out(&program));
@@ -97,7 +99,7 @@ impl Execute for Grundig {
     }
 
     fn finish(run: &mut Interpreter<'_>) {
-        run.channel.finish(run.ledger.has_errors());
+        order::finish(&mut run.channel, run.ledger.has_errors());
         run.report_warnings(run.channel.outlet.file());
     }
 }
@@ -147,7 +149,7 @@ impl Interpreter<'_> {
             self.channel.comment(comment);
             Ok(())
         } else {
-            self.channel.execute(&mut gathered, comment)
+            order::execute(&mut self.channel, &mut gathered, comment)
         };
         self.own = gathered;
         if end.is_some() {

@@ -2,6 +2,7 @@
 //!
 //! `machine = T(G52) · T(G5x) · R(G5x) · T · R(G92, G93) · mirror and scale (G73) · programmed`, the innermost at the right.
 
+use super::setup;
 use std::collections::BTreeMap;
 
 use super::channel::Channel;
@@ -127,237 +128,245 @@ fn turned_about(plane: Plane, angle_rad: f64) -> Matrix {
     out
 }
 
-impl Channel<'_> {
-    /// G51 to G59, G54 I, G92, G93, G72, G73.
-    pub(super) fn frame_codes(&mut self, gathered: &mut Gathered) -> Result<(), Fault> {
-        for (number, on) in [(51, false), (52, true)] {
-            if let Some(span) = gathered.take_code(number) {
-                self.pallet(on, span)?;
-            }
+/// G51 to G59, G54 I, G92, G93, G72, G73.
+pub(super) fn frame_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+    for (number, on) in [(51, false), (52, true)] {
+        if let Some(span) = gathered.take_code(number) {
+            pallet(channel, on, span)?;
         }
-        if let Some(at) = gathered.codes.iter().position(|code| (53..=59).contains(&code.number)) {
-            let code = gathered.codes.remove(at);
-            self.settable(gathered, code.number, code.span)?;
-        }
-        if let Some(span) = gathered.take_code(93) {
-            self.programmed_shift(gathered, false, span)?;
-        }
-        if let Some(span) = gathered.take_code(92) {
-            self.programmed_shift(gathered, true, span)?;
-        }
-        if gathered.take_code(72).is_some() {
-            self.modal.frames.mirrored = AxisSet::EMPTY;
-            self.modal.frames.scaled = AxisSet::EMPTY;
-            self.modal.frames.factor = 1.0;
-            self.refresh_setup()?;
-        }
-        if let Some(span) = gathered.take_code(73) {
-            self.mirror_and_scale(gathered, span)?;
-        }
-        Ok(())
     }
-
-    fn pallet(&mut self, on: bool, span: Span) -> Result<(), Fault> {
-        if on {
-            self.check_value(PALLET, span)?;
-        }
-        self.modal.frames.pallet = on;
-        self.refresh_setup()?;
-        self.push_settable(if on { "G52" } else { "G51" });
-        Ok(())
+    if let Some(at) = gathered.codes.iter().position(|code| (53..=59).contains(&code.number)) {
+        let code = gathered.codes.remove(at);
+        settable(channel, gathered, code.number, code.span)?;
     }
-
-    /// G53 to G59, with `I` a place in the long table, with axis words its new value.
-    fn settable(&mut self, gathered: &mut Gathered, number: u16, span: Span) -> Result<(), Fault> {
-        let mut text = format!("G{number}");
-        if number == 54
-            && let Some((index, span)) = gathered.take(b'I', None)
-        {
-            if index.fract() != 0.0 || !(0.0..=99.0).contains(&index) {
-                return Err(bad_value(span, format!("I{index} is no zero offset"), "write I0 to I99"));
-            }
-            text = format!("G54 I{index}");
-        }
-        let name = (number != 53).then(|| text.clone());
-        let motion = gathered.codes.iter().any(|code| matches!(code.number, 0..=3 | 77..=79 | 92 | 93));
-        if let Some(name) = &name
-            && name.contains('I')
-            && !motion
-        {
-            let (values, named) = self.stored_words(gathered)?;
-            if !named.is_empty() || gathered.peek(b'B', Some(4)).is_some() {
-                let angle = gathered.take(b'B', Some(4));
-                let parts = self.modal.frames.table.entry(name.clone()).or_default();
-                for axis in named.iter() {
-                    parts.translation[axis] = values[axis];
-                    text.push_str(&format!(" {axis}{}", shown_value(axis, values[axis])));
-                }
-                if let Some((angle, _)) = angle {
-                    let tool = self.modal.plane.axes()[2].slot();
-                    parts.rotation = [0.0; 3];
-                    if let Some(place) = parts.rotation.get_mut(tool) {
-                        *place = angle.to_radians();
-                    }
-                    text.push_str(&format!(" B4={angle}"));
-                }
-            }
-        }
-        if let Some(name) = &name {
-            self.check_value(name, span)?;
-        } else {
-            self.modal.frames.assumed = false;
-        }
-        self.modal.frames.settable = name;
-        if self.machine.control.grundig.offset_cancels_shift {
-            self.modal.frames.cancel_programmed();
-        }
-        self.refresh_setup()?;
-        self.push_settable(&text);
-        Ok(())
+    if let Some(span) = gathered.take_code(93) {
+        programmed_shift(channel, gathered, false, span)?;
     }
-
-    /// Values of axis words that go into a table, mm and rad.
-    fn stored_words(&self, gathered: &mut Gathered) -> Result<(AxisVector, AxisSet), Fault> {
-        let (mut values, mut named) = (AxisVector::ZERO, AxisSet::EMPTY);
-        for axis in AXES {
-            if let Some((value, _)) = gathered.once(axis.letter(), None)? {
-                values[axis] = if axis.is_rotary() { value.to_radians() } else { value * self.modal.scale() };
-                named.insert(axis);
-            }
-        }
-        Ok((values, named))
+    if let Some(span) = gathered.take_code(92) {
+        programmed_shift(channel, gathered, true, span)?;
     }
-
-    fn push_settable(&mut self, text: &str) {
-        self.outlet.push(ncfix_machine::snc::Kind::Frame(FrameWords::Settable(text.to_owned())));
+    if gathered.take_code(72).is_some() {
+        channel.modal.frames.mirrored = AxisSet::EMPTY;
+        channel.modal.frames.scaled = AxisSet::EMPTY;
+        channel.modal.frames.factor = 1.0;
+        setup::refresh_setup(channel)?;
     }
-
-    /// Whether a stored offset has a value.
-    fn check_value(&mut self, name: &str, span: Span) -> Result<(), Fault> {
-        let missing = !self.modal.frames.table.contains_key(name);
-        self.modal.frames.assumed = missing;
-        if !missing {
-            return Ok(());
-        }
-        let help = format!("add [zero_offset.\"{name}\"] there, or give the table of the control with --setup");
-        if self.strict {
-            return Err(fault(Code::NO_OFFSET, span, format!("{name} has no value in the machine file"), help));
-        }
-        let message = format!("{name} has no value in the machine file; zero is used");
-        self.outlet.warnings.push(fault(Code::OFFSET_ASSUMED, span, message, help));
-        Ok(())
+    if let Some(span) = gathered.take_code(73) {
+        mirror_and_scale(channel, gathered, span)?;
     }
+    Ok(())
+}
 
-    /// G92 on top of what is there, G93 instead of it.
-    fn programmed_shift(&mut self, gathered: &mut Gathered, additive: bool, span: Span) -> Result<(), Fault> {
-        let (mut values, mut named) = self.stored_words(gathered)?;
-        if let Some((angle, span)) = gathered.take(b'B', Some(2)) {
-            let Some((length, _)) = gathered.take(b'L', Some(2)) else {
-                return Err(bad_value(span, "B2= without L2=", "write angle and length of the shift"));
-            };
-            let way = self.modal.direction(angle);
-            values = plus(&values, &way, length * self.modal.scale());
-            let [abscissa, ordinate, _] = self.modal.plane.axes();
-            named.insert(abscissa);
-            named.insert(ordinate);
+fn pallet(channel: &mut Channel<'_>, on: bool, span: Span) -> Result<(), Fault> {
+    if on {
+        check_value(channel, PALLET, span)?;
+    }
+    channel.modal.frames.pallet = on;
+    setup::refresh_setup(channel)?;
+    push_settable(channel, if on { "G52" } else { "G51" });
+    Ok(())
+}
+
+/// G53 to G59, with `I` a place in the long table, with axis words its new value.
+fn settable(channel: &mut Channel<'_>, gathered: &mut Gathered, number: u16, span: Span) -> Result<(), Fault> {
+    let mut text = format!("G{number}");
+    if number == 54
+        && let Some((index, span)) = gathered.take(b'I', None)
+    {
+        if index.fract() != 0.0 || !(0.0..=99.0).contains(&index) {
+            return Err(bad_value(span, format!("I{index} is no zero offset"), "write I0 to I99"));
         }
-        let angle = gathered.take(b'B', Some(4));
-        let plane = self.modal.plane;
-        let frames = &mut self.modal.frames;
-        if frames.angle_rad != 0.0 && frames.turned_in != plane && (angle.is_some() || additive) {
-            let message = "the zero point is turned in another plane";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "take the rotation back with G93 B4=0 first"));
-        }
-        let settings = &self.machine.control.grundig;
-        let before = if additive { frames.angle_rad } else { 0.0 };
-        let turn = angle.map_or(0.0, |(degrees, _)| degrees.to_radians());
-        // Along the axes as they are turned when the shift acts.
-        let mut along = if additive && settings.shift_is_turned { before } else { 0.0 };
-        if settings.turns_first {
-            along += turn;
-        }
-        let mut way = values;
-        way.set_xyz(turned_about(plane, along) * values.xyz());
-        if additive {
-            frames.shift = plus(&frames.shift, &way, 1.0);
-        } else {
+        text = format!("G54 I{index}");
+    }
+    let name = (number != 53).then(|| text.clone());
+    let motion = gathered.codes.iter().any(|code| matches!(code.number, 0..=3 | 77..=79 | 92 | 93));
+    if let Some(name) = &name
+        && name.contains('I')
+        && !motion
+    {
+        let (values, named) = stored_words(channel, gathered)?;
+        if !named.is_empty() || gathered.peek(b'B', Some(4)).is_some() {
+            let angle = gathered.take(b'B', Some(4));
+            let parts = channel.modal.frames.table.entry(name.clone()).or_default();
             for axis in named.iter() {
-                frames.shift[axis] = way[axis];
+                parts.translation[axis] = values[axis];
+                text.push_str(&format!(" {axis}{}", shown_value(axis, values[axis])));
             }
-        }
-        if angle.is_some() {
-            let sum = before + turn;
-            frames.angle_rad = if sum.abs() < 1e-13 { 0.0 } else { sum };
-            frames.turned_in = plane;
-        }
-        self.refresh_setup()
-    }
-
-    fn mirror_and_scale(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-        if self.modal.contour.compensates() {
-            let message = "G73 while the radius is compensated";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
-        }
-        for axis in AXES {
-            let Some((value, span)) = gathered.once(axis.letter(), None)? else { continue };
-            match value {
-                -1.0 => self.modal.frames.mirrored.insert(axis),
-                1.0 => self.modal.frames.mirrored.remove(axis),
-                other => {
-                    let message = format!("{axis}{other} is no mirror");
-                    return Err(bad_value(span, message, "write -1 to mirror the axis, 1 to take it back"));
+            if let Some((angle, _)) = angle {
+                let tool = channel.modal.plane.axes()[2].slot();
+                parts.rotation = [0.0; 3];
+                if let Some(place) = parts.rotation.get_mut(tool) {
+                    *place = angle.to_radians();
                 }
+                text.push_str(&format!(" B4={angle}"));
             }
         }
-        if let Some((value, span)) = gathered.once(b'A', Some(4))? {
-            let settings = &self.machine.control.grundig;
-            let factor = if settings.scale_in_percent { value / 100.0 } else { value };
-            if !(1e-6..=1e6).contains(&factor) {
-                return Err(bad_value(span, format!("A4={value} is no factor"), "write a factor above 0"));
-            }
-            self.modal.frames.factor = factor;
-            let [abscissa, ordinate, applicate] = self.modal.plane.axes();
-            self.modal.frames.scaled = match settings.scaled_axes {
-                ScaledAxes::Plane => [abscissa, ordinate].into_iter().collect(),
-                ScaledAxes::All => [abscissa, ordinate, applicate].into_iter().collect(),
-            };
-        }
-        self.refresh_setup()
     }
+    if let Some(name) = &name {
+        check_value(channel, name, span)?;
+    } else {
+        channel.modal.frames.assumed = false;
+    }
+    channel.modal.frames.settable = name;
+    if channel.machine.control.grundig.offset_cancels_shift {
+        channel.modal.frames.cancel_programmed();
+    }
+    setup::refresh_setup(channel)?;
+    push_settable(channel, &text);
+    Ok(())
+}
 
-    /// G149 reads an entry of the table of zero offsets into parameters, G150 writes it.
-    pub(super) fn table_access(&mut self, gathered: &mut Gathered, writes: bool, span: Span) -> Result<(), Fault> {
-        let help = "write for example G149 N1=54.01 X7=84 or G150 N1=54.01 X7=12.5";
-        let Some((entry, at)) = gathered.take(b'N', Some(1)) else {
-            return Err(fault(Code::NOT_SUPPORTED, span, "only zero offsets can be read and written here", help));
-        };
-        let name = entry_name(entry).ok_or_else(|| bad_value(at, format!("N1={entry} is no zero offset"), help))?;
-        if !writes {
-            self.check_value(&name, span)?;
+/// Values of axis words that go into a table, mm and rad.
+fn stored_words(channel: &Channel<'_>, gathered: &mut Gathered) -> Result<(AxisVector, AxisSet), Fault> {
+    let (mut values, mut named) = (AxisVector::ZERO, AxisSet::EMPTY);
+    for axis in AXES {
+        if let Some((value, _)) = gathered.once(axis.letter(), None)? {
+            values[axis] = if axis.is_rotary() { value.to_radians() } else { value * channel.modal.scale() };
+            named.insert(axis);
         }
-        let mut text = format!("G150 N1={entry}");
-        for axis in AXES {
-            let Some((value, at)) = gathered.take(axis.letter(), Some(7)) else { continue };
-            if writes {
-                let inside = if axis.is_rotary() { value.to_radians() } else { value * self.modal.scale() };
-                self.modal.frames.table.entry(name.clone()).or_default().translation[axis] = inside;
-                text.push_str(&format!(" {axis}7={}", shown_value(axis, inside)));
-                continue;
-            }
-            let stored = self.modal.frames.table.get(&name).map_or(0.0, |parts| parts.shift()[axis]);
-            let own = if axis.is_rotary() { stored.to_degrees() } else { stored / self.modal.scale() };
-            if value.fract() != 0.0 || value < 0.0 {
-                return Err(bad_value(at, format!("{value} is no number of a parameter"), help));
-            }
-            // In the range that the store checks.
-            self.parameters.set(value as usize, own, at)?;
-        }
-        if writes {
-            self.refresh_setup()?;
-            self.outlet.push(ncfix_machine::snc::Kind::Verbatim(text.into_bytes()));
-        }
-        Ok(())
     }
+    Ok((values, named))
+}
+
+fn push_settable(channel: &mut Channel<'_>, text: &str) {
+    channel.outlet.push(ncfix_machine::snc::Kind::Frame(FrameWords::Settable(text.to_owned())));
+}
+
+/// Whether a stored offset has a value.
+fn check_value(channel: &mut Channel<'_>, name: &str, span: Span) -> Result<(), Fault> {
+    let missing = !channel.modal.frames.table.contains_key(name);
+    channel.modal.frames.assumed = missing;
+    if !missing {
+        return Ok(());
+    }
+    let help = format!("add [zero_offset.\"{name}\"] there, or give the table of the control with --setup");
+    if channel.strict {
+        return Err(fault(Code::NO_OFFSET, span, format!("{name} has no value in the machine file"), help));
+    }
+    let message = format!("{name} has no value in the machine file; zero is used");
+    channel.outlet.warnings.push(fault(Code::OFFSET_ASSUMED, span, message, help));
+    Ok(())
+}
+
+/// G92 on top of what is there, G93 instead of it.
+fn programmed_shift(
+    channel: &mut Channel<'_>,
+    gathered: &mut Gathered,
+    additive: bool,
+    span: Span,
+) -> Result<(), Fault> {
+    let (mut values, mut named) = stored_words(channel, gathered)?;
+    if let Some((angle, span)) = gathered.take(b'B', Some(2)) {
+        let Some((length, _)) = gathered.take(b'L', Some(2)) else {
+            return Err(bad_value(span, "B2= without L2=", "write angle and length of the shift"));
+        };
+        let way = channel.modal.direction(angle);
+        values = plus(&values, &way, length * channel.modal.scale());
+        let [abscissa, ordinate, _] = channel.modal.plane.axes();
+        named.insert(abscissa);
+        named.insert(ordinate);
+    }
+    let angle = gathered.take(b'B', Some(4));
+    let plane = channel.modal.plane;
+    let frames = &mut channel.modal.frames;
+    if frames.angle_rad != 0.0 && frames.turned_in != plane && (angle.is_some() || additive) {
+        let message = "the zero point is turned in another plane";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "take the rotation back with G93 B4=0 first"));
+    }
+    let settings = &channel.machine.control.grundig;
+    let before = if additive { frames.angle_rad } else { 0.0 };
+    let turn = angle.map_or(0.0, |(degrees, _)| degrees.to_radians());
+    // Along the axes as they are turned when the shift acts.
+    let mut along = if additive && settings.shift_is_turned { before } else { 0.0 };
+    if settings.turns_first {
+        along += turn;
+    }
+    let mut way = values;
+    way.set_xyz(turned_about(plane, along) * values.xyz());
+    if additive {
+        frames.shift = plus(&frames.shift, &way, 1.0);
+    } else {
+        for axis in named.iter() {
+            frames.shift[axis] = way[axis];
+        }
+    }
+    if angle.is_some() {
+        let sum = before + turn;
+        frames.angle_rad = if sum.abs() < 1e-13 { 0.0 } else { sum };
+        frames.turned_in = plane;
+    }
+    setup::refresh_setup(channel)
+}
+
+fn mirror_and_scale(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    if channel.modal.contour.compensates() {
+        let message = "G73 while the radius is compensated";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
+    }
+    for axis in AXES {
+        let Some((value, span)) = gathered.once(axis.letter(), None)? else { continue };
+        match value {
+            -1.0 => channel.modal.frames.mirrored.insert(axis),
+            1.0 => channel.modal.frames.mirrored.remove(axis),
+            other => {
+                let message = format!("{axis}{other} is no mirror");
+                return Err(bad_value(span, message, "write -1 to mirror the axis, 1 to take it back"));
+            }
+        }
+    }
+    if let Some((value, span)) = gathered.once(b'A', Some(4))? {
+        let settings = &channel.machine.control.grundig;
+        let factor = if settings.scale_in_percent { value / 100.0 } else { value };
+        if !(1e-6..=1e6).contains(&factor) {
+            return Err(bad_value(span, format!("A4={value} is no factor"), "write a factor above 0"));
+        }
+        channel.modal.frames.factor = factor;
+        let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+        channel.modal.frames.scaled = match settings.scaled_axes {
+            ScaledAxes::Plane => [abscissa, ordinate].into_iter().collect(),
+            ScaledAxes::All => [abscissa, ordinate, applicate].into_iter().collect(),
+        };
+    }
+    setup::refresh_setup(channel)
+}
+
+/// G149 reads an entry of the table of zero offsets into parameters, G150 writes it.
+pub(super) fn table_access(
+    channel: &mut Channel<'_>,
+    gathered: &mut Gathered,
+    writes: bool,
+    span: Span,
+) -> Result<(), Fault> {
+    let help = "write for example G149 N1=54.01 X7=84 or G150 N1=54.01 X7=12.5";
+    let Some((entry, at)) = gathered.take(b'N', Some(1)) else {
+        return Err(fault(Code::NOT_SUPPORTED, span, "only zero offsets can be read and written here", help));
+    };
+    let name = entry_name(entry).ok_or_else(|| bad_value(at, format!("N1={entry} is no zero offset"), help))?;
+    if !writes {
+        check_value(channel, &name, span)?;
+    }
+    let mut text = format!("G150 N1={entry}");
+    for axis in AXES {
+        let Some((value, at)) = gathered.take(axis.letter(), Some(7)) else { continue };
+        if writes {
+            let inside = if axis.is_rotary() { value.to_radians() } else { value * channel.modal.scale() };
+            channel.modal.frames.table.entry(name.clone()).or_default().translation[axis] = inside;
+            text.push_str(&format!(" {axis}7={}", shown_value(axis, inside)));
+            continue;
+        }
+        let stored = channel.modal.frames.table.get(&name).map_or(0.0, |parts| parts.shift()[axis]);
+        let own = if axis.is_rotary() { stored.to_degrees() } else { stored / channel.modal.scale() };
+        if value.fract() != 0.0 || value < 0.0 {
+            return Err(bad_value(at, format!("{value} is no number of a parameter"), help));
+        }
+        // In the range that the store checks.
+        channel.parameters.set(value as usize, own, at)?;
+    }
+    if writes {
+        setup::refresh_setup(channel)?;
+        channel.outlet.push(ncfix_machine::snc::Kind::Verbatim(text.into_bytes()));
+    }
+    Ok(())
 }
 
 /// The zero offset of `54.01`, `55`.

@@ -1,9 +1,12 @@
 //! Cycles at work: G81 to G89 define one, G79 and G77 carry it out.
 
+use super::arc;
 use super::arc::Circle;
 use super::channel::Channel;
-use super::cycles::{self, At, Cycle, CycleFault, CycleWords, Feed, Flat, Step, bolt_circle};
+use super::cycles::{self, At, Cycle, CycleFault, CycleWords, Feed, Flat, Step};
 use super::gathered::Gathered;
+use super::motion;
+use super::target;
 use super::target::Target;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
@@ -76,290 +79,298 @@ impl std::fmt::Debug for Defined {
     }
 }
 
-impl Channel<'_> {
-    /// G77, G79, G81 to G89; false where the block has none of them.
-    pub(super) fn cycle_codes(&mut self, gathered: &mut Gathered) -> Result<bool, Fault> {
-        let defined = gathered.codes.iter().find_map(|code| cycles::find(code.number).map(|cycle| (cycle, code.span)));
-        if let Some((cycle, span)) = defined {
-            gathered.take_code(cycle.number);
-            self.define_cycle(gathered, cycle, span)?;
-            return Ok(true);
-        }
-        for number in [77, 79] {
-            let Some(span) = gathered.take_code(number) else { continue };
-            let Some(defined) = self.modal.cycle.clone() else {
-                let message = format!("G{number}, and no cycle is defined");
-                return Err(fault(Code::CYCLE_ALARM, span, message, "define one with G81 to G89 before"));
-            };
-            if self.modal.contour.compensates() {
-                let message =
-                    format!("the cycle of G{number} while radius compensation is on would work beside its place");
-                let help = "program G40 with a motion in the plane before it";
-                return Err(fault(Code::BAD_COMPENSATION, span, message, help));
-            }
-            let modal_feed = self.modal.feed;
-            let done = if number == 77 {
-                self.bolt_circle(gathered, &defined, span)
-            } else {
-                self.at_positions(gathered, &defined, span)
-            };
-            self.modal.feed = modal_feed;
-            done?;
-            return Ok(true);
-        }
-        Ok(false)
+/// G77, G79, G81 to G89; false where the block has none of them.
+pub(super) fn cycle_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<bool, Fault> {
+    let defined = gathered.codes.iter().find_map(|code| cycles::find(code.number).map(|cycle| (cycle, code.span)));
+    if let Some((cycle, span)) = defined {
+        gathered.take_code(cycle.number);
+        define_cycle(channel, gathered, cycle, span)?;
+        return Ok(true);
     }
-
-    fn define_cycle(&mut self, gathered: &mut Gathered, cycle: &'static Cycle, span: Span) -> Result<(), Fault> {
-        let mut words = CycleWords::default();
-        let scale = self.modal.scale();
-        for (letter, index, unit) in allowed(cycle.number) {
-            let found = gathered.once(letter, (index > 0).then_some(index))?;
-            if let Some((value, _)) = found {
-                words.set(letter, index, if unit == Unit::Length { value * scale } else { value });
-            }
-        }
-        if let Some(&missing) = cycle.needs.iter().find(|&&letter| words.get(letter, 0).is_none()) {
-            let message = format!("G{} ({}) needs {}", cycle.number, cycle.title, char::from(missing));
-            return Err(fault(Code::CYCLE_ALARM, span, message, "add the word"));
-        }
-        let feed = self.feed_named.then_some(self.modal.feed);
-        let mut pitch = None;
-        if cycle.number == 84 {
-            let message = "tapping becomes feed moves with the spindle reversed between them";
-            let help = "the tap needs a chuck that gives way; keep the override at 100 %";
-            self.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
-            if words.get(b'I', 1) == Some(1.0) && self.strict {
-                let message = "tapping without a compensating chuck (I1=1) needs the spindle and the axis in step";
-                let help = "program I1=0 and use such a chuck; elementary moves cannot say more";
-                return Err(fault(Code::NOT_SUPPORTED, span, message, help));
-            }
-            pitch = words.get(b'J', 0).filter(|pitch| *pitch > 0.0);
-        }
-        self.feed_named = false;
-        self.modal.cycle = Some(Defined { cycle, words, feed, pitch, per_turn: self.modal.per_turn });
-        Ok(())
-    }
-
-    /// `G79`: once at each point.
-    fn at_positions(&mut self, gathered: &mut Gathered, defined: &Defined, span: Span) -> Result<(), Fault> {
-        let rotation = self.pocket_angle(gathered, defined);
-        let points = self.points(gathered)?;
-        let target = self.position(gathered)?;
-        if points.is_empty() {
-            if target.named.is_empty() {
-                return Err(bad_value(span, "G79 needs a position", "name axes or points"));
-            }
-            return self.run_cycle(defined, &target, rotation);
-        }
-        for point in points {
-            let mut place = target;
-            for axis in point.named.difference(target.named).iter() {
-                place.to[axis] = point.values[axis];
-            }
-            place.named = place.named.union(point.named);
-            self.run_cycle(defined, &place, rotation)?;
-        }
-        Ok(())
-    }
-
-    /// `G77`: holes on a circle.
-    fn bolt_circle(&mut self, gathered: &mut Gathered, defined: &Defined, span: Span) -> Result<(), Fault> {
-        let rotation = self.pocket_angle(gathered, defined);
-        let scale = self.modal.scale();
-        let Some((radius, _)) = gathered.once(b'R', None)? else {
-            return Err(bad_value(span, "G77 needs the radius R", "write for example G77 X0 Y0 Z0 R20 I0 J6"));
+    for number in [77, 79] {
+        let Some(span) = gathered.take_code(number) else { continue };
+        let Some(defined) = channel.modal.cycle.clone() else {
+            let message = format!("G{number}, and no cycle is defined");
+            return Err(fault(Code::CYCLE_ALARM, span, message, "define one with G81 to G89 before"));
         };
-        let first = gathered.once(b'I', None)?.map_or(0.0, |found| found.0);
-        let last = gathered.once(b'K', None)?.map(|found| found.0);
-        let Some((count, _)) = gathered.once(b'J', None)? else {
-            return Err(bad_value(span, "G77 needs the number of holes J", "write for example J6"));
+        if channel.modal.contour.compensates() {
+            let message = format!("the cycle of G{number} while radius compensation is on would work beside its place");
+            let help = "program G40 with a motion in the plane before it";
+            return Err(fault(Code::BAD_COMPENSATION, span, message, help));
+        }
+        let modal_feed = channel.modal.feed;
+        let done = if number == 77 {
+            on_circle(channel, gathered, &defined, span)
+        } else {
+            at_positions(channel, gathered, &defined, span)
         };
-        let center = self.position(gathered)?;
-        let places = bolt_circle(self.flat(&center.to), radius * scale, first, last, count)
-            .map_err(|found| cycle_fault(found, span))?;
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        for flat in places {
-            let mut place = center;
-            self.set_flat(&mut place.to, flat);
-            place.named.insert(abscissa);
-            place.named.insert(ordinate);
-            self.run_cycle(defined, &place, rotation)?;
-        }
-        Ok(())
+        channel.modal.feed = modal_feed;
+        done?;
+        return Ok(true);
     }
+    Ok(false)
+}
 
-    /// B1= turns pockets and slots, rad.
-    fn pocket_angle(&self, gathered: &mut Gathered, defined: &Defined) -> f64 {
-        let is_turn = (87..=89).contains(&defined.cycle.number) && gathered.peek(b'L', Some(1)).is_none();
-        let found = if is_turn { gathered.take(b'B', Some(1)) } else { None };
-        found.map_or(0.0, |(degrees, _)| degrees.to_radians())
-    }
-
-    /// The position of G77 and G79; the word of the tool axis is the surface, behind G91 too.
-    fn position(&mut self, gathered: &mut Gathered) -> Result<Target, Fault> {
-        let [.., applicate] = self.modal.plane.axes();
-        let surface = gathered.once(applicate.letter(), None)?;
-        let incremental = self.modal.incremental;
-        let mut target = self.target(gathered, incremental)?;
-        if let Some((value, _)) = surface {
-            target.to[applicate] = value * self.modal.scale();
-            target.named.insert(applicate);
+fn define_cycle(
+    channel: &mut Channel<'_>,
+    gathered: &mut Gathered,
+    cycle: &'static Cycle,
+    span: Span,
+) -> Result<(), Fault> {
+    let mut words = CycleWords::default();
+    let scale = channel.modal.scale();
+    for (letter, index, unit) in allowed(cycle.number) {
+        let found = gathered.once(letter, (index > 0).then_some(index))?;
+        if let Some((value, _)) = found {
+            words.set(letter, index, if unit == Unit::Length { value * scale } else { value });
         }
-        Ok(target)
     }
-
-    /// A cycle at a position.
-    fn run_cycle(&mut self, defined: &Defined, place: &Target, rotation_rad: f64) -> Result<(), Fault> {
-        let span = self.outlet.origin.span;
-        let [.., applicate] = self.modal.plane.axes();
-        self.check_known(applicate, span)?;
-        let extra: AxisSet = place.named.difference(AxisSet::XYZ);
-        if !extra.is_empty() {
-            let mut to = self.here();
-            extra.iter().for_each(|axis| to[axis] = place.to[axis]);
-            self.rapid_line(&to, extra)?;
+    if let Some(&missing) = cycle.needs.iter().find(|&&letter| words.get(letter, 0).is_none()) {
+        let message = format!("G{} ({}) needs {}", cycle.number, cycle.title, char::from(missing));
+        return Err(fault(Code::CYCLE_ALARM, span, message, "add the word"));
+    }
+    let feed = channel.feed_named.then_some(channel.modal.feed);
+    let mut pitch = None;
+    if cycle.number == 84 {
+        let message = "tapping becomes feed moves with the spindle reversed between them";
+        let help = "the tap needs a chuck that gives way; keep the override at 100 %";
+        channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
+        if words.get(b'I', 1) == Some(1.0) && channel.strict {
+            let message = "tapping without a compensating chuck (I1=1) needs the spindle and the axis in step";
+            let help = "program I1=0 and use such a chuck; elementary moves cannot say more";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
         }
-        let settings = &self.machine.control.grundig;
-        let at = At {
-            point: self.flat(&place.to),
-            surface: place.to[applicate],
-            height: self.here()[applicate],
-            rotation_rad,
-            tool_radius_mm: self.modal.tool.whole_radius_mm(),
-            peck_clearance_mm: settings.peck_clearance_mm,
-            engagement_percent: settings.engagement_percent,
-            slot_from_arc_center: settings.slot_from_arc_center,
+        pitch = words.get(b'J', 0).filter(|pitch| *pitch > 0.0);
+    }
+    channel.feed_named = false;
+    channel.modal.cycle = Some(Defined { cycle, words, feed, pitch, per_turn: channel.modal.per_turn });
+    Ok(())
+}
+
+/// `G79`: once at each point.
+fn at_positions(
+    channel: &mut Channel<'_>,
+    gathered: &mut Gathered,
+    defined: &Defined,
+    span: Span,
+) -> Result<(), Fault> {
+    let rotation = pocket_angle(channel, gathered, defined);
+    let points = target::points(channel, gathered)?;
+    let target = position(channel, gathered)?;
+    if points.is_empty() {
+        if target.named.is_empty() {
+            return Err(bad_value(span, "G79 needs a position", "name axes or points"));
+        }
+        return run_cycle(channel, defined, &target, rotation);
+    }
+    for point in points {
+        let mut place = target;
+        for axis in point.named.difference(target.named).iter() {
+            place.to[axis] = point.values[axis];
+        }
+        place.named = place.named.union(point.named);
+        run_cycle(channel, defined, &place, rotation)?;
+    }
+    Ok(())
+}
+
+/// `G77`: holes on a circle.
+fn on_circle(channel: &mut Channel<'_>, gathered: &mut Gathered, defined: &Defined, span: Span) -> Result<(), Fault> {
+    let rotation = pocket_angle(channel, gathered, defined);
+    let scale = channel.modal.scale();
+    let Some((radius, _)) = gathered.once(b'R', None)? else {
+        return Err(bad_value(span, "G77 needs the radius R", "write for example G77 X0 Y0 Z0 R20 I0 J6"));
+    };
+    let first = gathered.once(b'I', None)?.map_or(0.0, |found| found.0);
+    let last = gathered.once(b'K', None)?.map(|found| found.0);
+    let Some((count, _)) = gathered.once(b'J', None)? else {
+        return Err(bad_value(span, "G77 needs the number of holes J", "write for example J6"));
+    };
+    let center = position(channel, gathered)?;
+    let places = cycles::bolt_circle(flat(channel, &center.to), radius * scale, first, last, count)
+        .map_err(|found| cycle_fault(found, span))?;
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    for flat in places {
+        let mut place = center;
+        set_flat(channel, &mut place.to, flat);
+        place.named.insert(abscissa);
+        place.named.insert(ordinate);
+        run_cycle(channel, defined, &place, rotation)?;
+    }
+    Ok(())
+}
+
+/// B1= turns pockets and slots, rad.
+fn pocket_angle(channel: &Channel<'_>, gathered: &mut Gathered, defined: &Defined) -> f64 {
+    let is_turn = (87..=89).contains(&defined.cycle.number) && gathered.peek(b'L', Some(1)).is_none();
+    let found = if is_turn { gathered.take(b'B', Some(1)) } else { None };
+    found.map_or(0.0, |(degrees, _)| degrees.to_radians())
+}
+
+/// The position of G77 and G79; the word of the tool axis is the surface, behind G91 too.
+fn position(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Target, Fault> {
+    let [.., applicate] = channel.modal.plane.axes();
+    let surface = gathered.once(applicate.letter(), None)?;
+    let incremental = channel.modal.incremental;
+    let mut target = target::target(channel, gathered, incremental)?;
+    if let Some((value, _)) = surface {
+        target.to[applicate] = value * channel.modal.scale();
+        target.named.insert(applicate);
+    }
+    Ok(target)
+}
+
+/// A cycle at a position.
+fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotation_rad: f64) -> Result<(), Fault> {
+    let span = channel.outlet.origin.span;
+    let [.., applicate] = channel.modal.plane.axes();
+    target::check_known(channel, applicate, span)?;
+    let extra: AxisSet = place.named.difference(AxisSet::XYZ);
+    if !extra.is_empty() {
+        let mut to = target::here(channel);
+        extra.iter().for_each(|axis| to[axis] = place.to[axis]);
+        motion::rapid_line(channel, &to, extra)?;
+    }
+    let settings = &channel.machine.control.grundig;
+    let at = At {
+        point: flat(channel, &place.to),
+        surface: place.to[applicate],
+        height: target::here(channel)[applicate],
+        rotation_rad,
+        tool_radius_mm: channel.modal.tool.whole_radius_mm(),
+        peck_clearance_mm: settings.peck_clearance_mm,
+        engagement_percent: settings.engagement_percent,
+        slot_from_arc_center: settings.slot_from_arc_center,
+    };
+    let steps = (defined.cycle.steps)(&defined.words, &at).map_err(|found| cycle_fault(found, span))?;
+    channel.cycle_steps += steps.len();
+    if channel.cycle_steps > MOST_STEPS {
+        let message = "the cycles of this block make more than 100 000 moves";
+        return Err(fault(Code::CYCLE_ALARM, span, message, "check infeeds, pecks and the number of positions"));
+    }
+    let cutting = cutting_feed(channel, defined, span)?;
+    let plunging = defined.words.get(b'F', 2).unwrap_or(cutting);
+    for step in steps {
+        channel.modal.feed = cutting;
+        carry_out(channel, step, plunging)?;
+    }
+    Ok(())
+}
+
+/// The feed of a cycle where it is carried out: that of a pitch belongs to the speed and the feed mode there.
+fn cutting_feed(channel: &Channel<'_>, defined: &Defined, span: Span) -> Result<f64, Fault> {
+    let per_turn = channel.modal.per_turn;
+    if let Some(pitch) = defined.pitch {
+        if per_turn {
+            return Ok(pitch);
+        }
+        return match channel.modal.speed {
+            Some(speed) if speed > 0.0 && !channel.modal.constant_cutting_speed => Ok(pitch * speed),
+            _ => {
+                let message = "G84 with the pitch J needs the speed S in turns per minute";
+                Err(fault(Code::CYCLE_ALARM, span, message, "program S before, and G97 where G96 is in force"))
+            }
         };
-        let steps = (defined.cycle.steps)(&defined.words, &at).map_err(|found| cycle_fault(found, span))?;
-        self.cycle_steps += steps.len();
-        if self.cycle_steps > MOST_STEPS {
-            let message = "the cycles of this block make more than 100 000 moves";
-            return Err(fault(Code::CYCLE_ALARM, span, message, "check infeeds, pecks and the number of positions"));
-        }
-        let cutting = self.cutting_feed(defined, span)?;
-        let plunging = defined.words.get(b'F', 2).unwrap_or(cutting);
-        for step in steps {
-            self.modal.feed = cutting;
-            self.step(step, plunging)?;
-        }
-        Ok(())
     }
+    let has_own = defined.feed.is_some() || defined.words.get(b'F', 2).is_some();
+    if has_own && defined.per_turn != per_turn {
+        let (then, now) = if per_turn { ("G94", "G95") } else { ("G95", "G94") };
+        let message = format!("the cycle was defined with its feed under {then}, and is carried out under {now}");
+        return Err(fault(Code::CYCLE_ALARM, span, message, "define it again behind the feed mode"));
+    }
+    Ok(defined.feed.unwrap_or(channel.modal.feed))
+}
 
-    /// The feed of a cycle where it is carried out: that of a pitch belongs to the speed and the feed mode there.
-    fn cutting_feed(&self, defined: &Defined, span: Span) -> Result<f64, Fault> {
-        let per_turn = self.modal.per_turn;
-        if let Some(pitch) = defined.pitch {
-            if per_turn {
-                return Ok(pitch);
+fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(), Fault> {
+    let axes = channel.modal.plane.axes();
+    match step {
+        Step::Rapid { plane, height } | Step::Line { plane, height, .. } => {
+            let here = target::here(channel);
+            let (mut to, mut named) = (here, AxisSet::EMPTY);
+            if let Some(flat) = plane {
+                set_flat(channel, &mut to, flat);
+                axes.into_iter().take(2).for_each(|axis| named.insert(axis));
             }
-            return match self.modal.speed {
-                Some(speed) if speed > 0.0 && !self.modal.constant_cutting_speed => Ok(pitch * speed),
-                _ => {
-                    let message = "G84 with the pitch J needs the speed S in turns per minute";
-                    Err(fault(Code::CYCLE_ALARM, span, message, "program S before, and G97 where G96 is in force"))
+            if let Some(height) = height {
+                to[axes[2]] = height;
+                named.insert(axes[2]);
+            }
+            if motion::has_place(channel, named) && named.iter().all(|axis| (to[axis] - here[axis]).abs() < STILL) {
+                return Ok(());
+            }
+            match step {
+                Step::Line { feed, .. } => {
+                    let feed = if feed == Feed::Plunge { plunging } else { channel.modal.feed };
+                    motion::feed_line(channel, &to, named, feed)
                 }
-            };
-        }
-        let has_own = defined.feed.is_some() || defined.words.get(b'F', 2).is_some();
-        if has_own && defined.per_turn != per_turn {
-            let (then, now) = if per_turn { ("G94", "G95") } else { ("G95", "G94") };
-            let message = format!("the cycle was defined with its feed under {then}, and is carried out under {now}");
-            return Err(fault(Code::CYCLE_ALARM, span, message, "define it again behind the feed mode"));
-        }
-        Ok(defined.feed.unwrap_or(self.modal.feed))
-    }
-
-    fn step(&mut self, step: Step, plunging: f64) -> Result<(), Fault> {
-        let axes = self.modal.plane.axes();
-        match step {
-            Step::Rapid { plane, height } | Step::Line { plane, height, .. } => {
-                let here = self.here();
-                let (mut to, mut named) = (here, AxisSet::EMPTY);
-                if let Some(flat) = plane {
-                    self.set_flat(&mut to, flat);
-                    axes.into_iter().take(2).for_each(|axis| named.insert(axis));
-                }
-                if let Some(height) = height {
-                    to[axes[2]] = height;
-                    named.insert(axes[2]);
-                }
-                if self.has_place(named) && named.iter().all(|axis| (to[axis] - here[axis]).abs() < STILL) {
-                    return Ok(());
-                }
-                match step {
-                    Step::Line { feed, .. } => {
-                        let feed = if feed == Feed::Plunge { plunging } else { self.modal.feed };
-                        self.feed_line(&to, named, feed)
-                    }
-                    _ => self.rapid_line(&to, named),
-                }
-            }
-            Step::Arc { end, center, clockwise } => {
-                let mut to = self.here();
-                let start = self.flat(&to);
-                self.set_flat(&mut to, end);
-                let sweep_rad = super::arc::sweep_between(start, end, center, clockwise);
-                let mut middle = AxisVector::ZERO;
-                self.set_flat(&mut middle, center);
-                let circle = Circle { clockwise, center: [middle[axes[0]], middle[axes[1]]], sweep_rad };
-                self.circular(circle, to, axes.into_iter().take(2).collect())
-            }
-            Step::Dwell(seconds) => {
-                self.outlet.begin_line();
-                self.outlet.push(Kind::Dwell(Dwell::Seconds(seconds)));
-                Ok(())
-            }
-            Step::Reverse => {
-                let turning = self.turning()?;
-                self.spindle_word(7 - turning);
-                Ok(())
-            }
-            Step::Stop => {
-                self.spindle_word(5);
-                Ok(())
-            }
-            Step::Resume => {
-                let turning = self.turning()?;
-                self.spindle_word(turning);
-                Ok(())
+                _ => motion::rapid_line(channel, &to, named),
             }
         }
-    }
-
-    /// M3 or M4, whichever is in force.
-    fn turning(&self) -> Result<u16, Fault> {
-        self.spindle.ok_or_else(|| {
-            self.block_fault(
-                Code::CYCLE_ALARM,
-                "the cycle stops or reverses the spindle, and neither M3 nor M4 was programmed",
-                "start the spindle before",
-            )
-        })
-    }
-
-    fn spindle_word(&mut self, number: u16) {
-        let value = WordValue::Number(f64::from(number));
-        self.outlet.begin_line();
-        self.outlet.push(Kind::Before(vec![Word { letter: b'M', extension: None, value }]));
-    }
-
-    /// Coordinates of the plane as angles count in it: in G18 X and −Z.
-    pub(super) fn flat(&self, position: &AxisVector) -> Flat {
-        match self.modal.plane {
-            Plane::XY => [position[Axis::X], position[Axis::Y]],
-            Plane::ZX => [position[Axis::X], -position[Axis::Z]],
-            Plane::YZ => [position[Axis::Y], position[Axis::Z]],
+        Step::Arc { end, center, clockwise } => {
+            let mut to = target::here(channel);
+            let start = flat(channel, &to);
+            set_flat(channel, &mut to, end);
+            let sweep_rad = super::arc::sweep_between(start, end, center, clockwise);
+            let mut middle = AxisVector::ZERO;
+            set_flat(channel, &mut middle, center);
+            let circle = Circle { clockwise, center: [middle[axes[0]], middle[axes[1]]], sweep_rad };
+            arc::circular(channel, circle, to, axes.into_iter().take(2).collect())
+        }
+        Step::Dwell(seconds) => {
+            channel.outlet.begin_line();
+            channel.outlet.push(Kind::Dwell(Dwell::Seconds(seconds)));
+            Ok(())
+        }
+        Step::Reverse => {
+            let turning = turning(channel)?;
+            spindle_word(channel, 7 - turning);
+            Ok(())
+        }
+        Step::Stop => {
+            spindle_word(channel, 5);
+            Ok(())
+        }
+        Step::Resume => {
+            let turning = turning(channel)?;
+            spindle_word(channel, turning);
+            Ok(())
         }
     }
+}
 
-    /// Sets them.
-    pub(super) fn set_flat(&self, position: &mut AxisVector, [first, second]: Flat) {
-        match self.modal.plane {
-            Plane::XY => (position[Axis::X], position[Axis::Y]) = (first, second),
-            Plane::ZX => (position[Axis::X], position[Axis::Z]) = (first, -second),
-            Plane::YZ => (position[Axis::Y], position[Axis::Z]) = (first, second),
-        }
+/// M3 or M4, whichever is in force.
+fn turning(channel: &Channel<'_>) -> Result<u16, Fault> {
+    channel.spindle.ok_or_else(|| {
+        motion::block_fault(
+            channel,
+            Code::CYCLE_ALARM,
+            "the cycle stops or reverses the spindle, and neither M3 nor M4 was programmed",
+            "start the spindle before",
+        )
+    })
+}
+
+fn spindle_word(channel: &mut Channel<'_>, number: u16) {
+    let value = WordValue::Number(f64::from(number));
+    channel.outlet.begin_line();
+    channel.outlet.push(Kind::Before(vec![Word { letter: b'M', extension: None, value }]));
+}
+
+/// Coordinates of the plane as angles count in it: in G18 X and −Z.
+pub(super) fn flat(channel: &Channel<'_>, position: &AxisVector) -> Flat {
+    match channel.modal.plane {
+        Plane::XY => [position[Axis::X], position[Axis::Y]],
+        Plane::ZX => [position[Axis::X], -position[Axis::Z]],
+        Plane::YZ => [position[Axis::Y], position[Axis::Z]],
+    }
+}
+
+/// Sets them.
+pub(super) fn set_flat(channel: &Channel<'_>, position: &mut AxisVector, [first, second]: Flat) {
+    match channel.modal.plane {
+        Plane::XY => (position[Axis::X], position[Axis::Y]) = (first, second),
+        Plane::ZX => (position[Axis::X], position[Axis::Z]) = (first, -second),
+        Plane::YZ => (position[Axis::Y], position[Axis::Z]) = (first, second),
     }
 }
 

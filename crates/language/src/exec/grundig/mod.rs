@@ -5,6 +5,7 @@
 //! auxiliary functions, motion or cycle). A word that nothing has taken is a finding.
 
 mod arc;
+mod auxiliary;
 mod channel;
 mod contour_words;
 mod cycles;
@@ -20,6 +21,8 @@ mod machining;
 mod modal;
 mod modes;
 mod motion;
+mod order;
+mod setup;
 mod tables;
 mod target;
 mod tool;

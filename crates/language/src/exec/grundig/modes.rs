@@ -3,6 +3,7 @@
 use super::channel::Channel;
 use super::gathered::{Gathered, name};
 use super::modal::MotionKind;
+use super::setup;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Plane};
@@ -13,139 +14,132 @@ use ncfix_machine::snc::Kind;
 /// Modal codes without motion that the control must see.
 const KEPT: &[(u16, &str)] = &[(25, "G25"), (26, "G26"), (27, "G27"), (94, "G94"), (95, "G95")];
 
-impl Channel<'_> {
-    /// Codes that no position depends on: those of the screen are left out with their words, others passed on with theirs.
-    pub(super) fn passed_codes(&mut self, gathered: &mut Gathered) {
-        let mut at = 0;
-        while let Some(&code) = gathered.codes.get(at) {
-            let is_passed = |entry: &&CodeEntry| {
-                matches!(entry.effect, Effect::Display | Effect::Keep) && KEPT.iter().all(|kept| kept.0 != code.number)
-            };
-            let Some(entry) = self.codes.g(usize::from(code.number)).filter(is_passed) else {
-                at += 1;
-                continue;
-            };
-            gathered.codes.remove(at);
-            if let 96 | 97 = code.number {
-                self.modal.constant_cutting_speed = code.number == 96;
-            }
-            let mut text = format!("G{}", code.number);
-            for item in gathered.take_used_by(entry) {
-                text.push_str(&format!(" {}{}", name(item.letter, item.index), item.value));
-            }
-            if entry.effect == Effect::Keep {
-                self.outlet.push(Kind::Verbatim(text.into_bytes()));
-            }
+/// Codes that no position depends on: those of the screen are left out with their words, others passed on with theirs.
+pub(super) fn passed_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) {
+    let mut at = 0;
+    while let Some(&code) = gathered.codes.get(at) {
+        let is_passed = |entry: &&CodeEntry| {
+            matches!(entry.effect, Effect::Display | Effect::Keep) && KEPT.iter().all(|kept| kept.0 != code.number)
+        };
+        let Some(entry) = channel.codes.g(usize::from(code.number)).filter(is_passed) else {
+            at += 1;
+            continue;
+        };
+        gathered.codes.remove(at);
+        if let 96 | 97 = code.number {
+            channel.modal.constant_cutting_speed = code.number == 96;
+        }
+        let mut text = format!("G{}", code.number);
+        for item in gathered.take_used_by(entry) {
+            text.push_str(&format!(" {}{}", name(item.letter, item.index), item.value));
+        }
+        if entry.effect == Effect::Keep {
+            channel.outlet.push(Kind::Verbatim(text.into_bytes()));
         }
     }
+}
 
-    /// Puts modal codes in force.
-    pub(super) fn modal_codes(&mut self, gathered: &mut Gathered) -> Result<(), Fault> {
-        let motions = [MotionKind::Rapid, MotionKind::Line, MotionKind::Clockwise, MotionKind::CounterClockwise];
-        for (number, kind) in (0..).zip(motions) {
-            if gathered.take_code(number).is_some() {
-                self.modal.motion = kind;
-            }
+/// Puts modal codes in force.
+pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+    let motions = [MotionKind::Rapid, MotionKind::Line, MotionKind::Clockwise, MotionKind::CounterClockwise];
+    for (number, kind) in (0..).zip(motions) {
+        if gathered.take_code(number).is_some() {
+            channel.modal.motion = kind;
         }
-        for (number, word) in [(17, "G17"), (18, "G18"), (19, "G19")] {
-            let Some(span) = gathered.take_code(number) else { continue };
-            self.outlet.push(Kind::Keep(word));
-            let plane = u8::try_from(number).ok().and_then(Plane::from_number).unwrap_or_default();
-            if plane != self.modal.plane {
-                if self.modal.contour.compensates() {
-                    let message = "the plane changes while the radius is compensated";
-                    return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
+    }
+    for (number, word) in [(17, "G17"), (18, "G18"), (19, "G19")] {
+        let Some(span) = gathered.take_code(number) else { continue };
+        channel.outlet.push(Kind::Keep(word));
+        let plane = u8::try_from(number).ok().and_then(Plane::from_number).unwrap_or_default();
+        if plane != channel.modal.plane {
+            if channel.modal.contour.compensates() {
+                let message = "the plane changes while the radius is compensated";
+                return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
+            }
+            channel.modal.plane = plane;
+            setup::refresh_setup(channel)?;
+        }
+    }
+    for (number, inch) in [(70, true), (71, false)] {
+        if gathered.take_code(number).is_some() {
+            channel.modal.inch = inch;
+        }
+    }
+    for (number, incremental) in [(90, false), (91, true)] {
+        if gathered.take_code(number).is_some() {
+            channel.modal.incremental = incremental;
+        }
+    }
+    for (number, geometry) in [(63, false), (64, true)] {
+        if gathered.take_code(number).is_some() {
+            channel.modal.geometry = geometry;
+        }
+    }
+    for &(number, word) in KEPT {
+        if gathered.take_code(number).is_some() {
+            channel.outlet.push(Kind::Keep(word));
+            match number {
+                27 => channel.modal.positioning_logic = true,
+                94 | 95 if channel.modal.per_turn != (number == 95) => {
+                    // F meant something else: it must be programmed again.
+                    channel.modal.per_turn = number == 95;
+                    channel.modal.feed = 0.0;
                 }
-                self.modal.plane = plane;
-                self.refresh_setup()?;
+                _ => {}
             }
         }
-        for (number, inch) in [(70, true), (71, false)] {
-            if gathered.take_code(number).is_some() {
-                self.modal.inch = inch;
-            }
-        }
-        for (number, incremental) in [(90, false), (91, true)] {
-            if gathered.take_code(number).is_some() {
-                self.modal.incremental = incremental;
-            }
-        }
-        for (number, geometry) in [(63, false), (64, true)] {
-            if gathered.take_code(number).is_some() {
-                self.modal.geometry = geometry;
-            }
-        }
-        for &(number, word) in KEPT {
-            if gathered.take_code(number).is_some() {
-                self.outlet.push(Kind::Keep(word));
-                match number {
-                    27 => self.modal.positioning_logic = true,
-                    94 | 95 if self.modal.per_turn != (number == 95) => {
-                        // F meant something else: it must be programmed again.
-                        self.modal.per_turn = number == 95;
-                        self.modal.feed = 0.0;
-                    }
-                    _ => {}
-                }
-            }
-        }
-        // The cylinder is never developed here.
-        gathered.take_code(180);
-        if let Some(span) = gathered.take_code(28) {
-            self.positioning_words(gathered, span)?;
-        }
-        Ok(())
     }
+    // The cylinder is never developed here.
+    gathered.take_code(180);
+    if let Some(span) = gathered.take_code(28) {
+        positioning_words(channel, gathered, span)?;
+    }
+    Ok(())
+}
 
-    /// G74: axes go at rapid to a place of the machine that only the control knows, or that is none of the program's coordinates. The
-    /// block is passed on; where the axes are is unknown behind it.
-    pub(super) fn reference(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-        if self.modal.contour.compensates() {
-            let message = "G74 while radius compensation is on";
-            return Err(fault(
-                Code::BAD_COMPENSATION,
-                span,
-                message,
-                "program G40 with a motion in the plane before it",
-            ));
-        }
-        let mut text = "G74".to_owned();
-        let mut lost = AxisSet::EMPTY;
-        let words = self.codes.g(74).map(|entry| gathered.take_used_by(entry)).unwrap_or_default();
-        for item in words {
-            let axis = Axis::from_letter(item.letter);
-            axis.into_iter().for_each(|axis| lost.insert(axis));
-            let is_length = item.index.is_none() && axis.is_some_and(|axis| !axis.is_rotary());
-            let value = if is_length { item.value * self.modal.scale() } else { item.value };
-            text.push_str(&format!(" {}{}", name(item.letter, item.index), (value * 1e9).round() / 1e9));
-        }
-        if lost.is_empty() {
-            return Err(bad_value(span, "G74 names no axis", "write for example G74 Z-1 L1"));
-        }
-        self.modal.known = self.modal.known.difference(lost);
-        self.outlet.push(Kind::Verbatim(text.into_bytes()));
-        self.outlet.push(Kind::Lost(lost));
-        Ok(())
+/// G74: axes go at rapid to a place of the machine that only the control knows, or that is none of the program's coordinates. The
+/// block is passed on; where the axes are is unknown behind it.
+pub(super) fn reference(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    if channel.modal.contour.compensates() {
+        let message = "G74 while radius compensation is on";
+        return Err(fault(Code::BAD_COMPENSATION, span, message, "program G40 with a motion in the plane before it"));
     }
+    let mut text = "G74".to_owned();
+    let mut lost = AxisSet::EMPTY;
+    let words = channel.codes.g(74).map(|entry| gathered.take_used_by(entry)).unwrap_or_default();
+    for item in words {
+        let axis = Axis::from_letter(item.letter);
+        axis.into_iter().for_each(|axis| lost.insert(axis));
+        let is_length = item.index.is_none() && axis.is_some_and(|axis| !axis.is_rotary());
+        let value = if is_length { item.value * channel.modal.scale() } else { item.value };
+        text.push_str(&format!(" {}{}", name(item.letter, item.index), (value * 1e9).round() / 1e9));
+    }
+    if lost.is_empty() {
+        return Err(bad_value(span, "G74 names no axis", "write for example G74 Z-1 L1"));
+    }
+    channel.modal.known = channel.modal.known.difference(lost);
+    channel.outlet.push(Kind::Verbatim(text.into_bytes()));
+    channel.outlet.push(Kind::Lost(lost));
+    Ok(())
+}
 
-    /// G28: what belongs to positioning, passed on with its values.
-    fn positioning_words(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-        let mut text = "G28".to_owned();
-        for index in 1..=9 {
-            let Some((value, at)) = gathered.once(b'I', Some(index))? else { continue };
-            if index == 5 {
-                self.modal.positioning_logic = match value {
-                    0.0 => true,
-                    1.0 => false,
-                    _ => return Err(bad_value(at, format!("I5={value} is neither 0 nor 1"), "write I5=0 or I5=1")),
-                };
-            }
-            text.push_str(&format!(" I{index}={value}"));
+/// G28: what belongs to positioning, passed on with its values.
+fn positioning_words(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    let mut text = "G28".to_owned();
+    for index in 1..=9 {
+        let Some((value, at)) = gathered.once(b'I', Some(index))? else { continue };
+        if index == 5 {
+            channel.modal.positioning_logic = match value {
+                0.0 => true,
+                1.0 => false,
+                _ => return Err(bad_value(at, format!("I5={value} is neither 0 nor 1"), "write I5=0 or I5=1")),
+            };
         }
-        if text.len() == 3 {
-            return Err(bad_value(span, "G28 needs at least one of I3= to I7=", "write for example G28 I5=1"));
-        }
-        self.outlet.push(Kind::Verbatim(text.into_bytes()));
-        Ok(())
+        text.push_str(&format!(" I{index}={value}"));
     }
+    if text.len() == 3 {
+        return Err(bad_value(span, "G28 needs at least one of I3= to I7=", "write for example G28 I5=1"));
+    }
+    channel.outlet.push(Kind::Verbatim(text.into_bytes()));
+    Ok(())
 }

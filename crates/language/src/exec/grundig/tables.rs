@@ -3,6 +3,7 @@
 //! Each line holds one entry as words: `T5 L120.5 R6 L4=0 R4=-0.02`, `G54 X100 Y50 Z0` or `G54 I3 …` or `N54 …`, `E10=5`, `P1 X20 Y30`.
 //! Words that say nothing of positions are passed over. Lengths are mm.
 
+use super::channel::Channel;
 use super::frames::entry_name;
 use super::modal::Point;
 use super::tool::place;
@@ -10,6 +11,7 @@ use crate::syntax::words::{self, Address, Block, PartKind, Program, Value};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts};
 use ncfix_base::source::Source;
+use ncfix_base::source::Span;
 use ncfix_machine::machine::{Machine, Tool};
 
 /// Axes of entries.
@@ -158,4 +160,19 @@ pub(in crate::exec) fn apply(
         }
     }
     findings
+}
+
+/// Takes tables of the control that stand beside the program.
+pub(super) fn take_tables(channel: &mut Channel<'_>, tables: Tables) {
+    channel.radius_wear.extend(tables.radius_wear);
+    channel.modal.frames.table.extend(tables.offsets);
+    for tool in tables.tools {
+        channel.tools.retain(|known| (known.number, known.edge) != (tool.number, tool.edge));
+        channel.tools.push(tool);
+    }
+    for (number, value) in tables.parameters {
+        // A number that is none is said where the program uses it.
+        let _ = channel.parameters.set(number, value, Span::default());
+    }
+    channel.modal.points.extend(tables.points);
 }

@@ -23,177 +23,171 @@ pub(super) struct Target {
     pub(super) named: AxisSet,
 }
 
-impl Channel<'_> {
-    /// The present position as programmed.
-    pub(super) fn here(&self) -> AxisVector {
-        self.setup.programmed(&self.modal.command)
-    }
+/// The present position as programmed.
+pub(super) fn here(channel: &Channel<'_>) -> AxisVector {
+    channel.setup.programmed(&channel.modal.command)
+}
 
-    /// mm or rad of a word of an axis.
-    fn value_of(&self, axis: Axis, value: f64) -> f64 {
-        if axis.is_rotary() { self.modal.frames.sign(axis) * value.to_radians() } else { value * self.modal.scale() }
-    }
+/// mm or rad of a word of an axis.
+fn value_of(channel: &Channel<'_>, axis: Axis, value: f64) -> f64 {
+    if axis.is_rotary() { channel.modal.frames.sign(axis) * value.to_radians() } else { value * channel.modal.scale() }
+}
 
-    /// The words of a target. `incremental` stands for G91.
-    pub(super) fn target(&mut self, gathered: &mut Gathered, incremental: bool) -> Result<Target, Fault> {
-        let here = self.here();
-        let mut out = Target { to: here, named: AxisSet::EMPTY };
-        for axis in AXES {
-            let words = [
-                gathered.once(axis.letter(), None)?.map(|found| (found, incremental)),
-                gathered.once(axis.letter(), Some(90))?.map(|found| (found, false)),
-                gathered.once(axis.letter(), Some(91))?.map(|found| (found, true)),
-            ];
-            let mut words = words.into_iter().flatten();
-            let Some(((value, span), is_relative)) = words.next() else { continue };
-            if let Some(((_, span), _)) = words.next() {
-                let message = format!("{axis} is programmed twice in the block");
-                return Err(fault(Code::DOUBLE_WORD, span, message, "keep one of the words"));
-            }
-            if self.machine.axis(axis).is_none() {
-                let message = format!("the machine has no axis {axis}");
-                return Err(fault(Code::NO_AXIS, span, message, "check the program, or the topology of the machine"));
-            }
-            let own = self.value_of(axis, value);
-            if is_relative {
-                self.check_known(axis, span)?;
-            }
-            out.to[axis] = if is_relative {
-                here[axis] + own
-            } else {
-                let from = Some(here[axis]).filter(|_| self.modal.known.contains(axis));
-                rollover::position(self.machine, axis, own, from, span)?
-            };
-            out.named.insert(axis);
+/// The words of a target. `incremental` stands for G91.
+pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, incremental: bool) -> Result<Target, Fault> {
+    let here = here(channel);
+    let mut out = Target { to: here, named: AxisSet::EMPTY };
+    for axis in AXES {
+        let words = [
+            gathered.once(axis.letter(), None)?.map(|found| (found, incremental)),
+            gathered.once(axis.letter(), Some(90))?.map(|found| (found, false)),
+            gathered.once(axis.letter(), Some(91))?.map(|found| (found, true)),
+        ];
+        let mut words = words.into_iter().flatten();
+        let Some(((value, span), is_relative)) = words.next() else { continue };
+        if let Some(((_, span), _)) = words.next() {
+            let message = format!("{axis} is programmed twice in the block");
+            return Err(fault(Code::DOUBLE_WORD, span, message, "keep one of the words"));
         }
-        self.polar(gathered, &here, &mut out)?;
-        Ok(out)
-    }
-
-    /// What is relative needs a place to start from.
-    pub(super) fn check_known(&self, axis: Axis, span: Span) -> Result<(), Fault> {
-        if !self.strict || self.modal.known.contains(axis) {
-            return Ok(());
+        if channel.machine.axis(axis).is_none() {
+            let message = format!("the machine has no axis {axis}");
+            return Err(fault(Code::NO_AXIS, span, message, "check the program, or the topology of the machine"));
         }
-        let message = format!("the program has not stated where {axis} is");
-        let help = "begin with an absolute position of this axis, or give --start";
-        Err(fault(Code::UNKNOWN_START, span, message, help))
-    }
-
-    /// Both axes of the plane.
-    pub(super) fn check_plane_known(&self, span: Span) -> Result<(), Fault> {
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        self.check_known(abscissa, span)?;
-        self.check_known(ordinate, span)
-    }
-
-    /// `B1= L1=` from here, `B2= L2=` from the pole, or one coordinate and `B1=`.
-    fn polar(&mut self, gathered: &mut Gathered, here: &AxisVector, out: &mut Target) -> Result<(), Fault> {
-        for index in [1, 2] {
-            let (angle, length) = (gathered.once(b'B', Some(index))?, gathered.once(b'L', Some(index))?);
-            let Some((_, span)) = angle.or(length) else { continue };
-            if index == 1 {
-                self.check_plane_known(span)?;
-            }
-            let place = match (angle, length) {
-                (Some((angle, _)), Some((length, _))) => {
-                    let base = if index == 1 { here } else { &self.modal.pole };
-                    let way = self.modal.direction(angle);
-                    plus(base, &way, length * self.modal.scale())
-                }
-                (Some(angle), None) if index == 1 => self.mixed(angle, here, out)?,
-                _ => {
-                    let message = format!("B{index}= and L{index}= only mean a position together");
-                    return Err(fault(Code::BAD_POLAR, span, message, "program both in the block"));
-                }
-            };
-            let [abscissa, ordinate, _] = self.modal.plane.axes();
-            let is_taken = |axis: Axis| out.named.contains(axis);
-            if length.is_some() && (is_taken(abscissa) || is_taken(ordinate)) {
-                let message = "a polar position and an axis of the plane in one block";
-                return Err(fault(Code::BAD_POLAR, span, message, "keep one of them"));
-            }
-            for axis in [abscissa, ordinate] {
-                out.to[axis] = place[axis];
-                out.named.insert(axis);
-            }
+        let own = value_of(channel, axis, value);
+        if is_relative {
+            check_known(channel, axis, span)?;
         }
-        Ok(())
+        out.to[axis] = if is_relative {
+            here[axis] + own
+        } else {
+            let from = Some(here[axis]).filter(|_| channel.modal.known.contains(axis));
+            rollover::position(channel.machine, axis, own, from, span)?
+        };
+        out.named.insert(axis);
     }
+    polar(channel, gathered, &here, &mut out)?;
+    Ok(out)
+}
 
-    /// One coordinate of the plane and the direction of the way there.
-    fn mixed(&self, (degrees, span): Found, here: &AxisVector, out: &Target) -> Result<AxisVector, Fault> {
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        let given = match [abscissa, ordinate].map(|axis| out.named.contains(axis)) {
-            [true, false] => abscissa,
-            [false, true] => ordinate,
+/// What is relative needs a place to start from.
+pub(super) fn check_known(channel: &Channel<'_>, axis: Axis, span: Span) -> Result<(), Fault> {
+    if !channel.strict || channel.modal.known.contains(axis) {
+        return Ok(());
+    }
+    let message = format!("the program has not stated where {axis} is");
+    let help = "begin with an absolute position of this axis, or give --start";
+    Err(fault(Code::UNKNOWN_START, span, message, help))
+}
+
+/// Both axes of the plane.
+pub(super) fn check_plane_known(channel: &Channel<'_>, span: Span) -> Result<(), Fault> {
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    check_known(channel, abscissa, span)?;
+    check_known(channel, ordinate, span)
+}
+
+/// `B1= L1=` from here, `B2= L2=` from the pole, or one coordinate and `B1=`.
+fn polar(channel: &mut Channel<'_>, gathered: &mut Gathered, here: &AxisVector, out: &mut Target) -> Result<(), Fault> {
+    for index in [1, 2] {
+        let (angle, length) = (gathered.once(b'B', Some(index))?, gathered.once(b'L', Some(index))?);
+        let Some((_, span)) = angle.or(length) else { continue };
+        if index == 1 {
+            check_plane_known(channel, span)?;
+        }
+        let place = match (angle, length) {
+            (Some((angle, _)), Some((length, _))) => {
+                let base = if index == 1 { here } else { &channel.modal.pole };
+                let way = channel.modal.direction(angle);
+                plus(base, &way, length * channel.modal.scale())
+            }
+            (Some(angle), None) if index == 1 => mixed(channel, angle, here, out)?,
             _ => {
-                let message = "B1= without L1= needs exactly one axis of the plane";
-                return Err(fault(Code::BAD_POLAR, span, message, "program L1=, or one coordinate"));
+                let message = format!("B{index}= and L{index}= only mean a position together");
+                return Err(fault(Code::BAD_POLAR, span, message, "program both in the block"));
             }
         };
-        let way = self.modal.direction(degrees);
-        let distance = (out.to[given] - here[given]) / way[given];
-        if way[given].abs() < ACROSS || distance < 0.0 {
-            let message = format!("the direction B1={degrees} does not lead to this {given}");
-            return Err(fault(Code::BAD_POLAR, span, message, "correct the angle or the coordinate"));
+        let [abscissa, ordinate, _] = channel.modal.plane.axes();
+        let is_taken = |axis: Axis| out.named.contains(axis);
+        if length.is_some() && (is_taken(abscissa) || is_taken(ordinate)) {
+            let message = "a polar position and an axis of the plane in one block";
+            return Err(fault(Code::BAD_POLAR, span, message, "keep one of them"));
         }
-        let mut place = plus(here, &way, distance);
-        place[given] = out.to[given];
-        Ok(place)
+        for axis in [abscissa, ordinate] {
+            out.to[axis] = place[axis];
+            out.named.insert(axis);
+        }
     }
+    Ok(())
+}
 
-    /// The points that a block names, in their order.
-    pub(super) fn points(&self, gathered: &mut Gathered) -> Result<Vec<Point>, Fault> {
-        let mut points = Vec::new();
-        for item in gathered.take_all(b'P') {
-            let number = point_number((item.value, item.span))?;
-            let Some(point) = self.modal.points.get(&number) else {
-                let message = format!("point P{number} has not been stored");
-                return Err(fault(Code::BAD_INDEX, item.span, message, "define it with G78 before"));
-            };
-            points.push(*point);
+/// One coordinate of the plane and the direction of the way there.
+fn mixed(channel: &Channel<'_>, (degrees, span): Found, here: &AxisVector, out: &Target) -> Result<AxisVector, Fault> {
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let given = match [abscissa, ordinate].map(|axis| out.named.contains(axis)) {
+        [true, false] => abscissa,
+        [false, true] => ordinate,
+        _ => {
+            let message = "B1= without L1= needs exactly one axis of the plane";
+            return Err(fault(Code::BAD_POLAR, span, message, "program L1=, or one coordinate"));
         }
-        Ok(points)
+    };
+    let way = channel.modal.direction(degrees);
+    let distance = (out.to[given] - here[given]) / way[given];
+    if way[given].abs() < ACROSS || distance < 0.0 {
+        let message = format!("the direction B1={degrees} does not lead to this {given}");
+        return Err(fault(Code::BAD_POLAR, span, message, "correct the angle or the coordinate"));
     }
+    let mut place = plus(here, &way, distance);
+    place[given] = out.to[given];
+    Ok(place)
+}
 
-    /// `G78 P1 X… Y…`: stores a point.
-    pub(super) fn define_point(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-        let found = gathered.take(b'P', None).or_else(|| gathered.take(b'P', Some(1)));
-        let Some(found) = found else { return Err(bad_value(span, "G78 needs P", "write for example G78 P1 X10 Y20")) };
-        let number = point_number(found)?;
-        let incremental = self.modal.incremental;
-        let target = self.target(gathered, incremental)?;
-        self.modal.points.insert(number, Point { values: target.to, named: target.named });
-        Ok(())
+/// The points that a block names, in their order.
+pub(super) fn points(channel: &Channel<'_>, gathered: &mut Gathered) -> Result<Vec<Point>, Fault> {
+    let mut points = Vec::new();
+    for item in gathered.take_all(b'P') {
+        let number = point_number((item.value, item.span))?;
+        let Some(point) = channel.modal.points.get(&number) else {
+            let message = format!("point P{number} has not been stored");
+            return Err(fault(Code::BAD_INDEX, item.span, message, "define it with G78 before"));
+        };
+        points.push(*point);
     }
+    Ok(points)
+}
 
-    /// `G9`: sets the pole absolutely, by polar coordinates from zero (B2, L2), or from the old pole (B1, L1).
-    pub(super) fn set_pole(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-        let scale = self.modal.scale();
-        for (index, base) in [(1, self.modal.pole), (2, AxisVector::ZERO)] {
-            if let (Some((angle, _)), Some((length, _))) =
-                (gathered.take(b'B', Some(index)), gathered.take(b'L', Some(index)))
-            {
-                let way = self.modal.direction(angle);
-                self.modal.pole = plus(&base, &way, length * scale);
-                return Ok(());
-            }
-        }
-        let mut is_set = false;
-        for axis in self.modal.plane.axes().into_iter().take(2) {
-            if let Some((value, _)) = gathered.once(axis.letter(), None)? {
-                let base = if self.modal.incremental { self.modal.pole[axis] } else { 0.0 };
-                self.modal.pole[axis] = base + value * scale;
-                is_set = true;
-            }
-        }
-        if is_set {
-            Ok(())
-        } else {
-            Err(bad_value(span, "G9 needs the place of the pole", "write for example G9 X10 Y20"))
+/// `G78 P1 X… Y…`: stores a point.
+pub(super) fn define_point(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    let found = gathered.take(b'P', None).or_else(|| gathered.take(b'P', Some(1)));
+    let Some(found) = found else { return Err(bad_value(span, "G78 needs P", "write for example G78 P1 X10 Y20")) };
+    let number = point_number(found)?;
+    let incremental = channel.modal.incremental;
+    let target = target(channel, gathered, incremental)?;
+    channel.modal.points.insert(number, Point { values: target.to, named: target.named });
+    Ok(())
+}
+
+/// `G9`: sets the pole absolutely, by polar coordinates from zero (B2, L2), or from the old pole (B1, L1).
+pub(super) fn set_pole(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    let scale = channel.modal.scale();
+    for (index, base) in [(1, channel.modal.pole), (2, AxisVector::ZERO)] {
+        if let (Some((angle, _)), Some((length, _))) =
+            (gathered.take(b'B', Some(index)), gathered.take(b'L', Some(index)))
+        {
+            let way = channel.modal.direction(angle);
+            channel.modal.pole = plus(&base, &way, length * scale);
+            return Ok(());
         }
     }
+    let mut is_set = false;
+    for axis in channel.modal.plane.axes().into_iter().take(2) {
+        if let Some((value, _)) = gathered.once(axis.letter(), None)? {
+            let base = if channel.modal.incremental { channel.modal.pole[axis] } else { 0.0 };
+            channel.modal.pole[axis] = base + value * scale;
+            is_set = true;
+        }
+    }
+    if is_set { Ok(()) } else { Err(bad_value(span, "G9 needs the place of the pole", "write for example G9 X10 Y20")) }
 }
 
 fn point_number((value, span): Found) -> Result<u32, Fault> {

@@ -2,6 +2,7 @@
 
 use super::channel::Channel;
 use super::gathered::Gathered;
+use super::setup;
 use crate::exec::core::contour::{FeedAt, Reach, Side};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
@@ -13,132 +14,130 @@ use ncfix_machine::snc::{Kind, WordValue};
 /// M functions that put the selected tool in force, and whether the machine moves to change it.
 const CHANGES: &[(u16, bool)] = &[(6, true), (66, true), (67, false)];
 
-impl Channel<'_> {
-    pub(super) fn tool(&mut self, gathered: &mut Gathered) -> Result<(), Fault> {
-        if let Some((number, span)) = gathered.once(b'T', None)? {
-            if !(0.0..1e8).contains(&number) {
-                return Err(bad_value(span, format!("T{number} is no tool"), "write a number from 0"));
-            }
-            self.modal.tool.selected = Some(number);
-            self.outlet.push(Kind::Tool(WordValue::Number(number)));
+pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+    if let Some((number, span)) = gathered.once(b'T', None)? {
+        if !(0.0..1e8).contains(&number) {
+            return Err(bad_value(span, format!("T{number} is no tool"), "write a number from 0"));
         }
-        for &(number, moves) in CHANGES {
-            let Some(code) = gathered.functions.iter().find(|code| code.number == number).copied() else { continue };
-            if moves {
-                if self.modal.contour.compensates() {
-                    let message = format!("a tool change (M{number}) while radius compensation is on");
-                    let help = "program G40 with a motion in the plane before it";
-                    return Err(fault(Code::BAD_COMPENSATION, code.span, message, help));
-                }
-                self.modal.known = AxisSet::EMPTY;
-            }
-            self.activate(code.span)?;
-        }
-        if let Some(span) = gathered.take_code(39) {
-            self.allowances(gathered, span)?;
-        }
-        for (number, word, reversed) in [(66, "G66", true), (67, "G67", false)] {
-            if gathered.take_code(number).is_some() {
-                self.modal.tool.reversed = reversed;
-                // The control adds the length itself, and must know in which direction.
-                self.outlet.push(Kind::Keep(word));
-                self.refresh_setup()?;
-            }
-        }
-        Ok(())
+        channel.modal.tool.selected = Some(number);
+        channel.outlet.push(Kind::Tool(WordValue::Number(number)));
     }
-
-    /// Puts the selected tool in force.
-    fn activate(&mut self, span: Span) -> Result<(), Fault> {
-        let help = "add a [[tool]] entry there, or give the tool memory of the control with --setup";
-        let Some(selected) = self.modal.tool.selected else {
-            let message = "a tool is changed, and no T was programmed";
-            if self.strict {
-                return Err(fault(Code::NO_TOOL, span, message, "program T before it or in the block"));
+    for &(number, moves) in CHANGES {
+        let Some(code) = gathered.functions.iter().find(|code| code.number == number).copied() else { continue };
+        if moves {
+            if channel.modal.contour.compensates() {
+                let message = format!("a tool change (M{number}) while radius compensation is on");
+                let help = "program G40 with a motion in the plane before it";
+                return Err(fault(Code::BAD_COMPENSATION, code.span, message, help));
             }
-            self.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, message, "program T before it"));
-            return Ok(());
+            channel.modal.known = AxisSet::EMPTY;
+        }
+        activate(channel, code.span)?;
+    }
+    if let Some(span) = gathered.take_code(39) {
+        allowances(channel, gathered, span)?;
+    }
+    for (number, word, reversed) in [(66, "G66", true), (67, "G67", false)] {
+        if gathered.take_code(number).is_some() {
+            channel.modal.tool.reversed = reversed;
+            // The control adds the length itself, and must know in which direction.
+            channel.outlet.push(Kind::Keep(word));
+            setup::refresh_setup(channel)?;
+        }
+    }
+    Ok(())
+}
+
+/// Puts the selected tool in force.
+fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
+    let help = "add a [[tool]] entry there, or give the tool memory of the control with --setup";
+    let Some(selected) = channel.modal.tool.selected else {
+        let message = "a tool is changed, and no T was programmed";
+        if channel.strict {
+            return Err(fault(Code::NO_TOOL, span, message, "program T before it or in the block"));
+        }
+        channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, message, "program T before it"));
+        return Ok(());
+    };
+    channel.modal.tool.number = Some(selected);
+    let (number, edge) = place(selected);
+    let data = channel.tools.iter().find(|tool| tool.number == number && tool.edge == edge);
+    let size = data.map(|tool: &Tool| (tool.length_mm[0], tool.radius_mm));
+    (channel.modal.tool.length_mm, channel.modal.tool.radius_mm) = size.unwrap_or_default();
+    // Without T0 there is no tool in the spindle, and nothing to know.
+    let missing = size.is_none() && number != 0;
+    channel.modal.tool.assumed = missing;
+    setup::refresh_setup(channel)?;
+    if !missing {
+        return Ok(());
+    }
+    let message = format!("T{selected} has no value in the machine file");
+    if channel.strict {
+        return Err(fault(Code::NO_TOOL, span, message, help));
+    }
+    channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
+    Ok(())
+}
+
+/// `G39 L R`: allowances on length and radius until others are programmed.
+fn allowances(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    let scale = channel.modal.scale();
+    let words = [gathered.once(b'L', None)?, gathered.once(b'R', None)?];
+    if words.iter().all(Option::is_none) {
+        return Err(bad_value(span, "G39 needs L or R", "write G39 L… R…; G39 L0 R0 ends it"));
+    }
+    for (place, word) in channel.modal.tool.allowance_mm.iter_mut().zip(words) {
+        if let Some((value, _)) = word {
+            *place = value * scale;
+        }
+    }
+    if words[0].is_some() {
+        // The control adds the length itself; the radius goes into the path.
+        let length = (channel.modal.tool.allowance_mm[0] * 1e9).round() / 1e9;
+        channel.outlet.push(Kind::Verbatim(format!("G39 L{length}").into_bytes()));
+    }
+    setup::refresh_setup(channel)
+}
+
+/// G40 to G44, and F1= for the feed on arcs beside them.
+pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+    for (number, side) in [(40, Side::Off), (41, Side::Left), (42, Side::Right)] {
+        let Some(span) = gathered.take_code(number) else { continue };
+        let contour = &mut channel.modal.contour;
+        contour.reach = Reach::End;
+        contour.side = side;
+        if side == Side::Off {
+            continue;
+        }
+        contour.activation += 1;
+        if channel.modal.tool.selected.is_none() && channel.strict {
+            return Err(no_tool(number, span));
+        }
+        if channel.modal.tool.assumed && channel.strict {
+            let message = "the radius of the tool has no value in the machine file";
+            return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry there"));
+        }
+    }
+    for (number, reach) in [(43, Reach::To), (44, Reach::Past)] {
+        let Some(span) = gathered.take_code(number) else { continue };
+        if channel.modal.contour.compensates() {
+            let message = format!("G{number} while the radius is compensated");
+            return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
+        }
+        if channel.modal.tool.selected.is_none() && channel.strict {
+            return Err(no_tool(number, span));
+        }
+        channel.modal.contour.reach = reach;
+    }
+    if let Some((value, span)) = gathered.once(b'F', Some(1))? {
+        channel.modal.contour.feed_at = match value {
+            0.0 => FeedAt::Center,
+            1.0 => FeedAt::InnerContour,
+            2.0 => FeedAt::Contour,
+            _ => return Err(bad_value(span, format!("F1={value} is not followed here"), "write F1=0, 1 or 2")),
         };
-        self.modal.tool.number = Some(selected);
-        let (number, edge) = place(selected);
-        let data = self.tools.iter().find(|tool| tool.number == number && tool.edge == edge);
-        let size = data.map(|tool: &Tool| (tool.length_mm[0], tool.radius_mm));
-        (self.modal.tool.length_mm, self.modal.tool.radius_mm) = size.unwrap_or_default();
-        // Without T0 there is no tool in the spindle, and nothing to know.
-        let missing = size.is_none() && number != 0;
-        self.modal.tool.assumed = missing;
-        self.refresh_setup()?;
-        if !missing {
-            return Ok(());
-        }
-        let message = format!("T{selected} has no value in the machine file");
-        if self.strict {
-            return Err(fault(Code::NO_TOOL, span, message, help));
-        }
-        self.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
-        Ok(())
     }
-
-    /// `G39 L R`: allowances on length and radius until others are programmed.
-    fn allowances(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-        let scale = self.modal.scale();
-        let words = [gathered.once(b'L', None)?, gathered.once(b'R', None)?];
-        if words.iter().all(Option::is_none) {
-            return Err(bad_value(span, "G39 needs L or R", "write G39 L… R…; G39 L0 R0 ends it"));
-        }
-        for (place, word) in self.modal.tool.allowance_mm.iter_mut().zip(words) {
-            if let Some((value, _)) = word {
-                *place = value * scale;
-            }
-        }
-        if words[0].is_some() {
-            // The control adds the length itself; the radius goes into the path.
-            let length = (self.modal.tool.allowance_mm[0] * 1e9).round() / 1e9;
-            self.outlet.push(Kind::Verbatim(format!("G39 L{length}").into_bytes()));
-        }
-        self.refresh_setup()
-    }
-
-    /// G40 to G44, and F1= for the feed on arcs beside them.
-    pub(super) fn compensation_codes(&mut self, gathered: &mut Gathered) -> Result<(), Fault> {
-        for (number, side) in [(40, Side::Off), (41, Side::Left), (42, Side::Right)] {
-            let Some(span) = gathered.take_code(number) else { continue };
-            let contour = &mut self.modal.contour;
-            contour.reach = Reach::End;
-            contour.side = side;
-            if side == Side::Off {
-                continue;
-            }
-            contour.activation += 1;
-            if self.modal.tool.selected.is_none() && self.strict {
-                return Err(no_tool(number, span));
-            }
-            if self.modal.tool.assumed && self.strict {
-                let message = "the radius of the tool has no value in the machine file";
-                return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry there"));
-            }
-        }
-        for (number, reach) in [(43, Reach::To), (44, Reach::Past)] {
-            let Some(span) = gathered.take_code(number) else { continue };
-            if self.modal.contour.compensates() {
-                let message = format!("G{number} while the radius is compensated");
-                return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
-            }
-            if self.modal.tool.selected.is_none() && self.strict {
-                return Err(no_tool(number, span));
-            }
-            self.modal.contour.reach = reach;
-        }
-        if let Some((value, span)) = gathered.once(b'F', Some(1))? {
-            self.modal.contour.feed_at = match value {
-                0.0 => FeedAt::Center,
-                1.0 => FeedAt::InnerContour,
-                2.0 => FeedAt::Contour,
-                _ => return Err(bad_value(span, format!("F1={value} is not followed here"), "write F1=0, 1 or 2")),
-            };
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 /// Compensation by the radius of a tool that only the control knows.

@@ -1,5 +1,9 @@
 //! Arcs of the working plane: G2 and G3 with I J K or R.
 
+use super::direction;
+use super::measure;
+use super::motion;
+use super::offsets;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
@@ -24,170 +28,179 @@ const SPIRAL_MOST: f64 = 100.0;
 /// By how much half the chord may exceed a radius in LinuxCNC, mm.
 const RADIUS_MM: f64 = 0.00005 * MM_PER_INCH;
 
-impl Channel<'_> {
-    /// Moves along an arc; G2 and G3 in tenths.
-    pub(super) fn arc(&mut self, gathered: &Gathered, code: u16, end: AxisVector, named: AxisSet) -> Result<(), Fault> {
-        let setup = Shared::clone(&self.setup);
-        let [abscissa, ordinate, applicate] = self.modal.plane.axes();
-        if self.strict {
-            let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-            if let Some(axis) = plane.difference(self.modal.known).iter().next() {
-                return Err(unknown_start(gathered.span, axis));
-            }
+/// Moves along an arc; G2 and G3 in tenths.
+pub(super) fn arc(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    code: u16,
+    end: AxisVector,
+    named: AxisSet,
+) -> Result<(), Fault> {
+    let setup = Shared::clone(&channel.setup);
+    let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+    if channel.strict {
+        let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
+        if let Some(axis) = plane.difference(channel.modal.known).iter().next() {
+            return Err(unknown_start(gathered.span, axis));
         }
-        let (clockwise, span) = (code == 20, gathered.span);
-        let end = if self.is_rs274() { end } else { self.closed_on_grid(end, span)? };
-        let target = self.reach(&setup, named, &end, gathered.span)?;
-        let turns = self.turns(gathered)?;
-        // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit; else as programmed.
-        let is_shifted = setup.frame.is_translation();
-        let (from, to) = if is_shifted { (self.modal.command, target) } else { (self.here(), end) };
-        let (s, e) = ([from[abscissa], from[ordinate]], [to[abscissa], to[ordinate]]);
-        let center_letters = [abscissa, ordinate].map(|axis| b"IJK"[axis.slot()]);
-        let across = b"IJK"[applicate.slot()];
-        let has_center = gathered.has_any(&center_letters);
-        let radius = self.length(gathered, b'R')?;
-        let has_across = !self.has_directions();
-        if let Some(value) = gathered.raw(across).filter(|&value| has_across && (value != 0.0 || self.is_rs274())) {
-            let message =
-                format!("{}{value} lies outside the working plane G{}", char::from(across), self.modal.plane.number());
-            return Err(fault(Code::BAD_ARC, gathered.span_of(across), message, "select the plane of the arc"));
+    }
+    let (clockwise, span) = (code == 20, gathered.span);
+    let end = if channel.is_rs274() { end } else { closed_on_grid(channel, end, span)? };
+    let target = motion::reach(channel, &setup, named, &end, gathered.span)?;
+    let turns = turns(channel, gathered)?;
+    // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit; else as programmed.
+    let is_shifted = setup.frame.is_translation();
+    let (from, to) = if is_shifted { (channel.modal.command, target) } else { (offsets::here(channel), end) };
+    let (s, e) = ([from[abscissa], from[ordinate]], [to[abscissa], to[ordinate]]);
+    let center_letters = [abscissa, ordinate].map(|axis| b"IJK"[axis.slot()]);
+    let across = b"IJK"[applicate.slot()];
+    let has_center = gathered.has_any(&center_letters);
+    let radius = measure::length(channel, gathered, b'R')?;
+    let has_across = !direction::has_directions(channel);
+    if let Some(value) = gathered.raw(across).filter(|&value| has_across && (value != 0.0 || channel.is_rs274())) {
+        let message =
+            format!("{}{value} lies outside the working plane G{}", char::from(across), channel.modal.plane.number());
+        return Err(fault(Code::BAD_ARC, gathered.span_of(across), message, "select the plane of the arc"));
+    }
+    if radius.is_some() && has_center && channel.is_rs274() {
+        let message = "the center of this arc is given in two ways";
+        return Err(fault(Code::BAD_ARC, gathered.span_of(b'R'), message, "keep either R or I, J, K"));
+    }
+    let tolerance = arc_tolerance(channel);
+    let center = if let Some(radius) = radius {
+        // On a Fanuc R goes before the center words.
+        gathered.use_up(&center_letters);
+        if !channel.is_rs274() && is_one_place(s, e) {
+            let message = "an arc with R whose end is its start moves nothing";
+            channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, "a full circle needs I, J, K"));
+            let step = Step::straight(gathered, false, end, named);
+            return motion::step(channel, step);
         }
-        if radius.is_some() && has_center && self.is_rs274() {
-            let message = "the center of this arc is given in two ways";
-            return Err(fault(Code::BAD_ARC, gathered.span_of(b'R'), message, "keep either R or I, J, K"));
-        }
-        let tolerance = self.arc_tolerance();
-        let center = if let Some(radius) = radius {
-            // On a Fanuc R goes before the center words.
-            gathered.use_up(&center_letters);
-            if !self.is_rs274() && is_one_place(s, e) {
-                let message = "an arc with R whose end is its start moves nothing";
-                self.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, "a full circle needs I, J, K"));
-                let step = Step::straight(gathered, false, end, named);
-                return self.step(step);
-            }
-            let slack = self.is_rs274();
-            let reach = |radius: f64| if slack { RADIUS_MM } else { tolerance(radius) };
-            center_of_radius(radius, s, e, clockwise, &reach).map_err(|found| {
-                let help = "correct R or the end point; a full circle needs I, J, K";
-                fault(Code::RADIUS_TOO_SMALL, gathered.span_of(b'R'), found.message("R"), help)
-            })
-        } else if has_center {
-            self.center(gathered, s, is_shifted)
+        let slack = channel.is_rs274();
+        let reach = |radius: f64| if slack { RADIUS_MM } else { tolerance(radius) };
+        center_of_radius(radius, s, e, clockwise, &reach).map_err(|found| {
+            let help = "correct R or the end point; a full circle needs I, J, K";
+            fault(Code::RADIUS_TOO_SMALL, gathered.span_of(b'R'), found.message("R"), help)
+        })
+    } else if has_center {
+        center(channel, gathered, s, is_shifted)
+    } else {
+        Err(fault(Code::NO_CENTER, span, "an arc without center and radius", "add I, J, K or R"))
+    };
+    let (mut target, mut to) = (target, to);
+    if let Ok(center) = &center
+        && channel.is_rs274()
+        && closes_in_linuxcnc(s, e, *center)
+    {
+        let (here, mut end) = (offsets::here(channel), end);
+        (end[abscissa], end[ordinate]) = (here[abscissa], here[ordinate]);
+        target = motion::reach(channel, &setup, named, &end, span)?;
+        to = if is_shifted { target } else { end };
+    }
+    let arc = center.and_then(|center| {
+        let plane = channel.modal.plane;
+        let (arc, help) = if channel.is_rs274() {
+            let help = "correct the center or the end point";
+            (Arc::spiral(plane, clockwise, &from, &to, center, turns, &tolerance), help)
         } else {
-            Err(fault(Code::NO_CENTER, span, "an arc without center and radius", "add I, J, K or R"))
+            let help = "correct the center or the end point; the limit is control.arc_tolerance_mm";
+            (Arc::through(plane, clockwise, &from, &to, center, turns, &tolerance), help)
         };
-        let (mut target, mut to) = (target, to);
-        if let Ok(center) = &center
-            && self.is_rs274()
-            && closes_in_linuxcnc(s, e, *center)
-        {
-            let (here, mut end) = (self.here(), end);
-            (end[abscissa], end[ordinate]) = (here[abscissa], here[ordinate]);
-            target = self.reach(&setup, named, &end, span)?;
-            to = if is_shifted { target } else { end };
-        }
-        let arc = center.and_then(|center| {
-            let plane = self.modal.plane;
-            let (arc, help) = if self.is_rs274() {
-                let help = "correct the center or the end point";
-                (Arc::spiral(plane, clockwise, &from, &to, center, turns, &tolerance), help)
-            } else {
-                let help = "correct the center or the end point; the limit is control.arc_tolerance_mm";
-                (Arc::through(plane, clockwise, &from, &to, center, turns, &tolerance), help)
-            };
-            arc.map_err(|found| match found {
-                CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
-                    Code::ARC_OFF_CIRCLE,
-                    span,
-                    format!(
-                        "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm, the center \
-                             {off_bisector_mm:.4} mm off the perpendicular bisector of the chord"
-                    ),
-                    help,
+        arc.map_err(|found| match found {
+            CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
+                Code::ARC_OFF_CIRCLE,
+                span,
+                format!(
+                    "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm, the center \
+                         {off_bisector_mm:.4} mm off the perpendicular bisector of the chord"
                 ),
-                CenterFault::ZeroRadius => {
-                    fault(Code::BAD_ARC, span, "the center of the arc is its start", "correct I, J, K")
-                }
-                CenterFault::NotFinite => bad_value(span, "the arc is not finite", "check the values"),
-            })
-        });
-        // What follows begins where the block leads, so that one fault is not found again in every arc behind it.
-        let arc = arc.inspect_err(|_| {
-            self.modal.command = target;
-            self.modal.known = self.modal.known.union(named);
-        })?;
-        if !setup.frame.keeps_circles(self.modal.plane) {
-            let message = "an arc under a scaling that differs between the axes of its plane";
-            let help = "scale both axes alike: what else a control does is no circle and no ellipse";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
-        }
-        let shape = behind_frame(&arc, [&from, &to], &target, &setup, self.machine.control.chord_tolerance_mm);
-        let step = Step::straight(gathered, false, end, named);
-        self.send(step, target, shape, setup)
-    }
-
-    /// The end of an arc of a Fanuc; where its increment makes it one with the start, it is the start.
-    fn closed_on_grid(&self, mut end: AxisVector, span: Span) -> Result<AxisVector, Fault> {
-        let here = self.here();
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        let (start, to) = ([here[abscissa], here[ordinate]], [end[abscissa], end[ordinate]]);
-        match meeting(start, to, self.increments_per_length() / self.modal.scale()) {
-            Meeting::Apart => {}
-            Meeting::Same => (end[abscissa], end[ordinate]) = (start[0], start[1]),
-            Meeting::Unsure => return Err(unsure(span, start, to, "the grid is that of control.increment_system")),
-        }
-        Ok(end)
-    }
-
-    /// Center by I, J, K, in base coordinates where the frame only shifts.
-    fn center(&mut self, gathered: &Gathered, start: [f64; 2], is_shifted: bool) -> Result<[f64; 2], Fault> {
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        let mut center = start;
-        for (place, axis) in center.iter_mut().zip([abscissa, ordinate]) {
-            let letter = b"IJK"[axis.slot()];
-            let value = self.length(gathered, letter)?;
-            if self.modal.arc_absolute {
-                let Some(value) = value else {
-                    let message = format!("{} is missing, and G90.1 is in force", char::from(letter));
-                    return Err(fault(Code::NO_CENTER, gathered.span, message, "give both coordinates of the center"));
-                };
-                let shift = self.setup.frame.shift(axis) - self.setup.tool_mm[axis.slot()];
-                *place = value + if is_shifted { shift } else { 0.0 };
-            } else {
-                *place += value.unwrap_or_default();
+                help,
+            ),
+            CenterFault::ZeroRadius => {
+                fault(Code::BAD_ARC, span, "the center of the arc is its start", "correct I, J, K")
             }
-        }
-        Ok(center)
+            CenterFault::NotFinite => bad_value(span, "the arc is not finite", "check the values"),
+        })
+    });
+    // What follows begins where the block leads, so that one fault is not found again in every arc behind it.
+    let arc = arc.inspect_err(|_| {
+        channel.modal.command = target;
+        channel.modal.known = channel.modal.known.union(named);
+    })?;
+    if !setup.frame.keeps_circles(channel.modal.plane) {
+        let message = "an arc under a scaling that differs between the axes of its plane";
+        let help = "scale both axes alike: what else a control does is no circle and no ellipse";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
+    let shape = behind_frame(&arc, [&from, &to], &target, &setup, channel.machine.control.chord_tolerance_mm);
+    let step = Step::straight(gathered, false, end, named);
+    motion::send(channel, step, target, shape, setup)
+}
 
-    /// Full turns beyond the arc itself: one less than P (RS274/NGC).
-    fn turns(&self, gathered: &Gathered) -> Result<u32, Fault> {
-        if !self.is_rs274() {
-            return Ok(0);
-        }
-        match gathered.raw(b'P').map(|turns| (turns, turns.round())) {
-            None => Ok(0),
-            Some((turns, whole)) if (turns - whole).abs() <= 1e-3 && (1.0..=MAX_TURNS).contains(&whole) => {
-                Ok(whole as u32 - 1)
-            }
-            Some((turns, _)) => {
-                let message = format!("P{turns} is no number of turns");
-                Err(bad_value(gathered.span_of(b'P'), message, "write a whole number from 1 to 999"))
-            }
-        }
+/// The end of an arc of a Fanuc; where its increment makes it one with the start, it is the start.
+fn closed_on_grid(channel: &Channel<'_>, mut end: AxisVector, span: Span) -> Result<AxisVector, Fault> {
+    let here = offsets::here(channel);
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let (start, to) = ([here[abscissa], here[ordinate]], [end[abscissa], end[ordinate]]);
+    match meeting(start, to, measure::increments_per_length(channel) / channel.modal.scale()) {
+        Meeting::Apart => {}
+        Meeting::Same => (end[abscissa], end[ordinate]) = (start[0], start[1]),
+        Meeting::Unsure => return Err(unsure(span, start, to, "the grid is that of control.increment_system")),
     }
+    Ok(end)
+}
 
-    /// How far an arc's end may be off its circle, by its radius.
-    fn arc_tolerance(&self) -> impl Fn(f64) -> f64 + use<> {
-        let control = &self.machine.control;
-        let (length, share, most) = if self.is_rs274() {
-            let length = if self.modal.inch { SPIRAL_INCH_MM } else { SPIRAL_MM };
-            (length, SPIRAL_SHARE, length * SPIRAL_MOST)
+/// Center by I, J, K, in base coordinates where the frame only shifts.
+fn center(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    start: [f64; 2],
+    is_shifted: bool,
+) -> Result<[f64; 2], Fault> {
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let mut center = start;
+    for (place, axis) in center.iter_mut().zip([abscissa, ordinate]) {
+        let letter = b"IJK"[axis.slot()];
+        let value = measure::length(channel, gathered, letter)?;
+        if channel.modal.arc_absolute {
+            let Some(value) = value else {
+                let message = format!("{} is missing, and G90.1 is in force", char::from(letter));
+                return Err(fault(Code::NO_CENTER, gathered.span, message, "give both coordinates of the center"));
+            };
+            let shift = channel.setup.frame.shift(axis) - channel.setup.tool_mm[axis.slot()];
+            *place = value + if is_shifted { shift } else { 0.0 };
         } else {
-            (control.arc_tolerance_mm, control.arc_tolerance_ratio, f64::INFINITY)
-        };
-        move |radius: f64| (share * radius).max(length).min(most)
+            *place += value.unwrap_or_default();
+        }
     }
+    Ok(center)
+}
+
+/// Full turns beyond the arc itself: one less than P (RS274/NGC).
+fn turns(channel: &Channel<'_>, gathered: &Gathered) -> Result<u32, Fault> {
+    if !channel.is_rs274() {
+        return Ok(0);
+    }
+    match gathered.raw(b'P').map(|turns| (turns, turns.round())) {
+        None => Ok(0),
+        Some((turns, whole)) if (turns - whole).abs() <= 1e-3 && (1.0..=MAX_TURNS).contains(&whole) => {
+            Ok(whole as u32 - 1)
+        }
+        Some((turns, _)) => {
+            let message = format!("P{turns} is no number of turns");
+            Err(bad_value(gathered.span_of(b'P'), message, "write a whole number from 1 to 999"))
+        }
+    }
+}
+
+/// How far an arc's end may be off its circle, by its radius.
+fn arc_tolerance(channel: &Channel<'_>) -> impl Fn(f64) -> f64 + use<> {
+    let control = &channel.machine.control;
+    let (length, share, most) = if channel.is_rs274() {
+        let length = if channel.modal.inch { SPIRAL_INCH_MM } else { SPIRAL_MM };
+        (length, SPIRAL_SHARE, length * SPIRAL_MOST)
+    } else {
+        (control.arc_tolerance_mm, control.arc_tolerance_ratio, f64::INFINITY)
+    };
+    move |radius: f64| (share * radius).max(length).min(most)
 }

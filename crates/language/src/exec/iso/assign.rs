@@ -6,6 +6,8 @@
 use super::channel::Channel;
 use super::expression::{Scope, name_of, no_variable};
 use super::level::Loaded;
+use super::predefined;
+use super::system;
 use super::variables::{Place, Symbol};
 use crate::exec::core::fault::{Fault, at, fault};
 use crate::syntax::words::{Address, Block, Node, Program, Value, Word};
@@ -72,42 +74,46 @@ fn one(scope: &Scope<'_, '_>, word: &Word) -> Result<Assignment, Fault> {
     Ok(Assignment { target, value: scope.word(word)?, span: word.span })
 }
 
-impl Channel<'_> {
-    /// Carries assignments out.
-    pub(super) fn assign(&mut self, assignments: &[Assignment], loaded: &Loaded, block: &Block) -> Result<(), Fault> {
-        for Assignment { target, value, span } in assignments {
-            match *target {
-                Target::Named(symbol) => self.variables.set_named(symbol, *value),
-                Target::Number(number) => self.assign_number(number, *value, *span, loaded, block)?,
-            }
+/// Carries assignments out.
+pub(super) fn assign(
+    channel: &mut Channel<'_>,
+    assignments: &[Assignment],
+    loaded: &Loaded,
+    block: &Block,
+) -> Result<(), Fault> {
+    for Assignment { target, value, span } in assignments {
+        match *target {
+            Target::Named(symbol) => channel.variables.set_named(symbol, *value),
+            Target::Number(number) => assign_number(channel, number, *value, *span, loaded, block)?,
         }
-        Ok(())
     }
+    Ok(())
+}
 
-    fn assign_number(
-        &mut self,
-        number: i64,
-        value: Option<f64>,
-        span: Span,
-        loaded: &Loaded,
-        block: &Block,
-    ) -> Result<(), Fault> {
-        let known = u32::try_from(number).unwrap_or(u32::MAX);
-        match self.variables.place(known) {
-            Place::Null => Err(at(span, Code::BAD_INDEX, "#0 is always null", "assign to another variable")),
-            Place::Nowhere => Err(no_variable(number, span)),
-            Place::System => self.write_system(known, value, span, loaded, block),
-            Place::Variable if self.language == Language::Rs274 && is_read_only(known) => {
-                let message = format!("#{number} can only be read");
-                Err(at(span, Code::BAD_WORD_VALUE, message, "it stands for the state of the machine"))
+fn assign_number(
+    channel: &mut Channel<'_>,
+    number: i64,
+    value: Option<f64>,
+    span: Span,
+    loaded: &Loaded,
+    block: &Block,
+) -> Result<(), Fault> {
+    let known = u32::try_from(number).unwrap_or(u32::MAX);
+    match channel.variables.place(known) {
+        Place::Null => Err(at(span, Code::BAD_INDEX, "#0 is always null", "assign to another variable")),
+        Place::Nowhere => Err(no_variable(number, span)),
+        Place::System => system::write_system(channel, known, value, span, loaded, block),
+        Place::Variable if channel.language == Language::Rs274 && is_read_only(known) => {
+            let message = format!("#{number} can only be read");
+            Err(at(span, Code::BAD_WORD_VALUE, message, "it stands for the state of the machine"))
+        }
+        Place::Variable => {
+            if channel.language == Language::Rs274 && predefined::write_parameter(channel, known, value.unwrap_or(0.0))
+            {
+                return Ok(());
             }
-            Place::Variable => {
-                if self.language == Language::Rs274 && self.write_parameter(known, value.unwrap_or(0.0)) {
-                    return Ok(());
-                }
-                self.variables.set(known, value);
-                Ok(())
-            }
+            channel.variables.set(known, value);
+            Ok(())
         }
     }
 }

@@ -1,5 +1,9 @@
 //! M codes.
 
+use super::compensation;
+use super::cycle;
+use super::data;
+use super::state;
 use std::fmt::Write as _;
 
 use super::channel::Channel;
@@ -70,213 +74,211 @@ fn refused(number: u32, span: Span) -> Result<(), Fault> {
     }
 }
 
-impl Channel<'_> {
-    /// Executes the M codes of a block as far as they act before the motion, and keeps the others for later.
-    pub(super) fn m_codes(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        if gathered.m_codes.is_empty() {
-            return Ok(());
-        }
-        if !self.is_rs274() {
-            for &(number, span) in &gathered.m_codes {
-                refused(number, span)?;
-                self.fanuc_m(number, span)?;
-            }
-            return Ok(());
-        }
-        let mut groups = 0_u16;
+/// Executes the M codes of a block as far as they act before the motion, and keeps the others for later.
+pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    if gathered.m_codes.is_empty() {
+        return Ok(());
+    }
+    if !channel.is_rs274() {
         for &(number, span) in &gathered.m_codes {
-            let Some(group) = rs274_group(number) else {
-                return Err(bad_value(span, format!("M{number} is unknown"), "check the number"));
+            refused(number, span)?;
+            fanuc_m(channel, number, span)?;
+        }
+        return Ok(());
+    }
+    let mut groups = 0_u16;
+    for &(number, span) in &gathered.m_codes {
+        let Some(group) = rs274_group(number) else {
+            return Err(bad_value(span, format!("M{number} is unknown"), "check the number"));
+        };
+        // M7 and M8 may stand together.
+        let is_double = groups & 1 << group != 0 && group != 8;
+        groups |= 1 << group;
+        if is_double {
+            let message = "M codes of one group in one block";
+            return Err(fault(Code::DOUBLE_WORD, span, message, "take one of them out"));
+        }
+    }
+    for group in [5, 6, 7, 8, 9, 10, 4] {
+        for &(number, span) in gathered.m_codes.iter().filter(|(number, _)| rs274_group(*number) == Some(group)) {
+            rs274_m(channel, gathered, number, span)?;
+        }
+    }
+    Ok(())
+}
+
+fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fault> {
+    match number {
+        // Calls and returns are the business of the flow.
+        98 | 99 => {}
+        2 | 30 => {
+            channel.ends_program = true;
+            channel.after.push(word(number));
+        }
+        0 | 1 | 5 | 9 => {
+            note_spindle(channel, number);
+            channel.after.push(word(number));
+        }
+        6 => {
+            if channel.modal.contour.compensates() {
+                let message = "a tool change (M6) while radius compensation is on";
+                let help = "program G40 with a motion in the plane before it";
+                return Err(fault(Code::BAD_COMPENSATION, span, message, help));
+            }
+            channel.before.push(word(number));
+            change_tool(channel);
+        }
+        _ => {
+            note_spindle(channel, number);
+            channel.before.push(word(number));
+        }
+    }
+    Ok(())
+}
+
+/// Where axes are behind M functions that move them by what the machine file says is unknown.
+pub(super) fn lose_by_functions(channel: &mut Channel<'_>, gathered: &Gathered) {
+    if gathered.m_codes.iter().any(|&(number, _)| channel.outlet.function_moves(f64::from(number))) {
+        let lost = channel.modal.forget(AxisSet::ALL);
+        channel.push(Kind::Lost(lost));
+    }
+}
+
+/// The tool that was selected comes into the spindle; a tool change may have moved the axes.
+fn change_tool(channel: &mut Channel<'_>) {
+    channel.modal.active = channel.modal.selected.or(channel.modal.active);
+    channel.modal.forget(AxisSet::ALL);
+    if channel.is_rs274() {
+        channel.modal.spindle = 5;
+    }
+}
+
+/// LinuxCNC asks where the machine is behind M6 and M61. Behind G40 that is beside the contour until a motion has
+/// left it, and then axes which that motion does not name stay there.
+fn look_where_axes_are(channel: &mut Channel<'_>, gathered: &Gathered) {
+    if channel.modal.contour.compensates() || gathered.has_any(b"XYZABC") {
+        return;
+    }
+    if let Some(place) = channel.outlet.settle() {
+        channel.modal.command = place;
+    }
+}
+
+fn note_spindle(channel: &mut Channel<'_>, number: u32) {
+    match number {
+        3 => channel.modal.spindle = 3,
+        4 => channel.modal.spindle = 4,
+        5 | 19 => channel.modal.spindle = 5,
+        7 => channel.modal.coolant[0] = true,
+        8 => channel.modal.coolant[1] = true,
+        9 => channel.modal.coolant = [false; 2],
+        29 => channel.cycles.is_rigid = true,
+        _ => {}
+    }
+}
+
+/// M48 to M53, which a saved state brings back.
+fn note_override(channel: &mut Channel<'_>, gathered: &Gathered, number: u32) {
+    let [feed, speed, adaptive, stop] = &mut channel.modal.overrides;
+    let is_on = gathered.raw(b'P').is_none_or(|value| value != 0.0);
+    match number {
+        48 | 49 => (*feed, *speed) = (number == 48, number == 48),
+        50 => *feed = is_on,
+        51 => *speed = is_on,
+        52 => *adaptive = is_on,
+        53 => *stop = is_on,
+        _ => {}
+    }
+}
+
+fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Span) -> Result<(), Fault> {
+    match number {
+        98 | 99 => {}
+        2 | 30 => {
+            cycle::leave_exact_stops(channel, false);
+            channel.ends_program = true;
+            channel.after.push(word(number));
+        }
+        0 | 1 | 60 => channel.after.push(word(number)),
+        6 => {
+            compensation::no_compensation(channel, span, "M6")?;
+            if channel.modal.selected.is_none() {
+                let message = "M6, and no tool was selected with T";
+                return Err(bad_value(span, message, "program T before it or in its block"));
+            }
+            channel.before.push(word(number));
+            look_where_axes_are(channel, gathered);
+            change_tool(channel);
+        }
+        61 => {
+            let tool = gathered.raw(b'Q').map(|value| whole(value, gathered.span_of(b'Q'), "Q")).transpose()?;
+            let Some(tool) = tool else {
+                return Err(bad_value(span, "M61 needs Q with the tool", "write for example M61 Q3"));
             };
-            // M7 and M8 may stand together.
-            let is_double = groups & 1 << group != 0 && group != 8;
-            groups |= 1 << group;
-            if is_double {
-                let message = "M codes of one group in one block";
-                return Err(fault(Code::DOUBLE_WORD, span, message, "take one of them out"));
-            }
+            channel.modal.active = Some(tool);
+            channel.modal.selected = Some(tool);
+            look_where_axes_are(channel, gathered);
+            m_with_words(channel, gathered, number, b"Q");
         }
-        for group in [5, 6, 7, 8, 9, 10, 4] {
-            for &(number, span) in gathered.m_codes.iter().filter(|(number, _)| rs274_group(*number) == Some(group)) {
-                self.rs274_m(gathered, number, span)?;
-            }
+        70 => state::save_state(channel, false),
+        73 => state::save_state(channel, true),
+        71 => state::drop_state(channel),
+        72 => state::restore_state(channel, span)?,
+        100..=199 => {
+            let message = format!("M{number} runs a program of the control, and what it does is not known here");
+            let help = "check that it moves no axis and changes no offset";
+            channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, help));
+            m_with_words(channel, gathered, number, b"PQ");
         }
-        Ok(())
-    }
-
-    fn fanuc_m(&mut self, number: u32, span: Span) -> Result<(), Fault> {
-        match number {
-            // Calls and returns are the business of the flow.
-            98 | 99 => {}
-            2 | 30 => {
-                self.ends_program = true;
-                self.after.push(word(number));
+        48..=53 | 62..=68 if channel.modal.contour.compensates() => {
+            let message = format!("M{number} while radius compensation is on");
+            return Err(fault(Code::BAD_COMPENSATION, span, message, "move it before G41, G42 or behind G40"));
+        }
+        62..=68 if !has_address(gathered, number) => {
+            let message = format!("M{number} does not name its input or output");
+            return Err(bad_value(span, message, "write P with its number (M62 to M66), or E (M66 to M68)"));
+        }
+        _ => match RS274_WORDS.iter().find(|(known, _)| *known == number) {
+            Some((_, letters)) => {
+                note_spindle(channel, number);
+                note_override(channel, gathered, number);
+                m_with_words(channel, gathered, number, letters);
             }
-            0 | 1 | 5 | 9 => {
-                self.note_spindle(number);
-                self.after.push(word(number));
-            }
-            6 => {
-                if self.modal.contour.compensates() {
-                    let message = "a tool change (M6) while radius compensation is on";
-                    let help = "program G40 with a motion in the plane before it";
-                    return Err(fault(Code::BAD_COMPENSATION, span, message, help));
+            None => {
+                note_spindle(channel, number);
+                note_override(channel, gathered, number);
+                let spindle = gathered.raw(b'$').filter(|_| matches!(number, 3..=5));
+                match spindle {
+                    Some(_) => m_with_words(channel, gathered, number, b"$"),
+                    None => channel.before.push(word(number)),
                 }
-                self.before.push(word(number));
-                self.change_tool();
             }
-            _ => {
-                self.note_spindle(number);
-                self.before.push(word(number));
-            }
-        }
-        Ok(())
+        },
     }
+    Ok(())
+}
 
-    /// Where axes are behind M functions that move them by what the machine file says is unknown.
-    pub(super) fn lose_by_functions(&mut self, gathered: &Gathered) {
-        if gathered.m_codes.iter().any(|&(number, _)| self.outlet.function_moves(f64::from(number))) {
-            let lost = self.modal.forget(AxisSet::ALL);
-            self.push(Kind::Lost(lost));
-        }
+/// An M code with words of its own.
+fn m_with_words(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, letters: &[u8]) {
+    if !gathered.has_any(letters) {
+        channel.before.push(word(number));
+        return;
     }
-
-    /// The tool that was selected comes into the spindle; a tool change may have moved the axes.
-    fn change_tool(&mut self) {
-        self.modal.active = self.modal.selected.or(self.modal.active);
-        self.modal.forget(AxisSet::ALL);
-        if self.is_rs274() {
-            self.modal.spindle = 5;
-        }
-    }
-
-    /// LinuxCNC asks where the machine is behind M6 and M61. Behind G40 that is beside the contour until a motion has
-    /// left it, and then axes which that motion does not name stay there.
-    fn look_where_axes_are(&mut self, gathered: &Gathered) {
-        if self.modal.contour.compensates() || gathered.has_any(b"XYZABC") {
-            return;
-        }
-        if let Some(place) = self.outlet.settle() {
-            self.modal.command = place;
-        }
-    }
-
-    fn note_spindle(&mut self, number: u32) {
-        match number {
-            3 => self.modal.spindle = 3,
-            4 => self.modal.spindle = 4,
-            5 | 19 => self.modal.spindle = 5,
-            7 => self.modal.coolant[0] = true,
-            8 => self.modal.coolant[1] = true,
-            9 => self.modal.coolant = [false; 2],
-            29 => self.cycles.is_rigid = true,
-            _ => {}
-        }
-    }
-
-    /// M48 to M53, which a saved state brings back.
-    fn note_override(&mut self, gathered: &Gathered, number: u32) {
-        let [feed, speed, adaptive, stop] = &mut self.modal.overrides;
-        let is_on = gathered.raw(b'P').is_none_or(|value| value != 0.0);
-        match number {
-            48 | 49 => (*feed, *speed) = (number == 48, number == 48),
-            50 => *feed = is_on,
-            51 => *speed = is_on,
-            52 => *adaptive = is_on,
-            53 => *stop = is_on,
-            _ => {}
-        }
-    }
-
-    fn rs274_m(&mut self, gathered: &Gathered, number: u32, span: Span) -> Result<(), Fault> {
-        match number {
-            98 | 99 => {}
-            2 | 30 => {
-                self.leave_exact_stops(false);
-                self.ends_program = true;
-                self.after.push(word(number));
-            }
-            0 | 1 | 60 => self.after.push(word(number)),
-            6 => {
-                self.no_compensation(span, "M6")?;
-                if self.modal.selected.is_none() {
-                    let message = "M6, and no tool was selected with T";
-                    return Err(bad_value(span, message, "program T before it or in its block"));
-                }
-                self.before.push(word(number));
-                self.look_where_axes_are(gathered);
-                self.change_tool();
-            }
-            61 => {
-                let tool = gathered.raw(b'Q').map(|value| whole(value, gathered.span_of(b'Q'), "Q")).transpose()?;
-                let Some(tool) = tool else {
-                    return Err(bad_value(span, "M61 needs Q with the tool", "write for example M61 Q3"));
-                };
-                self.modal.active = Some(tool);
-                self.modal.selected = Some(tool);
-                self.look_where_axes_are(gathered);
-                self.m_with_words(gathered, number, b"Q");
-            }
-            70 => self.save_state(false),
-            73 => self.save_state(true),
-            71 => self.drop_state(),
-            72 => self.restore_state(span)?,
-            100..=199 => {
-                let message = format!("M{number} runs a program of the control, and what it does is not known here");
-                let help = "check that it moves no axis and changes no offset";
-                self.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, help));
-                self.m_with_words(gathered, number, b"PQ");
-            }
-            48..=53 | 62..=68 if self.modal.contour.compensates() => {
-                let message = format!("M{number} while radius compensation is on");
-                return Err(fault(Code::BAD_COMPENSATION, span, message, "move it before G41, G42 or behind G40"));
-            }
-            62..=68 if !has_address(gathered, number) => {
-                let message = format!("M{number} does not name its input or output");
-                return Err(bad_value(span, message, "write P with its number (M62 to M66), or E (M66 to M68)"));
-            }
-            _ => match RS274_WORDS.iter().find(|(known, _)| *known == number) {
-                Some((_, letters)) => {
-                    self.note_spindle(number);
-                    self.note_override(gathered, number);
-                    self.m_with_words(gathered, number, letters);
-                }
-                None => {
-                    self.note_spindle(number);
-                    self.note_override(gathered, number);
-                    let spindle = gathered.raw(b'$').filter(|_| matches!(number, 3..=5));
-                    match spindle {
-                        Some(_) => self.m_with_words(gathered, number, b"$"),
-                        None => self.before.push(word(number)),
-                    }
-                }
-            },
-        }
-        Ok(())
-    }
-
-    /// An M code with words of its own.
-    fn m_with_words(&mut self, gathered: &Gathered, number: u32, letters: &[u8]) {
-        if !gathered.has_any(letters) {
-            self.before.push(word(number));
-            return;
-        }
-        let mut text = format!("M{number}");
-        for &letter in letters {
-            if let Some(value) = gathered.raw(letter) {
-                // Writing to a string cannot fail.
-                let _ = write!(text, " {}{value}", char::from(letter));
-            }
-        }
-        self.push(Kind::Verbatim(text.into_bytes()));
-    }
-
-    /// Appends a word as it was written.
-    pub(super) fn append_plain(&self, text: &mut String, letter: u8, value: f64, is_unpointed: bool) {
-        if is_unpointed {
+    let mut text = format!("M{number}");
+    for &letter in letters {
+        if let Some(value) = gathered.raw(letter) {
+            // Writing to a string cannot fail.
             let _ = write!(text, " {}{value}", char::from(letter));
-        } else {
-            self.append(text, letter, value);
         }
+    }
+    channel.push(Kind::Verbatim(text.into_bytes()));
+}
+
+/// Appends a word as it was written.
+pub(super) fn append_plain(channel: &Channel<'_>, text: &mut String, letter: u8, value: f64, is_unpointed: bool) {
+    if is_unpointed {
+        let _ = write!(text, " {}{value}", char::from(letter));
+    } else {
+        data::append(channel, text, letter, value);
     }
 }

@@ -1,5 +1,6 @@
 //! Calls: begins the level of a program, and comes back from it.
 
+use super::state;
 use std::rc::Rc;
 
 use super::call::{Call, CallKind};
@@ -55,7 +56,7 @@ impl Interpreter<'_> {
     /// Variables of a level that begins.
     fn enter(&mut self, call: &Call) {
         if self.channel.language == Language::Rs274 {
-            self.channel.enter_level();
+            state::enter_level(&mut self.channel);
         }
         let variables = &mut self.channel.variables;
         match call.kind {
@@ -70,7 +71,7 @@ impl Interpreter<'_> {
     fn leave(&mut self, kind: CallKind) {
         let is_rs274 = self.channel.language == Language::Rs274;
         if is_rs274 {
-            self.channel.leave_level();
+            state::leave_level(&mut self.channel);
             self.channel.flush_before();
         }
         match kind {

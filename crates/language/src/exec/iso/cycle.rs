@@ -1,5 +1,12 @@
 //! A block in a canned cycle: collects its words, asks [`super::drill`] what is to be done, and puts that into the stream.
 
+use super::data;
+use super::feed;
+use super::measure;
+use super::motion;
+use super::offsets;
+use super::one_axis;
+use super::spline;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
@@ -42,324 +49,329 @@ fn is_tapping(code: u16) -> bool {
     matches!(code, 740 | 840 | 842 | 843)
 }
 
-impl Channel<'_> {
-    /// The code of motion of a block, in tenths. A Fanuc ends its cycles with any other motion, and G80 brings back what was in force
-    /// before them.
-    pub(super) fn code_of_motion(&self, gathered: &Gathered) -> Option<u16> {
-        let code = gathered.code(Group::Motion);
-        if self.is_rs274() {
-            return code;
-        }
-        code.or_else(|| match gathered.code(Group::Cycle) {
-            Some(G80) => Some(self.cycles.line),
-            cycle => cycle,
-        })
+/// The code of motion of a block, in tenths. A Fanuc ends its cycles with any other motion, and G80 brings back what was in force
+/// before them.
+pub(super) fn code_of_motion(channel: &Channel<'_>, gathered: &Gathered) -> Option<u16> {
+    let code = gathered.code(Group::Motion);
+    if channel.is_rs274() {
+        return code;
     }
+    code.or_else(|| match gathered.code(Group::Cycle) {
+        Some(G80) => Some(channel.cycles.line),
+        cycle => cycle,
+    })
+}
 
-    /// Notes the kind of motion that comes into force.
-    pub(super) fn note_motion(&mut self, code: u16) {
-        let before = std::mem::replace(&mut self.modal.motion, code);
-        if before == code || is_cycle(code, self.is_rs274()) {
-            return;
-        }
-        self.drop_curve(code);
-        self.leave_exact_stops(false);
-        self.cycles.line = code;
-        self.cycles.is_rigid = false;
-        self.cycles.drill.end(self.language);
-        if code != G80 {
-            self.cycles.drill.moved();
+/// Notes the kind of motion that comes into force.
+pub(super) fn note_motion(channel: &mut Channel<'_>, code: u16) {
+    let before = std::mem::replace(&mut channel.modal.motion, code);
+    if before == code || is_cycle(code, channel.is_rs274()) {
+        return;
+    }
+    spline::drop_curve(channel, code);
+    leave_exact_stops(channel, false);
+    channel.cycles.line = code;
+    channel.cycles.is_rigid = false;
+    channel.cycles.drill.end(channel.language);
+    if code != G80 {
+        channel.cycles.drill.moved();
+    }
+}
+
+/// Does a block in a cycle.
+pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    let span = gathered.code_span(if channel.is_rs274() { Group::Motion } else { Group::Cycle });
+    let span = if span == Span::default() { gathered.span } else { span };
+    check_cycle(channel, gathered, code, span)?;
+    let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+    let here = offsets::here(channel);
+    let bottom = word_of(channel, gathered, applicate)?;
+    let mut words = [word_of(channel, gathered, abscissa)?, word_of(channel, gathered, ordinate)?];
+    if channel.special.polar.is_some() {
+        // The second word is an angle.
+        words[1] = measure::angle(channel, gathered, ordinate.letter())?;
+    }
+    let named: AxisSet = gathered.axes.intersection([abscissa, ordinate].into_iter().collect());
+    if let Some((others, values)) = one_axis::other_axes(channel, gathered, named)? {
+        for (axis, word) in [abscissa, ordinate].into_iter().zip(&mut words).filter(|(axis, _)| others.contains(*axis))
+        {
+            *word = Some(values[axis]);
         }
     }
-
-    /// Does a block in a cycle.
-    pub(super) fn cycle(&mut self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        let span = gathered.code_span(if self.is_rs274() { Group::Motion } else { Group::Cycle });
-        let span = if span == Span::default() { gathered.span } else { span };
-        self.check_cycle(gathered, code, span)?;
-        let [abscissa, ordinate, applicate] = self.modal.plane.axes();
-        let here = self.here();
-        let bottom = self.word_of(gathered, applicate)?;
-        let mut words = [self.word_of(gathered, abscissa)?, self.word_of(gathered, ordinate)?];
-        if self.special.polar.is_some() {
-            // The second word is an angle.
-            words[1] = self.angle(gathered, ordinate.letter())?;
+    let polar_words = [measure::length(channel, gathered, b'@')?, measure::angle(channel, gathered, b'^')?];
+    let is_polar = polar_words.iter().any(Option::is_some);
+    let incremental = channel.modal.incremental;
+    for (axis, word) in [abscissa, ordinate].into_iter().zip(words) {
+        if incremental || word.is_none() {
+            offsets::check_stated(channel, axis, gathered.span)?;
         }
-        let named: AxisSet = gathered.axes.intersection([abscissa, ordinate].into_iter().collect());
-        if let Some((others, values)) = self.other_axes(gathered, named)? {
-            for (axis, word) in
-                [abscissa, ordinate].into_iter().zip(&mut words).filter(|(axis, _)| others.contains(*axis))
-            {
-                *word = Some(values[axis]);
-            }
-        }
-        let polar_words = [self.length(gathered, b'@')?, self.angle(gathered, b'^')?];
-        let is_polar = polar_words.iter().any(Option::is_some);
-        let incremental = self.modal.incremental;
-        for (axis, word) in [abscissa, ordinate].into_iter().zip(words) {
-            if incremental || word.is_none() {
-                self.check_stated(axis, gathered.span)?;
-            }
-        }
-        self.check_stated(applicate, gathered.span)?;
-        let mut others = gathered.axes.difference([abscissa, ordinate, applicate].into_iter().collect());
-        let mut end = here;
-        for axis in others.iter() {
-            let value = self.axis_value(gathered, axis)?;
-            end[axis] = match incremental {
-                true => value + here[axis],
-                false => self.absolute(gathered, axis, value, here[axis])?,
-            };
-        }
-        let call = self.call(
-            gathered,
-            code,
-            bottom,
-            Place { plane: [here[abscissa], here[ordinate]], height: here[applicate] },
-        )?;
-        let mut polar = self.special.polar;
-        let next = |from: [f64; 2]| match &mut polar {
-            Some(polar) => Ok(polar.target(from, words[0], words[1], incremental)),
-            None if is_polar => {
-                polar::rs274(from, polar_words[0], polar_words[1], incremental).ok_or_else(|| HoleFault {
-                    message: "polar words at the zero, where there is no direction".into(),
-                    help: "give both @ and ^ with G90",
-                    is_unsupported: false,
-                })
-            }
-            None => Ok([0, 1].map(|k: usize| match words.get(k).copied().flatten() {
-                Some(word) if incremental => from[k] + word,
-                Some(word) => word,
-                None => from[k],
-            })),
+    }
+    offsets::check_stated(channel, applicate, gathered.span)?;
+    let mut others = gathered.axes.difference([abscissa, ordinate, applicate].into_iter().collect());
+    let mut end = here;
+    for axis in others.iter() {
+        let value = motion::axis_value(channel, gathered, axis)?;
+        end[axis] = match incremental {
+            true => value + here[axis],
+            false => motion::absolute(channel, gathered, axis, value, here[axis])?,
         };
-        let was_drawn_out = self.cycles.drill.is_drawn_out();
-        let mut actions = Vec::new();
-        let done = self.cycles.drill.run(self.language, &call, next, &mut actions);
-        if self.special.polar.is_some() {
-            self.special.polar = polar;
-        }
-        done.map_err(|found| {
-            let code_of = if found.is_unsupported { Code::NOT_SUPPORTED } else { Code::BAD_WORD_VALUE };
-            fault(code_of, span, format!("{}: {}", name_of(code), found.message), found.help)
-        })?;
-        if actions.is_empty() {
-            return Ok(());
-        }
-        if is_tapping(code) && self.code_of_motion(gathered) == Some(code) {
-            let message = "tapping becomes feed moves with the spindle reversed between them";
-            let help = "the tap needs a chuck that gives way; keep the override at 100 %";
-            self.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
-        }
-        self.stop_exactly();
-        let mut feed_named = gathered.has(b'F');
-        let mut is_brought = was_drawn_out;
-        for (place, action) in actions.into_iter().enumerate() {
-            if place > 0 {
-                self.outlet.begin_line();
-            }
-            let (rapid, to) = match action {
-                Action::Rapid(to) => (true, to),
-                Action::Feed(to) => (false, to),
-                Action::Brought(to) => {
-                    end[applicate] = to.height;
-                    self.brought(applicate, &end, gathered.span)?;
-                    is_brought = true;
-                    continue;
-                }
-                other => {
-                    self.aside(other);
-                    continue;
-                }
-            };
-            let mut named = std::mem::take(&mut others);
-            for (axis, value) in [(abscissa, to.plane[0]), (ordinate, to.plane[1]), (applicate, to.height)] {
-                let is_asked = place == 0 && axis != applicate && gathered.axes.contains(axis);
-                if value != end[axis] || is_asked || is_brought {
-                    named.insert(axis);
-                }
-                end[axis] = value;
-            }
-            is_brought = false;
-            let is_named = std::mem::take(&mut feed_named);
-            let span = gathered.span;
-            self.step(Step { rapid, end, named, feed_named: is_named, manner: Manner::Path, span })?;
-        }
-        Ok(())
     }
-
-    /// The operator has moved an axis: where it is now is an assumption.
-    fn brought(&mut self, axis: Axis, place: &AxisVector, span: Span) -> Result<(), Fault> {
-        let setup = Shared::clone(&self.setup);
-        let named: AxisSet = [axis].into_iter().collect();
-        self.modal.command = self.reach(&setup, named, place, span)?;
-        if self.strict {
-            let lost = self.modal.forget(named);
-            self.push(Kind::Lost(lost));
-        }
-        Ok(())
+    let call = call(
+        channel,
+        gathered,
+        code,
+        bottom,
+        Place { plane: [here[abscissa], here[ordinate]], height: here[applicate] },
+    )?;
+    let mut polar = channel.special.polar;
+    let next = |from: [f64; 2]| match &mut polar {
+        Some(polar) => Ok(polar.target(from, words[0], words[1], incremental)),
+        None if is_polar => polar::rs274(from, polar_words[0], polar_words[1], incremental).ok_or_else(|| HoleFault {
+            message: "polar words at the zero, where there is no direction".into(),
+            help: "give both @ and ^ with G90",
+            is_unsupported: false,
+        }),
+        None => Ok([0, 1].map(|k: usize| match words.get(k).copied().flatten() {
+            Some(word) if incremental => from[k] + word,
+            Some(word) => word,
+            None => from[k],
+        })),
+    };
+    let was_drawn_out = channel.cycles.drill.is_drawn_out();
+    let mut actions = Vec::new();
+    let done = channel.cycles.drill.run(channel.language, &call, next, &mut actions);
+    if channel.special.polar.is_some() {
+        channel.special.polar = polar;
     }
-
-    /// What a cycle does beside moving.
-    fn aside(&mut self, action: Action) {
-        let word = |number: u8| Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) };
-        match action {
-            Action::Dwell(seconds) => self.push(Kind::Dwell(Dwell::Seconds(seconds))),
-            Action::Spindle(Turn::Off) => self.push(Kind::After(vec![word(5)])),
-            Action::Spindle(turn) => self.push(Kind::Before(vec![word(turn.m_code())])),
-            Action::Stop => self.push(Kind::After(vec![word(0)])),
-            Action::Rapid(_) | Action::Feed(_) | Action::Brought(_) => {}
-        }
+    done.map_err(|found| {
+        let code_of = if found.is_unsupported { Code::NOT_SUPPORTED } else { Code::BAD_WORD_VALUE };
+        fault(code_of, span, format!("{}: {}", name_of(code), found.message), found.help)
+    })?;
+    if actions.is_empty() {
+        return Ok(());
     }
-
-    /// The words of a block and what else matters to its cycle.
-    fn call(&mut self, gathered: &Gathered, code: u16, bottom: Option<f64>, from: Place) -> Result<Call, Fault> {
-        let is_rs274 = self.is_rs274();
-        let [abscissa, ordinate, applicate] = self.modal.plane.axes();
-        let dwell_s = self.dwell_of_p(gathered, &name_of(code))?;
-        if let Some(seconds) = dwell_s.filter(|seconds| *seconds < 0.0) {
-            let message = format!("a dwell of {seconds} s");
-            return Err(bad_value(gathered.span_of(b'P'), message, "write P without a sign"));
+    if is_tapping(code) && code_of_motion(channel, gathered) == Some(code) {
+        let message = "tapping becomes feed moves with the spindle reversed between them";
+        let help = "the tap needs a chuck that gives way; keep the override at 100 %";
+        channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
+    }
+    stop_exactly(channel);
+    let mut feed_named = gathered.has(b'F');
+    let mut is_brought = was_drawn_out;
+    for (place, action) in actions.into_iter().enumerate() {
+        if place > 0 {
+            channel.outlet.begin_line();
         }
-        if !is_rs274 && gathered.has(b'K') {
-            self.check_count(gathered, code)?;
-        }
-        let mut repeats = None;
-        for letter in if is_rs274 { &b"L"[..] } else { &b"KL"[..] } {
-            if let Some(value) = gathered.raw(*letter) {
-                let name = char::from(*letter).to_string();
-                repeats = Some(whole(value, gathered.span_of(*letter), &name)?);
+        let (rapid, to) = match action {
+            Action::Rapid(to) => (true, to),
+            Action::Feed(to) => (false, to),
+            Action::Brought(to) => {
+                end[applicate] = to.height;
+                brought(channel, applicate, &end, gathered.span)?;
+                is_brought = true;
+                continue;
             }
-        }
-        // Only a block that says where or how deep drills.
-        if !is_rs274 && gathered.axes.is_empty() && !gathered.has(b'R') {
-            repeats = Some(0);
-        }
-        if is_rs274 {
-            gathered.use_up(b"$");
-        }
-        // Scaling holds for places alone: pecks and clearances are those of the machine.
-        let growth = self.modal.transforms.growth(if matches!(code, 760 | 870) { abscissa } else { applicate });
-        let iso = &self.machine.control.iso;
-        let clearance = match code {
-            _ if is_rs274 => rs274::CLEARANCE_MM,
-            730 => iso.chip_clearance_mm,
-            _ => iso.peck_clearance_mm,
+            other => {
+                aside(channel, other);
+                continue;
+            }
         };
-        Ok(Call {
-            code,
-            from,
-            is_lost: ![abscissa, ordinate].into_iter().all(|axis| self.modal.known.contains(axis)),
-            r: self.length(gathered, b'R')?,
-            bottom,
-            q: self.length(gathered, b'Q')?.map(|q| q / growth),
-            dwell_s,
-            repeats,
-            incremental: self.modal.incremental,
-            to_r: self.modal.to_r_plane,
-            spindle: match self.modal.spindle {
-                3 => Turn::Clockwise,
-                4 => Turn::CounterClockwise,
-                _ => Turn::Off,
-            },
-            clearance: clearance / growth,
-            aside: iso.orient_shift.map(|(axis, sign)| self.direction_of(axis, sign * growth)),
-        })
-    }
-
-    /// A direction of the machine in the program's plane.
-    fn direction_of(&self, axis: Axis, sign: f64) -> [f64; 2] {
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        let direction = self.setup.frame.unapply_direction(Vector::ith(axis.dimension(), sign));
-        [abscissa, ordinate].map(|axis| direction.get(axis.slot()).copied().unwrap_or_default())
-    }
-
-    fn word_of(&mut self, gathered: &Gathered, axis: Axis) -> Result<Option<f64>, Fault> {
-        Ok(if gathered.axes.contains(axis) { Some(self.axis_value(gathered, axis)?) } else { None })
-    }
-
-    /// Refuses what does not go together with a cycle.
-    fn check_cycle(&self, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
-        let name = name_of(code);
-        let refused = if self.modal.contour.compensates() {
-            Some(("radius compensation", "end it with G40 first"))
-        } else if self.modal.turning.is_some() {
-            Some(("tool center point control", "end it with G49 first"))
-        } else if self.modal.feed_mode == FeedUnit::InverseTime {
-            Some(("inverse-time feed (G93)", "program G94 or G95"))
-        } else {
-            None
-        };
-        if let Some((what, help)) = refused {
-            return Err(fault(Code::NOT_SUPPORTED, span, format!("{name} under {what}"), help));
-        }
-        let rotary = gathered.axes.difference(AxisSet::XYZ).iter().next();
-        if let Some(axis) = rotary.filter(|_| self.is_rs274()) {
-            let message = format!("{axis} in a canned cycle");
-            return Err(bad_value(gathered.span_of(axis.letter()), message, "move it in a block of its own"));
-        }
-        if self.is_rs274() && matches!(code, 740 | 840) && self.modal.plane != Plane::XY {
-            let message = format!("{name} outside the XY plane: LinuxCNC takes the axes for one another there");
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17, or program the motions one by one"));
-        }
-        if is_tapping(code) && self.strict && !self.is_rs274() {
-            self.check_rigid(code, &name, span)?;
-        }
-        Ok(())
-    }
-
-    /// K of a peck cycle is a depth on a Haas, with G91 too.
-    fn check_count(&self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        if !matches!(code, 730 | 830) || self.machine.control.iso.reads_as_fanuc {
-            return Ok(());
-        }
-        let name = name_of(code);
-        let message = format!("K of {name}: on a Fanuc the number of holes, on a Haas a depth");
-        let help = "write the number of holes with L and G91, or leave K out; where the control is a Fanuc set control.word_meaning = \"fanuc\"";
-        Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'K'), message, help))
-    }
-
-    /// Refuses tapping that keeps spindle and axis in step, or may do so.
-    fn check_rigid(&self, code: u16, name: &str, span: Span) -> Result<(), Fault> {
-        let rigid = self.machine.control.iso.rigid_tapping;
-        let is_rigid = self.cycles.is_rigid || matches!(code, 842 | 843) || rigid == Some(true);
-        if is_rigid {
-            let message = format!("{name} taps rigidly: single motions do not keep spindle and axis together");
-            let help = "leave the tapping to a program that is not corrected";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
-        }
-        if rigid.is_none() {
-            let message = format!("whether {name} taps rigidly is a parameter of the control");
-            let help = "set control.rigid_tapping = false in the machine file where a chuck compensates the length";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
-        }
-        Ok(())
-    }
-
-    /// LinuxCNC stops exactly within cycles; the motions that stand for them must not be blended.
-    fn stop_exactly(&mut self) {
-        if self.is_rs274() && self.modal.path_control.0 != 610 && !std::mem::replace(&mut self.cycles.is_exact, true) {
-            self.push(Kind::Keep("G61"));
-        }
-    }
-
-    /// Brings back the path control of the program behind a cycle, or forgets it where the block names one.
-    pub(super) fn leave_exact_stops(&mut self, is_named: bool) {
-        if !std::mem::take(&mut self.cycles.is_exact) || is_named {
-            return;
-        }
-        match self.modal.path_control {
-            (611, ..) => self.push(Kind::Keep("G61.1")),
-            (_, None, None) => self.push(Kind::Keep("G64")),
-            (_, p, q) => {
-                let mut text = "G64".to_owned();
-                for (letter, value) in [(b'P', p), (b'Q', q)] {
-                    if let Some(value) = value {
-                        self.append_length(&mut text, letter, value);
-                    }
-                }
-                self.push(Kind::Verbatim(text.into_bytes()));
+        let mut named = std::mem::take(&mut others);
+        for (axis, value) in [(abscissa, to.plane[0]), (ordinate, to.plane[1]), (applicate, to.height)] {
+            let is_asked = place == 0 && axis != applicate && gathered.axes.contains(axis);
+            if value != end[axis] || is_asked || is_brought {
+                named.insert(axis);
             }
+            end[axis] = value;
+        }
+        is_brought = false;
+        let is_named = std::mem::take(&mut feed_named);
+        let span = gathered.span;
+        motion::step(channel, Step { rapid, end, named, feed_named: is_named, manner: Manner::Path, span })?;
+    }
+    Ok(())
+}
+
+/// The operator has moved an axis: where it is now is an assumption.
+fn brought(channel: &mut Channel<'_>, axis: Axis, place: &AxisVector, span: Span) -> Result<(), Fault> {
+    let setup = Shared::clone(&channel.setup);
+    let named: AxisSet = [axis].into_iter().collect();
+    channel.modal.command = motion::reach(channel, &setup, named, place, span)?;
+    if channel.strict {
+        let lost = channel.modal.forget(named);
+        channel.push(Kind::Lost(lost));
+    }
+    Ok(())
+}
+
+/// What a cycle does beside moving.
+fn aside(channel: &mut Channel<'_>, action: Action) {
+    let word = |number: u8| Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) };
+    match action {
+        Action::Dwell(seconds) => channel.push(Kind::Dwell(Dwell::Seconds(seconds))),
+        Action::Spindle(Turn::Off) => channel.push(Kind::After(vec![word(5)])),
+        Action::Spindle(turn) => channel.push(Kind::Before(vec![word(turn.m_code())])),
+        Action::Stop => channel.push(Kind::After(vec![word(0)])),
+        Action::Rapid(_) | Action::Feed(_) | Action::Brought(_) => {}
+    }
+}
+
+/// The words of a block and what else matters to its cycle.
+fn call(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    code: u16,
+    bottom: Option<f64>,
+    from: Place,
+) -> Result<Call, Fault> {
+    let is_rs274 = channel.is_rs274();
+    let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+    let dwell_s = feed::dwell_of_p(channel, gathered, &name_of(code))?;
+    if let Some(seconds) = dwell_s.filter(|seconds| *seconds < 0.0) {
+        let message = format!("a dwell of {seconds} s");
+        return Err(bad_value(gathered.span_of(b'P'), message, "write P without a sign"));
+    }
+    if !is_rs274 && gathered.has(b'K') {
+        check_count(channel, gathered, code)?;
+    }
+    let mut repeats = None;
+    for letter in if is_rs274 { &b"L"[..] } else { &b"KL"[..] } {
+        if let Some(value) = gathered.raw(*letter) {
+            let name = char::from(*letter).to_string();
+            repeats = Some(whole(value, gathered.span_of(*letter), &name)?);
+        }
+    }
+    // Only a block that says where or how deep drills.
+    if !is_rs274 && gathered.axes.is_empty() && !gathered.has(b'R') {
+        repeats = Some(0);
+    }
+    if is_rs274 {
+        gathered.use_up(b"$");
+    }
+    // Scaling holds for places alone: pecks and clearances are those of the machine.
+    let growth = channel.modal.transforms.growth(if matches!(code, 760 | 870) { abscissa } else { applicate });
+    let iso = &channel.machine.control.iso;
+    let clearance = match code {
+        _ if is_rs274 => rs274::CLEARANCE_MM,
+        730 => iso.chip_clearance_mm,
+        _ => iso.peck_clearance_mm,
+    };
+    Ok(Call {
+        code,
+        from,
+        is_lost: ![abscissa, ordinate].into_iter().all(|axis| channel.modal.known.contains(axis)),
+        r: measure::length(channel, gathered, b'R')?,
+        bottom,
+        q: measure::length(channel, gathered, b'Q')?.map(|q| q / growth),
+        dwell_s,
+        repeats,
+        incremental: channel.modal.incremental,
+        to_r: channel.modal.to_r_plane,
+        spindle: match channel.modal.spindle {
+            3 => Turn::Clockwise,
+            4 => Turn::CounterClockwise,
+            _ => Turn::Off,
+        },
+        clearance: clearance / growth,
+        aside: iso.orient_shift.map(|(axis, sign)| direction_of(channel, axis, sign * growth)),
+    })
+}
+
+/// A direction of the machine in the program's plane.
+fn direction_of(channel: &Channel<'_>, axis: Axis, sign: f64) -> [f64; 2] {
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let direction = channel.setup.frame.unapply_direction(Vector::ith(axis.dimension(), sign));
+    [abscissa, ordinate].map(|axis| direction.get(axis.slot()).copied().unwrap_or_default())
+}
+
+fn word_of(channel: &mut Channel<'_>, gathered: &Gathered, axis: Axis) -> Result<Option<f64>, Fault> {
+    Ok(if gathered.axes.contains(axis) { Some(motion::axis_value(channel, gathered, axis)?) } else { None })
+}
+
+/// Refuses what does not go together with a cycle.
+fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
+    let name = name_of(code);
+    let refused = if channel.modal.contour.compensates() {
+        Some(("radius compensation", "end it with G40 first"))
+    } else if channel.modal.turning.is_some() {
+        Some(("tool center point control", "end it with G49 first"))
+    } else if channel.modal.feed_mode == FeedUnit::InverseTime {
+        Some(("inverse-time feed (G93)", "program G94 or G95"))
+    } else {
+        None
+    };
+    if let Some((what, help)) = refused {
+        return Err(fault(Code::NOT_SUPPORTED, span, format!("{name} under {what}"), help));
+    }
+    let rotary = gathered.axes.difference(AxisSet::XYZ).iter().next();
+    if let Some(axis) = rotary.filter(|_| channel.is_rs274()) {
+        let message = format!("{axis} in a canned cycle");
+        return Err(bad_value(gathered.span_of(axis.letter()), message, "move it in a block of its own"));
+    }
+    if channel.is_rs274() && matches!(code, 740 | 840) && channel.modal.plane != Plane::XY {
+        let message = format!("{name} outside the XY plane: LinuxCNC takes the axes for one another there");
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17, or program the motions one by one"));
+    }
+    if is_tapping(code) && channel.strict && !channel.is_rs274() {
+        check_rigid(channel, code, &name, span)?;
+    }
+    Ok(())
+}
+
+/// K of a peck cycle is a depth on a Haas, with G91 too.
+fn check_count(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    if !matches!(code, 730 | 830) || channel.machine.control.iso.reads_as_fanuc {
+        return Ok(());
+    }
+    let name = name_of(code);
+    let message = format!("K of {name}: on a Fanuc the number of holes, on a Haas a depth");
+    let help = "write the number of holes with L and G91, or leave K out; where the control is a Fanuc set control.word_meaning = \"fanuc\"";
+    Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'K'), message, help))
+}
+
+/// Refuses tapping that keeps spindle and axis in step, or may do so.
+fn check_rigid(channel: &Channel<'_>, code: u16, name: &str, span: Span) -> Result<(), Fault> {
+    let rigid = channel.machine.control.iso.rigid_tapping;
+    let is_rigid = channel.cycles.is_rigid || matches!(code, 842 | 843) || rigid == Some(true);
+    if is_rigid {
+        let message = format!("{name} taps rigidly: single motions do not keep spindle and axis together");
+        let help = "leave the tapping to a program that is not corrected";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+    }
+    if rigid.is_none() {
+        let message = format!("whether {name} taps rigidly is a parameter of the control");
+        let help = "set control.rigid_tapping = false in the machine file where a chuck compensates the length";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+    }
+    Ok(())
+}
+
+/// LinuxCNC stops exactly within cycles; the motions that stand for them must not be blended.
+fn stop_exactly(channel: &mut Channel<'_>) {
+    if channel.is_rs274()
+        && channel.modal.path_control.0 != 610
+        && !std::mem::replace(&mut channel.cycles.is_exact, true)
+    {
+        channel.push(Kind::Keep("G61"));
+    }
+}
+
+/// Brings back the path control of the program behind a cycle, or forgets it where the block names one.
+pub(super) fn leave_exact_stops(channel: &mut Channel<'_>, is_named: bool) {
+    if !std::mem::take(&mut channel.cycles.is_exact) || is_named {
+        return;
+    }
+    match channel.modal.path_control {
+        (611, ..) => channel.push(Kind::Keep("G61.1")),
+        (_, None, None) => channel.push(Kind::Keep("G64")),
+        (_, p, q) => {
+            let mut text = "G64".to_owned();
+            for (letter, value) in [(b'P', p), (b'Q', q)] {
+                if let Some(value) = value {
+                    data::append_length(channel, &mut text, letter, value);
+                }
+            }
+            channel.push(Kind::Verbatim(text.into_bytes()));
         }
     }
 }

@@ -1,5 +1,10 @@
 //! G10: zero offsets and tool offsets that the program sets. The control has them for good, so the output sets them too.
 
+use super::compensation;
+use super::length;
+use super::measure;
+use super::motion;
+use super::offsets;
 use std::fmt::Write as _;
 
 use super::channel::Channel;
@@ -14,230 +19,233 @@ use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::snc::Kind;
 
-impl Channel<'_> {
-    /// `G10`
-    pub(super) fn set_data(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let span = gathered.code_span(Group::Action);
-        let (l, p) = (gathered.raw(b'L'), gathered.raw(b'P'));
-        let number = p.map(f64::round).filter(|number| (0.0..=9999.0).contains(number)).map(|number| number as u32);
-        let l = l.map_or(-1, |l| l.round() as i64);
-        match (l, number) {
-            (2, number) => self.set_offset(gathered, System(self.system_number(number, span)?), span),
-            (20, number) if self.is_rs274() => {
-                self.set_offset(gathered, System(self.system_number(number, span)?), span)
-            }
-            (20, Some(number @ 1..=300)) => self.set_offset(gathered, System(System::ADDITIONAL + number as u16), span),
-            (1 | 10 | 11, Some(number)) if self.is_rs274() => self.set_tool(gathered, l, number, span),
-            (1 | 10..=13, Some(number)) if !self.is_rs274() => self.set_tool_value(gathered, l, number, span),
-            (50, _) => {
-                let message = "G10 L50 changes parameters of the control";
-                Err(fault(Code::OWN_COMPENSATION, span, message, "set them at the control, not in the part program"))
-            }
-            _ => {
-                let message = "this G10 is not supported";
-                Err(fault(Code::NOT_SUPPORTED, span, message, "L2, L20, L1 and L10 to L13 with P are"))
-            }
+/// `G10`
+pub(super) fn set_data(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let span = gathered.code_span(Group::Action);
+    let (l, p) = (gathered.raw(b'L'), gathered.raw(b'P'));
+    let number = p.map(f64::round).filter(|number| (0.0..=9999.0).contains(number)).map(|number| number as u32);
+    let l = l.map_or(-1, |l| l.round() as i64);
+    match (l, number) {
+        (2, number) => set_offset(channel, gathered, System(system_number(channel, number, span)?), span),
+        (20, number) if channel.is_rs274() => {
+            set_offset(channel, gathered, System(system_number(channel, number, span)?), span)
+        }
+        (20, Some(number @ 1..=300)) => set_offset(channel, gathered, System(System::ADDITIONAL + number as u16), span),
+        (1 | 10 | 11, Some(number)) if channel.is_rs274() => set_tool(channel, gathered, l, number, span),
+        (1 | 10..=13, Some(number)) if !channel.is_rs274() => set_tool_value(channel, gathered, l, number, span),
+        (50, _) => {
+            let message = "G10 L50 changes parameters of the control";
+            Err(fault(Code::OWN_COMPENSATION, span, message, "set them at the control, not in the part program"))
+        }
+        _ => {
+            let message = "this G10 is not supported";
+            Err(fault(Code::NOT_SUPPORTED, span, message, "L2, L20, L1 and L10 to L13 with P are"))
         }
     }
+}
 
-    /// The system that P of G10 L2 means.
-    fn system_number(&self, number: Option<u32>, span: Span) -> Result<u16, Fault> {
-        let most = if self.is_rs274() { 9 } else { 6 };
-        match number {
-            // 0 is the system in force, of a Fanuc the offset of all systems.
-            Some(0) if self.is_rs274() => Ok(self.modal.system.0),
-            Some(number) if number <= most => Ok(number as u16),
-            None if !self.is_rs274() => Ok(self.modal.system.0),
-            _ => Err(bad_value(span, format!("G10 needs P from 0 to {most}"), "P1 is G54")),
+/// The system that P of G10 L2 means.
+fn system_number(channel: &Channel<'_>, number: Option<u32>, span: Span) -> Result<u16, Fault> {
+    let most = if channel.is_rs274() { 9 } else { 6 };
+    match number {
+        // 0 is the system in force, of a Fanuc the offset of all systems.
+        Some(0) if channel.is_rs274() => Ok(channel.modal.system.0),
+        Some(number) if number <= most => Ok(number as u16),
+        None if !channel.is_rs274() => Ok(channel.modal.system.0),
+        _ => Err(bad_value(span, format!("G10 needs P from 0 to {most}"), "P1 is G54")),
+    }
+}
+
+fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, span: Span) -> Result<(), Fault> {
+    if system == channel.modal.system {
+        compensation::no_compensation(channel, span, "G10")?;
+    }
+    let is_relative = channel.is_rs274() && gathered.raw(b'L').is_some_and(|l| l.round() == 20.0);
+    let known = offsets::offset_of(channel, system);
+    let mut parts = known.unwrap_or_default();
+    if let Some(angle) = gathered.raw(b'R').filter(|_| channel.is_rs274() && !is_relative) {
+        parts.rotation[2] = angle.to_radians();
+    }
+    if is_relative {
+        place_here(channel, gathered, system, &mut parts)?;
+    } else {
+        for axis in gathered.axes.iter() {
+            let value = motion::axis_value(channel, gathered, axis)?;
+            // Of a Fanuc, G91 adds to what is there.
+            let adds = channel.modal.incremental && !channel.is_rs274();
+            if adds && known.is_none() && channel.strict {
+                let message = format!("{} is changed by a step, and has no value in the machine file", system.words());
+                return Err(fault(Code::NO_OFFSET, span, message, format!("add [zero_offset.\"{}\"]", system.words())));
+            }
+            parts.translation[axis] = value + if adds { parts.shift()[axis] } else { 0.0 };
+            parts.fine[axis] = 0.0;
         }
     }
+    let mut named = gathered.axes;
+    if parts.rotation[2] != 0.0 {
+        named = named.union([Axis::X, Axis::Y].into_iter().collect());
+    }
+    say_offset(channel, system, &parts, named, gathered.has(b'R'));
+    // Without a value in the machine file an offset is known where the program sets X, Y and Z. That of all systems counts as zero.
+    let is_external = system == System::EXTERNAL;
+    if known.is_some() || is_external || !channel.strict || AxisSet::XYZ.difference(gathered.axes).is_empty() {
+        channel.offsets.insert(system, parts);
+    }
+    if system == channel.modal.system || is_external {
+        offsets::load_offset(channel, span)?;
+    }
+    Ok(())
+}
 
-    fn set_offset(&mut self, gathered: &Gathered, system: System, span: Span) -> Result<(), Fault> {
-        if system == self.modal.system {
-            self.no_compensation(span, "G10")?;
+/// `G10 L20`: shifts a system so that the present position has the values named.
+fn place_here(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    system: System,
+    parts: &mut FrameParts,
+) -> Result<(), Fault> {
+    let order = channel.machine.control.rotation_order;
+    let mut wanted = offsets::frame_of(channel, system).unapply(&tip(channel));
+    let shift = channel.modal.shift;
+    wanted = wanted - shift;
+    for axis in gathered.axes.iter() {
+        offsets::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+        wanted[axis] = motion::axis_value(channel, gathered, axis)?;
+    }
+    // What the rotation makes of the wanted position, taken off where the tip is.
+    let turned = FrameParts { translation: AxisVector::ZERO, ..*parts };
+    let Some(turned) = turned.frame(order) else { return Ok(()) };
+    let place = tip(channel) - turned.apply(&(wanted + shift));
+    let touched = if turned.is_translation() { gathered.axes } else { gathered.axes.union(AxisSet::XYZ) };
+    for axis in touched.iter() {
+        parts.translation[axis] = place[axis];
+    }
+    Ok(())
+}
+
+/// The tip of the tool as the control sees it, machine coordinates.
+pub(super) fn tip(channel: &Channel<'_>) -> AxisVector {
+    let mut tip = channel.modal.command;
+    tip.set_xyz(tip.xyz() + channel.setup.tool_mm);
+    tip
+}
+
+fn say_offset(channel: &mut Channel<'_>, system: System, parts: &FrameParts, named: AxisSet, with_angle: bool) {
+    let mut text = match system.0.checked_sub(System::ADDITIONAL) {
+        Some(number) => format!("G10 L20 P{number}"),
+        None => format!("G10 L2 P{}", system.0),
+    };
+    for axis in named.iter() {
+        let value = parts.shift()[axis];
+        let shown = if axis.is_rotary() { value.to_degrees() } else { value / output_unit_mm(channel) };
+        append(channel, &mut text, axis.letter(), shown);
+    }
+    if with_angle {
+        append(channel, &mut text, b'R', parts.rotation[2].to_degrees());
+    }
+    channel.push(Kind::Verbatim(text.into_bytes()));
+}
+
+/// `G10 L1`, `L10`, `L11` of RS274/NGC: length and radius of a tool.
+fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32, span: Span) -> Result<(), Fault> {
+    let mut offset = length::tool_offset(channel, number).unwrap_or_default();
+    let mut text = format!("G10 L1 P{number}");
+    // Where the tip would be without length, in the coordinates that L10 and L11 mean.
+    let mut bare = channel.modal.command;
+    if l == 10 {
+        bare = channel.modal.frame().unapply(&bare);
+    } else if l == 11 {
+        bare = offsets::frame_of(channel, System(9)).unapply(&bare);
+    }
+    for axis in gathered.axes.iter() {
+        if !AxisSet::XYZ.contains(axis) {
+            let message = format!("a tool offset along {axis} is not supported");
+            return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(axis.letter()), message, "name X, Y or Z"));
         }
-        let is_relative = self.is_rs274() && gathered.raw(b'L').is_some_and(|l| l.round() == 20.0);
-        let known = self.offset_of(system);
-        let mut parts = known.unwrap_or_default();
-        if let Some(angle) = gathered.raw(b'R').filter(|_| self.is_rs274() && !is_relative) {
-            parts.rotation[2] = angle.to_radians();
-        }
-        if is_relative {
-            self.place_here(gathered, system, &mut parts)?;
+        let value = motion::axis_value(channel, gathered, axis)?;
+        let length = if l == 1 {
+            value
         } else {
-            for axis in gathered.axes.iter() {
-                let value = self.axis_value(gathered, axis)?;
-                // Of a Fanuc, G91 adds to what is there.
-                let adds = self.modal.incremental && !self.is_rs274();
-                if adds && known.is_none() && self.strict {
-                    let message =
-                        format!("{} is changed by a step, and has no value in the machine file", system.words());
-                    return Err(fault(
-                        Code::NO_OFFSET,
-                        span,
-                        message,
-                        format!("add [zero_offset.\"{}\"]", system.words()),
-                    ));
-                }
-                parts.translation[axis] = value + if adds { parts.shift()[axis] } else { 0.0 };
-                parts.fine[axis] = 0.0;
-            }
-        }
-        let mut named = gathered.axes;
-        if parts.rotation[2] != 0.0 {
-            named = named.union([Axis::X, Axis::Y].into_iter().collect());
-        }
-        self.say_offset(system, &parts, named, gathered.has(b'R'));
-        // Without a value in the machine file an offset is known where the program sets X, Y and Z. That of all systems counts as zero.
-        let is_external = system == System::EXTERNAL;
-        if known.is_some() || is_external || !self.strict || AxisSet::XYZ.difference(gathered.axes).is_empty() {
-            self.offsets.insert(system, parts);
-        }
-        if system == self.modal.system || is_external {
-            self.load_offset(span)?;
-        }
-        Ok(())
-    }
-
-    /// `G10 L20`: shifts a system so that the present position has the values named.
-    fn place_here(&mut self, gathered: &Gathered, system: System, parts: &mut FrameParts) -> Result<(), Fault> {
-        let order = self.machine.control.rotation_order;
-        let mut wanted = self.frame_of(system).unapply(&self.tip());
-        let shift = self.modal.shift;
-        wanted = wanted - shift;
-        for axis in gathered.axes.iter() {
-            self.check_stated(axis, gathered.span_of(axis.letter()))?;
-            wanted[axis] = self.axis_value(gathered, axis)?;
-        }
-        // What the rotation makes of the wanted position, taken off where the tip is.
-        let turned = FrameParts { translation: AxisVector::ZERO, ..*parts };
-        let Some(turned) = turned.frame(order) else { return Ok(()) };
-        let place = self.tip() - turned.apply(&(wanted + shift));
-        let touched = if turned.is_translation() { gathered.axes } else { gathered.axes.union(AxisSet::XYZ) };
-        for axis in touched.iter() {
-            parts.translation[axis] = place[axis];
-        }
-        Ok(())
-    }
-
-    /// The tip of the tool as the control sees it, machine coordinates.
-    pub(super) fn tip(&self) -> AxisVector {
-        let mut tip = self.modal.command;
-        tip.set_xyz(tip.xyz() + self.setup.tool_mm);
-        tip
-    }
-
-    fn say_offset(&mut self, system: System, parts: &FrameParts, named: AxisSet, with_angle: bool) {
-        let mut text = match system.0.checked_sub(System::ADDITIONAL) {
-            Some(number) => format!("G10 L20 P{number}"),
-            None => format!("G10 L2 P{}", system.0),
+            offsets::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+            bare[axis] - value
         };
-        for axis in named.iter() {
-            let value = parts.shift()[axis];
-            let shown = if axis.is_rotary() { value.to_degrees() } else { value / self.output_unit_mm() };
-            self.append(&mut text, axis.letter(), shown);
-        }
-        if with_angle {
-            self.append(&mut text, b'R', parts.rotation[2].to_degrees());
-        }
-        self.push(Kind::Verbatim(text.into_bytes()));
+        offset.length_mm[axis.slot()] = length;
+        append_length(channel, &mut text, axis.letter(), length);
     }
+    if let Some(radius) = measure::length(channel, gathered, b'R')? {
+        offset.radius_mm = radius;
+        append_length(channel, &mut text, b'R', radius);
+    }
+    for letter in *b"IJQ" {
+        if let Some(value) = gathered.raw(letter) {
+            append(channel, &mut text, letter, value);
+        }
+    }
+    if gathered.axes.is_empty() && !gathered.has_any(b"RIJQ") {
+        return Err(bad_value(span, "G10 L1 without offsets", "name the axes or R"));
+    }
+    channel.tools.insert(number, offset);
+    channel.push(Kind::Verbatim(text.into_bytes()));
+    Ok(())
+}
 
-    /// `G10 L1`, `L10`, `L11` of RS274/NGC: length and radius of a tool.
-    fn set_tool(&mut self, gathered: &Gathered, l: i64, number: u32, span: Span) -> Result<(), Fault> {
-        let mut offset = self.tool_offset(number).unwrap_or_default();
-        let mut text = format!("G10 L1 P{number}");
-        // Where the tip would be without length, in the coordinates that L10 and L11 mean.
-        let mut bare = self.modal.command;
-        if l == 10 {
-            bare = self.modal.frame().unapply(&bare);
-        } else if l == 11 {
-            bare = self.frame_of(System(9)).unapply(&bare);
-        }
-        for axis in gathered.axes.iter() {
-            if !AxisSet::XYZ.contains(axis) {
-                let message = format!("a tool offset along {axis} is not supported");
-                return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(axis.letter()), message, "name X, Y or Z"));
-            }
-            let value = self.axis_value(gathered, axis)?;
-            let length = if l == 1 {
-                value
-            } else {
-                self.check_stated(axis, gathered.span_of(axis.letter()))?;
-                bare[axis] - value
-            };
-            offset.length_mm[axis.slot()] = length;
-            self.append_length(&mut text, axis.letter(), length);
-        }
-        if let Some(radius) = self.length(gathered, b'R')? {
-            offset.radius_mm = radius;
-            self.append_length(&mut text, b'R', radius);
-        }
-        for letter in *b"IJQ" {
-            if let Some(value) = gathered.raw(letter) {
-                self.append(&mut text, letter, value);
-            }
-        }
-        if gathered.axes.is_empty() && !gathered.has_any(b"RIJQ") {
-            return Err(bad_value(span, "G10 L1 without offsets", "name the axes or R"));
-        }
-        self.tools.insert(number, offset);
-        self.push(Kind::Verbatim(text.into_bytes()));
-        Ok(())
+/// `G10 L10` to `L13` of Fanuc: geometry and wear of length and radius, one value with R. Programs for older controls have L1
+/// instead of L11.
+fn set_tool_value(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    l: i64,
+    number: u32,
+    span: Span,
+) -> Result<(), Fault> {
+    let l = if l == 1 { 11 } else { l };
+    let Some(value) = measure::length(channel, gathered, b'R')? else {
+        return Err(bad_value(span, "G10 needs R with the value", "write for example G10 L10 P1 R100."));
+    };
+    let known = length::tool_offset(channel, number);
+    if known.is_none() && channel.strict && (channel.modal.incremental || matches!(l, 11 | 13)) {
+        let message = format!("offset {number} is changed in part, and has no value in the machine file");
+        return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
     }
+    let mut offset = known.unwrap_or_default();
+    let incremental = channel.modal.incremental;
+    let place = match l {
+        11 => &mut offset.length_wear_mm,
+        12 => &mut offset.radius_mm,
+        13 => &mut offset.radius_wear_mm,
+        _ => &mut offset.length_mm[2],
+    };
+    *place = value + if incremental { *place } else { 0.0 };
+    let value = *place;
+    channel.tools.insert(number, ToolOffset { is_stated: true, ..offset });
+    let mut text = format!("G10 L{l} P{number}");
+    append_length(channel, &mut text, b'R', value);
+    channel.push(Kind::Verbatim(text.into_bytes()));
+    Ok(())
+}
 
-    /// `G10 L10` to `L13` of Fanuc: geometry and wear of length and radius, one value with R. Programs for older controls have L1
-    /// instead of L11.
-    fn set_tool_value(&mut self, gathered: &Gathered, l: i64, number: u32, span: Span) -> Result<(), Fault> {
-        let l = if l == 1 { 11 } else { l };
-        let Some(value) = self.length(gathered, b'R')? else {
-            return Err(bad_value(span, "G10 needs R with the value", "write for example G10 L10 P1 R100."));
-        };
-        let known = self.tool_offset(number);
-        if known.is_none() && self.strict && (self.modal.incremental || matches!(l, 11 | 13)) {
-            let message = format!("offset {number} is changed in part, and has no value in the machine file");
-            return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
-        }
-        let mut offset = known.unwrap_or_default();
-        let incremental = self.modal.incremental;
-        let place = match l {
-            11 => &mut offset.length_wear_mm,
-            12 => &mut offset.radius_mm,
-            13 => &mut offset.radius_wear_mm,
-            _ => &mut offset.length_mm[2],
-        };
-        *place = value + if incremental { *place } else { 0.0 };
-        let value = *place;
-        self.tools.insert(number, ToolOffset { is_stated: true, ..offset });
-        let mut text = format!("G10 L{l} P{number}");
-        self.append_length(&mut text, b'R', value);
-        self.push(Kind::Verbatim(text.into_bytes()));
-        Ok(())
-    }
+/// mm in a length unit of the output.
+pub(super) fn output_unit_mm(channel: &Channel<'_>) -> f64 {
+    if channel.machine.control.output_inch == Some(true) { MM_PER_INCH } else { 1.0 }
+}
 
-    /// mm in a length unit of the output.
-    pub(super) fn output_unit_mm(&self) -> f64 {
-        if self.machine.control.output_inch == Some(true) { MM_PER_INCH } else { 1.0 }
-    }
+/// Appends a word of a length, mm, in the unit of the output.
+pub(super) fn append_length(channel: &Channel<'_>, text: &mut String, letter: u8, value_mm: f64) {
+    append(channel, text, letter, value_mm / output_unit_mm(channel));
+}
 
-    /// Appends a word of a length, mm, in the unit of the output.
-    pub(super) fn append_length(&self, text: &mut String, letter: u8, value_mm: f64) {
-        self.append(text, letter, value_mm / self.output_unit_mm());
+/// Appends a word of a value in the unit in which it is written.
+pub(super) fn append(channel: &Channel<'_>, text: &mut String, letter: u8, value: f64) {
+    let mut number = format!("{value:.5}");
+    let kept = number.trim_end_matches('0').len();
+    number.truncate(kept);
+    if number == "-0." {
+        "0.".clone_into(&mut number);
     }
-
-    /// Appends a word of a value in the unit in which it is written.
-    pub(super) fn append(&self, text: &mut String, letter: u8, value: f64) {
-        let mut number = format!("{value:.5}");
-        let kept = number.trim_end_matches('0').len();
-        number.truncate(kept);
-        if number == "-0." {
-            "0.".clone_into(&mut number);
-        }
-        // A Fanuc takes a number without a point for increments.
-        if self.is_rs274() {
-            number.truncate(number.trim_end_matches('.').len());
-        }
-        // Writing to a string cannot fail.
-        let _ = write!(text, " {}{number}", char::from(letter));
+    // A Fanuc takes a number without a point for increments.
+    if channel.is_rs274() {
+        number.truncate(number.trim_end_matches('.').len());
     }
+    // Writing to a string cannot fail.
+    let _ = write!(text, " {}{number}", char::from(letter));
 }

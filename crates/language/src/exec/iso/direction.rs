@@ -18,84 +18,85 @@ const SAME_ANGLE_RAD: f64 = 1e-9;
 const BY_DIRECTION: u16 = 435;
 const LETTERS: &[u8; 3] = b"IJK";
 
-impl Channel<'_> {
-    /// Whether blocks give the direction of the tool.
-    pub(super) fn has_directions(&self) -> bool {
-        self.modal.length_code == BY_DIRECTION && self.modal.turning.is_some()
-    }
+/// Whether blocks give the direction of the tool.
+pub(super) fn has_directions(channel: &Channel<'_>) -> bool {
+    channel.modal.length_code == BY_DIRECTION && channel.modal.turning.is_some()
+}
 
-    /// The direction at the end of a motion of the code `motion`, in tenths; components that it does not name are zero.
-    pub(super) fn tool_direction(&self, gathered: &Gathered, motion: u16) -> Result<Option<(Vector, Span)>, Fault> {
-        if !self.has_directions() {
-            return Ok(None);
-        }
-        if let Some(axis) = gathered.axes.iter().find(|axis| axis.is_rotary()) {
-            let message = format!("a position of {axis} under G43.5");
-            let help = "give the direction of the tool with I, J, K, or program G43.4";
-            return Err(fault(Code::BAD_WORD_VALUE, gathered.span_of(axis.letter()), message, help));
-        }
-        if let Some(q) = gathered.raw(b'Q').filter(|&q| q != 0.0) {
-            let message = format!("Q{q}: a tool that leans from its direction towards the motion");
-            let help = "give I, J, K of the direction that the tool has, without Q";
-            return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'Q'), message, help));
-        }
-        let Some(&first) = LETTERS.iter().find(|&&letter| gathered.has(letter)) else { return Ok(None) };
-        let span = gathered.span_of(first);
-        match motion {
-            0 | 10 => {}
-            20 | 30 if gathered.has(b'R') => {}
-            20 | 30 => {
-                let message = "I, J, K are the direction of the tool under G43.5, so this arc has no center";
-                return Err(fault(Code::NO_CENTER, span, message, "give the radius with R"));
-            }
-            _ => {
-                let message = "a direction of the tool for this kind of motion";
-                return Err(fault(Code::NOT_SUPPORTED, span, message, "use G0, G1, G2 or G3 under G43.5"));
-            }
-        }
-        let on_table = self.machine.topology.workpiece.iter().any(|axis| axis.is_rotary());
-        if on_table && gathered.code(super::codes::Group::Length) == Some(BY_DIRECTION) {
-            let message = "a direction of the tool in the block of G43.5, on a machine with a rotary axis in its table";
-            return Err(fault(Code::BAD_WORD_VALUE, span, message, "give it in a block behind that"));
-        }
-        // The letters are components here, not lengths.
-        let values = LETTERS.map(|letter| gathered.raw(letter).unwrap_or_default());
-        Ok(Some((Vector::from(values), span)))
+/// The direction at the end of a motion of the code `motion`, in tenths; components that it does not name are zero.
+pub(super) fn tool_direction(
+    channel: &Channel<'_>,
+    gathered: &Gathered,
+    motion: u16,
+) -> Result<Option<(Vector, Span)>, Fault> {
+    if !has_directions(channel) {
+        return Ok(None);
     }
+    if let Some(axis) = gathered.axes.iter().find(|axis| axis.is_rotary()) {
+        let message = format!("a position of {axis} under G43.5");
+        let help = "give the direction of the tool with I, J, K, or program G43.4";
+        return Err(fault(Code::BAD_WORD_VALUE, gathered.span_of(axis.letter()), message, help));
+    }
+    if let Some(q) = gathered.raw(b'Q').filter(|&q| q != 0.0) {
+        let message = format!("Q{q}: a tool that leans from its direction towards the motion");
+        let help = "give I, J, K of the direction that the tool has, without Q";
+        return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'Q'), message, help));
+    }
+    let Some(&first) = LETTERS.iter().find(|&&letter| gathered.has(letter)) else { return Ok(None) };
+    let span = gathered.span_of(first);
+    match motion {
+        0 | 10 => {}
+        20 | 30 if gathered.has(b'R') => {}
+        20 | 30 => {
+            let message = "I, J, K are the direction of the tool under G43.5, so this arc has no center";
+            return Err(fault(Code::NO_CENTER, span, message, "give the radius with R"));
+        }
+        _ => {
+            let message = "a direction of the tool for this kind of motion";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, "use G0, G1, G2 or G3 under G43.5"));
+        }
+    }
+    let on_table = channel.machine.topology.workpiece.iter().any(|axis| axis.is_rotary());
+    if on_table && gathered.code(super::codes::Group::Length) == Some(BY_DIRECTION) {
+        let message = "a direction of the tool in the block of G43.5, on a machine with a rotary axis in its table";
+        return Err(fault(Code::BAD_WORD_VALUE, span, message, "give it in a block behind that"));
+    }
+    // The letters are components here, not lengths.
+    let values = LETTERS.map(|letter| gathered.raw(letter).unwrap_or_default());
+    Ok(Some((Vector::from(values), span)))
+}
 
-    /// Adds the direction of a block to its motion.
-    pub(super) fn orient(&mut self, path: &mut Path, direction: Vector, span: Span) -> Result<(), Fault> {
-        let Some(kinematics) = self.outlet.kinematics.as_deref() else { return Ok(()) };
-        let direction = path.setup.frame.apply_direction(direction);
-        let Some(direction) = direction.try_normalize(1e-9).filter(|unit| unit.iter().all(|part| part.is_finite()))
-        else {
-            return Err(bad_value(span, "a direction of the tool without length", "give I, J, K values"));
-        };
-        // Two ways of the axes lead to a direction: which one the control takes follows from where they stand.
-        if let Some(axis) = kinematics.rotary_axes().find(|&axis| !path.start_known.contains(axis) && self.strict) {
-            return Err(unknown_start(span, axis));
-        }
-        let mut axes: Vec<Axis> = kinematics.rotary_axes().collect();
-        let in_table = |axis: &Axis| self.machine.topology.workpiece.contains(axis);
-        if !axes.iter().all(in_table) {
-            axes.reverse();
-        }
-        let Some(found) = choice(kinematics, &axes, &direction, &path.start) else {
-            let [i, j, k] = [direction.x, direction.y, direction.z];
-            let message =
-                format!("the rotary axes cannot bring the tool to the direction {i:.6} {j:.6} {k:.6} of the machine");
-            let help = "check the direction, the travel of the rotary axes, and the kinematics in the machine file";
-            return Err(fault(Code::NO_ORIENTATION, span, message, help));
-        };
-        for axis in axes {
-            path.motion.target[axis] = found[axis];
-            path.motion.named.insert(axis);
-            path.motion.known.insert(axis);
-            self.modal.command[axis] = found[axis];
-            self.modal.known.insert(axis);
-        }
-        Ok(())
+/// Adds the direction of a block to its motion.
+pub(super) fn orient(channel: &mut Channel<'_>, path: &mut Path, direction: Vector, span: Span) -> Result<(), Fault> {
+    let Some(kinematics) = channel.outlet.kinematics.as_deref() else { return Ok(()) };
+    let direction = path.setup.frame.apply_direction(direction);
+    let Some(direction) = direction.try_normalize(1e-9).filter(|unit| unit.iter().all(|part| part.is_finite())) else {
+        return Err(bad_value(span, "a direction of the tool without length", "give I, J, K values"));
+    };
+    // Two ways of the axes lead to a direction: which one the control takes follows from where they stand.
+    if let Some(axis) = kinematics.rotary_axes().find(|&axis| !path.start_known.contains(axis) && channel.strict) {
+        return Err(unknown_start(span, axis));
     }
+    let mut axes: Vec<Axis> = kinematics.rotary_axes().collect();
+    let in_table = |axis: &Axis| channel.machine.topology.workpiece.contains(axis);
+    if !axes.iter().all(in_table) {
+        axes.reverse();
+    }
+    let Some(found) = choice(kinematics, &axes, &direction, &path.start) else {
+        let [i, j, k] = [direction.x, direction.y, direction.z];
+        let message =
+            format!("the rotary axes cannot bring the tool to the direction {i:.6} {j:.6} {k:.6} of the machine");
+        let help = "check the direction, the travel of the rotary axes, and the kinematics in the machine file";
+        return Err(fault(Code::NO_ORIENTATION, span, message, help));
+    };
+    for axis in axes {
+        path.motion.target[axis] = found[axis];
+        path.motion.named.insert(axis);
+        path.motion.known.insert(axis);
+        channel.modal.command[axis] = found[axis];
+        channel.modal.known.insert(axis);
+    }
+    Ok(())
 }
 
 /// Of the ways to a direction the one that turns the first of the axes least, then the next; where both turn them alike, the one that

@@ -5,6 +5,7 @@ use super::channel::Channel;
 use super::expression::Scope;
 use super::level::{Action, Called, Interpreter, Iso, Level, Loaded};
 use super::loaded::Loops;
+use super::setup;
 use super::{flow, startup};
 use crate::exec::core;
 use crate::exec::core::executor::Executor;
@@ -37,7 +38,7 @@ pub(in crate::exec) fn start<'a>(
     options: &Options,
 ) -> Box<dyn Executor + 'a> {
     let (first, main) = program.main_parts();
-    let mut channel = Channel::new(machine, options, program.dialect);
+    let mut channel = setup::begin(machine, options, program.dialect);
     let source = program.source.clone();
     let found = startup::start_up(&mut channel, &program);
     let start = program.parts.get(first).map_or(0, |part| part.blocks.start);

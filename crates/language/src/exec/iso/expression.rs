@@ -2,6 +2,9 @@
 
 use super::channel::Channel;
 use super::functions::{Arithmetic, NoValue};
+use super::measure;
+use super::predefined;
+use super::system;
 use super::variables::{Place, number_of};
 use crate::exec::core::fault::{Fault, at, fault};
 use crate::exec::core::grid::on_grid;
@@ -48,7 +51,7 @@ impl Scope<'_, '_> {
     /// What a length without a decimal point counts, in units of the program, where such numbers count increments.
     pub(super) fn increment(&self) -> Option<f64> {
         let counts = self.channel.machine.control.iso.decimal_point == Some(DecimalPoint::Increment);
-        counts.then(|| 1.0 / self.channel.increments_per_length())
+        counts.then(|| 1.0 / measure::increments_per_length(&self.channel))
     }
 
     /// The value of an expression; `None` is null.
@@ -182,14 +185,14 @@ impl Scope<'_, '_> {
             Place::Variable | Place::System => {}
         }
         if self.channel.language == Language::Rs274 {
-            return match self.channel.special_parameter(known) {
+            return match predefined::special_parameter(&self.channel, known) {
                 None => Ok(self.channel.variables.get(known)),
                 Some(Ok(value)) => Ok(Some(value)),
                 Some(Err(missing)) => self.missing(missing, span).map(Some),
             };
         }
         match self.channel.variables.place(known) {
-            Place::System => match self.channel.system_variable(known) {
+            Place::System => match system::system_variable(&self.channel, known) {
                 Ok(value) => Ok(value),
                 Err(missing) => self.missing(missing, span).map(Some),
             },
@@ -227,7 +230,7 @@ impl Scope<'_, '_> {
     }
 
     fn predefined(&self, name: &str) -> Option<Result<f64, Missing>> {
-        if self.channel.language == Language::Rs274 { self.channel.predefined_name(name) } else { None }
+        if self.channel.language == Language::Rs274 { predefined::predefined_name(&self.channel, name) } else { None }
     }
 
     /// Whether a name, upper case, is one of the control's own.

@@ -1,5 +1,10 @@
 //! Feed, speed, tool word, dwell, path control.
 
+use super::auxiliary;
+use super::compensation;
+use super::cycle;
+use super::data;
+use super::measure;
 use std::fmt::Write as _;
 
 use super::channel::Channel;
@@ -19,198 +24,195 @@ fn to_places(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
 
-impl Channel<'_> {
-    /// G93, G94, G95 and G96, G97.
-    pub(super) fn feed_mode(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        if let Some(code) = gathered.code(Group::SpindleMode) {
-            if code == 960 && self.is_rs274() && !gathered.has(b'S') {
-                let span = gathered.code_span(Group::SpindleMode);
-                return Err(bad_value(span, "G96 without S", "write the cutting speed with it"));
-            }
-            self.modal.spindle_mode = code;
-            let name = if code == 960 { "G96" } else { "G97" };
-            let letters: &[u8] = match (self.is_rs274(), code) {
-                (true, 960) => b"D$",
-                (true, _) => b"$",
-                (false, 960) => b"P",
-                (false, _) => b"",
-            };
-            if gathered.has_any(letters) {
-                let mut text = name.to_owned();
-                for &letter in letters {
-                    if let Some(value) = gathered.raw(letter) {
-                        // Writing to a string cannot fail.
-                        let _ = write!(text, " {}{value}", char::from(letter));
-                    }
+/// G93, G94, G95 and G96, G97.
+pub(super) fn feed_mode(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    if let Some(code) = gathered.code(Group::SpindleMode) {
+        if code == 960 && channel.is_rs274() && !gathered.has(b'S') {
+            let span = gathered.code_span(Group::SpindleMode);
+            return Err(bad_value(span, "G96 without S", "write the cutting speed with it"));
+        }
+        channel.modal.spindle_mode = code;
+        let name = if code == 960 { "G96" } else { "G97" };
+        let letters: &[u8] = match (channel.is_rs274(), code) {
+            (true, 960) => b"D$",
+            (true, _) => b"$",
+            (false, 960) => b"P",
+            (false, _) => b"",
+        };
+        if gathered.has_any(letters) {
+            let mut text = name.to_owned();
+            for &letter in letters {
+                if let Some(value) = gathered.raw(letter) {
+                    // Writing to a string cannot fail.
+                    let _ = write!(text, " {}{value}", char::from(letter));
                 }
-                self.push(Kind::Verbatim(text.into_bytes()));
-            } else {
-                self.push(Kind::Keep(name));
             }
-        }
-        let Some(code) = gathered.code(Group::FeedMode) else { return Ok(()) };
-        let (mode, word) = match code {
-            930 => (FeedUnit::InverseTime, "G93"),
-            950 => (FeedUnit::PerTurn, "G95"),
-            _ => (FeedUnit::PerMinute, "G94"),
-        };
-        if mode != self.modal.feed_mode || self.is_rs274() {
-            // F meant something else: it must be programmed again. LinuxCNC forgets it at each of these codes.
-            self.modal.feed_mode = mode;
-            self.modal.feed = 0.0;
-        }
-        self.push(Kind::Keep(word));
-        Ok(())
-    }
-
-    pub(super) fn feed(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let Some(value) = gathered.raw(b'F') else { return Ok(()) };
-        if value.is_nan() || value < 0.0 {
-            let message = "a feed must not be negative";
-            return Err(bad_value(gathered.span_of(b'F'), message, "program F with a positive value"));
-        }
-        let scale = if self.modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { self.modal.scale() };
-        self.modal.feed = value * scale;
-        Ok(())
-    }
-
-    pub(super) fn speed(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let Some(value) = gathered.raw(b'S') else { return Ok(()) };
-        if value < 0.0 {
-            let message = "a speed must not be negative";
-            return Err(bad_value(gathered.span_of(b'S'), message, "program S with a positive value"));
-        }
-        // A cutting speed is in feet per minute where lengths are in inches.
-        let in_meters = |inch: bool| if inch { METERS_PER_FOOT } else { 1.0 };
-        let (own, output) = (self.modal.inch, self.machine.control.output_inch == Some(true));
-        let is_other = self.modal.spindle_mode == 960 && own != output;
-        self.modal.speed = Some(value);
-        self.modal.speed_word = if is_other { to_places(value * in_meters(own) / in_meters(output)) } else { value };
-        let value = WordValue::Number(self.modal.speed_word);
-        self.before.push(Word { letter: b'S', extension: None, value });
-        Ok(())
-    }
-
-    pub(super) fn tool_word(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let Some(value) = gathered.raw(b'T') else { return Ok(()) };
-        let number = whole(value, gathered.span_of(b'T'), "T")?;
-        self.modal.selected = Some(number);
-        self.push(Kind::Tool(WordValue::Number(f64::from(number))));
-        Ok(())
-    }
-
-    /// P of a dwell or of a cycle, s: RS274/NGC counts seconds and a Fanuc milliseconds, wherever the number comes from.
-    pub(super) fn dwell_of_p(&self, gathered: &Gathered, name: &str) -> Result<Option<f64>, Fault> {
-        let Some(value) = gathered.raw(b'P') else { return Ok(None) };
-        if self.is_rs274() {
-            return Ok(Some(value));
-        }
-        if gathered.is_pointed(b'P') {
-            let message =
-                format!("P of {name} with a decimal point: seconds on a Haas, and a Fanuc stops with an alarm");
-            let help = match name {
-                "G4" => "write milliseconds without a point, P1000, or seconds with X, X1.",
-                _ => "write milliseconds without a point, P1000",
-            };
-            return Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'P'), message, help));
-        }
-        Ok(Some(value / 1000.0))
-    }
-
-    /// `G4 P` in seconds (RS274/NGC) or milliseconds, `G4 X` and `G4 U` in seconds.
-    pub(super) fn dwell(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        if gathered.code(Group::Action) != Some(40) {
-            return Ok(());
-        }
-        let span = gathered.code_span(Group::Action);
-        let letter = if self.is_rs274() { None } else { [b'X', b'U'].into_iter().find(|&letter| gathered.has(letter)) };
-        let seconds = match (gathered.raw(b'P'), letter) {
-            (Some(_), None) => self.dwell_of_p(gathered, "G4")?.unwrap_or_default(),
-            (None, Some(letter)) => {
-                let value = gathered.raw(letter).unwrap_or_default();
-                // Without a point the value counts milliseconds, whatever the unit of lengths.
-                let counts =
-                    gathered.is_unpointed(letter) && self.length(gathered, letter)? != Some(value * self.modal.scale());
-                if counts { value / 1000.0 } else { value }
-            }
-            _ => return Err(bad_value(span, "G4 needs the time", "write for example G4 P1000 or, for RS274, G4 P1")),
-        };
-        if seconds < 0.0 {
-            return Err(bad_value(span, "a dwell must not be negative", "check the time"));
-        }
-        if self.modal.feed_mode == FeedUnit::PerTurn && !self.is_rs274() && self.machine.control.iso.dwell_turns {
-            self.push(Kind::Dwell(Dwell::Turns(seconds)));
+            channel.push(Kind::Verbatim(text.into_bytes()));
         } else {
-            self.push(Kind::Dwell(Dwell::Seconds(seconds)));
+            channel.push(Kind::Keep(name));
         }
-        Ok(())
     }
+    let Some(code) = gathered.code(Group::FeedMode) else { return Ok(()) };
+    let (mode, word) = match code {
+        930 => (FeedUnit::InverseTime, "G93"),
+        950 => (FeedUnit::PerTurn, "G95"),
+        _ => (FeedUnit::PerMinute, "G94"),
+    };
+    if mode != channel.modal.feed_mode || channel.is_rs274() {
+        // F meant something else: it must be programmed again. LinuxCNC forgets it at each of these codes.
+        channel.modal.feed_mode = mode;
+        channel.modal.feed = 0.0;
+    }
+    channel.push(Kind::Keep(word));
+    Ok(())
+}
 
-    /// G61, G61.1, G62, G63, G64.
-    pub(super) fn path_control(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let Some(code) = gathered.code(Group::Control) else { return Ok(()) };
-        if self.is_rs274() {
-            self.no_compensation(gathered.code_span(Group::Control), "another path control mode")?;
-        }
-        self.leave_exact_stops(true);
-        self.modal.path_control = (code, None, None);
-        if code == 640 && self.is_rs274() && gathered.has_any(b"PQR") {
-            let mut text = "G64".to_owned();
-            let (p, q) = (self.length(gathered, b'P')?, self.length(gathered, b'Q')?);
-            self.modal.path_control = (code, p, q);
-            let unit_mm = self.output_unit_mm();
-            let (p, q) = (p.map(|length| length / unit_mm), q.map(|length| length / unit_mm));
-            for (letter, value) in [(b'P', p), (b'Q', q), (b'R', gathered.raw(b'R'))] {
-                if let Some(value) = value {
-                    self.append(&mut text, letter, value);
-                }
-            }
-            self.push(Kind::Verbatim(text.into_bytes()));
-            return Ok(());
-        }
-        let word = match code {
-            610 => "G61",
-            611 => "G61.1",
-            620 => "G62",
-            630 => "G63",
-            _ => "G64",
+pub(super) fn feed(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let Some(value) = gathered.raw(b'F') else { return Ok(()) };
+    if value.is_nan() || value < 0.0 {
+        let message = "a feed must not be negative";
+        return Err(bad_value(gathered.span_of(b'F'), message, "program F with a positive value"));
+    }
+    let scale = if channel.modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { channel.modal.scale() };
+    channel.modal.feed = value * scale;
+    Ok(())
+}
+
+pub(super) fn speed(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let Some(value) = gathered.raw(b'S') else { return Ok(()) };
+    if value < 0.0 {
+        let message = "a speed must not be negative";
+        return Err(bad_value(gathered.span_of(b'S'), message, "program S with a positive value"));
+    }
+    // A cutting speed is in feet per minute where lengths are in inches.
+    let in_meters = |inch: bool| if inch { METERS_PER_FOOT } else { 1.0 };
+    let (own, output) = (channel.modal.inch, channel.machine.control.output_inch == Some(true));
+    let is_other = channel.modal.spindle_mode == 960 && own != output;
+    channel.modal.speed = Some(value);
+    channel.modal.speed_word = if is_other { to_places(value * in_meters(own) / in_meters(output)) } else { value };
+    let value = WordValue::Number(channel.modal.speed_word);
+    channel.before.push(Word { letter: b'S', extension: None, value });
+    Ok(())
+}
+
+pub(super) fn tool_word(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let Some(value) = gathered.raw(b'T') else { return Ok(()) };
+    let number = whole(value, gathered.span_of(b'T'), "T")?;
+    channel.modal.selected = Some(number);
+    channel.push(Kind::Tool(WordValue::Number(f64::from(number))));
+    Ok(())
+}
+
+/// P of a dwell or of a cycle, s: RS274/NGC counts seconds and a Fanuc milliseconds, wherever the number comes from.
+pub(super) fn dwell_of_p(channel: &Channel<'_>, gathered: &Gathered, name: &str) -> Result<Option<f64>, Fault> {
+    let Some(value) = gathered.raw(b'P') else { return Ok(None) };
+    if channel.is_rs274() {
+        return Ok(Some(value));
+    }
+    if gathered.is_pointed(b'P') {
+        let message = format!("P of {name} with a decimal point: seconds on a Haas, and a Fanuc stops with an alarm");
+        let help = match name {
+            "G4" => "write milliseconds without a point, P1000, or seconds with X, X1.",
+            _ => "write milliseconds without a point, P1000",
         };
-        self.push(Kind::Keep(word));
-        Ok(())
+        return Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'P'), message, help));
     }
+    Ok(Some(value / 1000.0))
+}
 
-    /// Codes that move nothing, with their words. Whether they took the axis words.
-    pub(super) fn passed_on(&mut self, gathered: &Gathered) -> Result<bool, Fault> {
-        for &word in &gathered.keep {
-            self.push(Kind::Keep(word));
-        }
-        let Some(entry) = gathered.passed else { return Ok(false) };
-        if entry.uses(b'X') && gathered.code(Group::Motion).is_some() {
-            let message = format!("{} and a motion share the axis words of the block", entry.name);
-            let help = "give each of them a block of its own";
-            return Err(fault(Code::MUST_STAND_ALONE, gathered.code_span(Group::Motion), message, help));
-        }
-        let mut text = entry.name.to_owned();
-        for letter in entry.words.split(' ').filter_map(|word| word.bytes().next().filter(|_| word.len() == 1)) {
-            let is_length = LENGTHS.contains(&letter);
-            let is_other = self.modal.inch && self.machine.control.output_inch != Some(true);
-            if is_other && !is_length && gathered.has(letter) && !gathered.is_unpointed(letter) {
-                let message = format!(
-                    "{} with {} under G20: it may be in inches, and the output is metric",
-                    entry.name,
-                    char::from(letter)
-                );
-                let help = "program the code before G20 in mm, or leave it out";
-                return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(letter), message, help));
-            }
-            let value = if is_length { self.length(gathered, letter)? } else { gathered.raw(letter) };
-            if let Some(value) = value {
-                let value = if is_length { value / self.output_unit_mm() } else { value };
-                let is_count = gathered.is_unpointed(letter) && !is_length;
-                self.append_plain(&mut text, letter, value, is_count);
-            }
-        }
-        self.push(Kind::Verbatim(text.into_bytes()));
-        Ok(entry.uses(b'X'))
+/// `G4 P` in seconds (RS274/NGC) or milliseconds, `G4 X` and `G4 U` in seconds.
+pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    if gathered.code(Group::Action) != Some(40) {
+        return Ok(());
     }
+    let span = gathered.code_span(Group::Action);
+    let letter = if channel.is_rs274() { None } else { [b'X', b'U'].into_iter().find(|&letter| gathered.has(letter)) };
+    let seconds = match (gathered.raw(b'P'), letter) {
+        (Some(_), None) => dwell_of_p(channel, gathered, "G4")?.unwrap_or_default(),
+        (None, Some(letter)) => {
+            let value = gathered.raw(letter).unwrap_or_default();
+            // Without a point the value counts milliseconds, whatever the unit of lengths.
+            let counts = gathered.is_unpointed(letter)
+                && measure::length(channel, gathered, letter)? != Some(value * channel.modal.scale());
+            if counts { value / 1000.0 } else { value }
+        }
+        _ => return Err(bad_value(span, "G4 needs the time", "write for example G4 P1000 or, for RS274, G4 P1")),
+    };
+    if seconds < 0.0 {
+        return Err(bad_value(span, "a dwell must not be negative", "check the time"));
+    }
+    if channel.modal.feed_mode == FeedUnit::PerTurn && !channel.is_rs274() && channel.machine.control.iso.dwell_turns {
+        channel.push(Kind::Dwell(Dwell::Turns(seconds)));
+    } else {
+        channel.push(Kind::Dwell(Dwell::Seconds(seconds)));
+    }
+    Ok(())
+}
+
+/// G61, G61.1, G62, G63, G64.
+pub(super) fn path_control(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let Some(code) = gathered.code(Group::Control) else { return Ok(()) };
+    if channel.is_rs274() {
+        compensation::no_compensation(channel, gathered.code_span(Group::Control), "another path control mode")?;
+    }
+    cycle::leave_exact_stops(channel, true);
+    channel.modal.path_control = (code, None, None);
+    if code == 640 && channel.is_rs274() && gathered.has_any(b"PQR") {
+        let mut text = "G64".to_owned();
+        let (p, q) = (measure::length(channel, gathered, b'P')?, measure::length(channel, gathered, b'Q')?);
+        channel.modal.path_control = (code, p, q);
+        let unit_mm = data::output_unit_mm(channel);
+        let (p, q) = (p.map(|length| length / unit_mm), q.map(|length| length / unit_mm));
+        for (letter, value) in [(b'P', p), (b'Q', q), (b'R', gathered.raw(b'R'))] {
+            if let Some(value) = value {
+                data::append(channel, &mut text, letter, value);
+            }
+        }
+        channel.push(Kind::Verbatim(text.into_bytes()));
+        return Ok(());
+    }
+    let word = match code {
+        610 => "G61",
+        611 => "G61.1",
+        620 => "G62",
+        630 => "G63",
+        _ => "G64",
+    };
+    channel.push(Kind::Keep(word));
+    Ok(())
+}
+
+/// Codes that move nothing, with their words. Whether they took the axis words.
+pub(super) fn passed_on(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
+    for &word in &gathered.keep {
+        channel.push(Kind::Keep(word));
+    }
+    let Some(entry) = gathered.passed else { return Ok(false) };
+    if entry.uses(b'X') && gathered.code(Group::Motion).is_some() {
+        let message = format!("{} and a motion share the axis words of the block", entry.name);
+        let help = "give each of them a block of its own";
+        return Err(fault(Code::MUST_STAND_ALONE, gathered.code_span(Group::Motion), message, help));
+    }
+    let mut text = entry.name.to_owned();
+    for letter in entry.words.split(' ').filter_map(|word| word.bytes().next().filter(|_| word.len() == 1)) {
+        let is_length = LENGTHS.contains(&letter);
+        let is_other = channel.modal.inch && channel.machine.control.output_inch != Some(true);
+        if is_other && !is_length && gathered.has(letter) && !gathered.is_unpointed(letter) {
+            let message = format!(
+                "{} with {} under G20: it may be in inches, and the output is metric",
+                entry.name,
+                char::from(letter)
+            );
+            let help = "program the code before G20 in mm, or leave it out";
+            return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(letter), message, help));
+        }
+        let value = if is_length { measure::length(channel, gathered, letter)? } else { gathered.raw(letter) };
+        if let Some(value) = value {
+            let value = if is_length { value / data::output_unit_mm(channel) } else { value };
+            let is_count = gathered.is_unpointed(letter) && !is_length;
+            auxiliary::append_plain(channel, &mut text, letter, value, is_count);
+        }
+    }
+    channel.push(Kind::Verbatim(text.into_bytes()));
+    Ok(entry.uses(b'X'))
 }

@@ -1,5 +1,6 @@
 //! Control flow: what a block does to the order of execution.
 
+use super::assign;
 use super::assign::{check_beside, evaluate, is_assignment, leaves_unset};
 use super::call::{Call, CallKind, Callee};
 use super::channel::Channel;
@@ -7,6 +8,7 @@ use super::expression::Scope;
 use super::gather::gather;
 use super::gathered::Gathered;
 use super::level::{Action, Level, Loaded};
+use super::order;
 use super::passes::Passes;
 use super::request::{Request, request};
 use crate::exec::core::fault::{Fault, at, fault};
@@ -114,7 +116,7 @@ fn execute(
         for word in words.iter().filter(|word| is_assignment(word)) {
             let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
             let assignment = evaluate(&scope, std::slice::from_ref(word))?;
-            channel.assign(&assignment, loaded, block)?;
+            assign::assign(channel, &assignment, loaded, block)?;
         }
     }
     let mut own = Vec::new();
@@ -175,8 +177,8 @@ fn run(
         found.map(|()| Vec::new())
     };
     let assignments = assignments.map_err(|found| leaves_unset(&loaded.program, words, found))?;
-    channel.assign(&assignments, loaded, block)?;
-    if is_silent { Ok(()) } else { channel.execute(gathered) }
+    assign::assign(channel, &assignments, loaded, block)?;
+    if is_silent { Ok(()) } else { order::execute(channel, gathered) }
 }
 
 /// `o100 call [1] [2]`

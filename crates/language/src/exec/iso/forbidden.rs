@@ -27,138 +27,138 @@ type Found = (Kind, String, Span);
 const SETTING: &str =
     "or, where the maker of the control allows it, set control.codes_within_rotation = \"allowed\" in the machine file";
 
-impl Channel<'_> {
-    /// Refuses what the state before the block does not allow. What ends a state in its own block ends it for the whole block.
-    pub(super) fn check_state(&self, gathered: &Gathered) -> Result<(), Fault> {
-        let is_plain = self.modal.transforms.is_empty()
-            && !self.modal.contour.compensates()
-            && self.modal.turning.is_none()
-            && self.special.polar.is_none();
-        if is_plain {
-            return Ok(());
-        }
-        for found in self.found(gathered) {
-            self.within_transforms(gathered, &found)?;
-            self.within_compensation(gathered, &found)?;
-            self.within_tip_control(gathered, &found)?;
-            self.within_polar(gathered, &found)?;
-        }
-        Ok(())
+/// Refuses what the state before the block does not allow. What ends a state in its own block ends it for the whole block.
+pub(super) fn check_state(channel: &Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let is_plain = channel.modal.transforms.is_empty()
+        && !channel.modal.contour.compensates()
+        && channel.modal.turning.is_none()
+        && channel.special.polar.is_none();
+    if is_plain {
+        return Ok(());
     }
-
-    /// The codes of a block that a state may forbid.
-    fn found(&self, gathered: &Gathered) -> Vec<Found> {
-        let named = |kind: Kind, group: Group, code: u16| (kind, name_of(code), gathered.code_span(group));
-        let mut out = Vec::new();
-        out.extend(gathered.code(Group::Plane).map(|code| named(Kind::Plane, Group::Plane, code)));
-        out.extend(gathered.code(Group::Coordinates).map(|code| named(Kind::Origin, Group::Coordinates, code)));
-        out.extend(gathered.machine_frame.map(|span| (Kind::Machine, "G53".to_owned(), span)));
-        out.extend(gathered.code(Group::Action).and_then(|code| {
-            let kind = match code {
-                270 | 280 | 290 | 300 => Kind::Machine,
-                520 | 920 | 921 => Kind::Origin,
-                100 if gathered.raw(b'L').is_some_and(|l| l == 2.0 || l == 20.0) => Kind::Origin,
-                _ => return None,
-            };
-            Some(named(kind, Group::Action, code))
-        }));
-        out
+    for found in found(channel, gathered) {
+        within_transforms(channel, gathered, &found)?;
+        within_compensation(channel, gathered, &found)?;
+        within_tip_control(channel, gathered, &found)?;
+        within_polar(channel, gathered, &found)?;
     }
+    Ok(())
+}
 
-    /// Operator's manual, "coordinate system rotation", "scaling" and "programmable mirror image": neither the plane nor G27 to G30, nor
-    /// G52 to G59 and G92 (alarm 144 where the plane is another one).
-    fn within_transforms(&self, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
-        let Some((what, end, group)) = self.transform_within(gathered) else { return Ok(()) };
-        let is_tilted = self.modal.transforms.tilt().is_some();
-        // The machine's own places do not turn with a tilted plane, and its plane is chosen within it.
-        let is_free = is_tilted && *kind != Kind::Origin;
-        // `G17 G68 X0 Y0 R30.`: the plane of the turn that begins here.
-        let begins =
-            *kind == Kind::Plane && gathered.code(group).is_some() && self.plane_of(gathered) == self.modal.plane;
-        if is_free || begins || self.machine.control.iso.codes_within_rotation {
-            return Ok(());
-        }
-        let message = format!("{name} while {what}: a Fanuc forbids it, and where the tool would go is not defined");
-        let help = format!("end it with {end} first, and begin it again behind {name}; {SETTING}");
-        Err(fault(Code::FORBIDDEN_STATE, *span, message, help))
-    }
-
-    /// The rotation, scaling or mirror in force that the block does not end, what ends it, and its group.
-    fn transform_within(&self, gathered: &Gathered) -> Option<(&'static str, &'static str, Group)> {
-        let transforms = &self.modal.transforms;
-        let ends = |group: Group, code: u16| gathered.code(group) == Some(code);
-        [
-            (transforms.tilt().is_some(), Group::Rotation, 690, "the working plane is tilted (G68.2)", "G69"),
-            (transforms.is_turned(), Group::Rotation, 690, "the coordinate system is turned (G68)", "G69"),
-            (transforms.is_scaled(), Group::Scale, 500, "scaling is in force (G51)", "G50"),
-            (transforms.is_mirrored(), Group::Mirror, 501, "a mirror is in force (G51.1)", "G50.1"),
-        ]
-        .into_iter()
-        .find(|&(is_on, group, code, ..)| is_on && !ends(group, code))
-        .map(|(_, group, _, what, end)| (what, end, group))
-    }
-
-    /// Operator's manual, "cutter compensation": another plane is alarm 037; what the other codes do with the offset vector is a
-    /// matter of parameters (5003, 5008), and the tool moves by the radius in any case.
-    fn within_compensation(&self, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
-        if !self.modal.contour.compensates() || *kind == Kind::Plane && self.plane_of(gathered) == self.modal.plane {
-            return Ok(());
-        }
-        let why = match kind {
-            Kind::Plane => "the control stops with alarm 037",
-            Kind::Origin => "how the tool gets to the new zero depends on parameters of the control",
-            Kind::Machine => "when the tool leaves its distance from the contour depends on parameters of the control",
+/// The codes of a block that a state may forbid.
+fn found(channel: &Channel<'_>, gathered: &Gathered) -> Vec<Found> {
+    let named = |kind: Kind, group: Group, code: u16| (kind, name_of(code), gathered.code_span(group));
+    let mut out = Vec::new();
+    out.extend(gathered.code(Group::Plane).map(|code| named(Kind::Plane, Group::Plane, code)));
+    out.extend(gathered.code(Group::Coordinates).map(|code| named(Kind::Origin, Group::Coordinates, code)));
+    out.extend(gathered.machine_frame.map(|span| (Kind::Machine, "G53".to_owned(), span)));
+    out.extend(gathered.code(Group::Action).and_then(|code| {
+        let kind = match code {
+            270 | 280 | 290 | 300 => Kind::Machine,
+            520 | 920 | 921 => Kind::Origin,
+            100 if gathered.raw(b'L').is_some_and(|l| l == 2.0 || l == 20.0) => Kind::Origin,
+            _ => return None,
         };
-        let message = format!("{name} while radius compensation is on: {why}");
-        let help = format!("program G40 with a motion in the plane before {name}, and G41 or G42 again behind it");
-        Err(fault(Code::BAD_COMPENSATION, *span, message, help))
-    }
+        Some(named(kind, Group::Action, code))
+    }));
+    out
+}
 
-    /// Places of the machine are none of the tip: whether the control follows the tool on the way there is its own matter.
-    fn within_tip_control(&self, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
-        let ends = gathered.code(Group::Length) == Some(490);
-        if self.modal.turning.is_none() || ends || *kind != Kind::Machine {
-            return Ok(());
-        }
-        let message = format!("{name} while the tool center point is controlled (G43.4)");
-        Err(fault(Code::FORBIDDEN_STATE, *span, message, "end it with G49 first"))
+/// Operator's manual, "coordinate system rotation", "scaling" and "programmable mirror image": neither the plane nor G27 to G30, nor
+/// G52 to G59 and G92 (alarm 144 where the plane is another one).
+fn within_transforms(channel: &Channel<'_>, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
+    let Some((what, end, group)) = transform_within(channel, gathered) else { return Ok(()) };
+    let is_tilted = channel.modal.transforms.tilt().is_some();
+    // The machine's own places do not turn with a tilted plane, and its plane is chosen within it.
+    let is_free = is_tilted && *kind != Kind::Origin;
+    // `G17 G68 X0 Y0 R30.`: the plane of the turn that begins here.
+    let begins =
+        *kind == Kind::Plane && gathered.code(group).is_some() && plane_of(channel, gathered) == channel.modal.plane;
+    if is_free || begins || channel.machine.control.iso.codes_within_rotation {
+        return Ok(());
     }
+    let message = format!("{name} while {what}: a Fanuc forbids it, and where the tool would go is not defined");
+    let help = format!("end it with {end} first, and begin it again behind {name}; {SETTING}");
+    Err(fault(Code::FORBIDDEN_STATE, *span, message, help))
+}
 
-    /// Which axis has the radius and which the angle follows the plane. Words of G52, G53, G92 and G10 are no polar words; of G27 to G30
-    /// no manual says it.
-    fn within_polar(&self, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
-        if self.special.polar.is_none() || gathered.code(Group::Polar).is_some() {
-            return Ok(());
-        }
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        let has_words = [abscissa, ordinate].into_iter().any(|axis| {
-            gathered.axes.contains(axis) && !(self.modal.incremental && gathered.raw(axis.letter()) == Some(0.0))
-        });
-        let is_forbidden = match kind {
-            Kind::Plane => self.plane_of(gathered) != self.modal.plane,
-            Kind::Machine => name != "G53" && has_words,
-            Kind::Origin => false,
-        };
-        if !is_forbidden {
-            return Ok(());
-        }
-        let message = format!("{name} while polar coordinates are in force (G16): what its words mean is not defined");
-        Err(fault(Code::FORBIDDEN_STATE, *span, message, "end them with G15 first"))
-    }
+/// The rotation, scaling or mirror in force that the block does not end, what ends it, and its group.
+fn transform_within(channel: &Channel<'_>, gathered: &Gathered) -> Option<(&'static str, &'static str, Group)> {
+    let transforms = &channel.modal.transforms;
+    let ends = |group: Group, code: u16| gathered.code(group) == Some(code);
+    [
+        (transforms.tilt().is_some(), Group::Rotation, 690, "the working plane is tilted (G68.2)", "G69"),
+        (transforms.is_turned(), Group::Rotation, 690, "the coordinate system is turned (G68)", "G69"),
+        (transforms.is_scaled(), Group::Scale, 500, "scaling is in force (G51)", "G50"),
+        (transforms.is_mirrored(), Group::Mirror, 501, "a mirror is in force (G51.1)", "G50.1"),
+    ]
+    .into_iter()
+    .find(|&(is_on, group, code, ..)| is_on && !ends(group, code))
+    .map(|(_, group, _, what, end)| (what, end, group))
+}
 
-    fn plane_of(&self, gathered: &Gathered) -> Plane {
-        let number = gathered.code(Group::Plane).and_then(|code| u8::try_from(code / 10).ok());
-        number.and_then(Plane::from_number).unwrap_or(self.modal.plane)
+/// Operator's manual, "cutter compensation": another plane is alarm 037; what the other codes do with the offset vector is a
+/// matter of parameters (5003, 5008), and the tool moves by the radius in any case.
+fn within_compensation(channel: &Channel<'_>, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
+    if !channel.modal.contour.compensates()
+        || *kind == Kind::Plane && plane_of(channel, gathered) == channel.modal.plane
+    {
+        return Ok(());
     }
+    let why = match kind {
+        Kind::Plane => "the control stops with alarm 037",
+        Kind::Origin => "how the tool gets to the new zero depends on parameters of the control",
+        Kind::Machine => "when the tool leaves its distance from the contour depends on parameters of the control",
+    };
+    let message = format!("{name} while radius compensation is on: {why}");
+    let help = format!("program G40 with a motion in the plane before {name}, and G41 or G42 again behind it");
+    Err(fault(Code::BAD_COMPENSATION, *span, message, help))
+}
 
-    /// The same for a zero offset in force that is written as a variable.
-    pub(super) fn check_offset_write(&self, number: u32, span: Span) -> Result<(), Fault> {
-        if self.is_rs274() {
-            return Ok(());
-        }
-        let gathered = Gathered::default();
-        let found = (Kind::Origin, format!("#{number}"), span);
-        self.within_transforms(&gathered, &found)?;
-        self.within_compensation(&gathered, &found)
+/// Places of the machine are none of the tip: whether the control follows the tool on the way there is its own matter.
+fn within_tip_control(channel: &Channel<'_>, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
+    let ends = gathered.code(Group::Length) == Some(490);
+    if channel.modal.turning.is_none() || ends || *kind != Kind::Machine {
+        return Ok(());
     }
+    let message = format!("{name} while the tool center point is controlled (G43.4)");
+    Err(fault(Code::FORBIDDEN_STATE, *span, message, "end it with G49 first"))
+}
+
+/// Which axis has the radius and which the angle follows the plane. Words of G52, G53, G92 and G10 are no polar words; of G27 to G30
+/// no manual says it.
+fn within_polar(channel: &Channel<'_>, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
+    if channel.special.polar.is_none() || gathered.code(Group::Polar).is_some() {
+        return Ok(());
+    }
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let has_words = [abscissa, ordinate].into_iter().any(|axis| {
+        gathered.axes.contains(axis) && !(channel.modal.incremental && gathered.raw(axis.letter()) == Some(0.0))
+    });
+    let is_forbidden = match kind {
+        Kind::Plane => plane_of(channel, gathered) != channel.modal.plane,
+        Kind::Machine => name != "G53" && has_words,
+        Kind::Origin => false,
+    };
+    if !is_forbidden {
+        return Ok(());
+    }
+    let message = format!("{name} while polar coordinates are in force (G16): what its words mean is not defined");
+    Err(fault(Code::FORBIDDEN_STATE, *span, message, "end them with G15 first"))
+}
+
+fn plane_of(channel: &Channel<'_>, gathered: &Gathered) -> Plane {
+    let number = gathered.code(Group::Plane).and_then(|code| u8::try_from(code / 10).ok());
+    number.and_then(Plane::from_number).unwrap_or(channel.modal.plane)
+}
+
+/// The same for a zero offset in force that is written as a variable.
+pub(super) fn check_offset_write(channel: &Channel<'_>, number: u32, span: Span) -> Result<(), Fault> {
+    if channel.is_rs274() {
+        return Ok(());
+    }
+    let gathered = Gathered::default();
+    let found = (Kind::Origin, format!("#{number}"), span);
+    within_transforms(channel, &gathered, &found)?;
+    within_compensation(channel, &gathered, &found)
 }

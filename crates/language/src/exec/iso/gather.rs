@@ -3,6 +3,7 @@
 use super::codes::{G80, Group, group_of, name_of};
 use super::expression::Scope;
 use super::gathered::Gathered;
+use super::measure;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{Address, Value, Word};
 use ncfix_base::diagnostic::Code;
@@ -66,8 +67,8 @@ pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) 
 fn grid_scope<'s, 'a>(scope: &Scope<'s, 'a>, letter: u8, inch: bool) -> Scope<'s, 'a> {
     let grid = match letter {
         _ if scope.channel.is_rs274() => None,
-        b'A' | b'B' | b'C' | b'a' => Some(scope.channel.increments_per_degree()),
-        b'I'..=b'K' | b'Q' | b'R' | b'U'..=b'Z' | b'c' | b'r' => Some(scope.channel.increments_per(inch)),
+        b'A' | b'B' | b'C' | b'a' => Some(measure::increments_per_degree(scope.channel)),
+        b'I'..=b'K' | b'Q' | b'R' | b'U'..=b'Z' | b'c' | b'r' => Some(measure::increments_per(scope.channel, inch)),
         _ => None,
     };
     Scope { grid, ..*scope }

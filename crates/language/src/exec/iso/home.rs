@@ -2,8 +2,11 @@
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
+use super::compensation;
 use super::gathered::Gathered;
+use super::motion;
 use super::motion::Step;
+use super::offsets;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet};
@@ -13,84 +16,83 @@ use ncfix_machine::snc::{Kind, Manner};
 /// First parameter of the position of G28, then of G30; one for each axis X Y Z A B C U V W.
 const PARAMETERS: [u32; 2] = [5161, 5181];
 
-impl Channel<'_> {
-    /// `G28`, `G30`: rapid by way of the point named to the reference point, the axes named or all of them.
-    pub(super) fn home(&mut self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        let span = gathered.code_span(Group::Action);
-        self.no_compensation(span, &name_of(code))?;
-        let is_second = code == 300;
-        let point = match gathered.raw(b'P').filter(|_| is_second && !self.is_rs274()) {
-            None => 1 + u8::from(is_second),
-            Some(number) if (2.0..=4.0).contains(&number) => number.round() as u8,
-            Some(_) => return Err(bad_value(gathered.span_of(b'P'), "G30 has the points 2, 3 and 4", "write P2")),
-        };
-        // By way of where the axes stand, wherever that is: `G91 G28 Z0` at the start of a program.
-        let mut stays = self.modal.incremental;
-        for axis in gathered.axes.iter() {
-            stays &= self.axis_value(gathered, axis)? == 0.0;
-        }
-        let (through, named) = if stays { (self.here(), gathered.axes) } else { self.end(gathered)? };
-        // Directly after G40 the tool of LinuxCNC is beside the place where the program is, and goes there first.
-        let is_beside = self.is_rs274() && self.outlet.is_holding();
-        if !named.is_empty() && (through != self.here() || is_beside) {
-            self.step(Step::straight(gathered, true, through, named))?;
-            self.outlet.begin_line();
-        }
-        self.through = Some(self.modal.command);
-        let homed = if named.is_empty() && self.is_rs274() { self.axes } else { named };
-        if homed.is_empty() {
-            return Err(bad_value(span, format!("{} without axis words", name_of(code)), "name the axes"));
-        }
-        let mut end = self.modal.command;
-        for axis in homed.iter() {
-            end[axis] = self.reference(point, axis, span)?;
-        }
-        let manner = Manner::Reference;
-        let step = Step { feed_named: false, manner, ..Step::straight(gathered, true, end, homed) };
-        self.machine_step(step)
+/// `G28`, `G30`: rapid by way of the point named to the reference point, the axes named or all of them.
+pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    let span = gathered.code_span(Group::Action);
+    compensation::no_compensation(channel, span, &name_of(code))?;
+    let is_second = code == 300;
+    let point = match gathered.raw(b'P').filter(|_| is_second && !channel.is_rs274()) {
+        None => 1 + u8::from(is_second),
+        Some(number) if (2.0..=4.0).contains(&number) => number.round() as u8,
+        Some(_) => return Err(bad_value(gathered.span_of(b'P'), "G30 has the points 2, 3 and 4", "write P2")),
+    };
+    // By way of where the axes stand, wherever that is: `G91 G28 Z0` at the start of a program.
+    let mut stays = channel.modal.incremental;
+    for axis in gathered.axes.iter() {
+        stays &= motion::axis_value(channel, gathered, axis)? == 0.0;
     }
+    let (through, named) =
+        if stays { (offsets::here(channel), gathered.axes) } else { motion::end(channel, gathered)? };
+    // Directly after G40 the tool of LinuxCNC is beside the place where the program is, and goes there first.
+    let is_beside = channel.is_rs274() && channel.outlet.is_holding();
+    if !named.is_empty() && (through != offsets::here(channel) || is_beside) {
+        motion::step(channel, Step::straight(gathered, true, through, named))?;
+        channel.outlet.begin_line();
+    }
+    channel.through = Some(channel.modal.command);
+    let homed = if named.is_empty() && channel.is_rs274() { channel.axes } else { named };
+    if homed.is_empty() {
+        return Err(bad_value(span, format!("{} without axis words", name_of(code)), "name the axes"));
+    }
+    let mut end = channel.modal.command;
+    for axis in homed.iter() {
+        end[axis] = reference(channel, point, axis, span)?;
+    }
+    let manner = Manner::Reference;
+    let step = Step { feed_named: false, manner, ..Step::straight(gathered, true, end, homed) };
+    motion::machine_step(channel, step)
+}
 
-    /// Where a reference point of an axis is, mm or rad.
-    fn reference(&self, point: u8, axis: Axis, span: Span) -> Result<f64, Fault> {
-        if self.is_rs274() {
-            let first = PARAMETERS.get(usize::from(point) - 1).copied().unwrap_or_default();
-            let value = self.variables.get(first + number_of(axis)).unwrap_or_default();
-            return Ok(if axis.is_rotary() { value.to_radians() } else { value });
-        }
-        let points = &self.machine.control.iso.reference_points;
-        match points.get(&(point, axis)) {
-            Some(&value) => Ok(value),
-            // The first one is usually where the machine's zero is.
-            None if point == 1 => Ok(0.0),
-            None => {
-                let message = format!("where reference point {point} of {axis} is, the machine file does not say");
-                let unit = if axis.is_rotary() { "deg" } else { "mm" };
-                let help = format!("set control.reference_point_{point}_{axis}_{unit} there");
-                Err(fault(Code::NO_SYSTEM_VALUE, span, message, help))
-            }
+/// Where a reference point of an axis is, mm or rad.
+fn reference(channel: &Channel<'_>, point: u8, axis: Axis, span: Span) -> Result<f64, Fault> {
+    if channel.is_rs274() {
+        let first = PARAMETERS.get(usize::from(point) - 1).copied().unwrap_or_default();
+        let value = channel.variables.get(first + number_of(axis)).unwrap_or_default();
+        return Ok(if axis.is_rotary() { value.to_radians() } else { value });
+    }
+    let points = &channel.machine.control.iso.reference_points;
+    match points.get(&(point, axis)) {
+        Some(&value) => Ok(value),
+        // The first one is usually where the machine's zero is.
+        None if point == 1 => Ok(0.0),
+        None => {
+            let message = format!("where reference point {point} of {axis} is, the machine file does not say");
+            let unit = if axis.is_rotary() { "deg" } else { "mm" };
+            let help = format!("set control.reference_point_{point}_{axis}_{unit} there");
+            Err(fault(Code::NO_SYSTEM_VALUE, span, message, help))
         }
     }
+}
 
-    /// `G28.1`, `G30.1`: the present position becomes the reference point.
-    pub(super) fn save_home(&mut self, code: u16, span: Span) -> Result<(), Fault> {
-        self.no_compensation(span, &name_of(code))?;
-        if let Some(axis) = AxisSet::XYZ.iter().find(|&axis| self.strict && !self.modal.known.contains(axis)) {
-            return Err(super::motion::unknown_start(span, axis));
-        }
-        if self.strict {
-            let message = format!("{} would store where the axes stand with their correction", name_of(code));
-            let help = "leave it out, and move there with G53 G0 instead of G28 or G30";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
-        }
-        let first = PARAMETERS[usize::from(code == 301)];
-        for axis in AXES {
-            let value = self.modal.command[axis];
-            let saved = if axis.is_rotary() { value.to_degrees() } else { value };
-            self.variables.set(first + number_of(axis), Some(saved));
-        }
-        self.push(Kind::Keep(if code == 281 { "G28.1" } else { "G30.1" }));
-        Ok(())
+/// `G28.1`, `G30.1`: the present position becomes the reference point.
+pub(super) fn save_home(channel: &mut Channel<'_>, code: u16, span: Span) -> Result<(), Fault> {
+    compensation::no_compensation(channel, span, &name_of(code))?;
+    if let Some(axis) = AxisSet::XYZ.iter().find(|&axis| channel.strict && !channel.modal.known.contains(axis)) {
+        return Err(super::motion::unknown_start(span, axis));
     }
+    if channel.strict {
+        let message = format!("{} would store where the axes stand with their correction", name_of(code));
+        let help = "leave it out, and move there with G53 G0 instead of G28 or G30";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+    }
+    let first = PARAMETERS[usize::from(code == 301)];
+    for axis in AXES {
+        let value = channel.modal.command[axis];
+        let saved = if axis.is_rotary() { value.to_degrees() } else { value };
+        channel.variables.set(first + number_of(axis), Some(saved));
+    }
+    channel.push(Kind::Keep(if code == 281 { "G28.1" } else { "G30.1" }));
+    Ok(())
 }
 
 /// The place of an axis in the order X Y Z A B C U V W of the parameters.

@@ -2,8 +2,14 @@
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
+use super::compensation;
+use super::data;
 use super::gather::whole;
 use super::gathered::Gathered;
+use super::motion;
+use super::setup;
+use super::tilt;
+use super::tip;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Vector};
@@ -23,188 +29,184 @@ pub(super) struct ToolOffset {
     pub(super) is_stated: bool,
 }
 
-impl Channel<'_> {
-    /// Offsets of a number, as the program or the machine file set them.
-    pub(super) fn tool_offset(&self, number: u32) -> Option<ToolOffset> {
-        self.tools.get(&number).copied().or_else(|| {
-            let tool = self.machine.tool(number, 1)?;
-            let [first, second, third] = tool.length_mm;
-            // Lengths 1, 2, 3 lie along Z, Y, X.
-            let length_mm = Vector::new(third, second, first);
-            Some(ToolOffset { length_mm, radius_mm: tool.radius_mm, ..ToolOffset::default() })
-        })
-    }
+/// Offsets of a number, as the program or the machine file set them.
+pub(super) fn tool_offset(channel: &Channel<'_>, number: u32) -> Option<ToolOffset> {
+    channel.tools.get(&number).copied().or_else(|| {
+        let tool = channel.machine.tool(number, 1)?;
+        let [first, second, third] = tool.length_mm;
+        // Lengths 1, 2, 3 lie along Z, Y, X.
+        let length_mm = Vector::new(third, second, first);
+        Some(ToolOffset { length_mm, radius_mm: tool.radius_mm, ..ToolOffset::default() })
+    })
+}
 
-    /// Executes the code of length compensation. Whether it took the axis words, so that the block has no motion.
-    pub(super) fn length_codes(&mut self, gathered: &Gathered) -> Result<bool, Fault> {
-        let code = gathered.code(Group::Length);
-        let Some(code) = code.or_else(|| self.again(gathered)) else { return Ok(false) };
-        let span = if gathered.code(Group::Length).is_some() {
-            gathered.code_span(Group::Length)
-        } else {
-            gathered.span_of(b'H')
-        };
-        if self.is_rs274() {
-            self.no_compensation(span, &name_of(code))?;
-            self.rs274_length(gathered, code, span)
-        } else {
-            self.fanuc_length(gathered, code, span)?;
-            Ok(false)
+/// Executes the code of length compensation. Whether it took the axis words, so that the block has no motion.
+pub(super) fn length_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
+    let code = gathered.code(Group::Length);
+    let Some(code) = code.or_else(|| again(channel, gathered)) else { return Ok(false) };
+    let span =
+        if gathered.code(Group::Length).is_some() { gathered.code_span(Group::Length) } else { gathered.span_of(b'H') };
+    if channel.is_rs274() {
+        compensation::no_compensation(channel, span, &name_of(code))?;
+        rs274_length(channel, gathered, code, span)
+    } else {
+        fanuc_length(channel, gathered, code, span)?;
+        Ok(false)
+    }
+}
+
+/// H alone changes the offset while compensation is on (Fanuc).
+fn again(channel: &Channel<'_>, gathered: &Gathered) -> Option<u16> {
+    let code = channel.modal.length_code;
+    (!channel.is_rs274() && code != 490 && gathered.has(b'H') && gathered.code(Group::Action).is_none()).then_some(code)
+}
+
+fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<bool, Fault> {
+    let mut length = if code == 490 || code == 430 { Vector::zeros() } else { channel.modal.length_mm };
+    let mut text = name_of(code);
+    let (mut takes_axes, mut assumed) = (false, false);
+    match code {
+        430 => {
+            let number = match gathered.raw(b'H') {
+                Some(value) => whole(value, gathered.span_of(b'H'), "H")?,
+                None => channel.modal.active.unwrap_or(0),
+            };
+            if gathered.has(b'H') {
+                data::append(channel, &mut text, b'H', f64::from(number));
+            }
+            (length, assumed) = table_length(channel, number, span)?;
+            channel.modal.h = number;
+        }
+        432 if gathered.has(b'H') => {
+            let number = whole(gathered.raw(b'H').unwrap_or(0.0), gathered.span_of(b'H'), "H")?;
+            data::append(channel, &mut text, b'H', f64::from(number));
+            let (more, is_assumed) = table_length(channel, number, span)?;
+            length += more;
+            assumed = is_assumed;
+        }
+        431 | 432 => {
+            takes_axes = true;
+            for axis in gathered.axes.iter() {
+                if !AxisSet::XYZ.contains(axis) {
+                    let message = format!("a tool offset along {axis} is not supported");
+                    let at = gathered.span_of(axis.letter());
+                    return Err(fault(Code::NOT_SUPPORTED, at, message, "name X, Y or Z"));
+                }
+                let value = motion::axis_value(channel, gathered, axis)?;
+                let place = &mut length[axis.slot()];
+                *place = if code == 431 { value } else { *place + value };
+                data::append_length(channel, &mut text, axis.letter(), value);
+            }
+        }
+        _ => {}
+    }
+    channel.modal.length_code = code;
+    put_length(channel, length, assumed);
+    channel.push(Kind::Verbatim(text.into_bytes()));
+    Ok(takes_axes)
+}
+
+/// The offset of a number and whether it is assumed.
+fn table_length(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(Vector, bool), Fault> {
+    if number == 0 {
+        return Ok((Vector::zeros(), false));
+    }
+    if let Some(offset) = tool_offset(channel, number) {
+        let wear = Vector::new(0.0, 0.0, offset.length_wear_mm);
+        return Ok((offset.length_mm + wear, false));
+    }
+    let message = format!("tool offset {number} has no value in the machine file");
+    let help = "add a [[tool]] entry of this number there or in a file given with --setup";
+    if channel.strict {
+        return Err(fault(Code::NO_TOOL, span, message, help));
+    }
+    channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
+    Ok((Vector::zeros(), true))
+}
+
+fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
+    if code == 431 {
+        let message = "G43.1 is not supported";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "use G43 H with the length of the tool"));
+    }
+    if let Some(value) = gathered.raw(b'H') {
+        channel.modal.h = whole(value, gathered.span_of(b'H'), "H")?;
+    }
+    let is_off = code == 490;
+    let (table, assumed) =
+        if is_off { (Vector::zeros(), false) } else { table_length(channel, channel.modal.h, span)? };
+    let size = if code == 440 { -table[2] } else { table[2] };
+    // Along several axes where several blocks say so; G49 ends them all, H0 that of its axis.
+    let mut length = Vector::zeros();
+    if !is_off {
+        if channel.machine.control.iso.length_axis != LengthAxis::Z {
+            length = channel.modal.length_mm;
+        }
+        if size != 0.0 || length != Vector::zeros() {
+            let is_along_tool = matches!(code, 434 | 435);
+            let axis = if is_along_tool { Axis::Z } else { length_axis(channel, gathered, span)? };
+            length[axis.slot()] = size;
         }
     }
-
-    /// H alone changes the offset while compensation is on (Fanuc).
-    fn again(&self, gathered: &Gathered) -> Option<u16> {
-        let code = self.modal.length_code;
-        (!self.is_rs274() && code != 490 && gathered.has(b'H') && gathered.code(Group::Action).is_none())
-            .then_some(code)
+    if channel.modal.transforms.turns(&length) {
+        return Err(turned_length(span));
     }
+    let (was_turning, tool_mm, axes) =
+        (channel.modal.turning.is_some(), channel.setup.tool_mm, tip::axis_command(channel));
+    tip::switch_tip(channel, code, gathered, span)?;
+    channel.modal.length_code = code;
+    put_length(channel, length, assumed);
+    if !is_off {
+        tilt::stand_anew(channel, span)?;
+    }
+    if was_turning || channel.modal.turning.is_some() {
+        tip::forget_moved_tip(channel, &axes, &tool_mm);
+    }
+    match code {
+        430 => channel.push(Kind::Keep("G43")),
+        440 => channel.push(Kind::Keep("G44")),
+        // The output gives positions of the rotary axes, also where the program gives directions.
+        434 | 435 => channel.push(Kind::Keep("G43.4")),
+        _ => channel.push(Kind::Keep("G49")),
+    }
+    if gathered.has(b'H') {
+        let value = WordValue::Number(f64::from(channel.modal.h));
+        channel.before.push(Word { letter: b'H', extension: None, value });
+    }
+    Ok(())
+}
 
-    fn rs274_length(&mut self, gathered: &Gathered, code: u16, span: Span) -> Result<bool, Fault> {
-        let mut length = if code == 490 || code == 430 { Vector::zeros() } else { self.modal.length_mm };
-        let mut text = name_of(code);
-        let (mut takes_axes, mut assumed) = (false, false);
-        match code {
-            430 => {
-                let number = match gathered.raw(b'H') {
-                    Some(value) => whole(value, gathered.span_of(b'H'), "H")?,
-                    None => self.modal.active.unwrap_or(0),
-                };
-                if gathered.has(b'H') {
-                    self.append(&mut text, b'H', f64::from(number));
-                }
-                (length, assumed) = self.table_length(number, span)?;
-                self.modal.h = number;
-            }
-            432 if gathered.has(b'H') => {
-                let number = whole(gathered.raw(b'H').unwrap_or(0.0), gathered.span_of(b'H'), "H")?;
-                self.append(&mut text, b'H', f64::from(number));
-                let (more, is_assumed) = self.table_length(number, span)?;
-                length += more;
-                assumed = is_assumed;
-            }
-            431 | 432 => {
-                takes_axes = true;
-                for axis in gathered.axes.iter() {
-                    if !AxisSet::XYZ.contains(axis) {
-                        let message = format!("a tool offset along {axis} is not supported");
-                        let at = gathered.span_of(axis.letter());
-                        return Err(fault(Code::NOT_SUPPORTED, at, message, "name X, Y or Z"));
+/// The axis along which a Fanuc compensates (parameter 5001).
+fn length_axis(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result<Axis, Fault> {
+    match channel.machine.control.iso.length_axis {
+        LengthAxis::Z => Ok(Axis::Z),
+        LengthAxis::Plane => {
+            let [.., applicate] = channel.modal.plane.axes();
+            Ok(applicate)
+        }
+        LengthAxis::Programmed => {
+            let mut named = gathered.axes.intersection(AxisSet::XYZ).iter();
+            match (named.next(), named.next()) {
+                (Some(axis), None) => Ok(axis),
+                (None, _) => {
+                    let has_length = |axis: &Axis| channel.modal.length_mm[axis.slot()] != 0.0;
+                    let mut in_force = AxisSet::XYZ.iter().filter(has_length);
+                    match (in_force.next(), in_force.next()) {
+                        (Some(_), Some(_)) => Err(unclear_axis(span)),
+                        (axis, _) => Ok(axis.unwrap_or(Axis::Z)),
                     }
-                    let value = self.axis_value(gathered, axis)?;
-                    let place = &mut length[axis.slot()];
-                    *place = if code == 431 { value } else { *place + value };
-                    self.append_length(&mut text, axis.letter(), value);
                 }
+                _ => Err(unclear_axis(span)),
             }
-            _ => {}
         }
-        self.modal.length_code = code;
-        self.put_length(length, assumed);
-        self.push(Kind::Verbatim(text.into_bytes()));
-        Ok(takes_axes)
     }
+}
 
-    /// The offset of a number and whether it is assumed.
-    fn table_length(&mut self, number: u32, span: Span) -> Result<(Vector, bool), Fault> {
-        if number == 0 {
-            return Ok((Vector::zeros(), false));
-        }
-        if let Some(offset) = self.tool_offset(number) {
-            let wear = Vector::new(0.0, 0.0, offset.length_wear_mm);
-            return Ok((offset.length_mm + wear, false));
-        }
-        let message = format!("tool offset {number} has no value in the machine file");
-        let help = "add a [[tool]] entry of this number there or in a file given with --setup";
-        if self.strict {
-            return Err(fault(Code::NO_TOOL, span, message, help));
-        }
-        self.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
-        Ok((Vector::zeros(), true))
-    }
-
-    fn fanuc_length(&mut self, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
-        if code == 431 {
-            let message = "G43.1 is not supported";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "use G43 H with the length of the tool"));
-        }
-        if let Some(value) = gathered.raw(b'H') {
-            self.modal.h = whole(value, gathered.span_of(b'H'), "H")?;
-        }
-        let is_off = code == 490;
-        let (table, assumed) = if is_off { (Vector::zeros(), false) } else { self.table_length(self.modal.h, span)? };
-        let size = if code == 440 { -table[2] } else { table[2] };
-        // Along several axes where several blocks say so; G49 ends them all, H0 that of its axis.
-        let mut length = Vector::zeros();
-        if !is_off {
-            if self.machine.control.iso.length_axis != LengthAxis::Z {
-                length = self.modal.length_mm;
-            }
-            if size != 0.0 || length != Vector::zeros() {
-                let is_along_tool = matches!(code, 434 | 435);
-                let axis = if is_along_tool { Axis::Z } else { self.length_axis(gathered, span)? };
-                length[axis.slot()] = size;
-            }
-        }
-        if self.modal.transforms.turns(&length) {
-            return Err(turned_length(span));
-        }
-        let (was_turning, tool_mm, axes) = (self.modal.turning.is_some(), self.setup.tool_mm, self.axis_command());
-        self.switch_tip(code, gathered, span)?;
-        self.modal.length_code = code;
-        self.put_length(length, assumed);
-        if !is_off {
-            self.stand_anew(span)?;
-        }
-        if was_turning || self.modal.turning.is_some() {
-            self.forget_moved_tip(&axes, &tool_mm);
-        }
-        match code {
-            430 => self.push(Kind::Keep("G43")),
-            440 => self.push(Kind::Keep("G44")),
-            // The output gives positions of the rotary axes, also where the program gives directions.
-            434 | 435 => self.push(Kind::Keep("G43.4")),
-            _ => self.push(Kind::Keep("G49")),
-        }
-        if gathered.has(b'H') {
-            let value = WordValue::Number(f64::from(self.modal.h));
-            self.before.push(Word { letter: b'H', extension: None, value });
-        }
-        Ok(())
-    }
-
-    /// The axis along which a Fanuc compensates (parameter 5001).
-    fn length_axis(&self, gathered: &Gathered, span: Span) -> Result<Axis, Fault> {
-        match self.machine.control.iso.length_axis {
-            LengthAxis::Z => Ok(Axis::Z),
-            LengthAxis::Plane => {
-                let [.., applicate] = self.modal.plane.axes();
-                Ok(applicate)
-            }
-            LengthAxis::Programmed => {
-                let mut named = gathered.axes.intersection(AxisSet::XYZ).iter();
-                match (named.next(), named.next()) {
-                    (Some(axis), None) => Ok(axis),
-                    (None, _) => {
-                        let has_length = |axis: &Axis| self.modal.length_mm[axis.slot()] != 0.0;
-                        let mut in_force = AxisSet::XYZ.iter().filter(has_length);
-                        match (in_force.next(), in_force.next()) {
-                            (Some(_), Some(_)) => Err(unclear_axis(span)),
-                            (axis, _) => Ok(axis.unwrap_or(Axis::Z)),
-                        }
-                    }
-                    _ => Err(unclear_axis(span)),
-                }
-            }
-        }
-    }
-
-    /// Puts a length in force.
-    pub(super) fn put_length(&mut self, length_mm: Vector, assumed: bool) {
-        self.modal.length_mm = length_mm;
-        self.modal.length_assumed = assumed;
-        self.refresh_setup();
-    }
+/// Puts a length in force.
+pub(super) fn put_length(channel: &mut Channel<'_>, length_mm: Vector, assumed: bool) {
+    channel.modal.length_mm = length_mm;
+    channel.modal.length_assumed = assumed;
+    setup::refresh_setup(channel);
 }
 
 fn unclear_axis(span: Span) -> Fault {

@@ -2,8 +2,12 @@
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
+use super::compensation;
+use super::data;
 use super::gathered::Gathered;
+use super::motion;
 use super::motion::unknown_start;
+use super::setup;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisVector, Frame, FrameParts};
@@ -51,165 +55,163 @@ impl System {
     }
 }
 
-impl Channel<'_> {
-    /// The value of a zero offset; `None` where neither program nor machine file give one.
-    pub(super) fn offset_of(&self, system: System) -> Option<FrameParts> {
-        let own = self.offsets.get(&system).copied();
-        own.or_else(|| self.machine.zero_offsets.get(&system.words()).copied())
-    }
+/// The value of a zero offset; `None` where neither program nor machine file give one.
+pub(super) fn offset_of(channel: &Channel<'_>, system: System) -> Option<FrameParts> {
+    let own = channel.offsets.get(&system).copied();
+    own.or_else(|| channel.machine.zero_offsets.get(&system.words()).copied())
+}
 
-    /// Puts the zero offset in force, without a word to the output.
-    pub(super) fn load_offset(&mut self, span: Span) -> Result<(), Fault> {
-        let (system, order) = (self.modal.system, self.machine.control.rotation_order);
-        let parts = self.offset_of(system);
-        self.modal.offset_assumed = parts.is_none();
-        let own = parts.unwrap_or_default().frame(order);
-        let external = self.offset_of(System::EXTERNAL).unwrap_or_default().frame(order);
-        let (Some(own), Some(external)) = (own, external) else {
-            let message = format!("the frame of {} cannot be undone", system.words());
-            return Err(fault(Code::NOT_COMPUTABLE, span, message, "check its factors"));
-        };
-        self.modal.settable = external.compose(&own);
-        self.refresh_setup();
-        Ok(())
-    }
+/// Puts the zero offset in force, without a word to the output.
+pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
+    let (system, order) = (channel.modal.system, channel.machine.control.rotation_order);
+    let parts = offset_of(channel, system);
+    channel.modal.offset_assumed = parts.is_none();
+    let own = parts.unwrap_or_default().frame(order);
+    let external = offset_of(channel, System::EXTERNAL).unwrap_or_default().frame(order);
+    let (Some(own), Some(external)) = (own, external) else {
+        let message = format!("the frame of {} cannot be undone", system.words());
+        return Err(fault(Code::NOT_COMPUTABLE, span, message, "check its factors"));
+    };
+    channel.modal.settable = external.compose(&own);
+    setup::refresh_setup(channel);
+    Ok(())
+}
 
-    /// Says that the zero offset in force has no value: an error where it must not be assumed.
-    pub(super) fn check_offset(&mut self, span: Span) {
-        if !self.modal.offset_assumed || self.offset_warned == Some(self.modal.system) {
-            return;
-        }
-        self.offset_warned = Some(self.modal.system);
-        let words = self.modal.system.words();
-        let help = format!("add [zero_offset.\"{words}\"] there");
-        // The motion goes on from here all the same, so that one fault is not found again in every block.
-        let (code, end) = if self.strict { (Code::NO_OFFSET, "") } else { (Code::OFFSET_ASSUMED, "; zero is used") };
-        let message = format!("{words} has no value in the machine file{end}");
-        self.outlet.warnings.push(fault(code, span, message, help));
+/// Says that the zero offset in force has no value: an error where it must not be assumed.
+pub(super) fn check_offset(channel: &mut Channel<'_>, span: Span) {
+    if !channel.modal.offset_assumed || channel.offset_warned == Some(channel.modal.system) {
+        return;
     }
+    channel.offset_warned = Some(channel.modal.system);
+    let words = channel.modal.system.words();
+    let help = format!("add [zero_offset.\"{words}\"] there");
+    // The motion goes on from here all the same, so that one fault is not found again in every block.
+    let (code, end) = if channel.strict { (Code::NO_OFFSET, "") } else { (Code::OFFSET_ASSUMED, "; zero is used") };
+    let message = format!("{words} has no value in the machine file{end}");
+    channel.outlet.warnings.push(fault(code, span, message, help));
+}
 
-    /// `G54` … `G59.3`, `G54.1 P`
-    pub(super) fn coordinates(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let Some(code) = gathered.code(Group::Coordinates) else { return Ok(()) };
-        let span = gathered.code_span(Group::Coordinates);
-        self.no_compensation(span, &name_of(code))?;
-        let is_additional = code == 541 || code == 540 && !self.is_rs274() && self.p_is_of_offset(gathered);
-        let system = if is_additional {
-            match gathered.raw(b'P').map(f64::round).filter(|number| (1.0..=300.0).contains(number)) {
-                Some(number) => System(System::ADDITIONAL + number as u16),
-                None => {
-                    let help = "write for example G54.1 P1; there are at most 300";
-                    return Err(bad_value(span, "G54.1 needs P with the number of the offset", help));
-                }
-            }
-        } else {
-            System::of_code(code).unwrap_or(System::FIRST)
-        };
-        self.modal.system = system;
-        self.load_offset(span)?;
-        self.check_offset(span);
-        self.push(Kind::Frame(FrameWords::Settable(system.words())));
-        Ok(())
-    }
-
-    /// Whether the P of a block with G54 belongs to it: `G54 P3` is `G54.1 P3`.
-    fn p_is_of_offset(&self, gathered: &Gathered) -> bool {
-        gathered.has(b'P') && gathered.code(Group::Action).is_none()
-    }
-
-    /// G52, G92 and what takes it back.
-    pub(super) fn axis_offsets(&mut self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        let span = gathered.code_span(Group::Action);
-        self.no_compensation(span, &name_of(code))?;
-        if matches!(code, 520 | 920) && gathered.axes.is_empty() {
-            let message = format!("{} without axis words", name_of(code));
-            return Err(bad_value(span, message, "name the axes that it concerns"));
-        }
-        let here = self.here();
-        match code {
-            520 if self.is_rs274() => {
-                for axis in gathered.axes.iter() {
-                    self.modal.shift[axis] = self.axis_value(gathered, axis)?;
-                }
-                self.modal.stored_shift = self.modal.shift;
-            }
-            520 => {
-                for axis in gathered.axes.iter() {
-                    self.modal.local[axis] = self.axis_value(gathered, axis)?;
-                }
-            }
-            920 => {
-                for axis in gathered.axes.iter() {
-                    self.check_stated(axis, gathered.span_of(axis.letter()))?;
-                    let value = self.axis_value(gathered, axis)?;
-                    // The local shift of the axis is part of the position, and ends.
-                    let local = std::mem::take(&mut self.modal.local[axis]);
-                    self.modal.shift[axis] += here[axis] + local - value;
-                }
-                self.modal.stored_shift = self.modal.shift;
-            }
-            // The preset of Fanuc: each axis named is again what the zero offset alone makes of it, whatever the value.
-            _ => {
-                for axis in gathered.axes.iter() {
-                    self.axis_value(gathered, axis)?;
-                    self.modal.shift[axis] = 0.0;
-                    self.modal.local[axis] = 0.0;
-                }
+/// `G54` … `G59.3`, `G54.1 P`
+pub(super) fn coordinates(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let Some(code) = gathered.code(Group::Coordinates) else { return Ok(()) };
+    let span = gathered.code_span(Group::Coordinates);
+    compensation::no_compensation(channel, span, &name_of(code))?;
+    let is_additional = code == 541 || code == 540 && !channel.is_rs274() && p_is_of_offset(channel, gathered);
+    let system = if is_additional {
+        match gathered.raw(b'P').map(f64::round).filter(|number| (1.0..=300.0).contains(number)) {
+            Some(number) => System(System::ADDITIONAL + number as u16),
+            None => {
+                let help = "write for example G54.1 P1; there are at most 300";
+                return Err(bad_value(span, "G54.1 needs P with the number of the offset", help));
             }
         }
-        self.say_end(gathered, code);
-        self.refresh_setup();
-        Ok(())
-    }
+    } else {
+        System::of_code(code).unwrap_or(System::FIRST)
+    };
+    channel.modal.system = system;
+    load_offset(channel, span)?;
+    check_offset(channel, span);
+    channel.push(Kind::Frame(FrameWords::Settable(system.words())));
+    Ok(())
+}
 
-    /// What ends a shift reaches the control, where an earlier program may have left one in force: G52 with zeros, G92.1 of Fanuc.
-    fn say_end(&mut self, gathered: &Gathered, code: u16) {
-        let named = gathered.axes;
-        if code == 920 || code == 520 && named.iter().any(|axis| gathered.raw(axis.letter()) != Some(0.0)) {
-            return;
-        }
-        let mut text = name_of(code);
-        for axis in named.iter() {
-            self.append(&mut text, axis.letter(), 0.0);
-        }
-        self.push(Kind::Verbatim(text.into_bytes()));
-    }
+/// Whether the P of a block with G54 belongs to it: `G54 P3` is `G54.1 P3`.
+fn p_is_of_offset(channel: &Channel<'_>, gathered: &Gathered) -> bool {
+    gathered.has(b'P') && gathered.code(Group::Action).is_none()
+}
 
-    /// G92.1, G92.2, G92.3 of RS274/NGC.
-    pub(super) fn shift_codes(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let Some(code) = gathered.code(Group::Shift) else { return Ok(()) };
-        self.no_compensation(gathered.code_span(Group::Shift), &name_of(code))?;
-        if code == 923 {
-            self.modal.shift = self.modal.stored_shift;
-        } else {
-            self.modal.shift = AxisVector::ZERO;
-            // As with a shift that an earlier program left.
-            self.push(Kind::Keep(if code == 921 { "G92.1" } else { "G92.2" }));
-            if code == 921 {
-                self.modal.stored_shift = AxisVector::ZERO;
+/// G52, G92 and what takes it back.
+pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    let span = gathered.code_span(Group::Action);
+    compensation::no_compensation(channel, span, &name_of(code))?;
+    if matches!(code, 520 | 920) && gathered.axes.is_empty() {
+        let message = format!("{} without axis words", name_of(code));
+        return Err(bad_value(span, message, "name the axes that it concerns"));
+    }
+    let here = here(channel);
+    match code {
+        520 if channel.is_rs274() => {
+            for axis in gathered.axes.iter() {
+                channel.modal.shift[axis] = motion::axis_value(channel, gathered, axis)?;
+            }
+            channel.modal.stored_shift = channel.modal.shift;
+        }
+        520 => {
+            for axis in gathered.axes.iter() {
+                channel.modal.local[axis] = motion::axis_value(channel, gathered, axis)?;
             }
         }
-        self.refresh_setup();
-        Ok(())
-    }
-
-    /// What depends on where an axis stands must not be corrected where the program has not stated it.
-    pub(super) fn check_stated(&self, axis: Axis, span: Span) -> Result<(), Fault> {
-        if self.strict && !self.modal.known.contains(axis) {
-            return Err(unknown_start(span, axis));
+        920 => {
+            for axis in gathered.axes.iter() {
+                check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+                let value = motion::axis_value(channel, gathered, axis)?;
+                // The local shift of the axis is part of the position, and ends.
+                let local = std::mem::take(&mut channel.modal.local[axis]);
+                channel.modal.shift[axis] += here[axis] + local - value;
+            }
+            channel.modal.stored_shift = channel.modal.shift;
         }
-        Ok(())
+        // The preset of Fanuc: each axis named is again what the zero offset alone makes of it, whatever the value.
+        _ => {
+            for axis in gathered.axes.iter() {
+                motion::axis_value(channel, gathered, axis)?;
+                channel.modal.shift[axis] = 0.0;
+                channel.modal.local[axis] = 0.0;
+            }
+        }
     }
+    say_end(channel, gathered, code);
+    setup::refresh_setup(channel);
+    Ok(())
+}
 
-    /// Where the channel is, as the program would say it.
-    pub(super) fn here(&self) -> AxisVector {
-        self.setup.programmed(&self.modal.command)
+/// What ends a shift reaches the control, where an earlier program may have left one in force: G52 with zeros, G92.1 of Fanuc.
+fn say_end(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) {
+    let named = gathered.axes;
+    if code == 920 || code == 520 && named.iter().any(|axis| gathered.raw(axis.letter()) != Some(0.0)) {
+        return;
     }
+    let mut text = name_of(code);
+    for axis in named.iter() {
+        data::append(channel, &mut text, axis.letter(), 0.0);
+    }
+    channel.push(Kind::Verbatim(text.into_bytes()));
+}
 
-    /// The frame of a zero offset alone, that of all systems included.
-    pub(super) fn frame_of(&self, system: System) -> Frame {
-        let order = self.machine.control.rotation_order;
-        let frame = |system| self.offset_of(system).unwrap_or_default().frame(order).unwrap_or_else(Frame::identity);
-        frame(System::EXTERNAL).compose(&frame(system))
+/// G92.1, G92.2, G92.3 of RS274/NGC.
+pub(super) fn shift_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let Some(code) = gathered.code(Group::Shift) else { return Ok(()) };
+    compensation::no_compensation(channel, gathered.code_span(Group::Shift), &name_of(code))?;
+    if code == 923 {
+        channel.modal.shift = channel.modal.stored_shift;
+    } else {
+        channel.modal.shift = AxisVector::ZERO;
+        // As with a shift that an earlier program left.
+        channel.push(Kind::Keep(if code == 921 { "G92.1" } else { "G92.2" }));
+        if code == 921 {
+            channel.modal.stored_shift = AxisVector::ZERO;
+        }
     }
+    setup::refresh_setup(channel);
+    Ok(())
+}
+
+/// What depends on where an axis stands must not be corrected where the program has not stated it.
+pub(super) fn check_stated(channel: &Channel<'_>, axis: Axis, span: Span) -> Result<(), Fault> {
+    if channel.strict && !channel.modal.known.contains(axis) {
+        return Err(unknown_start(span, axis));
+    }
+    Ok(())
+}
+
+/// Where the channel is, as the program would say it.
+pub(super) fn here(channel: &Channel<'_>) -> AxisVector {
+    channel.setup.programmed(&channel.modal.command)
+}
+
+/// The frame of a zero offset alone, that of all systems included.
+pub(super) fn frame_of(channel: &Channel<'_>, system: System) -> Frame {
+    let order = channel.machine.control.rotation_order;
+    let frame = |system| offset_of(channel, system).unwrap_or_default().frame(order).unwrap_or_else(Frame::identity);
+    frame(System::EXTERNAL).compose(&frame(system))
 }

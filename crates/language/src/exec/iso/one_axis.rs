@@ -5,6 +5,8 @@
 
 use super::channel::Channel;
 use super::gathered::Gathered;
+use super::motion;
+use super::offsets;
 use super::transform::Transforms;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
@@ -27,91 +29,89 @@ pub(super) struct Doubt {
     has_ended: bool,
 }
 
-impl Channel<'_> {
-    /// Rotation, scaling or mirror have changed; `before` is what was in force, `here` where the tool was by it.
-    pub(super) fn note_turn(&mut self, before: &Transforms, here: &AxisVector, known: AxisSet) {
-        let now = self.here();
-        let transforms = &self.modal.transforms;
-        let is_in_space = before.is_in_space() || transforms.is_in_space();
-        let plane: AxisSet = self.modal.plane.axes().into_iter().take(2).collect();
-        let group = if is_in_space { AxisSet::XYZ } else { plane };
-        let mut values = *here;
-        if let Some(old) = &self.special.doubt {
-            old.open.iter().for_each(|axis| values[axis] = old.values[axis]);
-        }
-        let is_tilted = before.tilt().is_some() || transforms.tilt().is_some();
-        let differs = |axis: &Axis| known.contains(*axis) && (values[*axis] - now[*axis]).abs() > SAME_MM;
-        let open: AxisSet = group.iter().filter(differs).collect();
-        let has_ended = transforms.is_empty();
-        self.special.doubt = (!is_tilted && !open.is_empty()).then_some(Doubt { values, open, group, has_ended });
+/// Rotation, scaling or mirror have changed; `before` is what was in force, `here` where the tool was by it.
+pub(super) fn note_turn(channel: &mut Channel<'_>, before: &Transforms, here: &AxisVector, known: AxisSet) {
+    let now = offsets::here(channel);
+    let transforms = &channel.modal.transforms;
+    let is_in_space = before.is_in_space() || transforms.is_in_space();
+    let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
+    let group = if is_in_space { AxisSet::XYZ } else { plane };
+    let mut values = *here;
+    if let Some(old) = &channel.special.doubt {
+        old.open.iter().for_each(|axis| values[axis] = old.values[axis]);
     }
+    let is_tilted = before.tilt().is_some() || transforms.tilt().is_some();
+    let differs = |axis: &Axis| known.contains(*axis) && (values[*axis] - now[*axis]).abs() > SAME_MM;
+    let open: AxisSet = group.iter().filter(differs).collect();
+    let has_ended = transforms.is_empty();
+    channel.special.doubt = (!is_tilted && !open.is_empty()).then_some(Doubt { values, open, group, has_ended });
+}
 
-    /// The machine has gone to places of its own.
-    pub(super) fn settle_axes(&mut self, named: AxisSet) {
-        if let Some(doubt) = &mut self.special.doubt {
-            doubt.open = doubt.open.difference(named);
-            if doubt.open.is_empty() {
-                self.special.doubt = None;
-            }
+/// The machine has gone to places of its own.
+pub(super) fn settle_axes(channel: &mut Channel<'_>, named: AxisSet) {
+    if let Some(doubt) = &mut channel.special.doubt {
+        doubt.open = doubt.open.difference(named);
+        if doubt.open.is_empty() {
+            channel.special.doubt = None;
         }
     }
+}
 
-    /// A block moves `named`: values of axes that it does not name and that move all the same.
-    pub(super) fn other_axes(
-        &mut self,
-        gathered: &Gathered,
-        named: AxisSet,
-    ) -> Result<Option<(AxisSet, AxisVector)>, Fault> {
-        let Some(mut doubt) = self.special.doubt.filter(|doubt| !doubt.group.intersection(named).is_empty()) else {
-            return Ok(None);
-        };
-        let moved = doubt.group.intersection(named);
-        let span = moved.iter().next().map_or(gathered.span, |axis| gathered.span_of(axis.letter()));
-        let setting = self.machine.control.iso.one_axis_in_rotation;
-        if self.modal.incremental {
-            if !doubt.has_ended {
-                // The way is the same by either rule: the tool turns about where it stands.
-                for axis in moved.iter() {
-                    doubt.values[axis] += self.axis_value(gathered, axis)?;
-                }
-                self.special.doubt = Some(doubt);
-                return Ok(None);
+/// A block moves `named`: values of axes that it does not name and that move all the same.
+pub(super) fn other_axes(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    named: AxisSet,
+) -> Result<Option<(AxisSet, AxisVector)>, Fault> {
+    let Some(mut doubt) = channel.special.doubt.filter(|doubt| !doubt.group.intersection(named).is_empty()) else {
+        return Ok(None);
+    };
+    let moved = doubt.group.intersection(named);
+    let span = moved.iter().next().map_or(gathered.span, |axis| gathered.span_of(axis.letter()));
+    let setting = channel.machine.control.iso.one_axis_in_rotation;
+    if channel.modal.incremental {
+        if !doubt.has_ended {
+            // The way is the same by either rule: the tool turns about where it stands.
+            for axis in moved.iter() {
+                doubt.values[axis] += motion::axis_value(channel, gathered, axis)?;
             }
-            if setting == Some(OneAxis::Place) {
-                return Ok(None);
-            }
-            let message = "an incremental motion directly behind the end of a rotation, scaling or mirror: from where it counts is not defined";
-            return Err(in_doubt(span, message, "name all axes of the plane with G90 first"));
-        }
-        let open = doubt.open.difference(named);
-        let polar_lacks = self.special.polar.is_some() && !doubt.group.difference(named).is_empty();
-        if open.is_empty() && !polar_lacks {
-            self.special.doubt = None;
+            channel.special.doubt = Some(doubt);
             return Ok(None);
         }
-        match setting {
-            Some(OneAxis::Place) => {}
-            Some(OneAxis::Value) if !doubt.has_ended && !polar_lacks => {
-                self.special.doubt = None;
-                return Ok(Some((open, doubt.values)));
-            }
-            _ => {
-                let other = open.iter().next().unwrap_or(Axis::X);
-                let message = format!(
-                    "{other} is not named in the first block behind a rotation, scaling or mirror: whether it moves is a \
-                     parameter of the control ({other} {:.3} or {:.3})",
-                    doubt.values[other],
-                    self.here()[other]
-                );
-                let help = format!(
-                    "name {other} too, or say with control.one_axis_in_rotation what the control does (Fanuc parameter 11600, bit 5)"
-                );
-                return Err(in_doubt(span, message, help));
-            }
+        if setting == Some(OneAxis::Place) {
+            return Ok(None);
         }
-        self.special.doubt = None;
-        Ok(None)
+        let message = "an incremental motion directly behind the end of a rotation, scaling or mirror: from where it counts is not defined";
+        return Err(in_doubt(span, message, "name all axes of the plane with G90 first"));
     }
+    let open = doubt.open.difference(named);
+    let polar_lacks = channel.special.polar.is_some() && !doubt.group.difference(named).is_empty();
+    if open.is_empty() && !polar_lacks {
+        channel.special.doubt = None;
+        return Ok(None);
+    }
+    match setting {
+        Some(OneAxis::Place) => {}
+        Some(OneAxis::Value) if !doubt.has_ended && !polar_lacks => {
+            channel.special.doubt = None;
+            return Ok(Some((open, doubt.values)));
+        }
+        _ => {
+            let other = open.iter().next().unwrap_or(Axis::X);
+            let message = format!(
+                "{other} is not named in the first block behind a rotation, scaling or mirror: whether it moves is a \
+                 parameter of the control ({other} {:.3} or {:.3})",
+                doubt.values[other],
+                offsets::here(channel)[other]
+            );
+            let help = format!(
+                "name {other} too, or say with control.one_axis_in_rotation what the control does (Fanuc parameter 11600, bit 5)"
+            );
+            return Err(in_doubt(span, message, help));
+        }
+    }
+    channel.special.doubt = None;
+    Ok(None)
 }
 
 fn in_doubt(span: Span, message: impl Into<String>, help: impl Into<String>) -> Fault {

@@ -1,5 +1,6 @@
 //! Calls of programs that the control runs by itself: they are passed on, their values evaluated.
 
+use super::data;
 use std::fmt::Write as _;
 
 use super::arguments::letter_of;
@@ -74,7 +75,7 @@ impl Interpreter<'_> {
                 let message = format!("the argument #{number} of a program of the control cannot be passed on");
                 return Err(at(call.span, Code::NOT_SUPPORTED, message, "pass it with a letter of its own"));
             };
-            self.channel.append(&mut text, letter, value);
+            data::append(&self.channel, &mut text, letter, value);
         }
         Ok(text)
     }

@@ -3,38 +3,38 @@
 use super::channel::Channel;
 use super::codes::name_of;
 use super::gathered::Gathered;
+use super::motion;
 use super::motion::Step;
+use super::predefined;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::{FeedUnit, Kind, Manner};
 
-impl Channel<'_> {
-    /// Moves to the end that is programmed; behind it the position is not known.
-    pub(super) fn probe(&mut self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        let (name, span) = (name_of(code), gathered.span);
-        if self.modal.contour.compensates() || self.modal.turning.is_some() {
-            let message = format!("{name} under radius compensation or tool center point control");
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "end it before probing"));
-        }
-        if self.is_rs274() && self.modal.feed_mode == FeedUnit::PerTurn {
-            let message = format!("{name} under a feed per revolution (G95)");
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "program G94: LinuxCNC refuses it too"));
-        }
-        let (end, named) = self.end(gathered)?;
-        let word = match code {
-            382 => "G38.2",
-            383 => "G38.3",
-            384 => "G38.4",
-            385 => "G38.5",
-            _ => "G31",
-        };
-        let manner = Manner::Probe(word);
-        self.step(Step { rapid: false, end, named, feed_named: gathered.has(b'F'), manner, span })?;
-        self.note_probe();
-        if self.strict {
-            let lost = self.modal.forget(named);
-            self.push(Kind::Lost(lost));
-        }
-        Ok(())
+/// Moves to the end that is programmed; behind it the position is not known.
+pub(super) fn probe(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    let (name, span) = (name_of(code), gathered.span);
+    if channel.modal.contour.compensates() || channel.modal.turning.is_some() {
+        let message = format!("{name} under radius compensation or tool center point control");
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "end it before probing"));
     }
+    if channel.is_rs274() && channel.modal.feed_mode == FeedUnit::PerTurn {
+        let message = format!("{name} under a feed per revolution (G95)");
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "program G94: LinuxCNC refuses it too"));
+    }
+    let (end, named) = motion::end(channel, gathered)?;
+    let word = match code {
+        382 => "G38.2",
+        383 => "G38.3",
+        384 => "G38.4",
+        385 => "G38.5",
+        _ => "G31",
+    };
+    let manner = Manner::Probe(word);
+    motion::step(channel, Step { rapid: false, end, named, feed_named: gathered.has(b'F'), manner, span })?;
+    predefined::note_probe(channel);
+    if channel.strict {
+        let lost = channel.modal.forget(named);
+        channel.push(Kind::Lost(lost));
+    }
+    Ok(())
 }

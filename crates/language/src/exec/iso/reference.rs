@@ -1,5 +1,6 @@
 //! G27 and G29 of Fanuc: to the reference point to check it, and from it back to work.
 
+use super::motion;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
@@ -9,28 +10,26 @@ use super::motion::Step;
 use crate::exec::core::fault::{Fault, bad_value};
 use crate::exec::core::path::Shape;
 
-impl Channel<'_> {
-    /// `G27` goes to its point, which should be the reference point; `G29` by way of the point of the last G28 or G30.
-    pub(super) fn back_to_work(&mut self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        let span = gathered.code_span(Group::Action);
-        if gathered.axes.is_empty() {
-            return Err(bad_value(span, "G27 and G29 need axis words", "name the axes"));
-        }
-        if code == 290 {
-            let Some(through) = self.through else {
-                let help = "program G28 or G30 before it";
-                return Err(bad_value(span, "G29, and no G28 or G30 has stated its point", help));
-            };
-            let mut target = self.modal.command;
-            for axis in gathered.axes.iter() {
-                target[axis] = through[axis];
-            }
-            let setup = Shared::clone(&self.setup);
-            let step = Step::straight(gathered, true, setup.programmed(&target), gathered.axes);
-            self.send(step, target, Shape::Line, setup)?;
-            self.outlet.begin_line();
-        }
-        let (end, named) = self.end(gathered)?;
-        self.step(Step::straight(gathered, true, end, named))
+/// `G27` goes to its point, which should be the reference point; `G29` by way of the point of the last G28 or G30.
+pub(super) fn back_to_work(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    let span = gathered.code_span(Group::Action);
+    if gathered.axes.is_empty() {
+        return Err(bad_value(span, "G27 and G29 need axis words", "name the axes"));
     }
+    if code == 290 {
+        let Some(through) = channel.through else {
+            let help = "program G28 or G30 before it";
+            return Err(bad_value(span, "G29, and no G28 or G30 has stated its point", help));
+        };
+        let mut target = channel.modal.command;
+        for axis in gathered.axes.iter() {
+            target[axis] = through[axis];
+        }
+        let setup = Shared::clone(&channel.setup);
+        let step = Step::straight(gathered, true, setup.programmed(&target), gathered.axes);
+        motion::send(channel, step, target, Shape::Line, setup)?;
+        channel.outlet.begin_line();
+    }
+    let (end, named) = motion::end(channel, gathered)?;
+    motion::step(channel, Step::straight(gathered, true, end, named))
 }

@@ -2,10 +2,17 @@
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
+use super::cycle;
 use super::gathered::Gathered;
+use super::measure;
+use super::offsets;
 use super::one_axis::Doubt;
 use super::polar::{self, Polar};
+use super::probe;
+use super::spline;
 use super::spline::Curve;
+use super::thread;
+use super::tilt;
 use super::tilted::Collected;
 use crate::exec::core::contour::{Corner, Transition};
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -25,162 +32,160 @@ pub(super) struct Special {
     pub(super) doubt: Option<Doubt>,
 }
 
-impl Channel<'_> {
-    /// A block under a kind of motion that is neither line nor arc; its words may be missing.
-    pub(super) fn special_motion(&mut self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        match code {
-            50 | 51 => self.spline(gathered, code),
-            52 => self.nurbs_point(gathered),
-            53 => self.nurbs_end(gathered),
-            310 | 382..=385 => self.probe(gathered, code),
-            330 | 331 => self.thread(gathered, code),
-            760 if self.is_rs274() => self.threading(gathered),
-            531 => self.tool_on_plane(gathered),
-            730..=890 => self.cycle(gathered, code),
-            _ => {
-                let message = format!("{} is not supported", name_of(code));
-                let group = if gathered.code(Group::Action) == Some(code) { Group::Action } else { Group::Motion };
-                Err(fault(Code::NOT_SUPPORTED, gathered.code_span(group), message, "program without it"))
-            }
+/// A block under a kind of motion that is neither line nor arc; its words may be missing.
+pub(super) fn special_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    match code {
+        50 | 51 => spline::spline(channel, gathered, code),
+        52 => spline::nurbs_point(channel, gathered),
+        53 => spline::nurbs_end(channel, gathered),
+        310 | 382..=385 => probe::probe(channel, gathered, code),
+        330 | 331 => thread::thread(channel, gathered, code),
+        760 if channel.is_rs274() => thread::threading(channel, gathered),
+        531 => tilt::tool_on_plane(channel, gathered),
+        730..=890 => cycle::cycle(channel, gathered, code),
+        _ => {
+            let message = format!("{} is not supported", name_of(code));
+            let group = if gathered.code(Group::Action) == Some(code) { Group::Action } else { Group::Motion };
+            Err(fault(Code::NOT_SUPPORTED, gathered.code_span(group), message, "program without it"))
         }
     }
+}
 
-    /// `G7`, `G8`: diameters and radii of a lathe.
-    pub(super) fn lathe(&self, gathered: &Gathered) -> Result<(), Fault> {
-        let Some(code) = gathered.code(Group::Lathe) else { return Ok(()) };
-        let message = format!("{} is for lathes, and is not supported", name_of(code));
-        let help = "program X without it: positions are those of the axis";
-        Err(fault(Code::NOT_SUPPORTED, gathered.code_span(Group::Lathe), message, help))
-    }
+/// `G7`, `G8`: diameters and radii of a lathe.
+pub(super) fn lathe(channel: &Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let Some(code) = gathered.code(Group::Lathe) else { return Ok(()) };
+    let message = format!("{} is for lathes, and is not supported", name_of(code));
+    let help = "program X without it: positions are those of the axis";
+    Err(fault(Code::NOT_SUPPORTED, gathered.code_span(Group::Lathe), message, help))
+}
 
-    /// Lets polar words replace those of the plane: changes the programmed end and the axes named.
-    pub(super) fn polar_end(
-        &mut self,
-        gathered: &Gathered,
-        here: &AxisVector,
-        end: &mut AxisVector,
-        named: &mut AxisSet,
-    ) -> Result<(), Fault> {
-        if self.special.polar.is_some() {
-            return self.polar_axes(gathered, here, end, named);
-        }
-        if gathered.has(b'a') {
-            return self.angle_word(gathered, here, end, named);
-        }
-        if !gathered.has_any(b"@^") {
-            return Ok(());
-        }
-        let [abscissa, ordinate, _] = ncfix_base::geometry::Plane::XY.axes();
-        let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-        let (radius, angle) = (self.length(gathered, b'@')?, self.angle(gathered, b'^')?);
-        let span = gathered.span_of(if radius.is_some() { b'@' } else { b'^' });
-        if !named.intersection(plane).is_empty() {
-            return Err(bad_value(span, "X or Y beside polar coordinates", "write X and Y, or @ and ^"));
-        }
-        let incremental = self.modal.incremental;
-        if incremental || radius.is_none() || angle.is_none() {
-            self.check_plane_stated(plane, span)?;
-        }
-        let Some([x, y]) = polar::rs274([here[abscissa], here[ordinate]], radius, angle, incremental) else {
-            let message = "polar words at the zero, where there is no direction";
-            return Err(bad_value(span, message, "give both @ and ^ with G90"));
-        };
-        end[abscissa] = x;
-        end[ordinate] = y;
-        *named = named.union(plane);
-        Ok(())
+/// Lets polar words replace those of the plane: changes the programmed end and the axes named.
+pub(super) fn polar_end(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    here: &AxisVector,
+    end: &mut AxisVector,
+    named: &mut AxisSet,
+) -> Result<(), Fault> {
+    if channel.special.polar.is_some() {
+        return polar_axes(channel, gathered, here, end, named);
     }
+    if gathered.has(b'a') {
+        return angle_word(channel, gathered, here, end, named);
+    }
+    if !gathered.has_any(b"@^") {
+        return Ok(());
+    }
+    let [abscissa, ordinate, _] = ncfix_base::geometry::Plane::XY.axes();
+    let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
+    let (radius, angle) = (measure::length(channel, gathered, b'@')?, measure::angle(channel, gathered, b'^')?);
+    let span = gathered.span_of(if radius.is_some() { b'@' } else { b'^' });
+    if !named.intersection(plane).is_empty() {
+        return Err(bad_value(span, "X or Y beside polar coordinates", "write X and Y, or @ and ^"));
+    }
+    let incremental = channel.modal.incremental;
+    if incremental || radius.is_none() || angle.is_none() {
+        check_plane_stated(channel, plane, span)?;
+    }
+    let Some([x, y]) = polar::rs274([here[abscissa], here[ordinate]], radius, angle, incremental) else {
+        let message = "polar words at the zero, where there is no direction";
+        return Err(bad_value(span, message, "give both @ and ^ with G90"));
+    };
+    end[abscissa] = x;
+    end[ordinate] = y;
+    *named = named.union(plane);
+    Ok(())
+}
 
-    /// The words of the plane under G16: radius and angle.
-    fn polar_axes(
-        &mut self,
-        gathered: &Gathered,
-        here: &AxisVector,
-        end: &mut AxisVector,
-        named: &mut AxisSet,
-    ) -> Result<(), Fault> {
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-        if named.intersection(plane).is_empty() {
-            return Ok(());
-        }
-        let incremental = self.modal.incremental;
-        let radius = self.length(gathered, abscissa.letter())?;
-        let angle = self.angle(gathered, ordinate.letter())?;
-        if incremental || radius.is_none() || angle.is_none() {
-            self.check_plane_stated(plane, gathered.span)?;
-        }
-        if let Some(polar) = &mut self.special.polar {
-            let [first, second] = polar.target([here[abscissa], here[ordinate]], radius, angle, incremental);
-            end[abscissa] = first;
-            end[ordinate] = second;
-        }
-        *named = named.union(plane);
-        Ok(())
+/// The words of the plane under G16: radius and angle.
+fn polar_axes(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    here: &AxisVector,
+    end: &mut AxisVector,
+    named: &mut AxisSet,
+) -> Result<(), Fault> {
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
+    if named.intersection(plane).is_empty() {
+        return Ok(());
     }
+    let incremental = channel.modal.incremental;
+    let radius = measure::length(channel, gathered, abscissa.letter())?;
+    let angle = measure::angle(channel, gathered, ordinate.letter())?;
+    if incremental || radius.is_none() || angle.is_none() {
+        check_plane_stated(channel, plane, gathered.span)?;
+    }
+    if let Some(polar) = &mut channel.special.polar {
+        let [first, second] = polar.target([here[abscissa], here[ordinate]], radius, angle, incremental);
+        end[abscissa] = first;
+        end[ordinate] = second;
+    }
+    *named = named.union(plane);
+    Ok(())
+}
 
-    /// `,A`: the direction of the line instead of the second coordinate of its end.
-    fn angle_word(
-        &mut self,
-        gathered: &Gathered,
-        here: &AxisVector,
-        end: &mut AxisVector,
-        named: &mut AxisSet,
-    ) -> Result<(), Fault> {
-        let span = gathered.span_of(b'a');
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-        let angle = self.angle(gathered, b'a')?.unwrap_or_default();
-        let mut given = named.intersection(plane).iter();
-        let (Some(axis), None) = (given.next(), given.next()) else {
-            let message = ",A stands in a block with one coordinate of the plane; this one has none or both";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "give one coordinate of the end, or both and no ,A"));
-        };
-        self.check_plane_stated(plane, span)?;
-        let (sin, cos) = angle.sin_cos();
-        let (other, run, rise) = if axis == abscissa { (ordinate, cos, sin) } else { (abscissa, sin, cos) };
-        let found = here[other] + (end[axis] - here[axis]) * rise / run;
-        if run.abs() < 1e-9 || !found.is_finite() {
-            let message = format!("at {} degrees the line never reaches this {axis}", angle.to_degrees());
-            return Err(bad_value(span, message, "give the other coordinate, or correct the angle"));
-        }
-        end[other] = found;
-        named.insert(other);
-        Ok(())
+/// `,A`: the direction of the line instead of the second coordinate of its end.
+fn angle_word(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    here: &AxisVector,
+    end: &mut AxisVector,
+    named: &mut AxisSet,
+) -> Result<(), Fault> {
+    let span = gathered.span_of(b'a');
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
+    let angle = measure::angle(channel, gathered, b'a')?.unwrap_or_default();
+    let mut given = named.intersection(plane).iter();
+    let (Some(axis), None) = (given.next(), given.next()) else {
+        let message = ",A stands in a block with one coordinate of the plane; this one has none or both";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "give one coordinate of the end, or both and no ,A"));
+    };
+    check_plane_stated(channel, plane, span)?;
+    let (sin, cos) = angle.sin_cos();
+    let (other, run, rise) = if axis == abscissa { (ordinate, cos, sin) } else { (abscissa, sin, cos) };
+    let found = here[other] + (end[axis] - here[axis]) * rise / run;
+    if run.abs() < 1e-9 || !found.is_finite() {
+        let message = format!("at {} degrees the line never reaches this {axis}", angle.to_degrees());
+        return Err(bad_value(span, message, "give the other coordinate, or correct the angle"));
     }
+    end[other] = found;
+    named.insert(other);
+    Ok(())
+}
 
-    /// What depends on where the plane's axes stand must not be corrected where the program has not stated it.
-    pub(super) fn check_plane_stated(&self, plane: AxisSet, span: Span) -> Result<(), Fault> {
-        plane.iter().try_for_each(|axis| self.check_stated(axis, span))
-    }
+/// What depends on where the plane's axes stand must not be corrected where the program has not stated it.
+pub(super) fn check_plane_stated(channel: &Channel<'_>, plane: AxisSet, span: Span) -> Result<(), Fault> {
+    plane.iter().try_for_each(|axis| offsets::check_stated(channel, axis, span))
+}
 
-    /// What `,C` and `,R` ask of the end of the motion to come.
-    pub(super) fn corner_words(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        if !gathered.has_any(b"cr") {
-            return Ok(());
-        }
-        let (chamfer, radius) = (self.length(gathered, b'c')?, self.length(gathered, b'r')?);
-        let span = gathered.span_of(if chamfer.is_some() { b'c' } else { b'r' });
-        let (size, round) = match (chamfer, radius) {
-            (Some(size), None) => (size, false),
-            (None, Some(size)) => (size, true),
-            _ => return Err(bad_value(span, ",C and ,R in one block", "write one of them")),
-        };
-        if !(0.0..=1e6).contains(&size) {
-            return Err(bad_value(span, format!("{size} is no size of a corner"), "write a value above 0"));
-        }
-        if size == 0.0 {
-            return Ok(());
-        }
-        let frame = &self.setup.frame;
-        if !frame.is_translation() && !frame.keeps_circles(self.modal.plane) {
-            let message = ",C or ,R under unequal scaling";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "scale both axes of the plane alike"));
-        }
-        let [abscissa, ..] = self.modal.plane.axes();
-        let size = size * frame.linear().column(abscissa.slot()).norm();
-        let transition = if round { Transition::Round(size) } else { Transition::ChamferSetback(size) };
-        self.corner = Some(Corner { transition, feed: 0.0, is_modal: false });
-        Ok(())
+/// What `,C` and `,R` ask of the end of the motion to come.
+pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    if !gathered.has_any(b"cr") {
+        return Ok(());
     }
+    let (chamfer, radius) = (measure::length(channel, gathered, b'c')?, measure::length(channel, gathered, b'r')?);
+    let span = gathered.span_of(if chamfer.is_some() { b'c' } else { b'r' });
+    let (size, round) = match (chamfer, radius) {
+        (Some(size), None) => (size, false),
+        (None, Some(size)) => (size, true),
+        _ => return Err(bad_value(span, ",C and ,R in one block", "write one of them")),
+    };
+    if !(0.0..=1e6).contains(&size) {
+        return Err(bad_value(span, format!("{size} is no size of a corner"), "write a value above 0"));
+    }
+    if size == 0.0 {
+        return Ok(());
+    }
+    let frame = &channel.setup.frame;
+    if !frame.is_translation() && !frame.keeps_circles(channel.modal.plane) {
+        let message = ",C or ,R under unequal scaling";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "scale both axes of the plane alike"));
+    }
+    let [abscissa, ..] = channel.modal.plane.axes();
+    let size = size * frame.linear().column(abscissa.slot()).norm();
+    let transition = if round { Transition::Round(size) } else { Transition::ChamferSetback(size) };
+    channel.corner = Some(Corner { transition, feed: 0.0, is_modal: false });
+    Ok(())
 }

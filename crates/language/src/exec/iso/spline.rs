@@ -1,5 +1,10 @@
 //! G5, G5.1 and G5.2/G5.3 of RS274/NGC: curves of the XY plane.
 
+use super::compensation;
+use super::measure;
+use super::motion;
+use super::offsets;
+use super::special;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
@@ -28,137 +33,135 @@ pub(super) struct Curve {
     onwards: [f64; 2],
 }
 
-impl Channel<'_> {
-    /// `G5`, `G5.1`
-    pub(super) fn spline(&mut self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        self.check_curve(gathered, code)?;
-        let here = self.here();
-        let start = [here[Axis::X], here[Axis::Y]];
-        let (end, _) = self.end(gathered)?;
-        let target = [end[Axis::X], end[Axis::Y]];
-        let pair = |channel: &mut Self, letters: [u8; 2]| -> Result<Option<[f64; 2]>, Fault> {
-            match (channel.length(gathered, letters[0])?, channel.length(gathered, letters[1])?) {
-                (Some(first), Some(second)) => Ok(Some([first, second])),
-                (None, None) => Ok(None),
-                _ => {
-                    let [first, second] = letters.map(char::from);
-                    let message = format!("{} with one of {first} and {second}", name_of(code));
-                    Err(bad_value(gathered.span, message, "write both"))
-                }
+/// `G5`, `G5.1`
+pub(super) fn spline(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    check_curve(channel, gathered, code)?;
+    let here = offsets::here(channel);
+    let start = [here[Axis::X], here[Axis::Y]];
+    let (end, _) = motion::end(channel, gathered)?;
+    let target = [end[Axis::X], end[Axis::Y]];
+    let pair = |channel: &mut Channel<'_>, letters: [u8; 2]| -> Result<Option<[f64; 2]>, Fault> {
+        match (measure::length(channel, gathered, letters[0])?, measure::length(channel, gathered, letters[1])?) {
+            (Some(first), Some(second)) => Ok(Some([first, second])),
+            (None, None) => Ok(None),
+            _ => {
+                let [first, second] = letters.map(char::from);
+                let message = format!("{} with one of {first} and {second}", name_of(code));
+                Err(bad_value(gathered.span, message, "write both"))
             }
+        }
+    };
+    let first = pair(channel, *b"IJ")?;
+    let points = if code == 51 {
+        let Some(first) = first else {
+            return Err(bad_value(gathered.span, "G5.1 needs I and J", "write the offset of its control point"));
         };
-        let first = pair(self, *b"IJ")?;
-        let points = if code == 51 {
-            let Some(first) = first else {
-                return Err(bad_value(gathered.span, "G5.1 needs I and J", "write the offset of its control point"));
-            };
-            vec![start, plus(start, first), target]
-        } else {
-            let Some(second) = pair(self, *b"PQ")? else {
-                let message = "G5 needs P and Q";
-                return Err(bad_value(gathered.span, message, "write the offset of its second control point"));
-            };
-            let first = first.unwrap_or(self.special.curve.onwards);
-            self.special.curve.onwards = second.map(|part| -part);
-            vec![start, plus(start, first), plus(target, second), target]
+        vec![start, plus(start, first), target]
+    } else {
+        let Some(second) = pair(channel, *b"PQ")? else {
+            let message = "G5 needs P and Q";
+            return Err(bad_value(gathered.span, message, "write the offset of its second control point"));
         };
-        let curve = Nurbs::bezier(&points).map_err(|found| no_curve(found, gathered.span))?;
-        self.along(&curve, gathered)
-    }
+        let first = first.unwrap_or(channel.special.curve.onwards);
+        channel.special.curve.onwards = second.map(|part| -part);
+        vec![start, plus(start, first), plus(target, second), target]
+    };
+    let curve = Nurbs::bezier(&points).map_err(|found| no_curve(found, gathered.span))?;
+    along(channel, &curve, gathered)
+}
 
-    /// `G5.2` and the blocks behind it: a control point.
-    pub(super) fn nurbs_point(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        self.check_curve(gathered, 52)?;
-        let weight = gathered.raw(b'P');
-        let order = gathered.raw(b'L');
-        let has = [b'X', b'Y'].map(|letter| gathered.has(letter));
-        if has[0] != has[1] {
-            return Err(bad_value(gathered.span, "G5.2 with one of X and Y", "write both"));
-        }
-        if self.special.curve.control.is_empty() {
-            let here = self.here();
-            let weight = weight.filter(|_| !has[0]).unwrap_or(1.0);
-            self.special.curve.order = 3;
-            self.special.curve.control.push(Control { at: [here[Axis::X], here[Axis::Y]], weight });
-        } else if !has[0] {
-            let message = "a control point without X and Y";
-            return Err(bad_value(gathered.span, message, "P stands alone in the first block of G5.2 only"));
-        }
-        if let Some(order) = order.filter(|order| *order > 3.0) {
-            if order > MOST_ORDER || order.fract() != 0.0 {
-                return Err(bad_value(gathered.span_of(b'L'), format!("L{order} is no order of a curve"), "check L"));
-            }
-            // Between 4 and the limit.
-            self.special.curve.order = order as usize;
-        }
-        if has[0] {
-            let (end, _) = self.end(gathered)?;
-            let Some(weight) = weight.filter(|weight| *weight > 0.0) else {
-                let message = "a control point of G5.2 without a weight above 0";
-                return Err(bad_value(gathered.span, message, "write P with the weight, 1 for none"));
-            };
-            if self.special.curve.control.len() >= MOST_POINTS {
-                let message = format!("a curve of more than {MOST_POINTS} control points");
-                return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "end it with G5.3 earlier"));
-            }
-            self.special.curve.control.push(Control { at: [end[Axis::X], end[Axis::Y]], weight });
-        }
-        Ok(())
+/// `G5.2` and the blocks behind it: a control point.
+pub(super) fn nurbs_point(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    check_curve(channel, gathered, 52)?;
+    let weight = gathered.raw(b'P');
+    let order = gathered.raw(b'L');
+    let has = [b'X', b'Y'].map(|letter| gathered.has(letter));
+    if has[0] != has[1] {
+        return Err(bad_value(gathered.span, "G5.2 with one of X and Y", "write both"));
     }
+    if channel.special.curve.control.is_empty() {
+        let here = offsets::here(channel);
+        let weight = weight.filter(|_| !has[0]).unwrap_or(1.0);
+        channel.special.curve.order = 3;
+        channel.special.curve.control.push(Control { at: [here[Axis::X], here[Axis::Y]], weight });
+    } else if !has[0] {
+        let message = "a control point without X and Y";
+        return Err(bad_value(gathered.span, message, "P stands alone in the first block of G5.2 only"));
+    }
+    if let Some(order) = order.filter(|order| *order > 3.0) {
+        if order > MOST_ORDER || order.fract() != 0.0 {
+            return Err(bad_value(gathered.span_of(b'L'), format!("L{order} is no order of a curve"), "check L"));
+        }
+        // Between 4 and the limit.
+        channel.special.curve.order = order as usize;
+    }
+    if has[0] {
+        let (end, _) = motion::end(channel, gathered)?;
+        let Some(weight) = weight.filter(|weight| *weight > 0.0) else {
+            let message = "a control point of G5.2 without a weight above 0";
+            return Err(bad_value(gathered.span, message, "write P with the weight, 1 for none"));
+        };
+        if channel.special.curve.control.len() >= MOST_POINTS {
+            let message = format!("a curve of more than {MOST_POINTS} control points");
+            return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "end it with G5.3 earlier"));
+        }
+        channel.special.curve.control.push(Control { at: [end[Axis::X], end[Axis::Y]], weight });
+    }
+    Ok(())
+}
 
-    /// `G5.3`: the curve is complete.
-    pub(super) fn nurbs_end(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let curve = std::mem::take(&mut self.special.curve);
-        self.special.curve.onwards = curve.onwards;
-        let is_open = std::mem::replace(&mut self.modal.motion, G80) == 52;
-        if !is_open || curve.control.is_empty() {
-            return Err(bad_value(gathered.span, "G5.3 without G5.2", "begin the curve with G5.2"));
-        }
-        let curve = Nurbs::new(curve.control, curve.order).map_err(|found| no_curve(found, gathered.span))?;
-        self.along(&curve, gathered)
+/// `G5.3`: the curve is complete.
+pub(super) fn nurbs_end(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let curve = std::mem::take(&mut channel.special.curve);
+    channel.special.curve.onwards = curve.onwards;
+    let is_open = std::mem::replace(&mut channel.modal.motion, G80) == 52;
+    if !is_open || curve.control.is_empty() {
+        return Err(bad_value(gathered.span, "G5.3 without G5.2", "begin the curve with G5.2"));
     }
+    let curve = Nurbs::new(curve.control, curve.order).map_err(|found| no_curve(found, gathered.span))?;
+    along(channel, &curve, gathered)
+}
 
-    /// A curve that another kind of motion comes into is none.
-    pub(super) fn drop_curve(&mut self, code: u16) {
-        if code != 52 {
-            self.special.curve.control.clear();
-        }
+/// A curve that another kind of motion comes into is none.
+pub(super) fn drop_curve(channel: &mut Channel<'_>, code: u16) {
+    if code != 52 {
+        channel.special.curve.control.clear();
     }
+}
 
-    /// Moves along a curve.
-    fn along(&mut self, curve: &Nurbs, gathered: &Gathered) -> Result<(), Fault> {
-        let here = self.here();
-        let setup = Shared::clone(&self.setup);
-        let pieces =
-            curve.pieces(self.machine.control.chord_tolerance_mm).map_err(|found| no_curve(found, gathered.span))?;
-        let named: AxisSet = [Axis::X, Axis::Y].into_iter().collect();
-        let mut ends: Vec<AxisVector> = Vec::with_capacity(pieces.len());
-        for [x, y] in pieces {
-            let mut place = here;
-            place[Axis::X] = x;
-            place[Axis::Y] = y;
-            ends.push(self.reach(&setup, named, &place, gathered.span)?);
-        }
-        let target = ends.last().copied().unwrap_or(self.modal.command);
-        let (feed_named, span) = (gathered.has(b'F'), gathered.span);
-        let step = Step { rapid: false, end: here, named, feed_named, manner: Manner::Path, span };
-        self.send(step, target, Shape::Chords(ends), setup)
+/// Moves along a curve.
+fn along(channel: &mut Channel<'_>, curve: &Nurbs, gathered: &Gathered) -> Result<(), Fault> {
+    let here = offsets::here(channel);
+    let setup = Shared::clone(&channel.setup);
+    let pieces =
+        curve.pieces(channel.machine.control.chord_tolerance_mm).map_err(|found| no_curve(found, gathered.span))?;
+    let named: AxisSet = [Axis::X, Axis::Y].into_iter().collect();
+    let mut ends: Vec<AxisVector> = Vec::with_capacity(pieces.len());
+    for [x, y] in pieces {
+        let mut place = here;
+        place[Axis::X] = x;
+        place[Axis::Y] = y;
+        ends.push(motion::reach(channel, &setup, named, &place, gathered.span)?);
     }
+    let target = ends.last().copied().unwrap_or(channel.modal.command);
+    let (feed_named, span) = (gathered.has(b'F'), gathered.span);
+    let step = Step { rapid: false, end: here, named, feed_named, manner: Manner::Path, span };
+    motion::send(channel, step, target, Shape::Chords(ends), setup)
+}
 
-    fn check_curve(&self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        let (name, span) = (name_of(code), gathered.span);
-        self.no_compensation(span, &name)?;
-        if self.modal.plane != Plane::XY {
-            let message = format!("{name} outside the XY plane");
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17"));
-        }
-        let plane: AxisSet = [Axis::X, Axis::Y].into_iter().collect();
-        if let Some(axis) = gathered.axes.difference(plane).iter().next() {
-            let message = format!("{name} moves X and Y only");
-            return Err(bad_value(gathered.span_of(axis.letter()), message, "move the axis in a block of its own"));
-        }
-        self.check_plane_stated(plane, span)
+fn check_curve(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    let (name, span) = (name_of(code), gathered.span);
+    compensation::no_compensation(channel, span, &name)?;
+    if channel.modal.plane != Plane::XY {
+        let message = format!("{name} outside the XY plane");
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17"));
     }
+    let plane: AxisSet = [Axis::X, Axis::Y].into_iter().collect();
+    if let Some(axis) = gathered.axes.difference(plane).iter().next() {
+        let message = format!("{name} moves X and Y only");
+        return Err(bad_value(gathered.span_of(axis.letter()), message, "move the axis in a block of its own"));
+    }
+    special::check_plane_stated(channel, plane, span)
 }
 
 fn plus(place: [f64; 2], way: [f64; 2]) -> [f64; 2] {

@@ -3,6 +3,7 @@
 use super::channel::Channel;
 use super::expression::Scope;
 use super::gather::gather;
+use super::order;
 use crate::syntax::words::{self, Program};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
@@ -28,7 +29,7 @@ pub(super) fn start_up(channel: &mut Channel<'_>, program: &Program) -> Option<D
         let mut gathered = channel.take_gathered(block.span);
         let scope = Scope { program: &parsed, channel, index: usize::MAX, grid: None };
         let found = gather(&scope, parsed.words_of(block), &mut gathered);
-        let done = found.and_then(|()| channel.execute(&mut gathered));
+        let done = found.and_then(|()| order::execute(channel, &mut gathered));
         let moves = channel.has_moved;
         channel.put_back(gathered);
         if let Err(found) = done {

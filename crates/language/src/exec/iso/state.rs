@@ -1,7 +1,11 @@
 //! Saved states: M70, M71, M72, M73 of LinuxCNC.
 
 use super::channel::Channel;
+use super::data;
+use super::length;
 use super::modal::Modal;
+use super::offsets;
+use super::setup;
 use crate::exec::core::contour::Side;
 use crate::exec::core::fault::{Fault, bad_value};
 use ncfix_base::source::Span;
@@ -15,164 +19,162 @@ pub(super) struct SavedState {
     pub(super) returns: bool,
 }
 
-impl Channel<'_> {
-    /// M70, and with `returns` M73.
-    pub(super) fn save_state(&mut self, returns: bool) {
-        let state = Box::new(SavedState { modal: self.modal.clone(), returns });
-        if let Some(place) = self.saved.last_mut() {
-            *place = Some(state);
-        }
+/// M70, and with `returns` M73.
+pub(super) fn save_state(channel: &mut Channel<'_>, returns: bool) {
+    let state = Box::new(SavedState { modal: channel.modal.clone(), returns });
+    if let Some(place) = channel.saved.last_mut() {
+        *place = Some(state);
     }
+}
 
-    /// M71
-    pub(super) fn drop_state(&mut self) {
-        if let Some(place) = self.saved.last_mut() {
-            *place = None;
-        }
+/// M71
+pub(super) fn drop_state(channel: &mut Channel<'_>) {
+    if let Some(place) = channel.saved.last_mut() {
+        *place = None;
     }
+}
 
-    /// A subroutine begins.
-    pub(super) fn enter_level(&mut self) {
-        self.saved.push(None);
+/// A subroutine begins.
+pub(super) fn enter_level(channel: &mut Channel<'_>) {
+    channel.saved.push(None);
+}
+
+/// A subroutine ends.
+pub(super) fn leave_level(channel: &mut Channel<'_>) {
+    if channel.saved.len() < 2 {
+        return;
     }
-
-    /// A subroutine ends.
-    pub(super) fn leave_level(&mut self) {
-        if self.saved.len() < 2 {
-            return;
-        }
-        if let Some(Some(state)) = self.saved.pop()
-            && state.returns
-        {
-            self.bring_back(&state.modal);
-        }
+    if let Some(Some(state)) = channel.saved.pop()
+        && state.returns
+    {
+        bring_back(channel, &state.modal);
     }
+}
 
-    /// M72
-    pub(super) fn restore_state(&mut self, span: Span) -> Result<(), Fault> {
-        let state = self.saved.last_mut().and_then(Option::take);
-        let Some(state) = state else {
-            return Err(bad_value(span, "M72, and no state was saved", "save it with M70 or M73 in this program"));
-        };
-        self.bring_back(&state.modal);
-        if let Some(place) = self.saved.last_mut() {
-            *place = Some(state);
-        }
-        Ok(())
+/// M72
+pub(super) fn restore_state(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
+    let state = channel.saved.last_mut().and_then(Option::take);
+    let Some(state) = state else {
+        return Err(bad_value(span, "M72, and no state was saved", "save it with M70 or M73 in this program"));
+    };
+    bring_back(channel, &state.modal);
+    if let Some(place) = channel.saved.last_mut() {
+        *place = Some(state);
     }
+    Ok(())
+}
 
-    /// Puts the modal codes of a saved state in force and says so to the output.
-    fn bring_back(&mut self, saved: &Modal) {
-        let modal = &mut self.modal;
-        modal.inch = saved.inch;
-        modal.incremental = saved.incremental;
-        modal.arc_absolute = saved.arc_absolute;
-        modal.to_r_plane = saved.to_r_plane;
-        let mut words: Vec<&'static str> = Vec::new();
-        if modal.plane != saved.plane {
-            modal.plane = saved.plane;
-            words.push(match saved.plane.number() {
-                17 => "G17",
-                18 => "G18",
-                _ => "G19",
-            });
-        }
-        if modal.feed_mode != saved.feed_mode {
-            modal.feed_mode = saved.feed_mode;
-            words.push(match saved.feed_mode {
-                FeedUnit::PerMinute => "G94",
-                FeedUnit::PerTurn => "G95",
-                FeedUnit::InverseTime => "G93",
-            });
-        }
-        modal.feed = saved.feed;
-        if modal.spindle_mode != saved.spindle_mode {
-            modal.spindle_mode = saved.spindle_mode;
-            words.push(if saved.spindle_mode == 960 { "G96" } else { "G97" });
-        }
-        let mut texts: Vec<String> = Vec::new();
-        if modal.path_control != saved.path_control {
-            modal.path_control = saved.path_control;
-            match saved.path_control {
-                (610, ..) => words.push("G61"),
-                (611, ..) => words.push("G61.1"),
-                (_, p, q) => {
-                    let mut text = "G64".to_owned();
-                    for (letter, value) in [(b'P', p), (b'Q', q)] {
-                        if let Some(value) = value {
-                            self.append_length(&mut text, letter, value);
-                        }
+/// Puts the modal codes of a saved state in force and says so to the output.
+fn bring_back(channel: &mut Channel<'_>, saved: &Modal) {
+    let modal = &mut channel.modal;
+    modal.inch = saved.inch;
+    modal.incremental = saved.incremental;
+    modal.arc_absolute = saved.arc_absolute;
+    modal.to_r_plane = saved.to_r_plane;
+    let mut words: Vec<&'static str> = Vec::new();
+    if modal.plane != saved.plane {
+        modal.plane = saved.plane;
+        words.push(match saved.plane.number() {
+            17 => "G17",
+            18 => "G18",
+            _ => "G19",
+        });
+    }
+    if modal.feed_mode != saved.feed_mode {
+        modal.feed_mode = saved.feed_mode;
+        words.push(match saved.feed_mode {
+            FeedUnit::PerMinute => "G94",
+            FeedUnit::PerTurn => "G95",
+            FeedUnit::InverseTime => "G93",
+        });
+    }
+    modal.feed = saved.feed;
+    if modal.spindle_mode != saved.spindle_mode {
+        modal.spindle_mode = saved.spindle_mode;
+        words.push(if saved.spindle_mode == 960 { "G96" } else { "G97" });
+    }
+    let mut texts: Vec<String> = Vec::new();
+    if modal.path_control != saved.path_control {
+        modal.path_control = saved.path_control;
+        match saved.path_control {
+            (610, ..) => words.push("G61"),
+            (611, ..) => words.push("G61.1"),
+            (_, p, q) => {
+                let mut text = "G64".to_owned();
+                for (letter, value) in [(b'P', p), (b'Q', q)] {
+                    if let Some(value) = value {
+                        data::append_length(channel, &mut text, letter, value);
                     }
-                    texts.push(text);
                 }
+                texts.push(text);
             }
         }
-        // Compensation that was off comes back off; that it was on is not brought back by LinuxCNC without its tool either.
-        if saved.contour.side == Side::Off {
-            self.modal.contour.side = Side::Off;
-        }
-        if self.modal.length_code != saved.length_code || self.modal.length_mm != saved.length_mm {
-            self.modal.length_code = saved.length_code;
-            self.modal.h = saved.h;
-            let mut text = if saved.length_code == 490 { "G49".to_owned() } else { "G43.1".to_owned() };
-            if saved.length_code != 490 {
-                for (letter, value) in b"XYZ".iter().zip(saved.length_mm.iter()) {
-                    self.append_length(&mut text, *letter, *value);
-                }
-            }
-            texts.push(text);
-            self.put_length(saved.length_mm, saved.length_assumed);
-        }
-        if self.modal.system != saved.system {
-            self.modal.system = saved.system;
-            let found = self.load_offset(self.outlet.origin.span);
-            self.outlet.warnings.extend(found.err());
-            self.push(Kind::Frame(FrameWords::Settable(saved.system.words())));
-        }
-        for word in words {
-            self.push(Kind::Keep(word));
-        }
-        for text in texts {
-            self.push(Kind::Verbatim(text.into_bytes()));
-        }
-        self.bring_back_auxiliaries(saved);
-        self.refresh_setup();
     }
+    // Compensation that was off comes back off; that it was on is not brought back by LinuxCNC without its tool either.
+    if saved.contour.side == Side::Off {
+        channel.modal.contour.side = Side::Off;
+    }
+    if channel.modal.length_code != saved.length_code || channel.modal.length_mm != saved.length_mm {
+        channel.modal.length_code = saved.length_code;
+        channel.modal.h = saved.h;
+        let mut text = if saved.length_code == 490 { "G49".to_owned() } else { "G43.1".to_owned() };
+        if saved.length_code != 490 {
+            for (letter, value) in b"XYZ".iter().zip(saved.length_mm.iter()) {
+                data::append_length(channel, &mut text, *letter, *value);
+            }
+        }
+        texts.push(text);
+        length::put_length(channel, saved.length_mm, saved.length_assumed);
+    }
+    if channel.modal.system != saved.system {
+        channel.modal.system = saved.system;
+        let found = offsets::load_offset(channel, channel.outlet.origin.span);
+        channel.outlet.warnings.extend(found.err());
+        channel.push(Kind::Frame(FrameWords::Settable(saved.system.words())));
+    }
+    for word in words {
+        channel.push(Kind::Keep(word));
+    }
+    for text in texts {
+        channel.push(Kind::Verbatim(text.into_bytes()));
+    }
+    bring_back_auxiliaries(channel, saved);
+    setup::refresh_setup(channel);
+}
 
-    fn bring_back_auxiliaries(&mut self, saved: &Modal) {
-        let mut aux: Vec<(u8, f64)> = Vec::new();
-        if saved.speed.is_some() && self.modal.speed_word != saved.speed_word {
-            aux.push((b'S', saved.speed_word));
-        }
-        if self.modal.spindle != saved.spindle {
-            aux.push((b'M', f64::from(saved.spindle)));
-        }
-        let word = |(letter, value)| Word { letter, extension: None, value: WordValue::Number(value) };
-        if self.modal.coolant != saved.coolant {
-            let [mist, flood] = saved.coolant;
-            for (code, is_wanted) in [(9.0, true), (7.0, mist), (8.0, flood)] {
-                if is_wanted {
-                    self.on_its_own(Kind::Before(vec![word((b'M', code))]));
-                }
-            }
-        }
-        for (number, (was, is)) in (50..).zip(saved.overrides.into_iter().zip(self.modal.overrides)) {
-            if was != is {
-                self.on_its_own(Kind::Verbatim(format!("M{number} P{}", u8::from(was)).into_bytes()));
-            }
-        }
-        self.modal.overrides = saved.overrides;
-        self.modal.speed = saved.speed;
-        self.modal.speed_word = saved.speed_word;
-        self.modal.spindle = saved.spindle;
-        self.modal.coolant = saved.coolant;
-        self.before.extend(aux.into_iter().map(word));
+fn bring_back_auxiliaries(channel: &mut Channel<'_>, saved: &Modal) {
+    let mut aux: Vec<(u8, f64)> = Vec::new();
+    if saved.speed.is_some() && channel.modal.speed_word != saved.speed_word {
+        aux.push((b'S', saved.speed_word));
     }
+    if channel.modal.spindle != saved.spindle {
+        aux.push((b'M', f64::from(saved.spindle)));
+    }
+    let word = |(letter, value)| Word { letter, extension: None, value: WordValue::Number(value) };
+    if channel.modal.coolant != saved.coolant {
+        let [mist, flood] = saved.coolant;
+        for (code, is_wanted) in [(9.0, true), (7.0, mist), (8.0, flood)] {
+            if is_wanted {
+                on_its_own(channel, Kind::Before(vec![word((b'M', code))]));
+            }
+        }
+    }
+    for (number, (was, is)) in (50..).zip(saved.overrides.into_iter().zip(channel.modal.overrides)) {
+        if was != is {
+            on_its_own(channel, Kind::Verbatim(format!("M{number} P{}", u8::from(was)).into_bytes()));
+        }
+    }
+    channel.modal.overrides = saved.overrides;
+    channel.modal.speed = saved.speed;
+    channel.modal.speed_word = saved.speed_word;
+    channel.modal.spindle = saved.spindle;
+    channel.modal.coolant = saved.coolant;
+    channel.before.extend(aux.into_iter().map(word));
+}
 
-    /// Puts an M code on a line of its own: LinuxCNC takes one code of a group and one P in a block.
-    fn on_its_own(&mut self, kind: Kind) {
-        self.outlet.begin_line();
-        self.push(kind);
-        self.outlet.begin_line();
-    }
+/// Puts an M code on a line of its own: LinuxCNC takes one code of a group and one P in a block.
+fn on_its_own(channel: &mut Channel<'_>, kind: Kind) {
+    channel.outlet.begin_line();
+    channel.push(kind);
+    channel.outlet.begin_line();
 }

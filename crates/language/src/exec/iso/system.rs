@@ -1,8 +1,13 @@
 //! System variables of Fanuc: the state of the control behind the numbers from #1000 on.
 
 use super::channel::Channel;
+use super::compensation;
+use super::data;
 use super::expression::Missing;
+use super::forbidden;
+use super::length;
 use super::length::ToolOffset;
+use super::offsets;
 use super::offsets::System;
 use crate::exec::core::contour::Side;
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -94,201 +99,213 @@ fn meaning(number: u32) -> Option<Meaning> {
     }
 }
 
-impl Channel<'_> {
-    /// The value of a system variable of Fanuc.
-    pub(super) fn system_variable(&self, number: u32) -> Result<Option<f64>, Missing> {
-        let Some(meaning) = meaning(number) else { return Err(Missing::Unknown) };
-        match meaning {
-            Meaning::Alarm | Meaning::Told | Meaning::Machine => Err(Missing::OnlyMachine),
-            Meaning::Offset(system, place) => {
-                let axis = self.axis_at(place).ok_or(Missing::Unknown)?;
-                match self.offset_of(system) {
-                    Some(parts) => Ok(Some(self.shown_value(axis, parts.shift()[axis]))),
-                    None if system == System::EXTERNAL || !self.strict => Ok(Some(0.0)),
-                    None => Err(Missing::OnlyMachine),
-                }
-            }
-            Meaning::Tool(number, part) => match self.tool_offset(number) {
-                Some(mut offset) => Ok(Some(*part_of(&mut offset, part) / self.modal.scale())),
-                None if self.strict => Err(Missing::OnlyMachine),
-                None => Ok(Some(0.0)),
-            },
-            Meaning::Position(position, place) => {
-                let axis = self.axis_at(place).ok_or(Missing::Unknown)?;
-                self.position(position, axis).map(Some)
-            }
-            Meaning::Modal(place) => self.modal_value(place).map(Some).ok_or(Missing::OnlyMachine),
-        }
-    }
-
-    /// The axis of a place in the order of the control: X, Y, Z, then what else the machine has.
-    fn axis_at(&self, place: u32) -> Option<Axis> {
-        let place = place as usize;
-        if place < 3 {
-            return AXES.get(place).copied();
-        }
-        let rotary_first = [Axis::A, Axis::B, Axis::C, Axis::U, Axis::V, Axis::W];
-        rotary_first.into_iter().filter(|&axis| self.axes.contains(axis)).nth(place - 3)
-    }
-
-    /// A value of an axis in the units of the program.
-    pub(super) fn shown_value(&self, axis: Axis, value: f64) -> f64 {
-        if axis.is_rotary() { value.to_degrees() } else { value / self.modal.scale() }
-    }
-
-    fn position(&self, position: Position, axis: Axis) -> Result<f64, Missing> {
-        if position == Position::Length {
-            let place = axis.slot();
-            return Ok(if place < 3 { self.modal.length_mm[place] / self.modal.scale() } else { 0.0 });
-        }
-        if position == Position::Skip {
-            // Where the skip came only the machine knows; without strictness it is taken for the end of the motion.
-            let probed = self.variables.probed.filter(|_| !self.strict);
-            return probed.map(|values| values[axis]).ok_or(Missing::OnlyMachine);
-        }
-        if self.strict && !self.modal.known.contains(axis) {
-            return Err(Missing::Unstated);
-        }
-        if self.modal.contour.compensates() && position != Position::Programmed {
-            return Err(Missing::Compensated);
-        }
-        let values: AxisVector = match position {
-            Position::Programmed => self.work_frame().unapply(&self.tip()),
-            Position::Machine => self.modal.command,
-            Position::Gauge => self.work_frame().unapply(&self.modal.command),
-            Position::Skip | Position::Length => AxisVector::ZERO,
-        };
-        Ok(self.shown_value(axis, values[axis]))
-    }
-
-    /// The workpiece coordinate system: zero offset and shifts, without what is nearer to the programmed values.
-    pub(super) fn work_frame(&self) -> Frame {
-        self.modal.settable.compose(&Frame::translation(self.modal.shift + self.modal.local))
-    }
-
-    /// The G code of a group, or the value of an address.
-    fn modal_value(&self, place: u32) -> Option<f64> {
-        let modal = &self.modal;
-        let either = |is_first: bool, first: u16, second: u16| f64::from(if is_first { first } else { second });
-        Some(match place {
-            1 if modal.motion <= 330 => f64::from(modal.motion) / 10.0,
-            2 => f64::from(modal.plane.number()),
-            3 => either(modal.incremental, 91, 90),
-            5 => match modal.feed_mode {
-                FeedUnit::InverseTime => 93.0,
-                FeedUnit::PerMinute => 94.0,
-                FeedUnit::PerTurn => 95.0,
-            },
-            6 => either(modal.inch, 20, 21),
-            7 => match modal.contour.side {
-                Side::Off => 40.0,
-                Side::Left => 41.0,
-                Side::Right => 42.0,
-            },
-            8 => f64::from(modal.length_code) / 10.0,
-            9 if modal.motion >= 730 => f64::from(modal.motion) / 10.0,
-            9 => 80.0,
-            10 => either(modal.to_r_plane, 99, 98),
-            12 => either(self.modal_calls.is_empty(), 67, 66),
-            13 => f64::from(modal.spindle_mode) / 10.0,
-            14 if modal.system.0 > System::ADDITIONAL => 54.1,
-            14 => 53.0 + f64::from(modal.system.0),
-            15 => f64::from(modal.path_control.0) / 10.0,
-            107 => f64::from(modal.d.unwrap_or(0)),
-            109 => modal.feed / if modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { modal.scale() },
-            111 => f64::from(modal.h),
-            119 => modal.speed?,
-            120 => f64::from(modal.selected.or(modal.active)?),
-            130 if modal.system.0 > System::ADDITIONAL => f64::from(modal.system.0 - System::ADDITIONAL),
-            130 => 0.0,
-            _ => return None,
-        })
-    }
-
-    /// Carries out the assignment to a system variable of Fanuc.
-    pub(super) fn write_system(
-        &mut self,
-        number: u32,
-        value: Option<f64>,
-        span: Span,
-        loaded: &Loaded,
-        block: &Block,
-    ) -> Result<(), Fault> {
-        let number_value = value.unwrap_or(0.0);
-        match meaning(number) {
-            Some(Meaning::Alarm) => {
-                let text = comment_of(loaded, block);
-                let message = format!("the program stops with its alarm {number_value}: {text}");
-                let help = "the program found something that it does not go on with; correct what it asks for";
-                self.ends_program = true;
-                let found = fault(Code::CYCLE_ALARM, span, message.trim_end_matches([':', ' ']), help);
-                self.outlet.warnings.push(found);
-                Ok(())
-            }
-            Some(Meaning::Told) => {
-                let text = if number == 3006 { format!("({})", comment_of(loaded, block)) } else { String::new() };
-                self.tell(number, number_value, &text);
-                Ok(())
-            }
-            Some(Meaning::Offset(system, place)) => self.write_offset(number, system, place, number_value, span),
-            Some(Meaning::Tool(tool, part)) => self.write_tool(number, tool, part, number_value, span),
-            Some(Meaning::Machine | Meaning::Position(..) | Meaning::Modal(_)) | None => {
-                let message = format!("#{number} cannot be set here");
-                Err(bad_value(span, message, "what it stands for is the business of the control"))
+/// The value of a system variable of Fanuc.
+pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Option<f64>, Missing> {
+    let Some(meaning) = meaning(number) else { return Err(Missing::Unknown) };
+    match meaning {
+        Meaning::Alarm | Meaning::Told | Meaning::Machine => Err(Missing::OnlyMachine),
+        Meaning::Offset(system, place) => {
+            let axis = axis_at(channel, place).ok_or(Missing::Unknown)?;
+            match offsets::offset_of(channel, system) {
+                Some(parts) => Ok(Some(shown_value(channel, axis, parts.shift()[axis]))),
+                None if system == System::EXTERNAL || !channel.strict => Ok(Some(0.0)),
+                None => Err(Missing::OnlyMachine),
             }
         }
+        Meaning::Tool(number, part) => match length::tool_offset(channel, number) {
+            Some(mut offset) => Ok(Some(*part_of(&mut offset, part) / channel.modal.scale())),
+            None if channel.strict => Err(Missing::OnlyMachine),
+            None => Ok(Some(0.0)),
+        },
+        Meaning::Position(kind, place) => {
+            let axis = axis_at(channel, place).ok_or(Missing::Unknown)?;
+            position(channel, kind, axis).map(Some)
+        }
+        Meaning::Modal(place) => modal_value(channel, place).map(Some).ok_or(Missing::OnlyMachine),
     }
+}
 
-    /// Passes the assignment of a system variable on, its value evaluated.
-    fn tell(&mut self, number: u32, value: f64, behind: &str) {
-        let mut shown = format!("{value:.6}");
-        shown.truncate(shown.trim_end_matches('0').trim_end_matches('.').len());
-        self.push(Kind::Verbatim(format!("#{number}={shown}{behind}").into_bytes()));
+/// The axis of a place in the order of the control: X, Y, Z, then what else the machine has.
+fn axis_at(channel: &Channel<'_>, place: u32) -> Option<Axis> {
+    let place = place as usize;
+    if place < 3 {
+        return AXES.get(place).copied();
     }
+    let rotary_first = [Axis::A, Axis::B, Axis::C, Axis::U, Axis::V, Axis::W];
+    rotary_first.into_iter().filter(|&axis| channel.axes.contains(axis)).nth(place - 3)
+}
 
-    fn write_offset(&mut self, number: u32, system: System, place: u32, value: f64, span: Span) -> Result<(), Fault> {
-        let Some(axis) = self.axis_at(place) else {
-            return Err(bad_value(span, format!("#{number} is of an axis that the machine lacks"), "check the number"));
-        };
-        self.no_compensation(span, "a change of zero offsets")?;
-        if system == self.modal.system || system == System::EXTERNAL {
-            self.check_offset_write(number, span)?;
-        }
-        let known = self.offset_of(system);
-        if known.is_none() && self.strict {
-            let message = format!("{} is changed in part, and has no value in the machine file", system.words());
-            return Err(fault(
-                Code::NO_OFFSET,
-                span,
-                message,
-                format!("add [zero_offset.\"{}\"]", system.words().replace(' ', "")),
-            ));
-        }
-        let mut parts = known.unwrap_or_default();
-        let inside = if axis.is_rotary() { value.to_radians() } else { value * self.modal.scale() };
-        parts.translation[axis] = inside;
-        parts.fine[axis] = 0.0;
-        self.offsets.insert(system, parts);
-        self.tell(number, if axis.is_rotary() { value } else { inside / self.output_unit_mm() }, "");
-        if system == self.modal.system || system == System::EXTERNAL {
-            self.load_offset(span)?;
-        }
-        Ok(())
-    }
+/// A value of an axis in the units of the program.
+pub(super) fn shown_value(channel: &Channel<'_>, axis: Axis, value: f64) -> f64 {
+    if axis.is_rotary() { value.to_degrees() } else { value / channel.modal.scale() }
+}
 
-    fn write_tool(&mut self, number: u32, tool: u32, part: Part, value: f64, span: Span) -> Result<(), Fault> {
-        let known = self.tool_offset(tool);
-        if known.is_none() && self.strict {
-            let message = format!("offset {tool} is changed in part, and has no value in the machine file");
-            return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
-        }
-        let mut offset = known.unwrap_or_default();
-        let inside = value * self.modal.scale();
-        *part_of(&mut offset, part) = inside;
-        self.tools.insert(tool, ToolOffset { is_stated: true, ..offset });
-        self.tell(number, inside / self.output_unit_mm(), "");
-        Ok(())
+fn position(channel: &Channel<'_>, position: Position, axis: Axis) -> Result<f64, Missing> {
+    if position == Position::Length {
+        let place = axis.slot();
+        return Ok(if place < 3 { channel.modal.length_mm[place] / channel.modal.scale() } else { 0.0 });
     }
+    if position == Position::Skip {
+        // Where the skip came only the machine knows; without strictness it is taken for the end of the motion.
+        let probed = channel.variables.probed.filter(|_| !channel.strict);
+        return probed.map(|values| values[axis]).ok_or(Missing::OnlyMachine);
+    }
+    if channel.strict && !channel.modal.known.contains(axis) {
+        return Err(Missing::Unstated);
+    }
+    if channel.modal.contour.compensates() && position != Position::Programmed {
+        return Err(Missing::Compensated);
+    }
+    let values: AxisVector = match position {
+        Position::Programmed => work_frame(channel).unapply(&data::tip(channel)),
+        Position::Machine => channel.modal.command,
+        Position::Gauge => work_frame(channel).unapply(&channel.modal.command),
+        Position::Skip | Position::Length => AxisVector::ZERO,
+    };
+    Ok(shown_value(channel, axis, values[axis]))
+}
+
+/// The workpiece coordinate system: zero offset and shifts, without what is nearer to the programmed values.
+pub(super) fn work_frame(channel: &Channel<'_>) -> Frame {
+    channel.modal.settable.compose(&Frame::translation(channel.modal.shift + channel.modal.local))
+}
+
+/// The G code of a group, or the value of an address.
+fn modal_value(channel: &Channel<'_>, place: u32) -> Option<f64> {
+    let modal = &channel.modal;
+    let either = |is_first: bool, first: u16, second: u16| f64::from(if is_first { first } else { second });
+    Some(match place {
+        1 if modal.motion <= 330 => f64::from(modal.motion) / 10.0,
+        2 => f64::from(modal.plane.number()),
+        3 => either(modal.incremental, 91, 90),
+        5 => match modal.feed_mode {
+            FeedUnit::InverseTime => 93.0,
+            FeedUnit::PerMinute => 94.0,
+            FeedUnit::PerTurn => 95.0,
+        },
+        6 => either(modal.inch, 20, 21),
+        7 => match modal.contour.side {
+            Side::Off => 40.0,
+            Side::Left => 41.0,
+            Side::Right => 42.0,
+        },
+        8 => f64::from(modal.length_code) / 10.0,
+        9 if modal.motion >= 730 => f64::from(modal.motion) / 10.0,
+        9 => 80.0,
+        10 => either(modal.to_r_plane, 99, 98),
+        12 => either(channel.modal_calls.is_empty(), 67, 66),
+        13 => f64::from(modal.spindle_mode) / 10.0,
+        14 if modal.system.0 > System::ADDITIONAL => 54.1,
+        14 => 53.0 + f64::from(modal.system.0),
+        15 => f64::from(modal.path_control.0) / 10.0,
+        107 => f64::from(modal.d.unwrap_or(0)),
+        109 => modal.feed / if modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { modal.scale() },
+        111 => f64::from(modal.h),
+        119 => modal.speed?,
+        120 => f64::from(modal.selected.or(modal.active)?),
+        130 if modal.system.0 > System::ADDITIONAL => f64::from(modal.system.0 - System::ADDITIONAL),
+        130 => 0.0,
+        _ => return None,
+    })
+}
+
+/// Carries out the assignment to a system variable of Fanuc.
+pub(super) fn write_system(
+    channel: &mut Channel<'_>,
+    number: u32,
+    value: Option<f64>,
+    span: Span,
+    loaded: &Loaded,
+    block: &Block,
+) -> Result<(), Fault> {
+    let number_value = value.unwrap_or(0.0);
+    match meaning(number) {
+        Some(Meaning::Alarm) => {
+            let text = comment_of(loaded, block);
+            let message = format!("the program stops with its alarm {number_value}: {text}");
+            let help = "the program found something that it does not go on with; correct what it asks for";
+            channel.ends_program = true;
+            let found = fault(Code::CYCLE_ALARM, span, message.trim_end_matches([':', ' ']), help);
+            channel.outlet.warnings.push(found);
+            Ok(())
+        }
+        Some(Meaning::Told) => {
+            let text = if number == 3006 { format!("({})", comment_of(loaded, block)) } else { String::new() };
+            tell(channel, number, number_value, &text);
+            Ok(())
+        }
+        Some(Meaning::Offset(system, place)) => write_offset(channel, number, system, place, number_value, span),
+        Some(Meaning::Tool(tool, part)) => write_tool(channel, number, tool, part, number_value, span),
+        Some(Meaning::Machine | Meaning::Position(..) | Meaning::Modal(_)) | None => {
+            let message = format!("#{number} cannot be set here");
+            Err(bad_value(span, message, "what it stands for is the business of the control"))
+        }
+    }
+}
+
+/// Passes the assignment of a system variable on, its value evaluated.
+fn tell(channel: &mut Channel<'_>, number: u32, value: f64, behind: &str) {
+    let mut shown = format!("{value:.6}");
+    shown.truncate(shown.trim_end_matches('0').trim_end_matches('.').len());
+    channel.push(Kind::Verbatim(format!("#{number}={shown}{behind}").into_bytes()));
+}
+
+fn write_offset(
+    channel: &mut Channel<'_>,
+    number: u32,
+    system: System,
+    place: u32,
+    value: f64,
+    span: Span,
+) -> Result<(), Fault> {
+    let Some(axis) = axis_at(channel, place) else {
+        return Err(bad_value(span, format!("#{number} is of an axis that the machine lacks"), "check the number"));
+    };
+    compensation::no_compensation(channel, span, "a change of zero offsets")?;
+    if system == channel.modal.system || system == System::EXTERNAL {
+        forbidden::check_offset_write(channel, number, span)?;
+    }
+    let known = offsets::offset_of(channel, system);
+    if known.is_none() && channel.strict {
+        let message = format!("{} is changed in part, and has no value in the machine file", system.words());
+        return Err(fault(
+            Code::NO_OFFSET,
+            span,
+            message,
+            format!("add [zero_offset.\"{}\"]", system.words().replace(' ', "")),
+        ));
+    }
+    let mut parts = known.unwrap_or_default();
+    let inside = if axis.is_rotary() { value.to_radians() } else { value * channel.modal.scale() };
+    parts.translation[axis] = inside;
+    parts.fine[axis] = 0.0;
+    channel.offsets.insert(system, parts);
+    tell(channel, number, if axis.is_rotary() { value } else { inside / data::output_unit_mm(channel) }, "");
+    if system == channel.modal.system || system == System::EXTERNAL {
+        offsets::load_offset(channel, span)?;
+    }
+    Ok(())
+}
+
+fn write_tool(
+    channel: &mut Channel<'_>,
+    number: u32,
+    tool: u32,
+    part: Part,
+    value: f64,
+    span: Span,
+) -> Result<(), Fault> {
+    let known = length::tool_offset(channel, tool);
+    if known.is_none() && channel.strict {
+        let message = format!("offset {tool} is changed in part, and has no value in the machine file");
+        return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
+    }
+    let mut offset = known.unwrap_or_default();
+    let inside = value * channel.modal.scale();
+    *part_of(&mut offset, part) = inside;
+    channel.tools.insert(tool, ToolOffset { is_stated: true, ..offset });
+    tell(channel, number, inside / data::output_unit_mm(channel), "");
+    Ok(())
 }
 
 fn part_of(offset: &mut ToolOffset, part: Part) -> &mut f64 {

@@ -4,120 +4,122 @@ use super::channel::Channel;
 use super::codes::name_of;
 use super::cycles::threading::{Thread as Cut, moves};
 use super::gathered::Gathered;
+use super::measure;
+use super::motion;
 use super::motion::Step;
+use super::offsets;
+use super::special;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Plane};
 use ncfix_machine::snc::{Manner, Thread, ThreadCode};
 
-impl Channel<'_> {
-    /// `G33`, `G33.1`
-    pub(super) fn thread(&mut self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        self.check_thread(gathered, code)?;
-        let letter = if self.is_rs274() { b'K' } else { b'F' };
-        let lead = self.length(gathered, letter)?;
-        let Some(lead) = lead.or((!self.is_rs274()).then_some(self.modal.feed)).filter(|lead| *lead > 0.0) else {
-            let message = format!("{} needs {} with the lead", name_of(code), char::from(letter));
-            return Err(bad_value(gathered.span, message, "write the way of one turn of the spindle"));
-        };
-        if gathered.has(b'Q') && !self.is_rs274() {
-            let message = "the start angle of a thread (Q) is not supported";
-            return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'Q'), message, "take Q out"));
-        }
-        gathered.use_up(b"$");
-        if gathered.raw(b'I').is_some_and(|factor| factor > 1.0) {
-            let message = "a faster way out of the hole (I) is not supported";
-            return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'I'), message, "take I out"));
-        }
-        let start = self.here();
-        let (end, named) = self.end(gathered)?;
-        let step = |code: ThreadCode, end| {
-            let manner = Manner::Thread(Thread { code, lead: Some((letter, lead)), change: None });
-            Step { rapid: false, end, named, feed_named: false, manner, span: gathered.span }
-        };
-        if code == 330 {
-            return self.step(step(ThreadCode::G33, end));
-        }
-        // The spindle turns back, and the tool is where it was.
-        named.iter().try_for_each(|axis| self.check_stated(axis, gathered.span))?;
-        self.step(step(ThreadCode::G331, end))?;
-        self.outlet.begin_line();
-        self.step(step(ThreadCode::G332, start))
+/// `G33`, `G33.1`
+pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    check_thread(channel, gathered, code)?;
+    let letter = if channel.is_rs274() { b'K' } else { b'F' };
+    let lead = measure::length(channel, gathered, letter)?;
+    let Some(lead) = lead.or((!channel.is_rs274()).then_some(channel.modal.feed)).filter(|lead| *lead > 0.0) else {
+        let message = format!("{} needs {} with the lead", name_of(code), char::from(letter));
+        return Err(bad_value(gathered.span, message, "write the way of one turn of the spindle"));
+    };
+    if gathered.has(b'Q') && !channel.is_rs274() {
+        let message = "the start angle of a thread (Q) is not supported";
+        return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'Q'), message, "take Q out"));
     }
+    gathered.use_up(b"$");
+    if gathered.raw(b'I').is_some_and(|factor| factor > 1.0) {
+        let message = "a faster way out of the hole (I) is not supported";
+        return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'I'), message, "take I out"));
+    }
+    let start = offsets::here(channel);
+    let (end, named) = motion::end(channel, gathered)?;
+    let step = |code: ThreadCode, end| {
+        let manner = Manner::Thread(Thread { code, lead: Some((letter, lead)), change: None });
+        Step { rapid: false, end, named, feed_named: false, manner, span: gathered.span }
+    };
+    if code == 330 {
+        return motion::step(channel, step(ThreadCode::G33, end));
+    }
+    // The spindle turns back, and the tool is where it was.
+    named.iter().try_for_each(|axis| offsets::check_stated(channel, axis, gathered.span))?;
+    motion::step(channel, step(ThreadCode::G331, end))?;
+    channel.outlet.begin_line();
+    motion::step(channel, step(ThreadCode::G332, start))
+}
 
-    /// `G76`: a thread in passes.
-    pub(super) fn threading(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        self.check_thread(gathered, 760)?;
-        let span = gathered.span;
-        if self.modal.plane != Plane::ZX {
-            let message = "G76 outside the XZ plane";
-            return Err(bad_value(span, message, "select G18"));
-        }
-        self.check_plane_stated([Axis::X, Axis::Z].into_iter().collect(), span)?;
-        let mut needed = [0.0; 4];
-        for (value, letter) in needed.iter_mut().zip(*b"PIJK") {
-            let Some(found) = self.length(gathered, letter)? else {
-                let message = format!("G76 needs {}", char::from(letter));
-                return Err(bad_value(span, message, "write P, I, J and K"));
-            };
-            *value = found;
-        }
-        let [pitch, peak, first, depth] = needed;
-        let here = self.here();
-        let (end, _) = self.end(gathered)?;
-        let tapers = gathered.raw(b'L').unwrap_or(0.0);
-        if !(0.0..=3.0).contains(&tapers) || tapers.fract() != 0.0 {
-            return Err(bad_value(gathered.span_of(b'L'), format!("L{tapers} is none of 0 to 3"), "check L"));
-        }
-        gathered.use_up(b"$");
-        let springs = gathered.raw(b'H').unwrap_or(0.0);
-        let cut = Cut {
-            start: [here[Axis::X], here[Axis::Z]],
-            end: [end[Axis::X], end[Axis::Z]],
-            pitch,
-            peak,
-            first,
-            depth,
-            degression: gathered.raw(b'R').unwrap_or(1.0),
-            slide_rad: self.angle(gathered, b'Q')?.unwrap_or(0.0),
-            // A conversion that keeps within its type.
-            springs: springs.max(0.0) as u32,
-            taper: self.length(gathered, b'E')?.unwrap_or(0.0),
-            // 0 to 3.
-            tapers: [tapers as u8 & 1 != 0, tapers as u8 & 2 != 0],
+/// `G76`: a thread in passes.
+pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    check_thread(channel, gathered, 760)?;
+    let span = gathered.span;
+    if channel.modal.plane != Plane::ZX {
+        let message = "G76 outside the XZ plane";
+        return Err(bad_value(span, message, "select G18"));
+    }
+    special::check_plane_stated(channel, [Axis::X, Axis::Z].into_iter().collect(), span)?;
+    let mut needed = [0.0; 4];
+    for (value, letter) in needed.iter_mut().zip(*b"PIJK") {
+        let Some(found) = measure::length(channel, gathered, letter)? else {
+            let message = format!("G76 needs {}", char::from(letter));
+            return Err(bad_value(span, message, "write P, I, J and K"));
         };
-        let passes = moves(&cut).map_err(|message| bad_value(span, message, "check the words of G76"))?;
-        let mut place = here;
-        for (index, pass) in passes.into_iter().enumerate() {
-            if index > 0 {
-                self.outlet.begin_line();
-            }
-            let mut named = AxisSet::EMPTY;
-            for (axis, value) in [Axis::X, Axis::Z].into_iter().zip(pass.to) {
-                if place[axis] != value || index == 0 {
-                    named.insert(axis);
-                }
-                place[axis] = value;
-            }
-            let manner = pass.pitch.map_or(Manner::Path, |pitch| {
-                Manner::Thread(Thread { code: ThreadCode::G33, lead: Some((b'K', pitch)), change: None })
-            });
-            let rapid = pass.pitch.is_none();
-            self.step(Step { rapid, end: place, named, feed_named: false, manner, span })?;
-        }
-        Ok(())
+        *value = found;
     }
+    let [pitch, peak, first, depth] = needed;
+    let here = offsets::here(channel);
+    let (end, _) = motion::end(channel, gathered)?;
+    let tapers = gathered.raw(b'L').unwrap_or(0.0);
+    if !(0.0..=3.0).contains(&tapers) || tapers.fract() != 0.0 {
+        return Err(bad_value(gathered.span_of(b'L'), format!("L{tapers} is none of 0 to 3"), "check L"));
+    }
+    gathered.use_up(b"$");
+    let springs = gathered.raw(b'H').unwrap_or(0.0);
+    let cut = Cut {
+        start: [here[Axis::X], here[Axis::Z]],
+        end: [end[Axis::X], end[Axis::Z]],
+        pitch,
+        peak,
+        first,
+        depth,
+        degression: gathered.raw(b'R').unwrap_or(1.0),
+        slide_rad: measure::angle(channel, gathered, b'Q')?.unwrap_or(0.0),
+        // A conversion that keeps within its type.
+        springs: springs.max(0.0) as u32,
+        taper: measure::length(channel, gathered, b'E')?.unwrap_or(0.0),
+        // 0 to 3.
+        tapers: [tapers as u8 & 1 != 0, tapers as u8 & 2 != 0],
+    };
+    let passes = moves(&cut).map_err(|message| bad_value(span, message, "check the words of G76"))?;
+    let mut place = here;
+    for (index, pass) in passes.into_iter().enumerate() {
+        if index > 0 {
+            channel.outlet.begin_line();
+        }
+        let mut named = AxisSet::EMPTY;
+        for (axis, value) in [Axis::X, Axis::Z].into_iter().zip(pass.to) {
+            if place[axis] != value || index == 0 {
+                named.insert(axis);
+            }
+            place[axis] = value;
+        }
+        let manner = pass.pitch.map_or(Manner::Path, |pitch| {
+            Manner::Thread(Thread { code: ThreadCode::G33, lead: Some((b'K', pitch)), change: None })
+        });
+        let rapid = pass.pitch.is_none();
+        motion::step(channel, Step { rapid, end: place, named, feed_named: false, manner, span })?;
+    }
+    Ok(())
+}
 
-    fn check_thread(&self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        let (name, span) = (name_of(code), gathered.span);
-        if self.modal.contour.compensates() || self.modal.turning.is_some() {
-            let message = format!("{name} under radius compensation or tool center point control");
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "end it before the thread"));
-        }
-        if self.is_rs274() && !matches!(self.modal.spindle, 3 | 4) {
-            let message = format!("{name}, and the spindle does not turn");
-            return Err(bad_value(span, message, "start the spindle before it"));
-        }
-        Ok(())
+fn check_thread(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    let (name, span) = (name_of(code), gathered.span);
+    if channel.modal.contour.compensates() || channel.modal.turning.is_some() {
+        let message = format!("{name} under radius compensation or tool center point control");
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "end it before the thread"));
     }
+    if channel.is_rs274() && !matches!(channel.modal.spindle, 3 | 4) {
+        let message = format!("{name}, and the spindle does not turn");
+        return Err(bad_value(span, message, "start the spindle before it"));
+    }
+    Ok(())
 }

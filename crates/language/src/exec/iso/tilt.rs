@@ -6,7 +6,11 @@
 use super::channel::Channel;
 use super::codes::{Group, name_of};
 use super::gathered::Gathered;
+use super::measure;
+use super::motion;
 use super::motion::Step;
+use super::offsets;
+use super::setup;
 use super::tilted::{Part, Plane, by_euler, by_roll_pitch_yaw};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::tilted_plane::{tilting_axis, turned_frame, unknown_places, workpiece_normal};
@@ -16,177 +20,174 @@ use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::Manner;
 
-impl Channel<'_> {
-    /// `G68.2`, `G68.3`, `G68.4`
-    pub(super) fn tilt(&mut self, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
-        let form = gathered.raw(b'P').unwrap_or(0.0);
-        let mut origin = Vector::zeros();
-        for (value, letter) in origin.iter_mut().zip(*b"XYZ") {
-            *value = self.length(gathered, letter)?.unwrap_or(0.0);
+/// `G68.2`, `G68.3`, `G68.4`
+pub(super) fn tilt(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
+    let form = gathered.raw(b'P').unwrap_or(0.0);
+    let mut origin = Vector::zeros();
+    for (value, letter) in origin.iter_mut().zip(*b"XYZ") {
+        *value = measure::length(channel, gathered, letter)?.unwrap_or(0.0);
+    }
+    let turn = measure::angle(channel, gathered, b'R')?;
+    if turn.is_some() && form != 2.0 {
+        return Err(refused(gathered.span_of(b'R'), format!("R with {} is not supported", name_of(code))));
+    }
+    let mut angles = [0.0; 3];
+    if form != 3.0 {
+        for (value, letter) in angles.iter_mut().zip(*b"IJK") {
+            *value = measure::angle(channel, gathered, letter)?.unwrap_or(0.0);
         }
-        let turn = self.angle(gathered, b'R')?;
-        if turn.is_some() && form != 2.0 {
-            return Err(refused(gathered.span_of(b'R'), format!("R with {} is not supported", name_of(code))));
+    }
+    let order = gathered.raw(b'Q');
+    let whole = |value: f64| if (0.0..1000.0).contains(&value) { value.round() as u32 } else { u32::MAX };
+    let (place, rotation) = match (code, form) {
+        (682 | 684, 0.0) => (origin, by_euler(angles)),
+        (682 | 684, 1.0) => {
+            let order = whole(order.unwrap_or(123.0));
+            let Some(rotation) = by_roll_pitch_yaw(angles, order) else {
+                let message = "Q is no order of the axes 1, 2 and 3";
+                return Err(bad_value(gathered.span_of(b'Q'), message, "write for example Q123"));
+            };
+            (origin, rotation)
         }
-        let mut angles = [0.0; 3];
-        if form != 3.0 {
-            for (value, letter) in angles.iter_mut().zip(*b"IJK") {
-                *value = self.angle(gathered, letter)?.unwrap_or(0.0);
-            }
-        }
-        let order = gathered.raw(b'Q');
-        let whole = |value: f64| if (0.0..1000.0).contains(&value) { value.round() as u32 } else { u32::MAX };
-        let (place, rotation) = match (code, form) {
-            (682 | 684, 0.0) => (origin, by_euler(angles)),
-            (682 | 684, 1.0) => {
-                let order = whole(order.unwrap_or(123.0));
-                let Some(rotation) = by_roll_pitch_yaw(angles, order) else {
-                    let message = "Q is no order of the axes 1, 2 and 3";
-                    return Err(bad_value(gathered.span_of(b'Q'), message, "write for example Q123"));
-                };
-                (origin, rotation)
-            }
-            (682, 2.0 | 3.0) => {
-                let direction = Vector::from([b'I', b'J', b'K'].map(|letter| gathered.raw(letter).unwrap_or(0.0)));
-                let index = whole(order.unwrap_or(0.0));
-                let part =
-                    Part { form: form as u32, index, point: origin, direction, turn_rad: turn.unwrap_or_default() };
-                match self.special.tilt_parts.take(&part) {
-                    Plane::Incomplete => return Ok(()),
-                    Plane::Complete(origin, rotation) => (origin, rotation),
-                    Plane::Degenerate => {
-                        let message = "the points or directions of G68.2 make no plane";
-                        return Err(bad_value(
-                            span,
-                            message,
-                            "give three points that are not on a line, or two directions",
-                        ));
-                    }
-                    Plane::Unknown => {
-                        return Err(bad_value(span, "G68.2 has no such Q", "number its blocks from Q1 on"));
-                    }
+        (682, 2.0 | 3.0) => {
+            let direction = Vector::from([b'I', b'J', b'K'].map(|letter| gathered.raw(letter).unwrap_or(0.0)));
+            let index = whole(order.unwrap_or(0.0));
+            let part = Part { form: form as u32, index, point: origin, direction, turn_rad: turn.unwrap_or_default() };
+            match channel.special.tilt_parts.take(&part) {
+                Plane::Incomplete => return Ok(()),
+                Plane::Complete(origin, rotation) => (origin, rotation),
+                Plane::Degenerate => {
+                    let message = "the points or directions of G68.2 make no plane";
+                    return Err(bad_value(
+                        span,
+                        message,
+                        "give three points that are not on a line, or two directions",
+                    ));
+                }
+                Plane::Unknown => {
+                    return Err(bad_value(span, "G68.2 has no such Q", "number its blocks from Q1 on"));
                 }
             }
-            _ => return Err(refused(span, format!("this form of {} is not supported", name_of(code)))),
-        };
-        let (origin, rotation) = if code == 684 { self.upon_tilt(place, rotation, span)? } else { (place, rotation) };
-        let done = self.modal.transforms.set_tilt(origin, rotation);
-        done.map_err(|within| refused(span, format!("{} within {within}", name_of(code))))
-    }
+        }
+        _ => return Err(refused(span, format!("this form of {} is not supported", name_of(code)))),
+    };
+    let (origin, rotation) = if code == 684 { upon_tilt(channel, place, rotation, span)? } else { (place, rotation) };
+    let done = channel.modal.transforms.set_tilt(origin, rotation);
+    done.map_err(|within| refused(span, format!("{} within {within}", name_of(code))))
+}
 
-    /// `G68.4`: upon the plane in force.
-    fn upon_tilt(&self, origin: Vector, rotation: Matrix, span: Span) -> Result<(Vector, Matrix), Fault> {
-        let Some(below) = self.modal.transforms.tilt() else {
-            let message = "G68.4 without a tilted plane";
-            return Err(bad_value(span, message, "begin with G68.2"));
-        };
-        Ok((below.linear() * origin + below.offset().xyz(), below.linear() * rotation))
-    }
+/// `G68.4`: upon the plane in force.
+fn upon_tilt(channel: &Channel<'_>, origin: Vector, rotation: Matrix, span: Span) -> Result<(Vector, Matrix), Fault> {
+    let Some(below) = channel.modal.transforms.tilt() else {
+        let message = "G68.4 without a tilted plane";
+        return Err(bad_value(span, message, "begin with G68.2"));
+    };
+    Ok((below.linear() * origin + below.offset().xyz(), below.linear() * rotation))
+}
 
-    /// `G53.1`: turns the rotary axes until the tool stands across the plane.
-    pub(super) fn tool_on_plane(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let span = gathered.code_span(Group::Action);
-        let choice = gathered.raw(b'P');
-        let Some(tilt) = self.modal.transforms.tilt().copied() else {
-            return Err(bad_value(span, "G53.1 without a tilted plane", "program G68.2 before it"));
-        };
-        if self.modal.contour.compensates() || self.modal.turning.is_some() {
-            return Err(refused(span, "G53.1 under radius compensation or tool center point control".to_owned()));
-        }
-        let kinematics = Kinematics::new(self.machine);
-        if kinematics.rotary_axes().next().is_none() {
-            return Ok(());
-        }
-        let unstated = |axis: &Axis| self.machine.axis(*axis).is_some() && !self.modal.known.contains(*axis);
-        let unknown: AxisSet = AxisSet::XYZ.iter().chain(kinematics.rotary_axes()).filter(unstated).collect();
-        if self.strict && !unknown.is_empty() {
-            // The plane comes into force all the same, so that what follows is not refused for its lack.
-            self.outlet.warnings.push(unknown_places(span, unknown, "G90 G53 G0"));
-            self.modal.known = self.modal.known.union(unknown);
-        }
-        let below = self.modal.below_transforms();
-        let tool_mm = self.setup.tool_mm;
-        let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
-        let near = self.modal.command;
-        let turned = match (kinematics.orientations(&normal, &near), choice) {
-            ([None, None], _) => {
-                let message = "the rotary axes cannot put the tool on this plane";
-                let help = "check the angles of the plane and the travel of the rotary axes";
-                return Err(fault(Code::BAD_SWIVEL, span, message, help));
-            }
-            ([Some(one), Some(other)], Some(sign @ (1.0 | 2.0))) => {
-                let axis = tilting_axis(&kinematics, self.machine);
-                let is_first = axis.is_none_or(|axis| (one[axis] > other[axis]) == (sign == 1.0));
-                if is_first { one } else { other }
-            }
-            ([Some(one), _], None | Some(0.0)) | ([Some(one), None], Some(1.0 | 2.0)) => one,
-            ([None, Some(other)], _) => other,
-            _ => return Err(bad_value(gathered.span_of(b'P'), "P of G53.1 is none of 0, 1, 2", "correct P")),
-        };
-        self.modal.transforms.leave_stand();
-        self.refresh_setup();
-        self.turn(&kinematics, &turned, span)?;
-        let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
-            .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
-        self.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
-        self.refresh_setup();
-        Ok(())
+/// `G53.1`: turns the rotary axes until the tool stands across the plane.
+pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let span = gathered.code_span(Group::Action);
+    let choice = gathered.raw(b'P');
+    let Some(tilt) = channel.modal.transforms.tilt().copied() else {
+        return Err(bad_value(span, "G53.1 without a tilted plane", "program G68.2 before it"));
+    };
+    if channel.modal.contour.compensates() || channel.modal.turning.is_some() {
+        return Err(refused(span, "G53.1 under radius compensation or tool center point control".to_owned()));
     }
+    let kinematics = Kinematics::new(channel.machine);
+    if kinematics.rotary_axes().next().is_none() {
+        return Ok(());
+    }
+    let unstated = |axis: &Axis| channel.machine.axis(*axis).is_some() && !channel.modal.known.contains(*axis);
+    let unknown: AxisSet = AxisSet::XYZ.iter().chain(kinematics.rotary_axes()).filter(unstated).collect();
+    if channel.strict && !unknown.is_empty() {
+        // The plane comes into force all the same, so that what follows is not refused for its lack.
+        channel.outlet.warnings.push(unknown_places(span, unknown, "G90 G53 G0"));
+        channel.modal.known = channel.modal.known.union(unknown);
+    }
+    let below = channel.modal.below_transforms();
+    let tool_mm = channel.setup.tool_mm;
+    let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
+    let near = channel.modal.command;
+    let turned = match (kinematics.orientations(&normal, &near), choice) {
+        ([None, None], _) => {
+            let message = "the rotary axes cannot put the tool on this plane";
+            let help = "check the angles of the plane and the travel of the rotary axes";
+            return Err(fault(Code::BAD_SWIVEL, span, message, help));
+        }
+        ([Some(one), Some(other)], Some(sign @ (1.0 | 2.0))) => {
+            let axis = tilting_axis(&kinematics, channel.machine);
+            let is_first = axis.is_none_or(|axis| (one[axis] > other[axis]) == (sign == 1.0));
+            if is_first { one } else { other }
+        }
+        ([Some(one), _], None | Some(0.0)) | ([Some(one), None], Some(1.0 | 2.0)) => one,
+        ([None, Some(other)], _) => other,
+        _ => return Err(bad_value(gathered.span_of(b'P'), "P of G53.1 is none of 0, 1, 2", "correct P")),
+    };
+    channel.modal.transforms.leave_stand();
+    setup::refresh_setup(channel);
+    turn(channel, &kinematics, &turned, span)?;
+    let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
+        .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
+    channel.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
+    setup::refresh_setup(channel);
+    Ok(())
+}
 
-    /// The tool length has changed while the tool stands across the plane. It acts along the tool, which is along the Z of the plane: the tip
-    /// of the new length goes to the same points of the plane, and the rotary axes stay (B-63944EN, tilted working plane command: G43 comes
-    /// behind G53.1).
-    pub(super) fn stand_anew(&mut self, span: Span) -> Result<(), Fault> {
-        let tool_mm = self.setup.tool_mm;
-        let Some(tilt) = self.modal.transforms.tilt().copied() else { return Ok(()) };
-        if self.modal.transforms.stand().is_none_or(|stand| stand.tool_mm == tool_mm) {
-            return Ok(());
-        }
-        let kinematics = Kinematics::new(self.machine);
-        let below = self.modal.below_transforms();
-        let total = turned_frame(&kinematics, &below, &tilt, &self.modal.command, &tool_mm)
-            .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
-        self.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
-        self.refresh_setup();
-        Ok(())
+/// The tool length has changed while the tool stands across the plane. It acts along the tool, which is along the Z of the plane: the tip
+/// of the new length goes to the same points of the plane, and the rotary axes stay (B-63944EN, tilted working plane command: G43 comes
+/// behind G53.1).
+pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
+    let tool_mm = channel.setup.tool_mm;
+    let Some(tilt) = channel.modal.transforms.tilt().copied() else { return Ok(()) };
+    if channel.modal.transforms.stand().is_none_or(|stand| stand.tool_mm == tool_mm) {
+        return Ok(());
     }
+    let kinematics = Kinematics::new(channel.machine);
+    let below = channel.modal.below_transforms();
+    let total = turned_frame(&kinematics, &below, &tilt, &channel.modal.command, &tool_mm)
+        .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
+    channel.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
+    setup::refresh_setup(channel);
+    Ok(())
+}
 
-    /// Turns the rotary axes at rapid; the linear ones stay.
-    fn turn(&mut self, kinematics: &Kinematics, turned: &AxisVector, span: Span) -> Result<(), Fault> {
-        let mut end = self.here();
-        let frame = self.setup.frame;
-        let mut named = AxisSet::EMPTY;
-        for axis in kinematics.rotary_axes() {
-            end[axis] = turned[axis] - frame.shift(axis);
-            named.insert(axis);
-        }
-        self.step(Step { rapid: true, end, named, feed_named: false, manner: Manner::Path, span })
+/// Turns the rotary axes at rapid; the linear ones stay.
+fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector, span: Span) -> Result<(), Fault> {
+    let mut end = offsets::here(channel);
+    let frame = channel.setup.frame;
+    let mut named = AxisSet::EMPTY;
+    for axis in kinematics.rotary_axes() {
+        end[axis] = turned[axis] - frame.shift(axis);
+        named.insert(axis);
     }
+    motion::step(channel, Step { rapid: true, end, named, feed_named: false, manner: Manner::Path, span })
+}
 
-    /// Refuses motions in a tilted plane that are not what the control would do.
-    pub(super) fn check_tilt(&self, named: AxisSet, span: Span) -> Result<(), Fault> {
-        let Some(stand) = self.modal.transforms.stand() else {
-            let has_rotary = self.machine.axis_set().iter().any(Axis::is_rotary);
-            if self.strict && has_rotary && !named.intersection(AxisSet::XYZ).is_empty() {
-                let message = "a motion in a tilted plane on which the tool was not put";
-                return Err(refused_with(span, message, "program G53.1 behind G68.2"));
-            }
-            return Ok(());
-        };
-        if stand.tool_mm != self.setup.tool_mm {
-            let message = "the tool length changes within a tilted plane";
-            return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
+/// Refuses motions in a tilted plane that are not what the control would do.
+pub(super) fn check_tilt(channel: &Channel<'_>, named: AxisSet, span: Span) -> Result<(), Fault> {
+    let Some(stand) = channel.modal.transforms.stand() else {
+        let has_rotary = channel.machine.axis_set().iter().any(Axis::is_rotary);
+        if channel.strict && has_rotary && !named.intersection(AxisSet::XYZ).is_empty() {
+            let message = "a motion in a tilted plane on which the tool was not put";
+            return Err(refused_with(span, message, "program G53.1 behind G68.2"));
         }
-        if stand.below != self.modal.below_transforms() {
-            let message = "the zero offset changes within a tilted plane";
-            return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
-        }
-        if named.iter().any(Axis::is_rotary) {
-            let message = "rotary axes move within a tilted plane";
-            return Err(refused_with(span, message, "end it with G69 first, or leave them to G53.1"));
-        }
-        Ok(())
+        return Ok(());
+    };
+    if stand.tool_mm != channel.setup.tool_mm {
+        let message = "the tool length changes within a tilted plane";
+        return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
     }
+    if stand.below != channel.modal.below_transforms() {
+        let message = "the zero offset changes within a tilted plane";
+        return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
+    }
+    if named.iter().any(Axis::is_rotary) {
+        let message = "rotary axes move within a tilted plane";
+        return Err(refused_with(span, message, "end it with G69 first, or leave them to G53.1"));
+    }
+    Ok(())
 }
 
 fn refused(span: Span, message: String) -> Fault {

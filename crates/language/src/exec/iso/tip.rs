@@ -3,6 +3,8 @@
 //! Under it the positions of the channel are those of the tip, fixed to the workpiece; [`crate::exec::core::five_axis`] makes axis commands
 //! of them.
 
+use super::motion;
+use super::offsets;
 use std::f64::consts::TAU;
 
 use super::channel::Channel;
@@ -21,111 +23,109 @@ const CORRECTED_ANGLE_RAD: f64 = 1e-3;
 /// Places nearer than this are the same, mm.
 const SAME_PLACE_MM: f64 = 1e-9;
 
-impl Channel<'_> {
-    /// Switches it by the code of length compensation, in tenths.
-    pub(super) fn switch_tip(&mut self, code: u16, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-        let turning = match code {
-            434 | 435 => Some(Turning::Axes),
-            _ => None,
-        };
-        if turning == self.modal.turning {
-            return Ok(());
+/// Switches it by the code of length compensation, in tenths.
+pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+    let turning = match code {
+        434 | 435 => Some(Turning::Axes),
+        _ => None,
+    };
+    if turning == channel.modal.turning {
+        return Ok(());
+    }
+    if channel.modal.contour.compensates() {
+        let message = "tool center point control begins or ends while radius compensation is on";
+        let help = "program G40 with a motion in the plane before it";
+        return Err(fault(Code::BAD_COMPENSATION, span, message, help));
+    }
+    if turning.is_some() && !channel.modal.transforms.is_empty() {
+        let message = "tool center point control (G43.4) within a rotation, scaling, mirror or tilted plane";
+        let help = "end them with G69, G50 and G50.1 before G43.4";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+    }
+    if turning.is_some() {
+        let kinematics = channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.machine)));
+        let rotary = kinematics.rotary_axes().count();
+        let can = (1..=2).contains(&rotary)
+            && kinematics.command_on_workpiece(&channel.modal.command, &channel.setup.tool_mm).is_some();
+        if !can {
+            let message = format!("G43.4 needs X, Y, Z and one or two rotary axes, and the machine has {rotary}");
+            return Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"));
         }
-        if self.modal.contour.compensates() {
-            let message = "tool center point control begins or ends while radius compensation is on";
-            let help = "program G40 with a motion in the plane before it";
-            return Err(fault(Code::BAD_COMPENSATION, span, message, help));
+        check_table(channel, gathered, span)?;
+    }
+    channel.outlet.finish();
+    let Some(kinematics) = &channel.outlet.kinematics else { return Ok(()) };
+    let tool_mm = channel.setup.tool_mm;
+    let modal = &mut channel.modal;
+    modal.turning = turning;
+    modal.command = if turning.is_some() {
+        kinematics.on_workpiece(&modal.command, &tool_mm)
+    } else {
+        kinematics.command_on_workpiece(&modal.command, &tool_mm).unwrap_or(modal.command)
+    };
+    // Each linear coordinate depends on all axes.
+    let needed: AxisSet = LINEAR_AXES.into_iter().take(3).chain(kinematics.rotary_axes()).collect();
+    if !needed.difference(modal.known).is_empty() {
+        modal.known = modal.known.intersection(ROTARY_AXES.into_iter().collect());
+    }
+    Ok(())
+}
+
+/// The coordinates of the tip are those that the work coordinate system has on the table when the control begins with them, be
+/// it in that block: they are the zero offset's where the table stands at zero (Fanuc parameter 19696, bit 5, as delivered).
+fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+    for &axis in channel.machine.topology.workpiece.iter().filter(|axis| axis.is_rotary()) {
+        let (here, is_known) = (channel.modal.command[axis], channel.modal.known.contains(axis));
+        let mut places = vec![here];
+        if gathered.axes.contains(axis) {
+            let value = motion::axis_value(channel, gathered, axis)?;
+            let from = if channel.modal.incremental { here } else { channel.setup.frame.shift(axis) };
+            let end = from + value;
+            places = if is_known { vec![here, end] } else { vec![end] };
+        } else {
+            offsets::check_stated(channel, axis, span)?;
         }
-        if turning.is_some() && !self.modal.transforms.is_empty() {
-            let message = "tool center point control (G43.4) within a rotation, scaling, mirror or tilted plane";
-            let help = "end them with G69, G50 and G50.1 before G43.4";
+        // What is corrected already has the table where a correction put it.
+        let most = if channel.strict { SAME_ANGLE_RAD } else { CORRECTED_ANGLE_RAD };
+        let is_zero = |place: &f64| (place - (place / TAU).round() * TAU).abs() < most;
+        if !places.iter().all(is_zero) {
+            let message = format!("G43.4 while {axis}, which carries the workpiece, is not at machine zero");
+            let help = "program G43.4 where the table is at zero, and turn it behind it";
             return Err(fault(Code::NOT_SUPPORTED, span, message, help));
         }
-        if turning.is_some() {
-            let kinematics = self.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(self.machine)));
-            let rotary = kinematics.rotary_axes().count();
-            let can = (1..=2).contains(&rotary)
-                && kinematics.command_on_workpiece(&self.modal.command, &self.setup.tool_mm).is_some();
-            if !can {
-                let message = format!("G43.4 needs X, Y, Z and one or two rotary axes, and the machine has {rotary}");
-                return Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"));
-            }
-            self.check_table(gathered, span)?;
-        }
-        self.outlet.finish();
-        let Some(kinematics) = &self.outlet.kinematics else { return Ok(()) };
-        let tool_mm = self.setup.tool_mm;
-        let modal = &mut self.modal;
-        modal.turning = turning;
-        modal.command = if turning.is_some() {
-            kinematics.on_workpiece(&modal.command, &tool_mm)
-        } else {
-            kinematics.command_on_workpiece(&modal.command, &tool_mm).unwrap_or(modal.command)
-        };
-        // Each linear coordinate depends on all axes.
-        let needed: AxisSet = LINEAR_AXES.into_iter().take(3).chain(kinematics.rotary_axes()).collect();
-        if !needed.difference(modal.known).is_empty() {
-            modal.known = modal.known.intersection(ROTARY_AXES.into_iter().collect());
-        }
-        Ok(())
     }
+    Ok(())
+}
 
-    /// The coordinates of the tip are those that the work coordinate system has on the table when the control begins with them, be
-    /// it in that block: they are the zero offset's where the table stands at zero (Fanuc parameter 19696, bit 5, as delivered).
-    fn check_table(&mut self, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-        for &axis in self.machine.topology.workpiece.iter().filter(|axis| axis.is_rotary()) {
-            let (here, is_known) = (self.modal.command[axis], self.modal.known.contains(axis));
-            let mut places = vec![here];
-            if gathered.axes.contains(axis) {
-                let value = self.axis_value(gathered, axis)?;
-                let from = if self.modal.incremental { here } else { self.setup.frame.shift(axis) };
-                let end = from + value;
-                places = if is_known { vec![here, end] } else { vec![end] };
-            } else {
-                self.check_stated(axis, span)?;
-            }
-            // What is corrected already has the table where a correction put it.
-            let most = if self.strict { SAME_ANGLE_RAD } else { CORRECTED_ANGLE_RAD };
-            let is_zero = |place: &f64| (place - (place / TAU).round() * TAU).abs() < most;
-            if !places.iter().all(is_zero) {
-                let message = format!("G43.4 while {axis}, which carries the workpiece, is not at machine zero");
-                let help = "program G43.4 where the table is at zero, and turn it behind it";
-                return Err(fault(Code::NOT_SUPPORTED, span, message, help));
-            }
-        }
-        Ok(())
+/// Where the axes stand.
+pub(super) fn axis_command(channel: &Channel<'_>) -> AxisVector {
+    let turning = channel.modal.turning.and(channel.outlet.kinematics.as_deref());
+    let command = turning.and_then(|chain| chain.command_on_workpiece(&channel.modal.command, &channel.setup.tool_mm));
+    command.unwrap_or(channel.modal.command)
+}
+
+/// The tool length has changed while the axes stood at `axes`, before that `tool_mm`. Along a tool that is tilted this concerns
+/// other axes too: where the control has them is unknown until the program states it.
+pub(super) fn forget_moved_tip(channel: &mut Channel<'_>, axes: &AxisVector, tool_mm: &Vector) {
+    let Some(kinematics) = &channel.outlet.kinematics else { return };
+    let before = kinematics.on_workpiece(axes, tool_mm);
+    let now = kinematics.on_workpiece(axes, &channel.setup.tool_mm);
+    for axis in AxisSet::XYZ.iter().filter(|&axis| (before[axis] - now[axis]).abs() > SAME_PLACE_MM) {
+        channel.modal.known.remove(axis);
     }
-
-    /// Where the axes stand.
-    pub(super) fn axis_command(&self) -> AxisVector {
-        let turning = self.modal.turning.and(self.outlet.kinematics.as_deref());
-        let command = turning.and_then(|chain| chain.command_on_workpiece(&self.modal.command, &self.setup.tool_mm));
-        command.unwrap_or(self.modal.command)
+    if channel.modal.turning.is_some() {
+        channel.modal.command = now;
     }
+}
 
-    /// The tool length has changed while the axes stood at `axes`, before that `tool_mm`. Along a tool that is tilted this concerns
-    /// other axes too: where the control has them is unknown until the program states it.
-    pub(super) fn forget_moved_tip(&mut self, axes: &AxisVector, tool_mm: &Vector) {
-        let Some(kinematics) = &self.outlet.kinematics else { return };
-        let before = kinematics.on_workpiece(axes, tool_mm);
-        let now = kinematics.on_workpiece(axes, &self.setup.tool_mm);
-        for axis in AxisSet::XYZ.iter().filter(|&axis| (before[axis] - now[axis]).abs() > SAME_PLACE_MM) {
-            self.modal.known.remove(axis);
-        }
-        if self.modal.turning.is_some() {
-            self.modal.command = now;
-        }
-    }
-
-    /// The machine stands where it stood when frame or tool change: under the transformation the place of the tip follows from it.
-    pub(super) fn keep_pose(&mut self, setup: &Setup) {
-        let (Some(_), Some(kinematics)) = (self.setup.transform.and(setup.transform), &self.outlet.kinematics) else {
-            return;
-        };
-        if setup.tool_mm != self.setup.tool_mm
-            && let Some(command) = kinematics.command_on_workpiece(&self.modal.command, &self.setup.tool_mm)
-        {
-            self.modal.command = kinematics.on_workpiece(&command, &setup.tool_mm);
-        }
+/// The machine stands where it stood when frame or tool change: under the transformation the place of the tip follows from it.
+pub(super) fn keep_pose(channel: &mut Channel<'_>, setup: &Setup) {
+    let (Some(_), Some(kinematics)) = (channel.setup.transform.and(setup.transform), &channel.outlet.kinematics) else {
+        return;
+    };
+    if setup.tool_mm != channel.setup.tool_mm
+        && let Some(command) = kinematics.command_on_workpiece(&channel.modal.command, &channel.setup.tool_mm)
+    {
+        channel.modal.command = kinematics.on_workpiece(&command, &setup.tool_mm);
     }
 }

@@ -4,10 +4,17 @@ pub(super) use super::frames::Transforms;
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
+use super::data;
 use super::frames::Within;
 use super::gathered::Gathered;
 use super::length::turned_length;
+use super::measure;
+use super::offsets;
+use super::one_axis;
 use super::polar::Polar;
+use super::setup;
+use super::special;
+use super::tilt;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet};
@@ -18,201 +25,192 @@ use ncfix_machine::snc::Kind;
 const FACTOR: f64 = 1e-3;
 const LETTERS: [u8; 3] = *b"XYZ";
 
-impl Channel<'_> {
-    /// Executes the codes of a block that concern them. Whether they took the axis words, so that the block has no motion.
-    pub(super) fn transform_codes(&mut self, gathered: &Gathered) -> Result<bool, Fault> {
-        let groups = [Group::Interpolation, Group::Rotation, Group::Scale, Group::Mirror, Group::Polar];
-        if groups.iter().all(|&group| gathered.code(group).is_none()) {
-            return Ok(false);
+/// Executes the codes of a block that concern them. Whether they took the axis words, so that the block has no motion.
+pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
+    let groups = [Group::Interpolation, Group::Rotation, Group::Scale, Group::Mirror, Group::Polar];
+    if groups.iter().all(|&group| gathered.code(group).is_none()) {
+        return Ok(false);
+    }
+    if gathered.code(Group::Interpolation).is_some_and(|code| code != 131) {
+        let message = "polar coordinate interpolation (G12.1) is not supported";
+        let span = gathered.code_span(Group::Interpolation);
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "leave the block to a program that is not corrected"));
+    }
+    if channel.modal.turning.is_some() {
+        let span = groups.iter().find(|&&group| gathered.code(group).is_some()).map(|&g| gathered.code_span(g));
+        let message = "a change of mirror, scaling, rotation or tilted plane under tool center point control";
+        let help = "end it with G49 first";
+        return Err(fault(Code::NOT_SUPPORTED, span.unwrap_or(gathered.span), message, help));
+    }
+    // What ends them reaches the control, where an earlier program may have left one in force.
+    for (group, off, word) in [(Group::Rotation, 690, "G69"), (Group::Scale, 500, "G50"), (Group::Polar, 150, "G15")] {
+        if gathered.code(group) == Some(off) {
+            channel.push(Kind::Keep(word));
         }
-        if gathered.code(Group::Interpolation).is_some_and(|code| code != 131) {
-            let message = "polar coordinate interpolation (G12.1) is not supported";
-            let span = gathered.code_span(Group::Interpolation);
-            return Err(fault(
-                Code::NOT_SUPPORTED,
-                span,
-                message,
-                "leave the block to a program that is not corrected",
-            ));
-        }
-        if self.modal.turning.is_some() {
-            let span = groups.iter().find(|&&group| gathered.code(group).is_some()).map(|&g| gathered.code_span(g));
-            let message = "a change of mirror, scaling, rotation or tilted plane under tool center point control";
-            let help = "end it with G49 first";
-            return Err(fault(Code::NOT_SUPPORTED, span.unwrap_or(gathered.span), message, help));
-        }
-        // What ends them reaches the control, where an earlier program may have left one in force.
-        for (group, off, word) in
-            [(Group::Rotation, 690, "G69"), (Group::Scale, 500, "G50"), (Group::Polar, 150, "G15")]
-        {
-            if gathered.code(group) == Some(off) {
-                self.push(Kind::Keep(word));
-            }
-        }
-        let before = self.modal.transforms.clone();
-        let mut took = false;
-        // What is within ends before what it is within, and begins behind it.
-        if gathered.code(Group::Rotation) == Some(690) {
-            self.modal.transforms.end_rotation();
-            self.special.tilt_parts = Default::default();
-        }
-        if gathered.code(Group::Scale) == Some(500) {
-            let done = self.modal.transforms.end_scale();
-            self.allowed(done, 500, gathered.code_span(Group::Scale))?;
-        }
-        match gathered.code(Group::Mirror) {
-            Some(501) => took |= self.end_mirror(gathered)?,
-            Some(_) => {
-                self.mirror(gathered)?;
-                took = true;
-            }
-            None => {}
-        }
-        if gathered.code(Group::Scale) == Some(510) {
-            self.once(took, gathered.code_span(Group::Scale))?;
-            self.scale(gathered)?;
+    }
+    let before = channel.modal.transforms.clone();
+    let mut took = false;
+    // What is within ends before what it is within, and begins behind it.
+    if gathered.code(Group::Rotation) == Some(690) {
+        channel.modal.transforms.end_rotation();
+        channel.special.tilt_parts = Default::default();
+    }
+    if gathered.code(Group::Scale) == Some(500) {
+        let done = channel.modal.transforms.end_scale();
+        allowed(channel, done, 500, gathered.code_span(Group::Scale))?;
+    }
+    match gathered.code(Group::Mirror) {
+        Some(501) => took |= end_mirror(channel, gathered)?,
+        Some(_) => {
+            mirror(channel, gathered)?;
             took = true;
         }
-        if let Some(code) = gathered.code(Group::Rotation).filter(|&code| code != 690) {
-            let span = gathered.code_span(Group::Rotation);
-            self.once(took, span)?;
-            match code {
-                680 => self.rotation(gathered, span)?,
-                _ => self.tilt(gathered, code, span)?,
-            }
-            took = true;
-        }
-        match gathered.code(Group::Polar) {
-            Some(150) => self.special.polar = None,
-            Some(_) => self.special.polar = Some(Polar::default()),
-            None => {}
-        }
-        if self.modal.transforms != before {
-            if self.modal.contour.compensates() {
-                let message = "a change of mirror, scaling, rotation or tilted plane within radius compensation";
-                return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "end it with G40 first"));
-            }
-            let (here, known) = (self.here(), self.modal.known);
-            self.refresh_setup();
-            self.note_turn(&before, &here, known);
-        }
-        Ok(took)
+        None => {}
     }
-
-    fn once(&self, took: bool, span: Span) -> Result<(), Fault> {
-        if !took {
-            return Ok(());
-        }
-        let message = "two codes of the block need its axis words";
-        Err(bad_value(span, message, "write each in a block of its own"))
+    if gathered.code(Group::Scale) == Some(510) {
+        once(channel, took, gathered.code_span(Group::Scale))?;
+        scale(channel, gathered)?;
+        took = true;
     }
-
-    fn allowed(&self, done: Result<(), Within>, code: u16, span: Span) -> Result<(), Fault> {
-        done.map_err(|within| {
-            let message = format!("{} within {within}", name_of(code));
-            let help = "begin with the mirror, then the scaling, then the rotation, and end in the reverse order";
-            fault(Code::NOT_SUPPORTED, span, message, help)
-        })
+    if let Some(code) = gathered.code(Group::Rotation).filter(|&code| code != 690) {
+        let span = gathered.code_span(Group::Rotation);
+        once(channel, took, span)?;
+        match code {
+            680 => rotation(channel, gathered, span)?,
+            _ => tilt::tilt(channel, gathered, code, span)?,
+        }
+        took = true;
     }
-
-    /// Values of X, Y, Z, mm.
-    fn place_words(&mut self, gathered: &Gathered) -> Result<[Option<f64>; 3], Fault> {
-        let mut out = [None; 3];
-        for (value, letter) in out.iter_mut().zip(LETTERS) {
-            *value = self.length(gathered, letter)?;
-        }
-        Ok(out)
+    match gathered.code(Group::Polar) {
+        Some(150) => channel.special.polar = None,
+        Some(_) => channel.special.polar = Some(Polar::default()),
+        None => {}
     }
-
-    /// `G51.1 X Y Z`
-    fn mirror(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let span = gathered.code_span(Group::Mirror);
-        let words = self.place_words(gathered)?;
-        if words == [None; 3] {
-            return Err(bad_value(span, "G51.1 without axis words", "name the axes that it mirrors, and where"));
+    if channel.modal.transforms != before {
+        if channel.modal.contour.compensates() {
+            let message = "a change of mirror, scaling, rotation or tilted plane within radius compensation";
+            return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "end it with G40 first"));
         }
-        let done = self.modal.transforms.set_mirror(words);
-        self.allowed(done, 511, span)
+        let (here, known) = (offsets::here(channel), channel.modal.known);
+        setup::refresh_setup(channel);
+        one_axis::note_turn(channel, &before, &here, known);
     }
+    Ok(took)
+}
 
-    /// `G50.1 X Y Z`: whether it took the axis words.
-    fn end_mirror(&mut self, gathered: &Gathered) -> Result<bool, Fault> {
-        let has_motion = gathered.code(Group::Motion).is_some();
-        let named = LETTERS.map(|letter| !has_motion && gathered.has(letter));
-        if !has_motion {
-            gathered.use_up(&LETTERS);
-        }
-        let mut text = "G50.1".to_owned();
-        for (letter, _) in LETTERS.into_iter().zip(named).filter(|&(_, is_named)| is_named) {
-            self.append(&mut text, letter, 0.0);
-        }
-        self.push(Kind::Verbatim(text.into_bytes()));
-        let done = self.modal.transforms.end_mirror(named);
-        self.allowed(done, 501, gathered.code_span(Group::Mirror))?;
-        Ok(!has_motion && named != [false; 3])
+fn once(channel: &Channel<'_>, took: bool, span: Span) -> Result<(), Fault> {
+    if !took {
+        return Ok(());
     }
+    let message = "two codes of the block need its axis words";
+    Err(bad_value(span, message, "write each in a block of its own"))
+}
 
-    /// `G51 X Y Z P`, `G51 X Y Z I J K`
-    fn scale(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let span = gathered.code_span(Group::Scale);
-        let center = self.place_words(gathered)?;
-        let factor = |letter: u8| {
-            gathered.raw(letter).map(|value| if gathered.is_unpointed(letter) { value * FACTOR } else { value })
-        };
-        let each = [factor(b'I'), factor(b'J'), factor(b'K')];
-        let factors = match (factor(b'P'), each) {
-            (Some(all), [None, None, None]) => [all; 3],
-            (None, [None, None, None]) | (Some(_), _) => {
-                let message = "G51 needs P with the factor, or I, J, K with one for each axis";
-                return Err(bad_value(span, message, "write for example P2000 for twice the size"));
-            }
-            (None, each) => each.map(|factor| factor.unwrap_or(1.0)),
-        };
-        for (axis, _) in AXES.into_iter().zip(center).filter(|(axis, word)| self.axes.contains(*axis) && word.is_none())
-        {
-            self.check_stated(axis, span)?;
+fn allowed(channel: &Channel<'_>, done: Result<(), Within>, code: u16, span: Span) -> Result<(), Fault> {
+    done.map_err(|within| {
+        let message = format!("{} within {within}", name_of(code));
+        let help = "begin with the mirror, then the scaling, then the rotation, and end in the reverse order";
+        fault(Code::NOT_SUPPORTED, span, message, help)
+    })
+}
+
+/// Values of X, Y, Z, mm.
+fn place_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<[Option<f64>; 3], Fault> {
+    let mut out = [None; 3];
+    for (value, letter) in out.iter_mut().zip(LETTERS) {
+        *value = measure::length(channel, gathered, letter)?;
+    }
+    Ok(out)
+}
+
+/// `G51.1 X Y Z`
+fn mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let span = gathered.code_span(Group::Mirror);
+    let words = place_words(channel, gathered)?;
+    if words == [None; 3] {
+        return Err(bad_value(span, "G51.1 without axis words", "name the axes that it mirrors, and where"));
+    }
+    let done = channel.modal.transforms.set_mirror(words);
+    allowed(channel, done, 511, span)
+}
+
+/// `G50.1 X Y Z`: whether it took the axis words.
+fn end_mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
+    let has_motion = gathered.code(Group::Motion).is_some();
+    let named = LETTERS.map(|letter| !has_motion && gathered.has(letter));
+    if !has_motion {
+        gathered.use_up(&LETTERS);
+    }
+    let mut text = "G50.1".to_owned();
+    for (letter, _) in LETTERS.into_iter().zip(named).filter(|&(_, is_named)| is_named) {
+        data::append(channel, &mut text, letter, 0.0);
+    }
+    channel.push(Kind::Verbatim(text.into_bytes()));
+    let done = channel.modal.transforms.end_mirror(named);
+    allowed(channel, done, 501, gathered.code_span(Group::Mirror))?;
+    Ok(!has_motion && named != [false; 3])
+}
+
+/// `G51 X Y Z P`, `G51 X Y Z I J K`
+fn scale(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let span = gathered.code_span(Group::Scale);
+    let center = place_words(channel, gathered)?;
+    let factor = |letter: u8| {
+        gathered.raw(letter).map(|value| if gathered.is_unpointed(letter) { value * FACTOR } else { value })
+    };
+    let each = [factor(b'I'), factor(b'J'), factor(b'K')];
+    let factors = match (factor(b'P'), each) {
+        (Some(all), [None, None, None]) => [all; 3],
+        (None, [None, None, None]) | (Some(_), _) => {
+            let message = "G51 needs P with the factor, or I, J, K with one for each axis";
+            return Err(bad_value(span, message, "write for example P2000 for twice the size"));
         }
-        let here = self.here();
-        match self.modal.transforms.set_scale(center, factors, &here) {
+        (None, each) => each.map(|factor| factor.unwrap_or(1.0)),
+    };
+    for (axis, _) in AXES.into_iter().zip(center).filter(|(axis, word)| channel.axes.contains(*axis) && word.is_none())
+    {
+        offsets::check_stated(channel, axis, span)?;
+    }
+    let here = offsets::here(channel);
+    match channel.modal.transforms.set_scale(center, factors, &here) {
+        Ok(true) => Ok(()),
+        Ok(false) => Err(bad_value(span, "a factor of G51 is 0", "correct the factor")),
+        Err(within) => allowed(channel, Err(within), 510, span),
+    }
+}
+
+/// `G68 X Y R`, `G68 X Y Z I J K R`
+fn rotation(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+    let Some(angle) = measure::angle(channel, gathered, b'R')? else {
+        return Err(bad_value(span, "G68 needs R with the angle", "write R in degrees"));
+    };
+    let here = offsets::here(channel);
+    let center = place_words(channel, gathered)?;
+    if gathered.has_any(b"IJK") {
+        special::check_plane_stated(channel, missing(center), span)?;
+        let direction = [b'I', b'J', b'K'].map(|letter| gathered.raw(letter).unwrap_or(0.0));
+        let done = match channel.modal.transforms.set_rotation_about(center, direction, angle, &here) {
             Ok(true) => Ok(()),
-            Ok(false) => Err(bad_value(span, "a factor of G51 is 0", "correct the factor")),
-            Err(within) => self.allowed(Err(within), 510, span),
-        }
-    }
-
-    /// `G68 X Y R`, `G68 X Y Z I J K R`
-    fn rotation(&mut self, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-        let Some(angle) = self.angle(gathered, b'R')? else {
-            return Err(bad_value(span, "G68 needs R with the angle", "write R in degrees"));
+            Ok(false) => return Err(bad_value(span, "I, J and K of G68 are 0", "write the direction of the line")),
+            Err(within) => Err(within),
         };
-        let here = self.here();
-        let center = self.place_words(gathered)?;
-        if gathered.has_any(b"IJK") {
-            self.check_plane_stated(missing(center), span)?;
-            let direction = [b'I', b'J', b'K'].map(|letter| gathered.raw(letter).unwrap_or(0.0));
-            let done = match self.modal.transforms.set_rotation_about(center, direction, angle, &here) {
-                Ok(true) => Ok(()),
-                Ok(false) => return Err(bad_value(span, "I, J and K of G68 are 0", "write the direction of the line")),
-                Err(within) => Err(within),
-            };
-            self.allowed(done, 680, span)?;
-            if self.modal.transforms.turns(&self.modal.length_mm) {
-                return Err(turned_length(span));
-            }
-            return Ok(());
+        allowed(channel, done, 680, span)?;
+        if channel.modal.transforms.turns(&channel.modal.length_mm) {
+            return Err(turned_length(span));
         }
-        let [abscissa, ordinate, applicate] = self.modal.plane.axes();
-        if gathered.has(applicate.letter()) {
-            let message = format!("{applicate} with G68 in this plane");
-            let help = "name the center in the working plane, or the line with I, J and K too";
-            return Err(bad_value(gathered.span_of(applicate.letter()), message, help));
-        }
-        let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-        self.check_plane_stated(missing(center).intersection(plane), span)?;
-        let center = [abscissa, ordinate].map(|axis| center.get(axis.slot()).copied().flatten());
-        let done = self.modal.transforms.set_rotation(self.modal.plane, center, angle, &here);
-        self.allowed(done, 680, span)
+        return Ok(());
     }
+    let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+    if gathered.has(applicate.letter()) {
+        let message = format!("{applicate} with G68 in this plane");
+        let help = "name the center in the working plane, or the line with I, J and K too";
+        return Err(bad_value(gathered.span_of(applicate.letter()), message, help));
+    }
+    let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
+    special::check_plane_stated(channel, missing(center).intersection(plane), span)?;
+    let center = [abscissa, ordinate].map(|axis| center.get(axis.slot()).copied().flatten());
+    let done = channel.modal.transforms.set_rotation(channel.modal.plane, center, angle, &here);
+    allowed(channel, done, 680, span)
 }
 
 /// The axes of X, Y, Z without a word.

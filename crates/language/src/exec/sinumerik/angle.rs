@@ -27,109 +27,112 @@ impl OpenAngle {
     }
 }
 
-impl Channel<'_> {
-    /// Carries out ANG, and demands it behind a motion without end.
-    pub(super) fn angle(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-        let angle = gathered.named(Named::Ang).copied();
-        let open = self.open_angle.take();
-        if angle.is_none() && open.is_none() {
-            return Ok(());
-        }
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-        let is_straight = matches!(self.modal.motion, MotionKind::Line | MotionKind::Rapid);
-        let named = gathered.named.intersection(plane);
-        if let Some(open) = open {
-            let angle = angle.filter(|_| is_straight && named == plane);
-            let done = angle.map(|angle| self.close_angle(gathered, &open, &angle)).transpose();
-            return match done {
-                Ok(Some(())) => Ok(()),
-                other => {
-                    self.end_open(None, AxisSet::EMPTY);
-                    other.map(|_| ())?;
-                    Err(without_end(open.span))
-                }
-            };
-        }
-        let Some(angle) = angle else { return Ok(()) };
-        let suppressed = gathered.suppress.is_some();
-        if !is_straight || suppressed || named == plane || gathered.center.iter().any(Option::is_some) {
-            let message = "ANG stands in a block that is no straight motion, or that gives both coordinates of its end";
-            let help = "keep ANG, or the second coordinate; with both it belongs behind a block with ANG alone";
-            return Err(bad_value(angle.span, message, help));
-        }
-        if let Some(axis) = plane.difference(self.modal.known).iter().next().filter(|_| self.strict) {
-            let message =
-                format!("the end of this element depends on {axis}, and the program has not stated where that is");
-            let help = "begin with an absolute position of this axis, or give --start";
-            return Err(fault(Code::UNKNOWN_START, angle.span, message, help));
-        }
-        let here = self.setup.programmed(&self.modal.command);
-        let start = [here[abscissa], here[ordinate]];
-        let angle_rad = angle.value.to_radians();
-        let Some(axis) = named.iter().next() else {
-            self.open_angle = Some(OpenAngle { start, angle_rad, span });
-            return Ok(());
+/// Carries out ANG, and demands it behind a motion without end.
+pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    let angle = gathered.named(Named::Ang).copied();
+    let open = channel.open_angle.take();
+    if angle.is_none() && open.is_none() {
+        return Ok(());
+    }
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
+    let is_straight = matches!(channel.modal.motion, MotionKind::Line | MotionKind::Rapid);
+    let named = gathered.named.intersection(plane);
+    if let Some(open) = open {
+        let angle = angle.filter(|_| is_straight && named == plane);
+        let done = angle.map(|angle| close_angle(channel, gathered, &open, &angle)).transpose();
+        return match done {
+            Ok(Some(())) => Ok(()),
+            other => {
+                end_open(channel, None, AxisSet::EMPTY);
+                other.map(|_| ())?;
+                Err(without_end(open.span))
+            }
         };
-        let given = self.programmed_end(gathered, axis, &here);
-        let (sin, cos) = angle_rad.sin_cos();
-        let (other, run, rise, from) =
-            if axis == abscissa { (ordinate, cos, sin, start[1]) } else { (abscissa, sin, cos, start[0]) };
-        let end = from + (given - here[axis]) * rise / run;
-        if run.abs() < 1e-9 || !end.is_finite() {
-            let message = format!("at {} degrees the line never reaches this {axis}", angle.value);
-            return Err(bad_value(angle.span, message, "give the other coordinate, or correct the angle"));
-        }
-        self.set_end(gathered, other, end);
-        Ok(())
     }
+    let Some(angle) = angle else { return Ok(()) };
+    let suppressed = gathered.suppress.is_some();
+    if !is_straight || suppressed || named == plane || gathered.center.iter().any(Option::is_some) {
+        let message = "ANG stands in a block that is no straight motion, or that gives both coordinates of its end";
+        let help = "keep ANG, or the second coordinate; with both it belongs behind a block with ANG alone";
+        return Err(bad_value(angle.span, message, help));
+    }
+    if let Some(axis) = plane.difference(channel.modal.known).iter().next().filter(|_| channel.strict) {
+        let message =
+            format!("the end of this element depends on {axis}, and the program has not stated where that is");
+        let help = "begin with an absolute position of this axis, or give --start";
+        return Err(fault(Code::UNKNOWN_START, angle.span, message, help));
+    }
+    let here = channel.setup.programmed(&channel.modal.command);
+    let start = [here[abscissa], here[ordinate]];
+    let angle_rad = angle.value.to_radians();
+    let Some(axis) = named.iter().next() else {
+        channel.open_angle = Some(OpenAngle { start, angle_rad, span });
+        return Ok(());
+    };
+    let given = programmed_end(channel, gathered, axis, &here);
+    let (sin, cos) = angle_rad.sin_cos();
+    let (other, run, rise, from) =
+        if axis == abscissa { (ordinate, cos, sin, start[1]) } else { (abscissa, sin, cos, start[0]) };
+    let end = from + (given - here[axis]) * rise / run;
+    if run.abs() < 1e-9 || !end.is_finite() {
+        let message = format!("at {} degrees the line never reaches this {axis}", angle.value);
+        return Err(bad_value(angle.span, message, "give the other coordinate, or correct the angle"));
+    }
+    set_end(channel, gathered, other, end);
+    Ok(())
+}
 
-    /// The element behind a motion without end: both meet at the intersection.
-    fn close_angle(&mut self, gathered: &Gathered, open: &OpenAngle, angle: &NamedValue) -> Result<(), Fault> {
-        let [abscissa, ordinate, _] = self.modal.plane.axes();
-        let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-        let is_incremental = |axis: Axis| {
-            gathered.as_incremental.contains(axis) || self.modal.incremental && !gathered.as_absolute.contains(axis)
-        };
-        if is_incremental(abscissa) || is_incremental(ordinate) {
-            let message =
-                "the end of this element is incremental, and its start is its intersection with the element before";
-            return Err(bad_value(angle.span, message, "program the end absolute"));
-        }
-        let here = self.setup.programmed(&self.modal.command);
-        let end = [self.programmed_end(gathered, abscissa, &here), self.programmed_end(gathered, ordinate, &here)];
-        let Some(corner) = crossing((open.start, open.angle_rad), (end, angle.value.to_radians())) else {
-            let message = "this element and the one before run in the same direction: they do not meet";
-            return Err(bad_value(angle.span, message, "correct one of the angles"));
-        };
-        let mut place = here;
-        place[abscissa] = corner[0];
-        place[ordinate] = corner[1];
-        self.modal.command = self.setup.command(&place);
-        self.modal.programmed[abscissa] = corner[0];
-        self.modal.programmed[ordinate] = corner[1];
-        self.modal.known = self.modal.known.union(plane);
-        self.end_open(Some(self.modal.command), plane);
-        Ok(())
+/// The element behind a motion without end: both meet at the intersection.
+fn close_angle(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    open: &OpenAngle,
+    angle: &NamedValue,
+) -> Result<(), Fault> {
+    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
+    let is_incremental = |axis: Axis| {
+        gathered.as_incremental.contains(axis) || channel.modal.incremental && !gathered.as_absolute.contains(axis)
+    };
+    if is_incremental(abscissa) || is_incremental(ordinate) {
+        let message =
+            "the end of this element is incremental, and its start is its intersection with the element before";
+        return Err(bad_value(angle.span, message, "program the end absolute"));
     }
+    let here = channel.setup.programmed(&channel.modal.command);
+    let end = [programmed_end(channel, gathered, abscissa, &here), programmed_end(channel, gathered, ordinate, &here)];
+    let Some(corner) = crossing((open.start, open.angle_rad), (end, angle.value.to_radians())) else {
+        let message = "this element and the one before run in the same direction: they do not meet";
+        return Err(bad_value(angle.span, message, "correct one of the angles"));
+    };
+    let mut place = here;
+    place[abscissa] = corner[0];
+    place[ordinate] = corner[1];
+    channel.modal.command = channel.setup.command(&place);
+    channel.modal.programmed[abscissa] = corner[0];
+    channel.modal.programmed[ordinate] = corner[1];
+    channel.modal.known = channel.modal.known.union(plane);
+    end_open(channel, Some(channel.modal.command), plane);
+    Ok(())
+}
 
-    fn programmed_end(&self, gathered: &Gathered, axis: Axis, here: &AxisVector) -> f64 {
-        let value = gathered.axes[axis] * self.modal.scale();
-        let is_incremental =
-            gathered.as_incremental.contains(axis) || self.modal.incremental && !gathered.as_absolute.contains(axis);
-        if is_incremental { here[axis] + value } else { value }
-    }
+fn programmed_end(channel: &Channel<'_>, gathered: &Gathered, axis: Axis, here: &AxisVector) -> f64 {
+    let value = gathered.axes[axis] * channel.modal.scale();
+    let is_incremental =
+        gathered.as_incremental.contains(axis) || channel.modal.incremental && !gathered.as_absolute.contains(axis);
+    if is_incremental { here[axis] + value } else { value }
+}
 
-    fn set_end(&self, gathered: &mut Gathered, axis: Axis, value: f64) {
-        gathered.axes[axis] = value / self.modal.scale();
-        gathered.named.insert(axis);
-        gathered.as_incremental.remove(axis);
-        gathered.as_absolute.insert(axis);
-    }
+fn set_end(channel: &Channel<'_>, gathered: &mut Gathered, axis: Axis, value: f64) {
+    gathered.axes[axis] = value / channel.modal.scale();
+    gathered.named.insert(axis);
+    gathered.as_incremental.remove(axis);
+    gathered.as_absolute.insert(axis);
+}
 
-    fn end_open(&mut self, end: Option<AxisVector>, axes: AxisSet) {
-        self.outlet.close(end, axes);
-    }
+fn end_open(channel: &mut Channel<'_>, end: Option<AxisVector>, axes: AxisSet) {
+    channel.outlet.close(end, axes);
 }
 
 /// The finding of a motion whose end never came.

@@ -9,6 +9,7 @@ use super::frame_store::settable_code;
 use super::level::Loaded;
 use super::loaded::load;
 use super::scope::scope_of;
+use super::setup;
 use super::system_write::{SystemName, assign_system};
 use super::value::Value as ExecValue;
 use super::variables::List;
@@ -41,7 +42,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
     let loaded = load(program, &before.control);
     let mut reader = Reader {
         loaded: &loaded,
-        channel: Channel::new(&before, &Options::default(), ncfix_dialect::sinumerik().codes()),
+        channel: setup::begin(&before, &Options::default(), ncfix_dialect::sinumerik().codes()),
         data: Data::default(),
     };
     for section in &loaded.program.sections {

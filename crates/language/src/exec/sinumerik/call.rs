@@ -1,6 +1,7 @@
 //! Calls: finds the program, begins its level, and comes back from it.
 
 use super::channel::Channel;
+use super::flow;
 use super::gathered::Call;
 use super::jump::{place_of, search, variable};
 use super::level::{Called, Entry, Interpreter, Level, Loaded, ReturnTarget};
@@ -8,6 +9,7 @@ use super::parameters;
 use super::part::{COUNT_HELP, count_of};
 use super::pass::opaque_statement;
 use super::place::Place;
+use super::save;
 use super::scope::scope_of;
 use super::value::Value;
 use super::variables::Locals;
@@ -264,7 +266,7 @@ impl Interpreter<'_> {
             self.channel.variables.take_back(own, &lent);
         }
         if let Some(saved) = level.own.saved.take() {
-            self.channel.restore(*saved);
+            save::restore(&mut self.channel, *saved);
         }
         let caller = self.levels.last().map_or(0, |level| level.program);
         let given =
@@ -282,7 +284,7 @@ impl Interpreter<'_> {
         }
         if self.levels.len() <= 1 {
             if let Some(number) = word {
-                self.channel.push_end(number);
+                flow::push_end(&mut self.channel, number);
             }
             self.ledger.end();
             return;

@@ -5,6 +5,7 @@ use super::angle::without_end;
 use super::channel::Channel;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::MotionKind;
+use super::spline;
 use crate::exec::core::contour::{
     Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish, unstated,
 };
@@ -68,228 +69,217 @@ fn soft_form(word: &str) -> Option<(SoftForm, bool)> {
     })
 }
 
-impl Channel<'_> {
-    /// Carries out what a block says of contours, before its motion and before its G0, G1 and F act.
-    pub(super) fn contour_words(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        if gathered.contour.is_empty() && gathered.addresses.is_empty() {
-            return Ok(());
+/// Carries out what a block says of contours, before its motion and before its G0, G1 and F act.
+pub(super) fn contour_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    if gathered.contour.is_empty() && gathered.addresses.is_empty() {
+        return Ok(());
+    }
+    for word in &gathered.contour {
+        channel.modal.contour.set(word);
+    }
+    let (scale, feed_scale) = (channel.modal.scale(), feed_scale(channel));
+    let not_negative = |value: &NamedValue, name: &str| {
+        if value.value >= 0.0 && value.value <= 1e6 {
+            return Ok(value.value);
         }
-        for word in &gathered.contour {
-            self.modal.contour.set(word);
+        Err(bad_value(value.span, format!("{name}={} is not allowed", value.value), "write a value from 0"))
+    };
+    if let Some(value) = gathered.named(Named::Rndm) {
+        channel.modal.contour.round_mm = not_negative(value, "RNDM")? * scale;
+    }
+    if let Some(value) = gathered.named(Named::Frcm) {
+        channel.modal.contour.corner_feed = not_negative(value, "FRCM")? * feed_scale;
+    }
+    for (address, name) in [(Named::Offn, "OFFN"), (Named::Toffr, "TOFFR")] {
+        let Some(value) = gathered.named(address) else { continue };
+        if value.value.is_nan() || value.value.abs() > 1e6 {
+            return Err(bad_value(value.span, format!("{name}={} is not allowed", value.value), "correct the value"));
         }
-        let (scale, feed_scale) = (self.modal.scale(), self.feed_scale());
-        let not_negative = |value: &NamedValue, name: &str| {
-            if value.value >= 0.0 && value.value <= 1e6 {
-                return Ok(value.value);
-            }
-            Err(bad_value(value.span, format!("{name}={} is not allowed", value.value), "write a value from 0"))
+        let place = match address {
+            Named::Offn => &mut channel.modal.contour.allowance_mm,
+            _ => &mut channel.modal.contour.radius_change_mm,
         };
-        if let Some(value) = gathered.named(Named::Rndm) {
-            self.modal.contour.round_mm = not_negative(value, "RNDM")? * scale;
-        }
-        if let Some(value) = gathered.named(Named::Frcm) {
-            self.modal.contour.corner_feed = not_negative(value, "FRCM")? * feed_scale;
-        }
-        for (address, name) in [(Named::Offn, "OFFN"), (Named::Toffr, "TOFFR")] {
-            let Some(value) = gathered.named(address) else { continue };
-            if value.value.is_nan() || value.value.abs() > 1e6 {
-                return Err(bad_value(
-                    value.span,
-                    format!("{name}={} is not allowed", value.value),
-                    "correct the value",
-                ));
-            }
-            let place = match address {
-                Named::Offn => &mut self.modal.contour.allowance_mm,
-                _ => &mut self.modal.contour.radius_change_mm,
-            };
-            *place = value.value * scale;
-        }
-        if let Some(value) = gathered.named(Named::Disc).filter(|value| value.value != 0.0) {
-            return Err(fault(
-                Code::NOT_SUPPORTED,
-                value.span,
-                "DISC above 0 is not supported: corners that are no arcs",
-                "use DISC=0, or G451",
-            ));
-        }
-        let words = gathered.contour.iter();
-        if let Some((form, retracts)) = words.filter_map(|word| soft_form(word)).next() {
-            self.soft = Some(self.soft_words(gathered, form, retracts)?);
-        }
-        Ok(())
+        *place = value.value * scale;
     }
-
-    /// The radius of G41 and G42 is that of a cutting edge that the program has named.
-    pub(super) fn check_edge(&mut self, gathered: &Gathered, span: Span) {
-        let code = gathered.contour.iter().find(|word| matches!(**word, "G41" | "G42"));
-        let Some(code) = code.filter(|_| self.strict && !self.modal.edge_stated) else { return };
-        let message = format!("{code} and no D: the radius is that of the tool of an earlier program");
-        let help = "program T, M6 where the machine needs it, and D before it";
-        self.outlet.warnings.push(fault(Code::BAD_COMPENSATION, span, message, help));
+    if let Some(value) = gathered.named(Named::Disc).filter(|value| value.value != 0.0) {
+        return Err(fault(
+            Code::NOT_SUPPORTED,
+            value.span,
+            "DISC above 0 is not supported: corners that are no arcs",
+            "use DISC=0, or G451",
+        ));
     }
-
-    fn feed_scale(&self) -> f64 {
-        if self.modal.inch_feed { MM_PER_INCH } else { 1.0 }
+    let words = gathered.contour.iter();
+    if let Some((form, retracts)) = words.filter_map(|word| soft_form(word)).next() {
+        channel.soft = Some(soft_words(channel, gathered, form, retracts)?);
     }
+    Ok(())
+}
 
-    fn soft_words(&self, gathered: &Gathered, form: SoftForm, retracts: bool) -> Result<Soft, Fault> {
-        let scale = self.modal.scale();
-        if let Some(value) = gathered.named(Named::Disrp) {
-            let message = "DISRP is not supported";
-            return Err(fault(
-                Code::NOT_SUPPORTED,
-                value.span,
-                message,
-                "move to the retraction plane in a block before",
-            ));
-        }
-        let size = gathered.named(Named::Disr).map_or(0.0, |value| value.value);
-        let least = if form == SoftForm::Line { 0.0 } else { 1e-6 };
-        if !(size >= least && size <= 1e6) {
-            let span = gathered.named(Named::Disr).map_or(self.outlet.origin.span, |value| value.span);
-            return Err(bad_value(span, format!("DISR={size} is not allowed here"), "write the radius or length"));
-        }
-        let clearance = match gathered.named(Named::Discl) {
-            None => Clearance::Above(0.0),
-            Some(value) if value.dimension == Some(DimensionFunction::Absolute) => Clearance::At(value.value * scale),
-            Some(value) => Clearance::Above(value.value * scale),
-        };
-        Ok(Soft {
-            form,
-            retracts,
-            side: self.modal.contour.soft_side,
-            in_plane: self.modal.contour.soft_in_plane,
-            size_mm: size * scale,
-            clearance,
-            infeed: gathered.named(Named::Fad).map_or(0.0, |value| value.value.max(0.0) * self.feed_scale()),
-            feed_before: self.modal.feed,
-            rapid_before: self.modal.motion == MotionKind::Rapid,
-        })
+/// The radius of G41 and G42 is that of a cutting edge that the program has named.
+pub(super) fn check_edge(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) {
+    let code = gathered.contour.iter().find(|word| matches!(**word, "G41" | "G42"));
+    let Some(code) = code.filter(|_| channel.strict && !channel.modal.edge_stated) else { return };
+    let message = format!("{code} and no D: the radius is that of the tool of an earlier program");
+    let help = "program T, M6 where the machine needs it, and D before it";
+    channel.outlet.warnings.push(fault(Code::BAD_COMPENSATION, span, message, help));
+}
+
+fn feed_scale(channel: &Channel<'_>) -> f64 {
+    if channel.modal.inch_feed { MM_PER_INCH } else { 1.0 }
+}
+
+fn soft_words(channel: &Channel<'_>, gathered: &Gathered, form: SoftForm, retracts: bool) -> Result<Soft, Fault> {
+    let scale = channel.modal.scale();
+    if let Some(value) = gathered.named(Named::Disrp) {
+        let message = "DISRP is not supported";
+        return Err(fault(Code::NOT_SUPPORTED, value.span, message, "move to the retraction plane in a block before"));
     }
-
-    /// The transition that a block wants behind itself.
-    pub(super) fn corner_words(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        self.corner = None;
-        self.corner_feed = None;
-        if gathered.addresses.is_empty() {
-            return Ok(());
-        }
-        let scale = self.modal.scale();
-        let mut found: Option<Transition> = None;
-        for (address, name) in [(Named::Rnd, "RND"), (Named::Chf, "CHF"), (Named::Chr, "CHR")] {
-            let Some(value) = gathered.named(address) else { continue };
-            if found.is_some() || !(value.value >= 0.0 && value.value <= 1e6) {
-                let help = "write one of RND, CHF and CHR, with a value above 0";
-                return Err(bad_value(value.span, format!("{name}={} is not allowed here", value.value), help));
-            }
-            if value.value == 0.0 {
-                continue;
-            }
-            let size = value.value * scale * self.even_scale(value)?;
-            found = Some(match address {
-                Named::Rnd => Transition::Round(size),
-                Named::Chf => Transition::ChamferLength(size),
-                _ => Transition::ChamferSetback(size),
-            });
-        }
-        let feed = gathered.named(Named::Frc).map(|value| value.value.max(0.0) * self.feed_scale());
-        let feed = feed.unwrap_or(self.modal.contour.corner_feed);
-        self.corner_feed = found.is_none().then_some(feed);
-        self.corner = found.map(|transition| Corner { transition, feed, is_modal: false });
-        Ok(())
+    let size = gathered.named(Named::Disr).map_or(0.0, |value| value.value);
+    let least = if form == SoftForm::Line { 0.0 } else { 1e-6 };
+    if !(size >= least && size <= 1e6) {
+        let span = gathered.named(Named::Disr).map_or(channel.outlet.origin.span, |value| value.span);
+        return Err(bad_value(span, format!("DISR={size} is not allowed here"), "write the radius or length"));
     }
+    let clearance = match gathered.named(Named::Discl) {
+        None => Clearance::Above(0.0),
+        Some(value) if value.dimension == Some(DimensionFunction::Absolute) => Clearance::At(value.value * scale),
+        Some(value) => Clearance::Above(value.value * scale),
+    };
+    Ok(Soft {
+        form,
+        retracts,
+        side: channel.modal.contour.soft_side,
+        in_plane: channel.modal.contour.soft_in_plane,
+        size_mm: size * scale,
+        clearance,
+        infeed: gathered.named(Named::Fad).map_or(0.0, |value| value.value.max(0.0) * feed_scale(channel)),
+        feed_before: channel.modal.feed,
+        rapid_before: channel.modal.motion == MotionKind::Rapid,
+    })
+}
 
-    /// The factor by which the frame scales the plane.
-    fn even_scale(&self, value: &NamedValue) -> Result<f64, Fault> {
-        let frame = &self.setup.frame;
-        if frame.is_translation() {
-            return Ok(1.0);
-        }
-        if !frame.keeps_circles(self.modal.plane) {
-            return Err(fault(
-                Code::NOT_SUPPORTED,
-                value.span,
-                "a rounding or chamfer under unequal scale",
-                "scale both axes of the plane alike",
-            ));
-        }
-        let [abscissa, ..] = self.modal.plane.axes();
-        Ok(frame.linear().column(abscissa.slot()).norm())
+/// The transition that a block wants behind itself.
+pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    channel.corner = None;
+    channel.corner_feed = None;
+    if gathered.addresses.is_empty() {
+        return Ok(());
     }
-
-    /// What the motion of a block asks of the stage; `None` where it is what it is.
-    pub(super) fn wish(&mut self, path: &Path) -> Option<Wish> {
-        let (corner, soft) = (self.corner.take(), self.soft.take());
-        let modal = self.modal.contour;
-        let is_open = self.open_angle.is_some();
-        if !is_open && corner.is_none() && soft.is_none() && modal.is_plain() && !self.outlet.is_holding() {
-            return None;
+    let scale = channel.modal.scale();
+    let mut found: Option<Transition> = None;
+    for (address, name) in [(Named::Rnd, "RND"), (Named::Chf, "CHF"), (Named::Chr, "CHR")] {
+        let Some(value) = gathered.named(address) else { continue };
+        if found.is_some() || !(value.value >= 0.0 && value.value <= 1e6) {
+            let help = "write one of RND, CHF and CHR, with a value above 0";
+            return Err(bad_value(value.span, format!("{name}={} is not allowed here", value.value), help));
         }
-        let modal_corner = (modal.round_mm > 0.0).then(|| {
-            let frame = &self.setup.frame;
-            let [abscissa, ..] = self.modal.plane.axes();
-            let scale = frame.linear().column(abscissa.slot()).norm();
-            // FRC goes before FRCM, behind RNDM too.
-            let feed = self.corner_feed.unwrap_or(modal.corner_feed);
-            Corner { transition: Transition::Round(modal.round_mm * scale), feed, is_modal: true }
+        if value.value == 0.0 {
+            continue;
+        }
+        let size = value.value * scale * even_scale(channel, value)?;
+        found = Some(match address {
+            Named::Rnd => Transition::Round(size),
+            Named::Chf => Transition::ChamferLength(size),
+            _ => Transition::ChamferSetback(size),
         });
-        let beside = self.modal.radius_mm + modal.allowance_mm + modal.radius_change_mm;
-        let distance_mm = match modal.side {
-            Side::Off => 0.0,
-            Side::Left => beside,
-            Side::Right => -beside,
-        };
-        let corner = corner.or(modal_corner);
-        let [.., applicate] = self.modal.plane.axes();
-        let soft = soft.map(|soft| match soft.clearance {
-            Clearance::At(value) => {
-                let mut place = path.setup.programmed(&path.motion.target);
-                place[applicate] = value;
-                Soft { clearance: Clearance::At(path.basis.height(&path.setup.command(&place))), ..soft }
-            }
-            Clearance::Above(_) => soft,
-        });
-        Some(Wish { modal, distance_mm, corner, soft, span: path.span, file: self.outlet.origin.file })
     }
+    let feed = gathered.named(Named::Frc).map(|value| value.value.max(0.0) * feed_scale(channel));
+    let feed = feed.unwrap_or(channel.modal.contour.corner_feed);
+    channel.corner_feed = found.is_none().then_some(feed);
+    channel.corner = found.map(|transition| Corner { transition, feed, is_modal: false });
+    Ok(())
+}
 
-    /// Puts a motion into the stream through the contour stage.
-    pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Wish) {
-        self.check_known(&path, &wish);
-        let (tool, edge) = (&self.modal.active, self.modal.edge);
-        self.outlet.name_register(&wish, || match tool {
-            Some(WordValue::Number(number)) => format!("D{edge} of T{number}"),
-            Some(WordValue::Name(name)) => format!("D{edge} of T=\"{}\"", String::from_utf8_lossy(name)),
-            None => format!("D{edge}"),
-        });
-        if self.open_angle.is_some() {
-            self.outlet.open(path, element, wish);
-        } else {
-            self.outlet.pass_path(path, element, wish);
-        }
+/// The factor by which the frame scales the plane.
+fn even_scale(channel: &Channel<'_>, value: &NamedValue) -> Result<f64, Fault> {
+    let frame = &channel.setup.frame;
+    if frame.is_translation() {
+        return Ok(1.0);
     }
+    if !frame.keeps_circles(channel.modal.plane) {
+        return Err(fault(
+            Code::NOT_SUPPORTED,
+            value.span,
+            "a rounding or chamfer under unequal scale",
+            "scale both axes of the plane alike",
+        ));
+    }
+    let [abscissa, ..] = channel.modal.plane.axes();
+    Ok(frame.linear().column(abscissa.slot()).norm())
+}
 
-    /// What depends on places that the program has not stated must not be corrected.
-    fn check_known(&mut self, path: &Path, wish: &Wish) {
-        if path.motion.is_inverse_time() && wish.corner.is_some() {
-            let message = "a rounding or chamfer with inverse-time feed (G93)";
-            self.outlet.warnings.push(fault(
-                Code::NOT_SUPPORTED,
-                wish.span,
-                message,
-                "program the feed with G94 or G95",
-            ));
-        }
-        if self.strict {
-            self.outlet.warnings.extend(unstated(path, wish, self.modal.plane));
-        }
+/// What the motion of a block asks of the stage; `None` where it is what it is.
+pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
+    let (corner, soft) = (channel.corner.take(), channel.soft.take());
+    let modal = channel.modal.contour;
+    let is_open = channel.open_angle.is_some();
+    if !is_open && corner.is_none() && soft.is_none() && modal.is_plain() && !channel.outlet.is_holding() {
+        return None;
     }
+    let modal_corner = (modal.round_mm > 0.0).then(|| {
+        let frame = &channel.setup.frame;
+        let [abscissa, ..] = channel.modal.plane.axes();
+        let scale = frame.linear().column(abscissa.slot()).norm();
+        // FRC goes before FRCM, behind RNDM too.
+        let feed = channel.corner_feed.unwrap_or(modal.corner_feed);
+        Corner { transition: Transition::Round(modal.round_mm * scale), feed, is_modal: true }
+    });
+    let beside = channel.modal.radius_mm + modal.allowance_mm + modal.radius_change_mm;
+    let distance_mm = match modal.side {
+        Side::Off => 0.0,
+        Side::Left => beside,
+        Side::Right => -beside,
+    };
+    let corner = corner.or(modal_corner);
+    let [.., applicate] = channel.modal.plane.axes();
+    let soft = soft.map(|soft| match soft.clearance {
+        Clearance::At(value) => {
+            let mut place = path.setup.programmed(&path.motion.target);
+            place[applicate] = value;
+            Soft { clearance: Clearance::At(path.basis.height(&path.setup.command(&place))), ..soft }
+        }
+        Clearance::Above(_) => soft,
+    });
+    Some(Wish { modal, distance_mm, corner, soft, span: path.span, file: channel.outlet.origin.file })
+}
 
-    /// Ends what is held back.
-    pub(super) fn finish(&mut self) {
-        let ended = self.end_spline(None);
-        self.outlet.warnings.extend(ended.err());
-        self.outlet.warnings.extend(self.open_angle.take().map(|open| without_end(open.span())));
-        self.outlet.finish();
+/// Puts a motion into the stream through the contour stage.
+pub(super) fn pass_path(channel: &mut Channel<'_>, path: Path, element: Element, wish: Wish) {
+    check_known(channel, &path, &wish);
+    let (tool, edge) = (&channel.modal.active, channel.modal.edge);
+    channel.outlet.name_register(&wish, || match tool {
+        Some(WordValue::Number(number)) => format!("D{edge} of T{number}"),
+        Some(WordValue::Name(name)) => format!("D{edge} of T=\"{}\"", String::from_utf8_lossy(name)),
+        None => format!("D{edge}"),
+    });
+    if channel.open_angle.is_some() {
+        channel.outlet.open(path, element, wish);
+    } else {
+        channel.outlet.pass_path(path, element, wish);
     }
+}
+
+/// What depends on places that the program has not stated must not be corrected.
+fn check_known(channel: &mut Channel<'_>, path: &Path, wish: &Wish) {
+    if path.motion.is_inverse_time() && wish.corner.is_some() {
+        let message = "a rounding or chamfer with inverse-time feed (G93)";
+        channel.outlet.warnings.push(fault(
+            Code::NOT_SUPPORTED,
+            wish.span,
+            message,
+            "program the feed with G94 or G95",
+        ));
+    }
+    if channel.strict {
+        channel.outlet.warnings.extend(unstated(path, wish, channel.modal.plane));
+    }
+}
+
+/// Ends what is held back.
+pub(super) fn finish(channel: &mut Channel<'_>) {
+    let ended = spline::end_spline(channel, None);
+    channel.outlet.warnings.extend(ended.err());
+    channel.outlet.warnings.extend(channel.open_angle.take().map(|open| without_end(open.span())));
+    channel.outlet.finish();
 }

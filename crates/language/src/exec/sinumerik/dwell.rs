@@ -7,37 +7,31 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Dwell, Kind};
 
-impl Channel<'_> {
-    /// Executes `G4`.
-    pub(super) fn dwell(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-        let dwell = match (gathered.feed, gathered.speed) {
-            (Some((seconds, _)), None) => Dwell::Seconds(seconds),
-            (None, Some((turns, _))) if turns >= 0.0 => Dwell::Turns(turns),
-            _ => {
-                return Err(bad_value(
-                    span,
-                    "G4 needs either F with seconds or S with turns",
-                    "write for example G4 F1.5",
-                ));
-            }
-        };
-        if !gathered.named.is_empty() {
-            return Err(fault(
-                Code::MUST_STAND_ALONE,
-                span,
-                "G4 shares its block with a motion",
-                "give the dwell a block of its own",
-            ));
+/// Executes `G4`.
+pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    let dwell = match (gathered.feed, gathered.speed) {
+        (Some((seconds, _)), None) => Dwell::Seconds(seconds),
+        (None, Some((turns, _))) if turns >= 0.0 => Dwell::Turns(turns),
+        _ => {
+            return Err(bad_value(span, "G4 needs either F with seconds or S with turns", "write for example G4 F1.5"));
         }
-        let before = std::mem::take(&mut gathered.before);
-        if !before.is_empty() {
-            self.push(Kind::Before(before));
-        }
-        self.push(Kind::Dwell(dwell));
-        let after = std::mem::take(&mut gathered.after);
-        if !after.is_empty() {
-            self.push(Kind::After(after));
-        }
-        Ok(())
+    };
+    if !gathered.named.is_empty() {
+        return Err(fault(
+            Code::MUST_STAND_ALONE,
+            span,
+            "G4 shares its block with a motion",
+            "give the dwell a block of its own",
+        ));
     }
+    let before = std::mem::take(&mut gathered.before);
+    if !before.is_empty() {
+        channel.push(Kind::Before(before));
+    }
+    channel.push(Kind::Dwell(dwell));
+    let after = std::mem::take(&mut gathered.after);
+    if !after.is_empty() {
+        channel.push(Kind::After(after));
+    }
+    Ok(())
 }

@@ -1,12 +1,15 @@
 //! Starts a program, and executes its blocks.
 
+use super::contour_words;
+use super::flow;
 use std::collections::HashMap;
 
 use super::channel::Channel;
 use super::level::{Action, Asked, Called, Entry, Interpreter, Level, Loaded, ReturnTarget, Sinumerik};
 use super::library::read_definitions;
 use super::loaded::load;
-use super::{flow, parameters};
+use super::parameters;
+use super::setup;
 use crate::exec::core;
 use crate::exec::core::executor::Executor;
 use crate::exec::core::fault::Fault;
@@ -44,7 +47,7 @@ pub(in crate::exec) fn start<'a>(
         .position(|section| section.ending == "MPF" && !section.blocks.is_empty())
         .or_else(|| program.sections.iter().position(|section| section.ending != "DEF" && !section.blocks.is_empty()))
         .unwrap_or(0);
-    let mut channel = Channel::new(machine, options, program.dialect.codes());
+    let mut channel = setup::begin(machine, options, program.dialect.codes());
     let source = program.source.clone();
     if let Some(section) = program.sections.get(main) {
         for &header in &section.headers {
@@ -108,7 +111,7 @@ impl Execute for Sinumerik {
         let comment = loaded.take_comment(index, block);
         let section = loaded.program.sections.get(level.part).map_or(0..0, |section| section.blocks.clone());
         let action = flow::block(loaded, level, channel, block, index, section, comment, machine);
-        channel.note_looks();
+        flow::note_looks(channel);
         action
     }
 
@@ -152,7 +155,7 @@ impl Execute for Sinumerik {
     }
 
     fn finish(run: &mut Interpreter<'_>) {
-        run.channel.finish();
+        contour_words::finish(&mut run.channel);
         run.channel.outlet.end(run.ledger.has_errors());
         run.report_warnings(run.channel.outlet.file());
     }

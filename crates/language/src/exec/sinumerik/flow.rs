@@ -1,5 +1,6 @@
 //! Control flow: what a block does to the order of execution.
 
+use super::order;
 use std::ops::Range;
 
 use super::assign::{assign_value, assignments, define};
@@ -108,14 +109,14 @@ fn words(
     }
     let mut gathered = Gathered::new();
     gatherer(loaded, channel, machine).gather(block, &mut gathered)?;
-    channel.note_looks();
+    note_looks(channel);
     if let Some(call) = gathered.call.take() {
         channel.comment(comment);
         return Ok(Action::Call(Asked::Word(call)));
     }
     let end = gathered.program_end;
     let target = gathered.is_return.then(|| return_target(loaded, channel, gathered.return_arguments)).transpose()?;
-    channel.execute(&mut gathered, comment, block.span)?;
+    order::execute(channel, &mut gathered, comment, block.span)?;
     Ok(match end {
         Some(number) => Action::End(Some(number)),
         None => target.map_or(Action::Next, Action::Return),
@@ -180,17 +181,15 @@ fn return_target(
     Ok(out)
 }
 
-impl Channel<'_> {
-    /// What the block has read of the main run ends the look-ahead of the blocks before it.
-    pub(super) fn note_looks(&mut self) {
-        if let Some(name) = self.system.looked() {
-            self.outlet.stop_look_ahead(name);
-        }
+/// What the block has read of the main run ends the look-ahead of the blocks before it.
+pub(super) fn note_looks(channel: &mut Channel<'_>) {
+    if let Some(name) = channel.system.looked() {
+        channel.outlet.stop_look_ahead(name);
     }
+}
 
-    /// The word that ends the run.
-    pub(super) fn push_end(&mut self, number: u32) {
-        let value = WordValue::Number(f64::from(number));
-        self.push(Kind::After(vec![AuxWord { letter: b'M', extension: None, value }]));
-    }
+/// The word that ends the run.
+pub(super) fn push_end(channel: &mut Channel<'_>, number: u32) {
+    let value = WordValue::Number(f64::from(number));
+    channel.push(Kind::After(vec![AuxWord { letter: b'M', extension: None, value }]));
 }

@@ -6,32 +6,31 @@ use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
-impl Channel<'_> {
-    /// Refuses what the state before the block does not allow.
-    pub(super) fn check_state(&self, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-        if self.modal.contour.compensates() {
-            self.check_compensation(gathered, span)?;
-        }
-        if self.modal.transform.turning().is_some() && gathered.is_reference {
-            let message = "G74 or G75 under TRAORI: the control does not send the axes of a transformation to a point of the machine";
-            return Err(fault(Code::FORBIDDEN_STATE, span, message, "end it with TRAFOOF first"));
-        }
-        Ok(())
+/// Refuses what the state before the block does not allow.
+pub(super) fn check_state(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+    if channel.modal.contour.compensates() {
+        check_compensation(channel, gathered, span)?;
     }
+    if channel.modal.transform.turning().is_some() && gathered.is_reference {
+        let message =
+            "G74 or G75 under TRAORI: the control does not send the axes of a transformation to a point of the machine";
+        return Err(fault(Code::FORBIDDEN_STATE, span, message, "end it with TRAFOOF first"));
+    }
+    Ok(())
+}
 
-    /// Programming manual, "reference point approach" and "fixed-point approach": without radius compensation, and without a
-    /// transformation. A tool change moves the machine, and a transformation that begins or ends changes what the contour is.
-    fn check_compensation(&self, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-        let found = if gathered.is_reference {
-            Some("G74 or G75")
-        } else if gathered.tool_change {
-            Some("a tool change (M6)")
-        } else {
-            gathered.transform.switch.map(|(name, _)| name)
-        };
-        let Some(what) = found else { return Ok(()) };
-        let message = format!("{what} while radius compensation is on");
-        let help = "program G40 with a motion in the plane before it";
-        Err(fault(Code::BAD_COMPENSATION, span, message, help))
-    }
+/// Programming manual, "reference point approach" and "fixed-point approach": without radius compensation, and without a
+/// transformation. A tool change moves the machine, and a transformation that begins or ends changes what the contour is.
+fn check_compensation(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+    let found = if gathered.is_reference {
+        Some("G74 or G75")
+    } else if gathered.tool_change {
+        Some("a tool change (M6)")
+    } else {
+        gathered.transform.switch.map(|(name, _)| name)
+    };
+    let Some(what) = found else { return Ok(()) };
+    let message = format!("{what} while radius compensation is on");
+    let help = "program G40 with a motion in the plane before it";
+    Err(fault(Code::BAD_COMPENSATION, span, message, help))
 }

@@ -3,6 +3,7 @@
 use super::address::Named;
 use super::channel::Channel;
 use super::gathered::Gathered;
+use super::surface;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::five_axis;
 use crate::exec::core::path::Path;
@@ -18,61 +19,58 @@ pub(super) fn address(letter: u8, extension: u32) -> Option<Named> {
     Some(Named::Orientation(number, slot))
 }
 
-impl Channel<'_> {
-    /// Adds the orientation of a block to its motion.
-    pub(super) fn orient(&mut self, gathered: &Gathered, path: &mut Path) -> Result<(), Fault> {
-        let on_path = self.direction_on_path(gathered, path)?;
-        let Some((number, values, span)) = on_path.map(|(values, span)| (3, values, span)).or_else(|| words(gathered))
-        else {
-            return Ok(());
-        };
-        if !matches!(number, 2 | 3) {
-            let message = "cones and second curves for orientations are not supported yet";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "give the direction of the tool with A3, B3, C3"));
-        }
-        let (Some(turning), Some(kinematics)) = (path.setup.transform, &self.outlet.kinematics) else {
-            let message = "a direction of the tool without TRAORI";
-            return Err(bad_value(span, message, "program TRAORI first, or positions of the rotary axes"));
-        };
-        if let Some(axis) = kinematics.rotary_axes().find(|&axis| gathered.named.contains(axis)) {
-            let message = format!("a direction of the tool and a position of {axis} in one block");
-            return Err(fault(Code::DOUBLE_WORD, span, message, "keep one of them"));
-        }
-        let modal = &mut self.modal;
-        let mut direction = match number {
-            3 => values,
-            _ => {
-                let angles = modal.transform.angles.unwrap_or(self.machine.control.orientation_angles);
-                from_angles(angles, [values.x, values.y, values.z].map(f64::to_radians))
-            }
-        };
-        if !modal.transform.in_machine {
-            direction = path.setup.frame.apply_direction(direction);
-        }
-        let Some(direction) = direction.try_normalize(1e-9).filter(|unit| unit.iter().all(|part| part.is_finite()))
-        else {
-            return Err(bad_value(span, "a direction of the tool without length", "give A3, B3, C3 values"));
-        };
-        let Some(found) = five_axis::turned_to(kinematics, turning, path, &direction) else {
-            let [a, b, c] = [direction.x, direction.y, direction.z];
-            let message =
-                format!("the rotary axes cannot bring the tool to the direction {a:.6} {b:.6} {c:.6} of the machine");
-            let help = "check the direction, the travel of the rotary axes, and the kinematics in the machine file";
-            return Err(fault(Code::NO_ORIENTATION, span, message, help));
-        };
-        for axis in kinematics.rotary_axes() {
-            path.motion.target[axis] = found[axis];
-            path.motion.named.insert(axis);
-            path.motion.known.insert(axis);
-            modal.command[axis] = found[axis];
-            modal.programmed[axis] = found[axis] - modal.frame().shift(axis);
-            modal.known.insert(axis);
-        }
-        if let crate::exec::core::path::Shape::Chords(ends) = &mut path.shape {
-            five_axis::spread_rotaries(kinematics, &path.start, &path.motion.target, ends);
-        }
-        Ok(())
+/// Adds the orientation of a block to its motion.
+pub(super) fn orient(channel: &mut Channel<'_>, gathered: &Gathered, path: &mut Path) -> Result<(), Fault> {
+    let on_path = surface::direction_on_path(channel, gathered, path)?;
+    let Some((number, values, span)) = on_path.map(|(values, span)| (3, values, span)).or_else(|| words(gathered))
+    else {
+        return Ok(());
+    };
+    if !matches!(number, 2 | 3) {
+        let message = "cones and second curves for orientations are not supported yet";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "give the direction of the tool with A3, B3, C3"));
     }
+    let (Some(turning), Some(kinematics)) = (path.setup.transform, &channel.outlet.kinematics) else {
+        let message = "a direction of the tool without TRAORI";
+        return Err(bad_value(span, message, "program TRAORI first, or positions of the rotary axes"));
+    };
+    if let Some(axis) = kinematics.rotary_axes().find(|&axis| gathered.named.contains(axis)) {
+        let message = format!("a direction of the tool and a position of {axis} in one block");
+        return Err(fault(Code::DOUBLE_WORD, span, message, "keep one of them"));
+    }
+    let modal = &mut channel.modal;
+    let mut direction = match number {
+        3 => values,
+        _ => {
+            let angles = modal.transform.angles.unwrap_or(channel.machine.control.orientation_angles);
+            from_angles(angles, [values.x, values.y, values.z].map(f64::to_radians))
+        }
+    };
+    if !modal.transform.in_machine {
+        direction = path.setup.frame.apply_direction(direction);
+    }
+    let Some(direction) = direction.try_normalize(1e-9).filter(|unit| unit.iter().all(|part| part.is_finite())) else {
+        return Err(bad_value(span, "a direction of the tool without length", "give A3, B3, C3 values"));
+    };
+    let Some(found) = five_axis::turned_to(kinematics, turning, path, &direction) else {
+        let [a, b, c] = [direction.x, direction.y, direction.z];
+        let message =
+            format!("the rotary axes cannot bring the tool to the direction {a:.6} {b:.6} {c:.6} of the machine");
+        let help = "check the direction, the travel of the rotary axes, and the kinematics in the machine file";
+        return Err(fault(Code::NO_ORIENTATION, span, message, help));
+    };
+    for axis in kinematics.rotary_axes() {
+        path.motion.target[axis] = found[axis];
+        path.motion.named.insert(axis);
+        path.motion.known.insert(axis);
+        modal.command[axis] = found[axis];
+        modal.programmed[axis] = found[axis] - modal.frame().shift(axis);
+        modal.known.insert(axis);
+    }
+    if let crate::exec::core::path::Shape::Chords(ends) = &mut path.shape {
+        five_axis::spread_rotaries(kinematics, &path.start, &path.motion.target, ends);
+    }
+    Ok(())
 }
 
 /// Number of the direction words of a block (0 for several), their values, and where the first stands.

@@ -5,6 +5,7 @@
 
 use super::assign::assign_value;
 use super::channel::Channel;
+use super::feed;
 use super::functions::is_function;
 use super::gather::Gatherer;
 use super::gathered::Gathered;
@@ -343,7 +344,7 @@ pub(super) fn opaque_statement(
         gatherer(loaded, channel, channel.machine).arguments(range, ValueUnit::None, &mut text)?;
         text.push(b')');
     }
-    channel.feed_for_call();
+    feed::feed_for_call(channel);
     channel.push(Kind::Verbatim(text));
     if moves {
         channel.modal.forget_position();
@@ -352,32 +353,24 @@ pub(super) fn opaque_statement(
     Ok(())
 }
 
-impl Channel<'_> {
-    /// Refuses positions of the transverse axis while they are diameters, and cutting speeds in feet.
-    pub(super) fn check_diameter(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        if let (Some((_, span)), true) = (gathered.speed, self.modal.inch)
-            && matches!(self.modal.stated.code(15), Some("G96" | "G961" | "G962"))
-        {
-            // The output is metric, where the same number would be m/min.
-            let message = "a cutting speed in feet per minute, which is not supported yet";
-            return Err(fault(
-                Code::NOT_SUPPORTED,
-                span,
-                message,
-                "program G71 or G710 and the cutting speed in m/min",
-            ));
-        }
-        if let Some((diameter, span)) = gathered.diameter {
-            self.modal.diameter = diameter.then_some(span);
-        }
-        let axis = self.machine.control.transverse_axis;
-        let is_programmed =
-            gathered.named.contains(axis) || gathered.center.get(axis.slot()).is_some_and(Option::is_some);
-        if self.modal.diameter.is_none() || !is_programmed {
-            return Ok(());
-        }
-        let message = format!("positions of {axis} are diameters here, which is not supported yet");
-        let help = "program DIAMOF and radii, or set control.transverse_axis if another axis is meant";
-        Err(fault(Code::NOT_SUPPORTED, gathered.axis_spans[axis.slot()], message, help))
+/// Refuses positions of the transverse axis while they are diameters, and cutting speeds in feet.
+pub(super) fn check_diameter(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    if let (Some((_, span)), true) = (gathered.speed, channel.modal.inch)
+        && matches!(channel.modal.stated.code(15), Some("G96" | "G961" | "G962"))
+    {
+        // The output is metric, where the same number would be m/min.
+        let message = "a cutting speed in feet per minute, which is not supported yet";
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "program G71 or G710 and the cutting speed in m/min"));
     }
+    if let Some((diameter, span)) = gathered.diameter {
+        channel.modal.diameter = diameter.then_some(span);
+    }
+    let axis = channel.machine.control.transverse_axis;
+    let is_programmed = gathered.named.contains(axis) || gathered.center.get(axis.slot()).is_some_and(Option::is_some);
+    if channel.modal.diameter.is_none() || !is_programmed {
+        return Ok(());
+    }
+    let message = format!("positions of {axis} are diameters here, which is not supported yet");
+    let help = "program DIAMOF and radii, or set control.transverse_axis if another axis is meant";
+    Err(fault(Code::NOT_SUPPORTED, gathered.axis_spans[axis.slot()], message, help))
 }

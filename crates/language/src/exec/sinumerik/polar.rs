@@ -126,46 +126,48 @@ fn coordinate(
     }
 }
 
-impl Channel<'_> {
-    /// `G110`, `G111`, `G112`.
-    pub(super) fn set_pole(&mut self, gathered: &Gathered, (base, span): (PoleBase, Span)) -> Result<(), Fault> {
-        if shares_its_block(gathered) {
-            let message = "a pole shares its block with nothing but its position";
-            return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other words to another block"));
-        }
-        let modal = &mut self.modal;
-        let [abscissa, ordinate, _] = modal.plane.axes();
-        let mut pole = match base {
-            PoleBase::Zero => [0.0; 2],
-            PoleBase::Pole => modal.polar.pole(modal.plane, span)?,
-            PoleBase::Position => {
-                let unknown = [abscissa, ordinate].into_iter().find(|&axis| !modal.known.contains(axis));
-                if let Some(axis) = unknown.filter(|_| self.strict) {
-                    return Err(modal.unknown_start(span, axis));
-                }
-                let here = modal.setup().programmed(&modal.command);
-                [here[abscissa], here[ordinate]]
-            }
-        };
-        let words = [Named::Ap, Named::Rp].map(|word| gathered.named(word).copied());
-        let in_plane = [abscissa, ordinate].into_iter().any(|axis| gathered.named.contains(axis));
-        let step = match words {
-            [None, None] => [abscissa, ordinate].map(|axis| gathered.axes[axis] * modal.scale()),
-            [Some(angle), Some(radius)] if !in_plane && angle.dimension.is_none() && radius.dimension.is_none() => {
-                let (sine, cosine) = angle.value.to_radians().sin_cos();
-                [radius.value * modal.scale() * cosine, radius.value * modal.scale() * sine]
-            }
-            _ => {
-                let help = "give its position either by axes or by both AP and RP";
-                return Err(fault(Code::BAD_POLAR, span, "the position of this pole is not clear", help));
-            }
-        };
-        pole[0] += step[0];
-        pole[1] += step[1];
-        if !pole.iter().all(|part| part.abs() < 1e9) {
-            return Err(bad_value(span, "the pole lies too far away", "check the values"));
-        }
-        modal.polar = Polar { pole, plane: Some(modal.plane), radius: None, angle_rad: None };
-        Ok(())
+/// `G110`, `G111`, `G112`.
+pub(super) fn set_pole(
+    channel: &mut Channel<'_>,
+    gathered: &Gathered,
+    (base, span): (PoleBase, Span),
+) -> Result<(), Fault> {
+    if shares_its_block(gathered) {
+        let message = "a pole shares its block with nothing but its position";
+        return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other words to another block"));
     }
+    let modal = &mut channel.modal;
+    let [abscissa, ordinate, _] = modal.plane.axes();
+    let mut pole = match base {
+        PoleBase::Zero => [0.0; 2],
+        PoleBase::Pole => modal.polar.pole(modal.plane, span)?,
+        PoleBase::Position => {
+            let unknown = [abscissa, ordinate].into_iter().find(|&axis| !modal.known.contains(axis));
+            if let Some(axis) = unknown.filter(|_| channel.strict) {
+                return Err(modal.unknown_start(span, axis));
+            }
+            let here = modal.setup().programmed(&modal.command);
+            [here[abscissa], here[ordinate]]
+        }
+    };
+    let words = [Named::Ap, Named::Rp].map(|word| gathered.named(word).copied());
+    let in_plane = [abscissa, ordinate].into_iter().any(|axis| gathered.named.contains(axis));
+    let step = match words {
+        [None, None] => [abscissa, ordinate].map(|axis| gathered.axes[axis] * modal.scale()),
+        [Some(angle), Some(radius)] if !in_plane && angle.dimension.is_none() && radius.dimension.is_none() => {
+            let (sine, cosine) = angle.value.to_radians().sin_cos();
+            [radius.value * modal.scale() * cosine, radius.value * modal.scale() * sine]
+        }
+        _ => {
+            let help = "give its position either by axes or by both AP and RP";
+            return Err(fault(Code::BAD_POLAR, span, "the position of this pole is not clear", help));
+        }
+    };
+    pole[0] += step[0];
+    pole[1] += step[1];
+    if !pole.iter().all(|part| part.abs() < 1e9) {
+        return Err(bad_value(span, "the pole lies too far away", "check the values"));
+    }
+    modal.polar = Polar { pole, plane: Some(modal.plane), radius: None, angle_rad: None };
+    Ok(())
 }

@@ -2,6 +2,7 @@
 
 use super::channel::Channel;
 use super::modal::Modal;
+use super::setup;
 use crate::exec::core::fault::fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, AxisVector, Plane};
@@ -147,75 +148,73 @@ pub(super) fn initial(table: &'static CodeTable, group: u8) -> Option<&'static s
     INITIAL.iter().copied().find(|word| table.word(word).is_some_and(|row| row.group == group))
 }
 
-impl Channel<'_> {
-    /// Notes the codes that the machine file says are active at the start.
-    pub(super) fn note_initial_codes(&mut self) {
-        let machine = self.machine;
-        let rows = machine.control.initial_codes.iter().filter_map(|word| self.codes.word(&word.to_ascii_uppercase()));
-        for row in rows.filter(|row| row.effect == Effect::Keep && !NOT_MODAL.contains(&row.group)) {
-            self.modal.stated.set_code(row.group, row.name);
-        }
+/// Notes the codes that the machine file says are active at the start.
+pub(super) fn note_initial_codes(channel: &mut Channel<'_>) {
+    let machine = channel.machine;
+    let rows = machine.control.initial_codes.iter().filter_map(|word| channel.codes.word(&word.to_ascii_uppercase()));
+    for row in rows.filter(|row| row.effect == Effect::Keep && !NOT_MODAL.contains(&row.group)) {
+        channel.modal.stated.set_code(row.group, row.name);
     }
+}
 
-    /// Passes a code on and notes that it is in force.
-    pub(super) fn keep(&mut self, word: &'static str) {
-        if let Some(row) = self.codes.word(word).filter(|row| !NOT_MODAL.contains(&row.group)) {
-            self.modal.stated.set_code(row.group, word);
-        }
-        self.push(Kind::Keep(word));
+/// Passes a code on and notes that it is in force.
+pub(super) fn keep(channel: &mut Channel<'_>, word: &'static str) {
+    if let Some(row) = channel.codes.word(word).filter(|row| !NOT_MODAL.contains(&row.group)) {
+        channel.modal.stated.set_code(row.group, word);
     }
+    channel.push(Kind::Keep(word));
+}
 
-    /// Passes a zero offset or frame on and notes that it is in force.
-    pub(super) fn push_frame(&mut self, words: FrameWords) {
-        self.modal.stated.add_frame(&words, self.modal.plane);
-        self.push(Kind::Frame(words));
-    }
+/// Passes a zero offset or frame on and notes that it is in force.
+pub(super) fn push_frame(channel: &mut Channel<'_>, words: FrameWords) {
+    channel.modal.stated.add_frame(&words, channel.modal.plane);
+    channel.push(Kind::Frame(words));
+}
 
-    /// Brings the modal state of a caller back: codes, plane, units, frames. Positions, tool and feed stay as they are.
-    pub(super) fn restore(&mut self, saved: Modal) {
-        let left = std::mem::replace(&mut self.modal, saved);
-        self.modal.keep_position_of(&left);
-        let codes = left.stated.codes.iter().filter_map(|&(group, word)| {
-            let before = self.modal.stated.code(group).or_else(|| initial(self.codes, group))?;
-            (before != word).then_some(before)
-        });
-        let codes: Vec<&'static str> = codes.collect();
-        if !codes.is_empty() {
-            self.outlet.begin_line();
-            codes.into_iter().for_each(|word| self.push(Kind::Keep(word)));
-        }
-        if left.stated.offset != self.modal.stated.offset {
-            self.outlet.begin_line();
-            self.push(Kind::Frame(FrameWords::Settable(self.modal.stated.offset.clone())));
-        }
-        let (before, after) = (&left.stated.frame, self.modal.stated.frame.clone());
-        let assigned = self.modal.stated.assigned.clone();
-        let is_other = *before != after || left.stated.assigned != assigned;
-        let is_same_settable = left.settable == self.modal.settable;
-        let is_said = (is_other || left.programmable == self.modal.programmable)
-            && (is_same_settable || left.stated.offset != self.modal.stated.offset);
-        let is_whole = after.len() < MAX_STATEMENTS && before.len() < MAX_STATEMENTS;
-        let in_plane = |(statement, plane): &(FrameStatement, Plane)| {
-            let needs_plane = statement.in_plane_rad.is_some() || statement.kind == FrameKind::SolidAngles;
-            !needs_plane || *plane == self.modal.plane
-        };
-        if !is_said || !is_whole || !after.iter().all(in_plane) || left.base != self.modal.base {
-            let message = "SAVE of the program that ends here brings back a frame that cannot be written as statements";
-            let help = "program the frame anew behind the call, with TRANS, ROT, SCALE, MIRROR in the plane in force";
-            self.outlet.warnings.push(fault(Code::NOT_SUPPORTED, self.outlet.origin.span, message, help));
-        } else if is_other {
-            if let Some(text) = assigned {
-                self.outlet.begin_line();
-                self.push(Kind::Verbatim(text));
-            } else if after.is_empty() {
-                self.outlet.begin_line();
-                self.push(Kind::Frame(FrameWords::Statement(NO_FRAME)));
-            }
-            for (statement, _) in after {
-                self.outlet.begin_line();
-                self.push(Kind::Frame(FrameWords::Statement(statement)));
-            }
-        }
-        self.refresh_setup();
+/// Brings the modal state of a caller back: codes, plane, units, frames. Positions, tool and feed stay as they are.
+pub(super) fn restore(channel: &mut Channel<'_>, saved: Modal) {
+    let left = std::mem::replace(&mut channel.modal, saved);
+    channel.modal.keep_position_of(&left);
+    let codes = left.stated.codes.iter().filter_map(|&(group, word)| {
+        let before = channel.modal.stated.code(group).or_else(|| initial(channel.codes, group))?;
+        (before != word).then_some(before)
+    });
+    let codes: Vec<&'static str> = codes.collect();
+    if !codes.is_empty() {
+        channel.outlet.begin_line();
+        codes.into_iter().for_each(|word| channel.push(Kind::Keep(word)));
     }
+    if left.stated.offset != channel.modal.stated.offset {
+        channel.outlet.begin_line();
+        channel.push(Kind::Frame(FrameWords::Settable(channel.modal.stated.offset.clone())));
+    }
+    let (before, after) = (&left.stated.frame, channel.modal.stated.frame.clone());
+    let assigned = channel.modal.stated.assigned.clone();
+    let is_other = *before != after || left.stated.assigned != assigned;
+    let is_same_settable = left.settable == channel.modal.settable;
+    let is_said = (is_other || left.programmable == channel.modal.programmable)
+        && (is_same_settable || left.stated.offset != channel.modal.stated.offset);
+    let is_whole = after.len() < MAX_STATEMENTS && before.len() < MAX_STATEMENTS;
+    let in_plane = |(statement, plane): &(FrameStatement, Plane)| {
+        let needs_plane = statement.in_plane_rad.is_some() || statement.kind == FrameKind::SolidAngles;
+        !needs_plane || *plane == channel.modal.plane
+    };
+    if !is_said || !is_whole || !after.iter().all(in_plane) || left.base != channel.modal.base {
+        let message = "SAVE of the program that ends here brings back a frame that cannot be written as statements";
+        let help = "program the frame anew behind the call, with TRANS, ROT, SCALE, MIRROR in the plane in force";
+        channel.outlet.warnings.push(fault(Code::NOT_SUPPORTED, channel.outlet.origin.span, message, help));
+    } else if is_other {
+        if let Some(text) = assigned {
+            channel.outlet.begin_line();
+            channel.push(Kind::Verbatim(text));
+        } else if after.is_empty() {
+            channel.outlet.begin_line();
+            channel.push(Kind::Frame(FrameWords::Statement(NO_FRAME)));
+        }
+        for (statement, _) in after {
+            channel.outlet.begin_line();
+            channel.push(Kind::Frame(FrameWords::Statement(statement)));
+        }
+    }
+    setup::refresh_setup(channel);
 }

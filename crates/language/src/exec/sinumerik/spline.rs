@@ -5,6 +5,7 @@
 
 use super::address::Named;
 use super::channel::Channel;
+use super::contour_words;
 use super::gathered::Gathered;
 use super::modal::{Modal, MotionKind};
 use crate::exec::core::contour::Wish;
@@ -117,105 +118,107 @@ pub(super) fn curve_fault(found: CurveFault, span: Span) -> Fault {
     }
 }
 
-impl Channel<'_> {
-    /// Holds an element back behind the blocks of a spline.
-    pub(super) fn hold(&mut self, element: Element) {
-        if self.splines.held.len() >= MOST_HELD {
-            let message = format!("a spline of more than {MOST_HELD} blocks");
-            self.splines.held.clear();
-            self.outlet.warnings.push(fault(
-                Code::NOT_SUPPORTED,
-                element.origin.span,
-                message,
-                "end it with G1 earlier",
-            ));
-        }
-        self.splines.held.push(Held::Element(element));
+/// Holds an element back behind the blocks of a spline.
+pub(super) fn hold(channel: &mut Channel<'_>, element: Element) {
+    if channel.splines.held.len() >= MOST_HELD {
+        let message = format!("a spline of more than {MOST_HELD} blocks");
+        channel.splines.held.clear();
+        channel.outlet.warnings.push(fault(
+            Code::NOT_SUPPORTED,
+            element.origin.span,
+            message,
+            "end it with G1 earlier",
+        ));
     }
+    channel.splines.held.push(Held::Element(element));
+}
 
-    /// Puts a motion into the stream, through the splines where it must.
-    #[inline]
-    pub(super) fn push_path(&mut self, path: Path, node: Option<Node>) -> Result<(), Fault> {
-        if let Some(node) = node {
-            let element = self.outlet.element(Kind::Empty);
-            return self.spline(path, element, node);
-        }
-        let ended = if self.splines.is_holding() { self.end_spline(Some(&path)) } else { Ok(()) };
-        self.note_direction(&path);
-        match self.wish(&path) {
-            None => self.outlet.pass_plain(&path),
-            Some(wish) => {
-                let element = self.outlet.element(Kind::Empty);
-                self.pass_path(path, element, wish);
-            }
-        }
-        ended
+/// Puts a motion into the stream, through the splines where it must.
+#[inline]
+pub(super) fn push_path(channel: &mut Channel<'_>, path: Path, node: Option<Node>) -> Result<(), Fault> {
+    if let Some(node) = node {
+        let element = channel.outlet.element(Kind::Empty);
+        return spline(channel, path, element, node);
     }
-
-    /// Takes a block of a spline.
-    fn spline(&mut self, path: Path, element: Element, node: Node) -> Result<(), Fault> {
-        let unknown = path.motion.named.difference(path.start_known).iter().next();
-        if let Some(axis) = unknown.filter(|_| self.strict) {
-            let message = format!("the program has not stated where {axis} is");
-            let help = "begin with an absolute position of this axis, or give --start";
-            return Err(fault(Code::UNKNOWN_START, path.span, message, help));
+    let ended = if channel.splines.is_holding() { end_spline(channel, Some(&path)) } else { Ok(()) };
+    note_direction(channel, &path);
+    match contour_words::wish(channel, &path) {
+        None => channel.outlet.pass_plain(&path),
+        Some(wish) => {
+            let element = channel.outlet.element(Kind::Empty);
+            contour_words::pass_path(channel, path, element, wish);
         }
-        let other = self.splines.held.iter().find_map(|held| match held {
-            Held::Path(_, _, first, _) => Some(first.kind != node.kind),
+    }
+    ended
+}
+
+/// Takes a block of a spline.
+fn spline(channel: &mut Channel<'_>, path: Path, element: Element, node: Node) -> Result<(), Fault> {
+    let unknown = path.motion.named.difference(path.start_known).iter().next();
+    if let Some(axis) = unknown.filter(|_| channel.strict) {
+        let message = format!("the program has not stated where {axis} is");
+        let help = "begin with an absolute position of this axis, or give --start";
+        return Err(fault(Code::UNKNOWN_START, path.span, message, help));
+    }
+    let other = channel.splines.held.iter().find_map(|held| match held {
+        Held::Path(_, _, first, _) => Some(first.kind != node.kind),
+        Held::Element(_) => None,
+    });
+    let found = if other == Some(true) { end_spline(channel, Some(&path)) } else { Ok(()) };
+    if channel.splines.held.len() >= MOST_HELD {
+        hold(channel, element);
+        return found;
+    }
+    // What the contour wants of the block holds for it whatever comes before the spline is complete.
+    let wish = contour_words::wish(channel, &path);
+    channel.splines.held.push(Held::Path(Box::new(path), element, node, wish.map(Box::new)));
+    found
+}
+
+/// Notes the direction in which a motion ends that is no spline.
+pub(super) fn note_direction(channel: &mut Channel<'_>, path: &Path) {
+    if channel.modal.spline_ends[0] == End::Tangent {
+        channel.splines.before = direction(path, [1.0 - STEP, 1.0]);
+    }
+}
+
+/// Makes moves of the spline that is held; `next` is the motion behind it.
+pub(super) fn end_spline(channel: &mut Channel<'_>, next: Option<&Path>) -> Result<(), Fault> {
+    let mut held = std::mem::take(&mut channel.splines.held);
+    let tolerance_mm = channel.machine.control.chord_tolerance_mm;
+    let behind = next.and_then(|path| direction(path, [0.0, STEP]));
+    let before = channel.splines.before;
+    let mut blocks: Vec<(&mut Path, Node)> = held
+        .iter_mut()
+        .filter_map(|held| match held {
+            Held::Path(path, _, node, _) => Some((&mut **path, *node)),
             Held::Element(_) => None,
-        });
-        let found = if other == Some(true) { self.end_spline(Some(&path)) } else { Ok(()) };
-        if self.splines.held.len() >= MOST_HELD {
-            self.hold(element);
-            return found;
-        }
-        // What the contour wants of the block holds for it whatever comes before the spline is complete.
-        let wish = self.wish(&path);
-        self.splines.held.push(Held::Path(Box::new(path), element, node, wish.map(Box::new)));
-        found
+        })
+        .collect();
+    match blocks.first().map(|(_, node)| node.kind) {
+        Some(MotionKind::BSpline) => along_b_spline(&mut blocks, tolerance_mm)?,
+        Some(_) => through_points(&mut blocks, [before, behind], tolerance_mm)?,
+        None => {}
     }
-
-    /// Notes the direction in which a motion ends that is no spline.
-    pub(super) fn note_direction(&mut self, path: &Path) {
-        if self.modal.spline_ends[0] == End::Tangent {
-            self.splines.before = direction(path, [1.0 - STEP, 1.0]);
-        }
-    }
-
-    /// Makes moves of the spline that is held; `next` is the motion behind it.
-    pub(super) fn end_spline(&mut self, next: Option<&Path>) -> Result<(), Fault> {
-        let mut held = std::mem::take(&mut self.splines.held);
-        let tolerance_mm = self.machine.control.chord_tolerance_mm;
-        let behind = next.and_then(|path| direction(path, [0.0, STEP]));
-        let before = self.splines.before;
-        let mut blocks: Vec<(&mut Path, Node)> = held
-            .iter_mut()
-            .filter_map(|held| match held {
-                Held::Path(path, _, node, _) => Some((&mut **path, *node)),
-                Held::Element(_) => None,
-            })
-            .collect();
-        match blocks.first().map(|(_, node)| node.kind) {
-            Some(MotionKind::BSpline) => along_b_spline(&mut blocks, tolerance_mm)?,
-            Some(_) => through_points(&mut blocks, [before, behind], tolerance_mm)?,
-            None => {}
-        }
-        for held in held {
-            match held {
-                Held::Element(element) => self.outlet.pass(element),
-                Held::Path(path, element, _, wish) => {
-                    self.note_direction(&path);
-                    let wish = wish.map(|wish| *wish);
-                    let wish = if wish.is_none() && self.outlet.is_holding() { self.wish(&path) } else { wish };
-                    match wish {
-                        None => self.outlet.resolve(&path, element),
-                        Some(wish) => self.pass_path(*path, element, wish),
-                    }
+    for held in held {
+        match held {
+            Held::Element(element) => channel.outlet.pass(element),
+            Held::Path(path, element, _, wish) => {
+                note_direction(channel, &path);
+                let wish = wish.map(|wish| *wish);
+                let wish = if wish.is_none() && channel.outlet.is_holding() {
+                    contour_words::wish(channel, &path)
+                } else {
+                    wish
+                };
+                match wish {
+                    None => channel.outlet.resolve(&path, element),
+                    Some(wish) => contour_words::pass_path(channel, *path, element, wish),
                 }
             }
         }
-        Ok(())
     }
+    Ok(())
 }
 
 /// The direction of a path between two shares of it; `None` where it stands still.

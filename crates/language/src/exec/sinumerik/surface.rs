@@ -34,128 +34,126 @@ impl Default for Surface {
     }
 }
 
-impl Channel<'_> {
-    /// Takes over the words of a block that say where the surface is and how the tool stands on it.
-    pub(super) fn surface(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let is_on = self.modal.transform.turning().is_some();
-        let surface = &mut self.modal.transform.surface;
-        for value in &gathered.addresses {
-            let slot = match value.address {
-                Named::Lead => 0,
-                Named::Tilt => 1,
-                _ => continue,
-            };
-            if !is_on {
-                return Err(bad_value(value.span, "an angle to the path without TRAORI", "program TRAORI first"));
-            }
-            if value.dimension.is_some() || !(-180.0..=180.0).contains(&value.value) {
-                let message = "LEAD and TILT are absolute angles from -180 to 180 degrees";
-                return Err(bad_value(value.span, message, "give the angle without AC or IC"));
-            }
-            surface.angles[slot] = Some(value.value.to_radians());
-        }
-        // The normal at the end of the block; that at its beginning holds there too where it stands alone.
-        for number in [5, 4] {
-            let Some((normal, span)) = vector(gathered, number) else { continue };
-            if !is_on {
-                return Err(bad_value(span, "a surface normal without TRAORI", "program TRAORI first"));
-            }
-            if !(normal.norm_squared() > 0.0 && normal.norm_squared().is_finite()) {
-                let message = format!("a surface normal without length: A{number}, B{number}, C{number}");
-                return Err(bad_value(span, message, "give its components values"));
-            }
-            surface.normal = normal;
-            break;
-        }
-        Ok(())
-    }
-
-    /// The direction at the end of a block that path and surface give, coordinates of the program, and the word that wants it.
-    pub(super) fn direction_on_path(&self, gathered: &Gathered, path: &Path) -> Result<Option<(Vector, Span)>, Fault> {
-        let transform = &self.modal.transform;
-        let surface = &transform.surface;
-        let word = gathered.addresses.iter().find(|value| matches!(value.address, Named::Lead | Named::Tilt));
-        if path.setup.transform.is_none() || !surface.follows_path && word.is_none() {
-            return Ok(None);
-        }
-        let span = word.map_or(path.span, |word| word.span);
-        let moves = path.start.xyz() != path.motion.target.xyz() || path.shape != Shape::Line;
-        self.check_only_direction(gathered, word)?;
-        if !moves {
-            return match word {
-                None => Ok(None),
-                Some(_) => Err(bad_value(span, "LEAD or TILT in a block without a path", "program them with a motion")),
-            };
-        }
-        let refused = |message: &str, help: &str| Err(fault(Code::NOT_SUPPORTED, span, message, help));
-        if transform.in_machine {
-            return refused(
-                "LEAD and TILT under ORIMKS are not supported",
-                "program ORIWKS, or the direction with A3, B3, C3",
-            );
-        }
-        if surface.angles == [None; 2] {
-            return Err(bad_value(
-                span,
-                "ORIPATH, and neither LEAD nor TILT was programmed yet",
-                "program LEAD and TILT",
-            ));
-        }
-        if !AxisSet::XYZ.difference(path.start_known).is_empty() {
-            let message = "the direction of the path is not known, because its start is not";
-            return Err(fault(Code::UNKNOWN_START, span, message, "begin with a motion that names X, Y and Z"));
-        }
-        let tangent = match &path.shape {
-            // Chords tell the direction at the end of a curve only about.
-            Shape::Chords(_) => None,
-            Shape::Line | Shape::Arc { .. } => self.modal.tangent,
+/// Takes over the words of a block that say where the surface is and how the tool stands on it.
+pub(super) fn surface(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let is_on = channel.modal.transform.turning().is_some();
+    let surface = &mut channel.modal.transform.surface;
+    for value in &gathered.addresses {
+        let slot = match value.address {
+            Named::Lead => 0,
+            Named::Tilt => 1,
+            _ => continue,
         };
-        let Some(tangent) = tangent else {
-            let message = "LEAD and TILT with splines, polynomials and arcs in space are not supported";
-            return refused(message, "program lines and arcs, or the direction with A3, B3, C3");
+        if !is_on {
+            return Err(bad_value(value.span, "an angle to the path without TRAORI", "program TRAORI first"));
+        }
+        if value.dimension.is_some() || !(-180.0..=180.0).contains(&value.value) {
+            let message = "LEAD and TILT are absolute angles from -180 to 180 degrees";
+            return Err(bad_value(value.span, message, "give the angle without AC or IC"));
+        }
+        surface.angles[slot] = Some(value.value.to_radians());
+    }
+    // The normal at the end of the block; that at its beginning holds there too where it stands alone.
+    for number in [5, 4] {
+        let Some((normal, span)) = vector(gathered, number) else { continue };
+        if !is_on {
+            return Err(bad_value(span, "a surface normal without TRAORI", "program TRAORI first"));
+        }
+        if !(normal.norm_squared() > 0.0 && normal.norm_squared().is_finite()) {
+            let message = format!("a surface normal without length: A{number}, B{number}, C{number}");
+            return Err(bad_value(span, message, "give its components values"));
+        }
+        surface.normal = normal;
+        break;
+    }
+    Ok(())
+}
+
+/// The direction at the end of a block that path and surface give, coordinates of the program, and the word that wants it.
+pub(super) fn direction_on_path(
+    channel: &Channel<'_>,
+    gathered: &Gathered,
+    path: &Path,
+) -> Result<Option<(Vector, Span)>, Fault> {
+    let transform = &channel.modal.transform;
+    let surface = &transform.surface;
+    let word = gathered.addresses.iter().find(|value| matches!(value.address, Named::Lead | Named::Tilt));
+    if path.setup.transform.is_none() || !surface.follows_path && word.is_none() {
+        return Ok(None);
+    }
+    let span = word.map_or(path.span, |word| word.span);
+    let moves = path.start.xyz() != path.motion.target.xyz() || path.shape != Shape::Line;
+    check_only_direction(channel, gathered, word)?;
+    if !moves {
+        return match word {
+            None => Ok(None),
+            Some(_) => Err(bad_value(span, "LEAD or TILT in a block without a path", "program them with a motion")),
         };
-        let tangent = path.setup.frame.unapply_direction(tangent);
-        let [lead, tilt] = surface.angles.map(|angle| angle.unwrap_or(0.0));
-        match on_surface(&tangent, &surface.normal, [lead, tilt], self.machine.control.tilt_about) {
-            Some(direction) => Ok(Some((direction, span))),
-            None => Err(bad_value(
-                span,
-                "the surface normal lies along the path, so that LEAD has no plane",
-                "give a normal across the path with A5, B5, C5, or program ORIVECT for this block",
-            )),
-        }
     }
+    let refused = |message: &str, help: &str| Err(fault(Code::NOT_SUPPORTED, span, message, help));
+    if transform.in_machine {
+        return refused(
+            "LEAD and TILT under ORIMKS are not supported",
+            "program ORIWKS, or the direction with A3, B3, C3",
+        );
+    }
+    if surface.angles == [None; 2] {
+        return Err(bad_value(span, "ORIPATH, and neither LEAD nor TILT was programmed yet", "program LEAD and TILT"));
+    }
+    if !AxisSet::XYZ.difference(path.start_known).is_empty() {
+        let message = "the direction of the path is not known, because its start is not";
+        return Err(fault(Code::UNKNOWN_START, span, message, "begin with a motion that names X, Y and Z"));
+    }
+    let tangent = match &path.shape {
+        // Chords tell the direction at the end of a curve only about.
+        Shape::Chords(_) => None,
+        Shape::Line | Shape::Arc { .. } => channel.modal.tangent,
+    };
+    let Some(tangent) = tangent else {
+        let message = "LEAD and TILT with splines, polynomials and arcs in space are not supported";
+        return refused(message, "program lines and arcs, or the direction with A3, B3, C3");
+    };
+    let tangent = path.setup.frame.unapply_direction(tangent);
+    let [lead, tilt] = surface.angles.map(|angle| angle.unwrap_or(0.0));
+    match on_surface(&tangent, &surface.normal, [lead, tilt], channel.machine.control.tilt_about) {
+        Some(direction) => Ok(Some((direction, span))),
+        None => Err(bad_value(
+            span,
+            "the surface normal lies along the path, so that LEAD has no plane",
+            "give a normal across the path with A5, B5, C5, or program ORIVECT for this block",
+        )),
+    }
+}
 
-    /// Whether nothing else in the block says where the tool points.
-    fn check_only_direction(&self, gathered: &Gathered, word: Option<&NamedValue>) -> Result<(), Fault> {
-        let direct = gathered.addresses.iter().find(|value| matches!(value.address, Named::Orientation(2 | 3, _)));
-        let rotary = self.outlet.kinematics.as_ref().and_then(|kinematics| {
-            let axis = kinematics.rotary_axes().find(|&axis| gathered.named.contains(axis))?;
-            gathered.axis_spans.get(axis.slot()).copied()
-        });
-        match (direct.map(|value| value.span).or(rotary), word) {
-            (None, _) => Ok(()),
-            (Some(span), Some(_)) => {
-                let message = "LEAD or TILT, and another word for the direction of the tool, in one block";
-                Err(fault(Code::DOUBLE_WORD, span, message, "keep one of them"))
-            }
-            (Some(span), None) => {
-                let message = "a direction of the tool of its own under ORIPATH is not supported";
-                Err(fault(Code::NOT_SUPPORTED, span, message, "program ORIVECT before it, or LEAD and TILT"))
-            }
+/// Whether nothing else in the block says where the tool points.
+fn check_only_direction(channel: &Channel<'_>, gathered: &Gathered, word: Option<&NamedValue>) -> Result<(), Fault> {
+    let direct = gathered.addresses.iter().find(|value| matches!(value.address, Named::Orientation(2 | 3, _)));
+    let rotary = channel.outlet.kinematics.as_ref().and_then(|kinematics| {
+        let axis = kinematics.rotary_axes().find(|&axis| gathered.named.contains(axis))?;
+        gathered.axis_spans.get(axis.slot()).copied()
+    });
+    match (direct.map(|value| value.span).or(rotary), word) {
+        (None, _) => Ok(()),
+        (Some(span), Some(_)) => {
+            let message = "LEAD or TILT, and another word for the direction of the tool, in one block";
+            Err(fault(Code::DOUBLE_WORD, span, message, "keep one of them"))
+        }
+        (Some(span), None) => {
+            let message = "a direction of the tool of its own under ORIPATH is not supported";
+            Err(fault(Code::NOT_SUPPORTED, span, message, "program ORIVECT before it, or LEAD and TILT"))
         }
     }
+}
 
-    /// ORIPATH: from here on every motion ends in the direction that path and surface give.
-    pub(super) fn follow_path(&mut self) -> Result<(), Fault> {
-        if self.machine.control.ori_path == OriPath::Path {
-            let message = "ORIPATH that keeps the tool relative to the path within a block is not supported";
-            let help = "control.oripath says that the control does so; program the directions with A3, B3, C3";
-            return Err(fault(Code::NOT_SUPPORTED, self.outlet.origin.span, message, help));
-        }
-        self.modal.transform.surface.follows_path = true;
-        Ok(())
+/// ORIPATH: from here on every motion ends in the direction that path and surface give.
+pub(super) fn follow_path(channel: &mut Channel<'_>) -> Result<(), Fault> {
+    if channel.machine.control.ori_path == OriPath::Path {
+        let message = "ORIPATH that keeps the tool relative to the path within a block is not supported";
+        let help = "control.oripath says that the control does so; program the directions with A3, B3, C3";
+        return Err(fault(Code::NOT_SUPPORTED, channel.outlet.origin.span, message, help));
     }
+    channel.modal.transform.surface.follows_path = true;
+    Ok(())
 }
 
 /// The vector of the words with a number, components that are not programmed 0, and where the first stands.

@@ -9,7 +9,11 @@ use super::channel::Channel;
 use super::gathered::{Call, Gathered};
 use super::level::Interpreter;
 use super::modal::MotionKind;
+use super::order;
+use super::save;
 use super::scope::scope_of;
+use super::setup;
+use super::system_write;
 use super::value::Value;
 
 use crate::exec::core::fault::{Fault, fault};
@@ -92,7 +96,7 @@ impl Interpreter<'_> {
             is_reset,
             span: call.span,
         };
-        self.channel.swivel(&request)
+        swivel(&mut self.channel, &request)
     }
 }
 
@@ -120,202 +124,197 @@ fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fa
     Ok(rotation)
 }
 
-impl Channel<'_> {
-    fn swivel(&mut self, request: &Request) -> Result<(), Fault> {
-        let span = request.span;
-        if self.modal.transform.turning().is_some() {
-            return Err(refused(span, "under TRAORI the plane cannot be swivelled".to_owned()));
-        }
-        let kinematics = Kinematics::new(self.machine);
-        self.retract(request, &kinematics)?;
-        if request.is_reset {
-            self.modal.swivelled = None;
-            return self.restate(span);
-        }
-        let below = self.modal.base.compose(&self.modal.settable);
-        let new = translation(request.before)
-            .compose(&Frame::rotation(request.rotation))
-            .compose(&translation(request.behind));
-        let tilt = match &self.modal.swivelled {
-            Some(last) if request.is_additive => last.tilt.compose(&self.modal.programmable).compose(&new),
-            None if request.is_additive => self.modal.programmable.compose(&new),
-            _ => new,
-        };
-        let tool_mm = self.modal.tool_mm();
-        let has_rotary = kinematics.rotary_axes().next().is_some();
-        let total = if has_rotary {
-            if request.direction == 0.0 {
-                return Err(refused(
-                    span,
-                    "_DIR 0 on a machine that swivels: what turns the axes is not known".to_owned(),
-                ));
-            }
-            let all = AxisSet::XYZ.iter().chain(kinematics.rotary_axes());
-            let unknown: AxisSet = all.filter(|&axis| !self.is_stated(axis)).collect();
-            if self.strict && !unknown.is_empty() {
-                // The plane comes into force all the same, so that one cause is not found again in every block behind it.
-                self.outlet.warnings.push(unknown_places(span, unknown, "SUPA G0"));
-                self.modal.known = self.modal.known.union(unknown);
-            }
-            let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
-            let turned = self.choose(&kinematics, &normal, request)?;
-            self.turn(&kinematics, &turned, span)?;
-            let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
-                .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
-            Some(total)
-        } else if request.direction == 0.0 {
-            Some(below.compose(&tilt))
-        } else {
-            return Err(refused(
-                span,
-                "the machine has no rotary axes to swivel; _DIR 0 sets the frame alone".to_owned(),
-            ));
-        };
-        let total = total.ok_or_else(|| refused(span, "the swivelled plane makes no frame".to_owned()))?;
-        let relative = below.inverse().compose(&total);
-        let statements = statements_of(&relative, self.rotation_order())
-            .ok_or_else(|| refused(span, "the zero offset scales or mirrors".to_owned()))?;
-        let frame = statements.iter().fold(Frame::identity(), |frame, statement| {
-            let added = super::frames::frame_of(statement, self.modal.plane, &self.machine.control);
-            frame.compose(&added.unwrap_or_else(Frame::identity))
-        });
-        self.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm }));
-        self.restate(span)
+fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
+    let span = request.span;
+    if channel.modal.transform.turning().is_some() {
+        return Err(refused(span, "under TRAORI the plane cannot be swivelled".to_owned()));
     }
-
-    fn is_stated(&self, axis: Axis) -> bool {
-        self.machine.axis(axis).is_none() || self.modal.known.contains(axis)
+    let kinematics = Kinematics::new(channel.machine);
+    retract(channel, request, &kinematics)?;
+    if request.is_reset {
+        channel.modal.swivelled = None;
+        return restate(channel, span);
     }
+    let below = channel.modal.base.compose(&channel.modal.settable);
+    let new =
+        translation(request.before).compose(&Frame::rotation(request.rotation)).compose(&translation(request.behind));
+    let tilt = match &channel.modal.swivelled {
+        Some(last) if request.is_additive => last.tilt.compose(&channel.modal.programmable).compose(&new),
+        None if request.is_additive => channel.modal.programmable.compose(&new),
+        _ => new,
+    };
+    let tool_mm = channel.modal.tool_mm();
+    let has_rotary = kinematics.rotary_axes().next().is_some();
+    let total = if has_rotary {
+        if request.direction == 0.0 {
+            return Err(refused(span, "_DIR 0 on a machine that swivels: what turns the axes is not known".to_owned()));
+        }
+        let all = AxisSet::XYZ.iter().chain(kinematics.rotary_axes());
+        let unknown: AxisSet = all.filter(|&axis| !is_stated(channel, axis)).collect();
+        if channel.strict && !unknown.is_empty() {
+            // The plane comes into force all the same, so that one cause is not found again in every block behind it.
+            channel.outlet.warnings.push(unknown_places(span, unknown, "SUPA G0"));
+            channel.modal.known = channel.modal.known.union(unknown);
+        }
+        let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
+        let turned = choose(channel, &kinematics, &normal, request)?;
+        turn(channel, &kinematics, &turned, span)?;
+        let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
+            .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
+        Some(total)
+    } else if request.direction == 0.0 {
+        Some(below.compose(&tilt))
+    } else {
+        return Err(refused(span, "the machine has no rotary axes to swivel; _DIR 0 sets the frame alone".to_owned()));
+    };
+    let total = total.ok_or_else(|| refused(span, "the swivelled plane makes no frame".to_owned()))?;
+    let relative = below.inverse().compose(&total);
+    let statements = statements_of(&relative, system_write::rotation_order(channel))
+        .ok_or_else(|| refused(span, "the zero offset scales or mirrors".to_owned()))?;
+    let frame = statements.iter().fold(Frame::identity(), |frame, statement| {
+        let added = super::frames::frame_of(statement, channel.modal.plane, &channel.machine.control);
+        frame.compose(&added.unwrap_or_else(Frame::identity))
+    });
+    channel.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm }));
+    restate(channel, span)
+}
 
-    /// The angles of the rotary axes that put the tool on the plane.
-    fn choose(&self, kinematics: &Kinematics, normal: &Vector, request: &Request) -> Result<AxisVector, Fault> {
-        let near = self.modal.command;
-        let help = "check the angles of the plane and the travel of the rotary axes";
-        match kinematics.orientations(normal, &near) {
-            [None, None] => {
-                let message = "the rotary axes cannot put the tool on this plane";
-                Err(fault(Code::BAD_SWIVEL, request.span, message, help))
+fn is_stated(channel: &Channel<'_>, axis: Axis) -> bool {
+    channel.machine.axis(axis).is_none() || channel.modal.known.contains(axis)
+}
+
+/// The angles of the rotary axes that put the tool on the plane.
+fn choose(
+    channel: &Channel<'_>,
+    kinematics: &Kinematics,
+    normal: &Vector,
+    request: &Request,
+) -> Result<AxisVector, Fault> {
+    let near = channel.modal.command;
+    let help = "check the angles of the plane and the travel of the rotary axes";
+    match kinematics.orientations(normal, &near) {
+        [None, None] => {
+            let message = "the rotary axes cannot put the tool on this plane";
+            Err(fault(Code::BAD_SWIVEL, request.span, message, help))
+        }
+        [Some(one), None] | [None, Some(one)] => Ok(one),
+        [Some(one), Some(other)] => {
+            let reference =
+                channel.machine.control.swivel_direction_axis.or_else(|| tilting_axis(kinematics, channel.machine));
+            let Some(axis) = reference else { return Ok(one) };
+            if (one[axis] - other[axis]).abs() < SAME_ANGLE {
+                return Ok(one);
             }
-            [Some(one), None] | [None, Some(one)] => Ok(one),
-            [Some(one), Some(other)] => {
-                let reference =
-                    self.machine.control.swivel_direction_axis.or_else(|| tilting_axis(kinematics, self.machine));
-                let Some(axis) = reference else { return Ok(one) };
-                if (one[axis] - other[axis]).abs() < SAME_ANGLE {
-                    return Ok(one);
-                }
-                Ok(if (one[axis] < other[axis]) == (request.direction < 0.0) { one } else { other })
-            }
+            Ok(if (one[axis] < other[axis]) == (request.direction < 0.0) { one } else { other })
         }
     }
+}
 
-    /// Turns the rotary axes at rapid, in machine coordinates.
-    fn turn(&mut self, kinematics: &Kinematics, turned: &AxisVector, span: Span) -> Result<(), Fault> {
-        let mut words = Gathered::new();
-        for axis in kinematics.rotary_axes() {
-            let (from, to) = (self.modal.command[axis], turned[axis]);
-            let is_modulo = self.machine.axis(axis).is_some_and(|data| data.modulo);
-            let shown = (to.to_degrees() * PARTS).round() / PARTS;
-            words.axes[axis] = if is_modulo { shown.rem_euclid(360.0) } else { shown };
-            if let Some(way) = words.ways.get_mut(axis.dimension()).filter(|_| is_modulo) {
-                *way = if to > from { Way::Positive } else { Way::Negative };
-                // Which way half a turn leads is up to the control.
-                let increment = self.machine.control.increment_rad.max(SAME_ANGLE);
-                let step = (to - from).abs();
-                if step <= increment || (step - std::f64::consts::PI).abs() <= increment {
-                    *way = Way::Shortest;
-                }
-            }
-            words.as_absolute.insert(axis);
-            words.named.insert(axis);
-        }
-        self.go(words, span)
-    }
-
-    /// A rapid block in machine coordinates; the motion code in force stays.
-    fn go(&mut self, mut words: Gathered, span: Span) -> Result<(), Fault> {
-        let motion = self.modal.motion;
-        words.suppress = Some("SUPA");
-        words.keep.push("SUPA");
-        words.motion = Some((MotionKind::Rapid, span));
-        self.outlet.begin_line();
-        let found = self.execute(&mut words, None, span);
-        self.modal.motion = motion;
-        found
-    }
-
-    /// Moves away from the workpiece as the call says.
-    fn retract(&mut self, request: &Request, kinematics: &Kinematics) -> Result<(), Fault> {
-        let (span, scale) = (request.span, self.modal.scale());
-        let tool_mm = self.modal.tool_mm();
-        let mut words = Gathered::new();
-        let mut go_to = |axis: Axis, command: f64| {
-            words.axes[axis] = (command + tool_mm[axis.slot()]) / scale;
-            words.as_absolute.insert(axis);
-            words.named.insert(axis);
-        };
-        if request.retract == 0.0 {
-            return Ok(());
-        }
-        if request.retract == 5.0 {
-            let tip = kinematics.tip_mm(&self.modal.command, &tool_mm);
-            let away = tip + kinematics.direction(&self.modal.command) * request.retract_by_mm;
-            let target = kinematics.placed(&away, &self.modal.command, &tool_mm);
-            let target = target.ok_or_else(|| refused(span, "the linear axes cannot place the tip".to_owned()))?;
-            AxisSet::XYZ.iter().for_each(|axis| go_to(axis, target[axis]));
-            return self.go(words, span);
-        }
-        let axis_z = kinematics.direction(&self.modal.command);
-        let is_along_z = self.modal.command.max_abs(&ROTARY_AXES) == 0.0 || axis_z[2].abs() > 1.0 - SAME_ROTATION;
-        let is_known = request.retract == 1.0 || request.retract == 4.0 && is_along_z;
-        match self.machine.control.swivel_retract_z_mm.filter(|_| is_known) {
-            Some(z) => {
-                go_to(Axis::Z, z);
-                self.go(words, span)
-            }
-            None => {
-                let message = format!("_FR {}: where the axes retract to is not known", request.retract);
-                let help = "set control.swivel_retract_z_mm for _FR 1 and 4 (tool along Z), or program 0 and the retraction yourself";
-                Err(fault(Code::BAD_SWIVEL, span, message, help))
+/// Turns the rotary axes at rapid, in machine coordinates.
+fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector, span: Span) -> Result<(), Fault> {
+    let mut words = Gathered::new();
+    for axis in kinematics.rotary_axes() {
+        let (from, to) = (channel.modal.command[axis], turned[axis]);
+        let is_modulo = channel.machine.axis(axis).is_some_and(|data| data.modulo);
+        let shown = (to.to_degrees() * PARTS).round() / PARTS;
+        words.axes[axis] = if is_modulo { shown.rem_euclid(360.0) } else { shown };
+        if let Some(way) = words.ways.get_mut(axis.dimension()).filter(|_| is_modulo) {
+            *way = if to > from { Way::Positive } else { Way::Negative };
+            // Which way half a turn leads is up to the control.
+            let increment = channel.machine.control.increment_rad.max(SAME_ANGLE);
+            let step = (to - from).abs();
+            if step <= increment || (step - std::f64::consts::PI).abs() <= increment {
+                *way = Way::Shortest;
             }
         }
+        words.as_absolute.insert(axis);
+        words.named.insert(axis);
     }
+    go(channel, words, span)
+}
 
-    /// Writes the swivelled plane anew, without programmable frame.
-    pub(super) fn restate(&mut self, span: Span) -> Result<(), Fault> {
-        let none = FrameStatement {
-            kind: FrameKind::Translate,
-            additive: false,
-            values: AxisVector::ZERO,
-            named: AxisSet::EMPTY,
-            in_plane_rad: None,
-        };
-        let nothing_on_top = FrameStatement { additive: true, ..none };
-        let statements = self.modal.swivelled.as_ref().map_or([none, nothing_on_top], |swivelled| swivelled.statements);
-        self.modal.programmable = Frame::identity();
-        self.modal.fine = AxisVector::ZERO;
-        self.refresh_setup();
-        if self.setup.frame.linear().iter().any(|part| !part.is_finite()) {
-            return Err(refused(span, "the swivelled plane makes no frame".to_owned()));
-        }
-        for statement in statements.into_iter().filter(|statement| !(statement.additive && statement.named.is_empty()))
-        {
-            self.outlet.begin_line();
-            self.push_frame(FrameWords::Statement(statement));
-        }
-        Ok(())
-    }
+/// A rapid block in machine coordinates; the motion code in force stays.
+fn go(channel: &mut Channel<'_>, mut words: Gathered, span: Span) -> Result<(), Fault> {
+    let motion = channel.modal.motion;
+    words.suppress = Some("SUPA");
+    words.keep.push("SUPA");
+    words.motion = Some((MotionKind::Rapid, span));
+    channel.outlet.begin_line();
+    let found = order::execute(channel, &mut words, None, span);
+    channel.modal.motion = motion;
+    found
+}
 
-    /// Refuses what a swivelled plane does not stand.
-    pub(super) fn check_swivelled(&self, span: Span) -> Result<(), Fault> {
-        let Some(swivelled) = &self.modal.swivelled else { return Ok(()) };
-        let turns_tool = self.machine.topology.tool.iter().any(|axis| axis.is_rotary());
-        if turns_tool && swivelled.tool_mm != self.modal.tool_mm() {
-            let message = "the tool length changed in a swivelled plane, and the head turns";
-            return Err(fault(Code::BAD_SWIVEL, span, message, "swivel again behind the tool change"));
-        }
-        Ok(())
+/// Moves away from the workpiece as the call says.
+fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics) -> Result<(), Fault> {
+    let (span, scale) = (request.span, channel.modal.scale());
+    let tool_mm = channel.modal.tool_mm();
+    let mut words = Gathered::new();
+    let mut go_to = |axis: Axis, command: f64| {
+        words.axes[axis] = (command + tool_mm[axis.slot()]) / scale;
+        words.as_absolute.insert(axis);
+        words.named.insert(axis);
+    };
+    if request.retract == 0.0 {
+        return Ok(());
     }
+    if request.retract == 5.0 {
+        let tip = kinematics.tip_mm(&channel.modal.command, &tool_mm);
+        let away = tip + kinematics.direction(&channel.modal.command) * request.retract_by_mm;
+        let target = kinematics.placed(&away, &channel.modal.command, &tool_mm);
+        let target = target.ok_or_else(|| refused(span, "the linear axes cannot place the tip".to_owned()))?;
+        AxisSet::XYZ.iter().for_each(|axis| go_to(axis, target[axis]));
+        return go(channel, words, span);
+    }
+    let axis_z = kinematics.direction(&channel.modal.command);
+    let is_along_z = channel.modal.command.max_abs(&ROTARY_AXES) == 0.0 || axis_z[2].abs() > 1.0 - SAME_ROTATION;
+    let is_known = request.retract == 1.0 || request.retract == 4.0 && is_along_z;
+    match channel.machine.control.swivel_retract_z_mm.filter(|_| is_known) {
+        Some(z) => {
+            go_to(Axis::Z, z);
+            go(channel, words, span)
+        }
+        None => {
+            let message = format!("_FR {}: where the axes retract to is not known", request.retract);
+            let help = "set control.swivel_retract_z_mm for _FR 1 and 4 (tool along Z), or program 0 and the retraction yourself";
+            Err(fault(Code::BAD_SWIVEL, span, message, help))
+        }
+    }
+}
+
+/// Writes the swivelled plane anew, without programmable frame.
+pub(super) fn restate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
+    let none = FrameStatement {
+        kind: FrameKind::Translate,
+        additive: false,
+        values: AxisVector::ZERO,
+        named: AxisSet::EMPTY,
+        in_plane_rad: None,
+    };
+    let nothing_on_top = FrameStatement { additive: true, ..none };
+    let statements = channel.modal.swivelled.as_ref().map_or([none, nothing_on_top], |swivelled| swivelled.statements);
+    channel.modal.programmable = Frame::identity();
+    channel.modal.fine = AxisVector::ZERO;
+    setup::refresh_setup(channel);
+    if channel.setup.frame.linear().iter().any(|part| !part.is_finite()) {
+        return Err(refused(span, "the swivelled plane makes no frame".to_owned()));
+    }
+    for statement in statements.into_iter().filter(|statement| !(statement.additive && statement.named.is_empty())) {
+        channel.outlet.begin_line();
+        save::push_frame(channel, FrameWords::Statement(statement));
+    }
+    Ok(())
+}
+
+/// Refuses what a swivelled plane does not stand.
+pub(super) fn check_swivelled(channel: &Channel<'_>, span: Span) -> Result<(), Fault> {
+    let Some(swivelled) = &channel.modal.swivelled else { return Ok(()) };
+    let turns_tool = channel.machine.topology.tool.iter().any(|axis| axis.is_rotary());
+    if turns_tool && swivelled.tool_mm != channel.modal.tool_mm() {
+        let message = "the tool length changed in a swivelled plane, and the head turns";
+        return Err(fault(Code::BAD_SWIVEL, span, message, "swivel again behind the tool change"));
+    }
+    Ok(())
 }
 
 /// `TRANS` and `AROT` that make a frame; `None` where it scales or mirrors.

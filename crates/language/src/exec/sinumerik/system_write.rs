@@ -5,6 +5,7 @@ use super::frame_store::FrameName;
 use super::frame_value::{Component, frame_text};
 use super::level::Loaded;
 use super::scope::scope_of;
+use super::setup;
 use super::system::tool_parameter;
 use super::value::Value;
 use super::variables::List;
@@ -36,11 +37,9 @@ pub(super) struct SystemName<'n> {
     pub(super) span: Span,
 }
 
-impl Channel<'_> {
-    /// In which order the angles of a rotation turn.
-    pub(super) fn rotation_order(&self) -> RotationOrder {
-        self.machine.control.rotation_order
-    }
+/// In which order the angles of a rotation turn.
+pub(super) fn rotation_order(channel: &Channel<'_>) -> RotationOrder {
+    channel.machine.control.rotation_order
 }
 
 /// Assigns to a system variable.
@@ -137,7 +136,7 @@ fn assign_frame(
     span: Span,
 ) -> Result<(), Fault> {
     let scope = scope_of(loaded, channel);
-    let order = channel.rotation_order();
+    let order = rotation_order(channel);
     let parts = match (component, value) {
         (None, Value::Frame(parts)) => *parts,
         (Some((axis, component, _)), value) => {
@@ -204,7 +203,7 @@ fn assign_frame(
         FrameName::Programmable => channel.modal.stated.assign_programmable(&text),
         _ => {}
     }
-    channel.refresh_setup();
+    setup::refresh_setup(channel);
     channel.push(Kind::Verbatim(text.into_bytes()));
     Ok(())
 }

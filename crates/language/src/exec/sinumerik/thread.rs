@@ -71,40 +71,38 @@ pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<
     Ok(Some(Thread { code, lead: Some((letter, lead_mm)), change }))
 }
 
-impl Channel<'_> {
-    /// F in a block with G34 or G35 is the change of the lead.
-    pub(super) fn lead_change(&self, gathered: &mut Gathered) {
-        if matches!(code(gathered, &self.modal), Some(ThreadCode::G34 | ThreadCode::G35)) {
-            gathered.lead_change = gathered.feed.take().map(|(value, _)| value);
-        }
+/// F in a block with G34 or G35 is the change of the lead.
+pub(super) fn lead_change(channel: &Channel<'_>, gathered: &mut Gathered) {
+    if matches!(code(gathered, &channel.modal), Some(ThreadCode::G34 | ThreadCode::G35)) {
+        gathered.lead_change = gathered.feed.take().map(|(value, _)| value);
     }
+}
 
-    /// Refuses threads and positioning axes where they cannot be followed, and takes the feed from what the spindle drives.
-    pub(super) fn check_manner(&mut self, path: &mut Path) -> Result<(), Fault> {
-        let (what, help) = match path.motion.manner {
-            Manner::Path | Manner::Reference | Manner::Probe(_) => return Ok(()),
-            Manner::Thread(thread) => {
-                if thread.code.is_spindle_driven() {
-                    path.motion.feed = 0.0;
-                    path.motion.feed_named = false;
-                    path.motion.unit = FeedUnit::PerMinute;
-                }
-                (thread.code.word(), "end it before the thread")
+/// Refuses threads and positioning axes where they cannot be followed, and takes the feed from what the spindle drives.
+pub(super) fn check_manner(channel: &mut Channel<'_>, path: &mut Path) -> Result<(), Fault> {
+    let (what, help) = match path.motion.manner {
+        Manner::Path | Manner::Reference | Manner::Probe(_) => return Ok(()),
+        Manner::Thread(thread) => {
+            if thread.code.is_spindle_driven() {
+                path.motion.feed = 0.0;
+                path.motion.feed_named = false;
+                path.motion.unit = FeedUnit::PerMinute;
             }
-            Manner::Positioning => ("POS", "end it before the block with POS"),
-        };
-        let refusal = if path.setup.transform.is_some() {
-            "a transformation (TRAORI)"
-        } else if self.modal.contour.compensates() {
-            "radius compensation"
-        } else if self.corner.is_some() {
-            "a rounding or chamfer"
-        } else if path.motion.manner == Manner::Positioning && !path.setup.frame.is_translation() {
-            "a frame that turns, scales or mirrors"
-        } else {
-            return Ok(());
-        };
-        let message = format!("{what} under {refusal} is not supported yet");
-        Err(fault(Code::NOT_SUPPORTED, path.span, message, help))
-    }
+            (thread.code.word(), "end it before the thread")
+        }
+        Manner::Positioning => ("POS", "end it before the block with POS"),
+    };
+    let refusal = if path.setup.transform.is_some() {
+        "a transformation (TRAORI)"
+    } else if channel.modal.contour.compensates() {
+        "radius compensation"
+    } else if channel.corner.is_some() {
+        "a rounding or chamfer"
+    } else if path.motion.manner == Manner::Positioning && !path.setup.frame.is_translation() {
+        "a frame that turns, scales or mirrors"
+    } else {
+        return Ok(());
+    };
+    let message = format!("{what} under {refusal} is not supported yet");
+    Err(fault(Code::NOT_SUPPORTED, path.span, message, help))
 }

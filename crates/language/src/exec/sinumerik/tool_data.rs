@@ -150,17 +150,15 @@ impl Modal {
     }
 }
 
-impl Channel<'_> {
-    /// The edge in force; none for T0 and D0.
-    pub(super) fn active_tool(&self) -> Option<&Tool> {
-        self.modal.tool_in(&self.system.tools, self.machine)
-    }
+/// The edge in force; none for T0 and D0.
+pub(super) fn active_tool<'c>(channel: &'c Channel<'_>) -> Option<&'c Tool> {
+    channel.modal.tool_in(&channel.system.tools, channel.machine)
+}
 
-    /// The wear in the radius of the edge in force, mm.
-    pub(super) fn active_wear_mm(&self) -> f64 {
-        let Some(tool) = self.active_tool() else { return 0.0 };
-        let place = (tool.number, tool.edge);
-        let written = self.system.tools.radius_wear().find(|(edge, _)| *edge == place).map(|(_, wear)| wear);
-        written.or_else(|| self.machine.radius_wear_mm.get(&place).copied()).unwrap_or(0.0)
-    }
+/// The wear in the radius of the edge in force, mm.
+pub(super) fn active_wear_mm(channel: &Channel<'_>) -> f64 {
+    let Some(tool) = active_tool(channel) else { return 0.0 };
+    let place = (tool.number, tool.edge);
+    let written = channel.system.tools.radius_wear().find(|(edge, _)| *edge == place).map(|(_, wear)| wear);
+    written.or_else(|| channel.machine.radius_wear_mm.get(&place).copied()).unwrap_or(0.0)
 }

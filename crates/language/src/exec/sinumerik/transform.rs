@@ -4,8 +4,11 @@
 //! taken off ([`ncfix_machine::machine::Kinematics::on_workpiece`]); [`crate::exec::core::five_axis`] makes axis commands of them.
 
 use super::channel::Channel;
+use super::contour_words;
 use super::gather::Gatherer;
 use super::gathered::Gathered;
+use super::setup;
+use super::surface;
 use super::surface::Surface;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::{ArgumentRange, Word};
@@ -90,90 +93,88 @@ impl Gatherer<'_> {
     }
 }
 
-impl Channel<'_> {
-    /// Executes the words of a block that concern the transformation.
-    pub(super) fn transform(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let words = &gathered.transform;
-        if words.codes.is_empty() && words.switch.is_none() {
-            return Ok(());
-        }
-        for &code in &words.codes {
-            let modal = &mut self.modal.transform;
-            match code {
-                "ORIMKS" => modal.in_machine = true,
-                "ORIWKS" => modal.in_machine = false,
-                "ORIAXES" => modal.turn(Turning::Axes),
-                "ORIEULER" => modal.angles = Some(OrientationAngles::Euler),
-                "ORIRPY" => modal.angles = Some(OrientationAngles::Rpy),
-                _ => modal.turn(Turning::Vector),
-            }
-            if code == "ORIPATH" {
-                self.follow_path()?;
-            }
-        }
-        if let Some((name, span)) = words.switch {
-            if !gathered.named.is_empty() {
-                let message = format!("{name} shares its block with a motion");
-                return Err(fault(Code::MUST_STAND_ALONE, span, message, "give it a block of its own"));
-            }
-            let is_on = name != "TRAFOOF";
-            if is_on && self.modal.swivelled.is_some() {
-                let message = format!("{name} in a plane that CYCLE800 has swivelled");
-                return Err(fault(Code::BAD_SWIVEL, span, message, "end the swivel with CYCLE800() first"));
-            }
-            if is_on {
-                self.check_kinematics(span)?;
-            }
-            self.finish();
-            self.push(Kind::Keep(name));
-            self.switch(is_on);
-        }
-        self.refresh_setup();
-        Ok(())
+/// Executes the words of a block that concern the transformation.
+pub(super) fn transform(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let words = &gathered.transform;
+    if words.codes.is_empty() && words.switch.is_none() {
+        return Ok(());
     }
-
-    /// Whether the machine can be transformed at all.
-    fn check_kinematics(&mut self, span: Span) -> Result<(), Fault> {
-        let kinematics = self.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(self.machine)));
-        let rotary = kinematics.rotary_axes().count();
-        let can = (1..=2).contains(&rotary)
-            && kinematics.command_on_workpiece(&self.modal.command, &self.setup.tool_mm).is_some();
-        if can {
-            return Ok(());
+    for &code in &words.codes {
+        let modal = &mut channel.modal.transform;
+        match code {
+            "ORIMKS" => modal.in_machine = true,
+            "ORIWKS" => modal.in_machine = false,
+            "ORIAXES" => modal.turn(Turning::Axes),
+            "ORIEULER" => modal.angles = Some(OrientationAngles::Euler),
+            "ORIRPY" => modal.angles = Some(OrientationAngles::Rpy),
+            _ => modal.turn(Turning::Vector),
         }
-        let message = format!("TRAORI needs X, Y, Z and one or two rotary axes, and the machine has {rotary}");
-        Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"))
+        if code == "ORIPATH" {
+            surface::follow_path(channel)?;
+        }
     }
-
-    fn switch(&mut self, is_on: bool) {
-        if std::mem::replace(&mut self.modal.transform.is_on, is_on) == is_on {
-            return;
+    if let Some((name, span)) = words.switch {
+        if !gathered.named.is_empty() {
+            let message = format!("{name} shares its block with a motion");
+            return Err(fault(Code::MUST_STAND_ALONE, span, message, "give it a block of its own"));
         }
-        let Some(kinematics) = &self.outlet.kinematics else { return };
-        let modal = &mut self.modal;
-        let tool_mm = self.setup.tool_mm;
-        modal.command = if is_on {
-            kinematics.on_workpiece(&modal.command, &tool_mm)
-        } else {
-            kinematics.command_on_workpiece(&modal.command, &tool_mm).unwrap_or(modal.command)
-        };
-        // Each linear coordinate depends on all axes.
-        let needed: AxisSet = LINEAR_AXES.into_iter().take(3).chain(kinematics.rotary_axes()).collect();
-        if !needed.difference(modal.known).is_empty() {
-            modal.known = modal.known.intersection(ROTARY_AXES.into_iter().collect());
+        let is_on = name != "TRAFOOF";
+        if is_on && channel.modal.swivelled.is_some() {
+            let message = format!("{name} in a plane that CYCLE800 has swivelled");
+            return Err(fault(Code::BAD_SWIVEL, span, message, "end the swivel with CYCLE800() first"));
         }
-        modal.programmed = modal.setup().programmed(&modal.command);
+        if is_on {
+            check_kinematics(channel, span)?;
+        }
+        contour_words::finish(channel);
+        channel.push(Kind::Keep(name));
+        switch(channel, is_on);
     }
+    setup::refresh_setup(channel);
+    Ok(())
+}
 
-    /// The machine stands where it stood when frame or tool change: under a transformation the place of the tip follows from it.
-    pub(super) fn keep_pose(&mut self, setup: &Setup) {
-        let (Some(_), Some(kinematics)) = (self.setup.transform.and(setup.transform), &self.outlet.kinematics) else {
-            return;
-        };
-        if setup.tool_mm != self.setup.tool_mm
-            && let Some(command) = kinematics.command_on_workpiece(&self.modal.command, &self.setup.tool_mm)
-        {
-            self.modal.command = kinematics.on_workpiece(&command, &setup.tool_mm);
-        }
+/// Whether the machine can be transformed at all.
+fn check_kinematics(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
+    let kinematics = channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.machine)));
+    let rotary = kinematics.rotary_axes().count();
+    let can = (1..=2).contains(&rotary)
+        && kinematics.command_on_workpiece(&channel.modal.command, &channel.setup.tool_mm).is_some();
+    if can {
+        return Ok(());
+    }
+    let message = format!("TRAORI needs X, Y, Z and one or two rotary axes, and the machine has {rotary}");
+    Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"))
+}
+
+fn switch(channel: &mut Channel<'_>, is_on: bool) {
+    if std::mem::replace(&mut channel.modal.transform.is_on, is_on) == is_on {
+        return;
+    }
+    let Some(kinematics) = &channel.outlet.kinematics else { return };
+    let modal = &mut channel.modal;
+    let tool_mm = channel.setup.tool_mm;
+    modal.command = if is_on {
+        kinematics.on_workpiece(&modal.command, &tool_mm)
+    } else {
+        kinematics.command_on_workpiece(&modal.command, &tool_mm).unwrap_or(modal.command)
+    };
+    // Each linear coordinate depends on all axes.
+    let needed: AxisSet = LINEAR_AXES.into_iter().take(3).chain(kinematics.rotary_axes()).collect();
+    if !needed.difference(modal.known).is_empty() {
+        modal.known = modal.known.intersection(ROTARY_AXES.into_iter().collect());
+    }
+    modal.programmed = modal.setup().programmed(&modal.command);
+}
+
+/// The machine stands where it stood when frame or tool change: under a transformation the place of the tip follows from it.
+pub(super) fn keep_pose(channel: &mut Channel<'_>, setup: &Setup) {
+    let (Some(_), Some(kinematics)) = (channel.setup.transform.and(setup.transform), &channel.outlet.kinematics) else {
+        return;
+    };
+    if setup.tool_mm != channel.setup.tool_mm
+        && let Some(command) = kinematics.command_on_workpiece(&channel.modal.command, &channel.setup.tool_mm)
+    {
+        channel.modal.command = kinematics.on_workpiece(&command, &setup.tool_mm);
     }
 }

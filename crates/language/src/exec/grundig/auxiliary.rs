@@ -1,0 +1,81 @@
+//! F, S, M functions, dwells.
+
+use super::channel::Channel;
+use super::gathered::Gathered;
+use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::HasOutlet;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+use ncfix_base::units::MM_PER_INCH;
+use ncfix_machine::snc::{Dwell, Kind, Word, WordValue};
+
+/// M functions that act behind the motion of their block.
+const BEHIND: &[u16] = &[0, 1, 2, 5, 9, 30];
+
+/// F and S; the F of a dwell, a cycle and a block are read there.
+pub(super) fn feed_and_speed(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+    if let Some((feed, span)) = gathered.once(b'F', None)? {
+        if feed < 0.0 {
+            return Err(bad_value(span, "a feed below 0", "write a feed above 0"));
+        }
+        channel.modal.feed = if channel.modal.inch { feed * MM_PER_INCH } else { feed };
+        channel.feed_named = true;
+    } else {
+        channel.feed_named = false;
+    }
+    if let Some((speed, _)) = gathered.once(b'S', None)? {
+        channel.modal.speed = Some(speed);
+        channel.before.push(Word { letter: b'S', extension: None, value: WordValue::Number(speed) });
+    }
+    if gathered.functions.is_empty() && !channel.before.is_empty() {
+        let before = std::mem::take(&mut channel.before);
+        channel.outlet.push(Kind::Before(before));
+    }
+    Ok(())
+}
+
+/// M functions: pushes those that act before the motion and gives the others.
+pub(super) fn functions(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Vec<Word>, Fault> {
+    let mut behind = Vec::new();
+    for code in std::mem::take(&mut gathered.functions) {
+        let word = Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(code.number)) };
+        if code.number == 19
+            && let Some((angle, _)) = gathered.take(b'D', None)
+        {
+            channel.before.push(Word { letter: b'D', extension: None, value: WordValue::Number(angle) });
+        }
+        match code.number {
+            3 | 4 | 13 | 14 => channel.spindle = Some(if matches!(code.number, 3 | 13) { 3 } else { 4 }),
+            5 | 30 | 2 => channel.spindle = None,
+            53 | 54 => head(channel, code.number, code.span)?,
+            _ => {}
+        }
+        if BEHIND.contains(&code.number) { behind.push(word) } else { channel.before.push(word) }
+    }
+    let before = std::mem::take(&mut channel.before);
+    if !before.is_empty() {
+        channel.outlet.push(Kind::Before(before));
+    }
+    Ok(behind)
+}
+
+/// M53, M54: the head turns. The machine file describes one of its positions.
+pub(super) fn head(channel: &Channel<'_>, number: u16, span: Span) -> Result<(), Fault> {
+    if channel.machine.control.grundig.head == Some(number) {
+        return Ok(());
+    }
+    let message = format!("M{number} turns the head into a position that the machine file does not describe");
+    let help = "say with control.grundig_head which of M53 and M54 the axes and errors of the machine file are for";
+    Err(fault(Code::NOT_SUPPORTED, span, message, help))
+}
+
+pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    let help = "write for example G4 X1.5";
+    let dwell = match (gathered.once(b'X', None)?, gathered.once(b'D', None)?) {
+        (Some((seconds, _)), None) if seconds >= 0.0 => Dwell::Seconds(seconds),
+        (None, Some((turns, _))) if turns >= 0.0 => Dwell::Turns(turns),
+        _ => return Err(bad_value(span, "G4 needs X with seconds or D with turns", help)),
+    };
+    channel.outlet.push(Kind::Dwell(dwell));
+    Ok(())
+}

@@ -1,0 +1,118 @@
+//! Executes the words of one block in their fixed order.
+
+use super::auxiliary;
+use super::channel::Channel;
+use super::contour_words;
+use super::frames;
+use super::gathered::Gathered;
+use super::machining;
+use super::modes;
+use super::motion;
+use super::target;
+use super::tool;
+use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::outlet::HasOutlet;
+use ncfix_base::diagnostic::Code;
+use ncfix_machine::snc::Kind;
+
+/// G codes that say what a block does with its words, beside the cycles; one of them a block.
+const ACTIONS: &[u16] = &[4, 9, 11, 61, 62, 74, 77, 78, 79, 149, 150];
+
+/// Executes a block's words.
+pub(super) fn execute(
+    channel: &mut Channel<'_>,
+    gathered: &mut Gathered,
+    comment: Option<Vec<u8>>,
+) -> Result<(), Fault> {
+    channel.has_moved = false;
+    channel.before.clear();
+    channel.cycle_steps = 0;
+    if gathered.codes.is_empty() && gathered.functions.is_empty() {
+        if gathered.peek(b'T', None).is_some() {
+            // A tool that is got ready: its change comes in a block of its own.
+            tool::tool(channel, gathered)?;
+        }
+        auxiliary::feed_and_speed(channel, gathered)?;
+        channel.comment(comment);
+        motion::motion_words(channel, gathered)?;
+        return gathered.check_all_used();
+    }
+    check_codes(channel, gathered)?;
+    modes::passed_codes(channel, gathered);
+    modes::modal_codes(channel, gathered)?;
+    frames::frame_codes(channel, gathered)?;
+    tool::tool(channel, gathered)?;
+    tool::compensation_codes(channel, gathered)?;
+    check_supported(channel, gathered)?;
+    auxiliary::feed_and_speed(channel, gathered)?;
+    let behind = auxiliary::functions(channel, gathered)?;
+    channel.comment(comment);
+    if let Some(span) = gathered.take_code(4) {
+        auxiliary::dwell(channel, gathered, span)?;
+    } else if let Some(span) = gathered.take_code(149) {
+        frames::table_access(channel, gathered, false, span)?;
+    } else if let Some(span) = gathered.take_code(150) {
+        frames::table_access(channel, gathered, true, span)?;
+    } else if let Some(span) = gathered.take_code(74) {
+        modes::reference(channel, gathered, span)?;
+    } else if let Some(span) = gathered.take_code(78) {
+        target::define_point(channel, gathered, span)?;
+    } else if let Some(span) = gathered.take_code(9) {
+        target::set_pole(channel, gathered, span)?;
+    } else if let Some(span) = gathered.take_code(11) {
+        contour_words::two_lines(channel, gathered, span)?;
+    } else if !machining::cycle_codes(channel, gathered)? {
+        for (number, retracts) in [(61, false), (62, true)] {
+            if let Some(span) = gathered.take_code(number) {
+                contour_words::soft_words(channel, gathered, retracts, span)?;
+            }
+        }
+        motion::motion_words(channel, gathered)?;
+    }
+    if !behind.is_empty() {
+        channel.outlet.push(Kind::After(behind));
+    }
+    if let Some(code) = gathered.codes.first() {
+        let message = format!("G{} beside another code that takes the words of the block", code.number);
+        return Err(fault(Code::NOT_SUPPORTED, code.span, message, "write each in a block of its own"));
+    }
+    gathered.check_all_used()
+}
+
+/// A code that nothing carries out is said before what its words would mean to the motion in force.
+pub(super) fn check_supported(channel: &Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    let is_left = |number: u16| !ACTIONS.contains(&number) && super::cycles::find(number).is_none();
+    let Some(code) = gathered.codes.iter().find(|code| is_left(code.number)) else { return Ok(()) };
+    let known = channel.codes.g(usize::from(code.number)).map_or("no known code", |entry| entry.meaning);
+    let message = format!("G{} ({known}) is not supported", code.number);
+    let help = "the program cannot be corrected with it; program what it does directly";
+    Err(fault(Code::NOT_SUPPORTED, code.span, message, help))
+}
+
+/// Two codes of one group in a block exclude each other.
+pub(super) fn check_codes(channel: &Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+    if gathered.codes.len() < 2 {
+        return Ok(());
+    }
+    let group = |number: u16| channel.codes.g(usize::from(number)).map_or(0, |entry| entry.group);
+    for (index, code) in gathered.codes.iter().enumerate() {
+        let own = group(code.number);
+        let clash = gathered
+            .codes
+            .iter()
+            .take(index)
+            .find(|other| other.number == code.number || (own != 0 && group(other.number) == own));
+        if let Some(other) = clash {
+            let message = format!("G{} and G{} in one block", other.number, code.number);
+            return Err(fault(Code::DOUBLE_WORD, code.span, message, "keep one of them"));
+        }
+    }
+    Ok(())
+}
+
+/// Ends what is held back.
+pub(super) fn finish(channel: &mut Channel<'_>, has_errors: bool) {
+    contour_words::end_open(channel);
+    contour_words::end_soft(channel);
+    channel.outlet.end(has_errors);
+}

@@ -1,0 +1,77 @@
+//! Puts frame and tool in force.
+
+use super::channel::Channel;
+use crate::exec::core::fault::{Fault, bad_value};
+use crate::exec::core::options::Options;
+use crate::exec::core::outlet::HasOutlet;
+use ncfix_base::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Vector};
+use ncfix_dialect::CodeTable;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Kind, Setup};
+use std::sync::Arc;
+
+/// Puts frame and tool in force. The place along an axis whose tool length changes counts as not stated any more.
+pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
+    let span = channel.outlet.origin.span;
+    let flat = || bad_value(span, "this frame cannot be undone", "check the factors of the zero offset");
+    let frames = &channel.modal.frames;
+    let stored = frames.shown(&channel.machine.control).ok_or_else(flat)?;
+    let frame = stored.compose(&frames.programmed(&channel.machine.control.grundig).ok_or_else(flat)?);
+    let tool = &channel.modal.tool;
+    let mut tool_mm = Vector::zeros();
+    let length = tool.length_mm + tool.allowance_mm[0];
+    if length != 0.0 {
+        tool_mm[channel.modal.plane.axes()[2].slot()] = if tool.reversed { length } else { -length };
+    }
+    let assumed = frames.assumed || tool.assumed;
+    let plane = channel.modal.plane;
+    let setup = Setup { frame, tool_mm, plane, transform: None, assumed };
+    let changes = |axis: &Axis| setup.tool_mm[axis.slot()] != channel.setup.tool_mm[axis.slot()];
+    let lost: AxisSet = LINEAR_AXES.into_iter().take(3).filter(changes).collect();
+    if !lost.is_empty() {
+        // The length that the control has may differ: nothing must lead to where the tip would be by this one.
+        channel.modal.known = channel.modal.known.difference(lost);
+        channel.outlet.push(Kind::Lost(lost));
+    }
+    if setup.frame.linear() != channel.setup.frame.linear() {
+        let machine = channel.setup.frame.known_across(channel.modal.known, false);
+        channel.modal.known = setup.frame.known_across(machine, true);
+    }
+    let shown = Setup { frame: stored, ..setup.clone() };
+    if shown != *channel.shown {
+        channel.shown = Arc::new(shown);
+        channel.shown_changed = true;
+    }
+    if setup != *channel.setup {
+        channel.setup = Arc::new(setup);
+    }
+    Ok(())
+}
+
+/// Tells the output what holds from here on, where that has changed.
+pub(super) fn show_setup(channel: &mut Channel<'_>) {
+    if std::mem::take(&mut channel.shown_changed) {
+        channel.outlet.push(Kind::Setup(Arc::clone(&channel.shown)));
+    }
+}
+
+/// Axes of the program as axes of the output.
+pub(super) fn shown_axes(channel: &Channel<'_>, axes: AxisSet, moving: bool) -> AxisSet {
+    let (own, shown): (&Frame, &Frame) = (&channel.setup.frame, &channel.shown.frame);
+    if own.is_translation() && shown.is_translation() {
+        return axes;
+    }
+    if moving {
+        return shown.inverse().mixed_with(own.mixed_with(axes));
+    }
+    shown.known_across(own.known_across(axes, false), true)
+}
+
+/// A channel as it is when a program starts.
+pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Channel<'a> {
+    let mut channel = Channel::new(machine, options, codes);
+    // The machine file has refused offsets that cannot be undone.
+    let refreshed = refresh_setup(&mut channel);
+    channel.outlet.warnings.extend(refreshed.err());
+    channel
+}

@@ -1,0 +1,162 @@
+//! Executes the words of one block in their fixed order.
+
+use super::auxiliary;
+use super::channel::Channel;
+use super::codes::{G80, Group};
+use super::compensation;
+use super::cycle;
+use super::data;
+use super::direction;
+use super::feed;
+use super::forbidden;
+use super::gathered::Gathered;
+use super::home;
+use super::length;
+use super::modes;
+use super::motion;
+use super::offsets;
+use super::reference;
+use super::special;
+use super::transform;
+use crate::exec::core::fault::{Fault, fault};
+use ncfix_base::diagnostic::Code;
+use ncfix_machine::snc::Kind;
+
+/// Executes a block's words.
+pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+    channel.before.clear();
+    channel.after.clear();
+    channel.corner = None;
+    motion::check_axes(channel, gathered)?;
+    let done = if channel.is_rs274() { execute_rs274(channel, gathered) } else { execute_fanuc(channel, gathered) };
+    // Even where the block has a fault, the program ends where it says so.
+    done?;
+    if !channel.is_rs274() && channel.modal.length_code == 490 && gathered.raw_quietly(b'H') == Some(0.0) {
+        // No offset, where none is in force.
+        gathered.use_up(b"H");
+    }
+    match gathered.unused() {
+        None => Ok(()),
+        Some((letter, span)) => {
+            let message = format!("no code of the block uses {letter}");
+            Err(fault(Code::BAD_WORD_VALUE, span, message, "take the word out, or add the code that it belongs to"))
+        }
+    }
+}
+
+/// The order of RS274/NGC as LinuxCNC executes it.
+pub(super) fn execute_rs274(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+    feed::feed_mode(channel, gathered)?;
+    feed::feed(channel, gathered)?;
+    feed::speed(channel, gathered)?;
+    feed::tool_word(channel, gathered)?;
+    auxiliary::m_codes(channel, gathered)?;
+    channel.flush_before();
+    feed::dwell(channel, gathered)?;
+    modes::plane(channel, gathered)?;
+    special::lathe(channel, gathered)?;
+    modes::units(channel, gathered)?;
+    compensation::compensation_codes(channel, gathered)?;
+    let mut takes_axes = length::length_codes(channel, gathered)?;
+    offsets::coordinates(channel, gathered)?;
+    feed::path_control(channel, gathered)?;
+    modes::distance(channel, gathered);
+    if gathered.code(Group::Retract).is_some() {
+        compensation::no_compensation(channel, gathered.code_span(Group::Retract), "another retract mode")?;
+    }
+    modes::retract(channel, gathered);
+    takes_axes |= action(channel, gathered)?;
+    offsets::shift_codes(channel, gathered)?;
+    move_axes(channel, gathered, takes_axes)
+}
+
+/// The order of a Fanuc: the modal codes of a block hold for all its words.
+pub(super) fn execute_fanuc(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+    forbidden::check_state(channel, gathered)?;
+    modes::units(channel, gathered)?;
+    modes::plane(channel, gathered)?;
+    modes::distance(channel, gathered);
+    feed::feed_mode(channel, gathered)?;
+    modes::retract(channel, gathered);
+    let mut takes_axes = feed::passed_on(channel, gathered)?;
+    feed::path_control(channel, gathered)?;
+    if gathered.code(Group::Action) != Some(40) {
+        feed::feed(channel, gathered)?;
+    }
+    feed::tool_word(channel, gathered)?;
+    compensation::compensation_codes(channel, gathered)?;
+    offsets::coordinates(channel, gathered)?;
+    takes_axes |= length::length_codes(channel, gathered)?;
+    feed::speed(channel, gathered)?;
+    auxiliary::m_codes(channel, gathered)?;
+    channel.flush_before();
+    feed::dwell(channel, gathered)?;
+    takes_axes |= transform::transform_codes(channel, gathered)?;
+    takes_axes |= action(channel, gathered)?;
+    move_axes(channel, gathered, takes_axes)
+}
+
+/// The motion of a block, and what acts behind it.
+pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_axes: bool) -> Result<(), Fault> {
+    let code = if takes_axes { cycle::code_of_motion(channel, gathered) } else { motion::motion_of(channel, gathered) };
+    let mut done = Ok(());
+    if let Some(code) = code {
+        if !takes_axes && code == G80 && !gathered.axes.is_empty() {
+            let message = "axis words, and no kind of motion is in force";
+            let help = "program G0 or G1 first";
+            done = Err(fault(Code::BAD_WORD_VALUE, gathered.span, message, help));
+            gathered.use_up(b"XYZABCUVW");
+        } else {
+            cycle::note_motion(channel, code);
+            let moves = !takes_axes && (code > 30 && code != G80 || has_way(channel, gathered, code));
+            if moves {
+                done = motion::motion(channel, gathered, code);
+            } else {
+                feed_alone(channel, gathered);
+            }
+        }
+    } else {
+        feed_alone(channel, gathered);
+    }
+    if !channel.after.is_empty() {
+        let after = std::mem::take(&mut channel.after);
+        channel.push(Kind::After(after));
+    }
+    auxiliary::lose_by_functions(channel, gathered);
+    done
+}
+
+/// Whether a block has words for a line or an arc.
+pub(super) fn has_way(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> bool {
+    let is_arc = matches!(code, 20 | 30) || direction::has_directions(channel);
+    !gathered.axes.is_empty() || gathered.has_any(b"@^") || is_arc && gathered.has_any(b"IJKR")
+}
+
+/// F of a block without a motion.
+pub(super) fn feed_alone(channel: &mut Channel<'_>, gathered: &Gathered) {
+    if gathered.has(b'F') && gathered.code(Group::Action) != Some(40) {
+        channel.push(Kind::Feed(channel.modal.feed));
+    }
+}
+
+/// What is done once: G4, G10, G28, G52, G92 … Whether it took the axis words.
+pub(super) fn action(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
+    let Some(code) = gathered.code(Group::Action) else { return Ok(false) };
+    match code {
+        40 => return Ok(gathered.code(Group::Motion).is_none() && !channel.is_rs274()),
+        100 => data::set_data(channel, gathered)?,
+        280 | 300 => home::home(channel, gathered, code)?,
+        270 | 290 => reference::back_to_work(channel, gathered, code)?,
+        110 => return Ok(false),
+        281 | 301 => {
+            home::save_home(channel, code, gathered.code_span(Group::Action))?;
+            return Ok(false);
+        }
+        520 | 920 => offsets::axis_offsets(channel, gathered, code)?,
+        921 => offsets::axis_offsets(channel, gathered, code)?,
+        _ => {
+            special::special_motion(channel, gathered, code)?;
+        }
+    }
+    Ok(true)
+}

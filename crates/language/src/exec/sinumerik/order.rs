@@ -1,0 +1,106 @@
+//! Executes the words of one block in their fixed order.
+
+use super::angle;
+use super::channel::Channel;
+use super::contour_words;
+use super::dwell;
+use super::feed;
+use super::forbidden;
+use super::frames;
+use super::gathered::Gathered;
+use super::modes;
+use super::pass;
+use super::polar;
+use super::save;
+use super::stream;
+use super::surface;
+use super::tool;
+use super::transform;
+use crate::exec::core::fault::Fault;
+use crate::exec::core::outlet::HasOutlet;
+use ncfix_base::geometry::AxisSet;
+use ncfix_base::source::Span;
+use ncfix_machine::snc::{Kind, Word, WordValue};
+
+/// Executes a block's words.
+pub(super) fn execute(
+    channel: &mut Channel<'_>,
+    gathered: &mut Gathered,
+    comment: Option<Vec<u8>>,
+    span: Span,
+) -> Result<(), Fault> {
+    contour_words::contour_words(channel, gathered)?;
+    forbidden::check_state(channel, gathered, span)?;
+    modes::modal_codes(channel, gathered)?;
+    for &word in &gathered.keep {
+        save::keep(channel, word);
+    }
+    if gathered.is_complete {
+        feed::feed_for_call(channel);
+    }
+    for text in std::mem::take(&mut gathered.verbatim) {
+        channel.push(Kind::Verbatim(text));
+    }
+    channel.outlet.warnings.extend(gathered.warning.take());
+    pass::check_diameter(channel, gathered)?;
+    transform::transform(channel, gathered)?;
+    surface::surface(channel, gathered)?;
+    frames::offset(channel, gathered)?;
+    if let Some(statement) = gathered.frame {
+        frames::frame_statement(channel, gathered, statement)?;
+        channel.comment(comment);
+        return Ok(());
+    }
+    frames::without_statement(gathered)?;
+    if let Some(pole) = gathered.pole {
+        polar::set_pole(channel, gathered, pole)?;
+        channel.comment(comment);
+        return Ok(());
+    }
+    tool::tool(channel, gathered)?;
+    contour_words::check_edge(channel, gathered, span);
+    if let Some(at) = gathered.dwell {
+        dwell::dwell(channel, gathered, at)?;
+        channel.comment(comment);
+        return Ok(());
+    }
+    feed::feed_and_speed(channel, gathered);
+    if let Some(text) = gathered.message.take() {
+        channel.push(Kind::Message(text));
+    }
+    let before = std::mem::take(&mut gathered.before);
+    if before.iter().chain(&gathered.after).any(|word| is_moved_by(channel, word)) {
+        gathered.lost = AxisSet::ALL;
+    }
+    if !before.is_empty() {
+        channel.push(Kind::Before(before));
+    }
+    let moves = !gathered.named.is_empty()
+        || gathered.center.iter().any(Option::is_some)
+        || gathered.addresses.iter().any(|value| value.address.moves());
+    if moves {
+        channel.comment(comment);
+        angle::angle(channel, gathered, span)?;
+        stream::send(channel, gathered, span)?;
+    } else {
+        if gathered.feed.is_some() {
+            channel.push(Kind::Feed(channel.modal.feed));
+        }
+        channel.comment(comment);
+    }
+    let after = std::mem::take(&mut gathered.after);
+    if !after.is_empty() {
+        channel.push(Kind::After(after));
+    }
+    if !gathered.lost.is_empty() {
+        let lost = channel.modal.forget(gathered.lost);
+        channel.push(Kind::Lost(lost));
+    }
+    Ok(())
+}
+
+/// Whether a word is an M function that moves axes by what the machine file says.
+pub(super) fn is_moved_by(channel: &Channel<'_>, word: &Word) -> bool {
+    let is_function = word.letter == b'M' && word.extension.is_none();
+    matches!(word.value, WordValue::Number(number) if is_function && channel.outlet.function_moves(number))
+}

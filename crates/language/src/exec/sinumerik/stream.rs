@@ -1,0 +1,78 @@
+//! The motion of a block on its way into the stream.
+
+use super::channel::Channel;
+use super::contour_words;
+use super::gathered::Gathered;
+use super::motion::{self, MotionContext};
+use super::orientation;
+use super::rotary;
+use super::spline;
+use super::swivel;
+use super::thread;
+use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::outlet::HasOutlet;
+use crate::exec::core::standing::known_behind;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{Frame, LINEAR_AXES};
+use ncfix_base::source::Span;
+use ncfix_machine::snc::{Kind, Manner, Setup};
+use std::sync::Arc;
+
+pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+    swivel::check_swivelled(channel, span)?;
+    let geometry = || LINEAR_AXES.into_iter().take(3).any(|axis| gathered.named.contains(axis));
+    channel.has_moved = gathered.named.is_empty() || geometry();
+    let setup = if let Some(word) = gathered.suppress {
+        let bare = Arc::new(suppressed(channel, word));
+        channel.push(Kind::Setup(Arc::clone(&bare)));
+        channel.setup_changed = true;
+        channel.modal.known = known_behind(channel.modal.known, &channel.setup.frame, &bare.frame);
+        bare
+    } else {
+        if std::mem::take(&mut channel.setup_changed) {
+            channel.push(Kind::Setup(Arc::clone(&channel.setup)));
+        }
+        Arc::clone(&channel.setup)
+    };
+    contour_words::corner_words(channel, gathered)?;
+    let context = MotionContext {
+        machine: channel.machine,
+        control: &channel.machine.control,
+        setup: &setup,
+        is_suppressed: gathered.suppress.is_some(),
+        strict: channel.strict,
+        span,
+    };
+    let modal_feed = channel.modal.feed;
+    if let Some(feed) = gathered.block_feed {
+        channel.modal.feed = feed;
+    }
+    let found = motion::motion(gathered, &mut channel.modal, context);
+    channel.modal.feed = modal_feed;
+    if gathered.suppress.is_some() {
+        channel.modal.known = known_behind(channel.modal.known, &setup.frame, &channel.setup.frame);
+    }
+    let mut path = found?;
+    if path.motion.rapid {
+        path.motion.feed = modal_feed;
+    } else {
+        path.motion.feed_named |= gathered.block_feed.is_some();
+    }
+    channel.outlet.warnings.extend(rotary::either_way(&path.motion.ways, span));
+    thread::check_manner(channel, &mut path)?;
+    let step = &path.motion;
+    let is_driven = matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven());
+    if !step.rapid && !is_driven && step.feed <= 0.0 && !std::mem::replace(&mut channel.feed_warned, true) {
+        let message = "a feed motion, and no F was programmed yet";
+        channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));
+    }
+    orientation::orient(channel, gathered, &mut path)?;
+    let node = spline::node(gathered, &channel.modal)?;
+    spline::push_path(channel, path, node)
+}
+
+/// What holds in a block with a word that suppresses frames: G53 leaves the base frame.
+pub(super) fn suppressed(channel: &Channel<'_>, word: &str) -> Setup {
+    let frame = if word == "G53" { channel.modal.base } else { Frame::identity() };
+    Setup { frame, ..(*channel.setup).clone() }
+}
