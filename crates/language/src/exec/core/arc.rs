@@ -1,7 +1,7 @@
 //! Arcs of the working plane, whatever the language: the center of a radius, and what a frame makes of an arc.
 
 use super::path::Shape;
-use super::resolve::chord_count;
+use super::sagitta::chord_count;
 use ncfix_base::geometry::{Arc, AxisVector, PlaneBasis};
 use ncfix_machine::snc::Setup;
 

@@ -8,7 +8,6 @@
 //! | what a family is made of | [`family`] |
 //! | frame, tool length and plane in force | [`standing`] |
 //! | radius compensation, roundings, chamfers | [`contour`] |
-//! | steps of cycles | [`step`] |
 //! | paths, and what the outlet makes of them | [`path`], [`outlet`], [`resolve`], [`five_axis`] |
 //! | findings, books, limits of a run | [`fault`], [`ledger`], [`options`] |
 //!
@@ -40,7 +39,7 @@
 //! | `RND`, `CHF`, `APPR`, `DEP` | `Wish::corner`, `Wish::soft`, as contour words of Grundig are |
 //! | cycle 7, 8, 10, 11, 26, `PLANE` | frames of the channel; [`standing::Standing`] puts what they add up to in force |
 //! | `CYCL DEF 200 …` | state: the parameters are Q; DEF-active cycles act at once |
-//! | `CYCL CALL`, `M99` | steps of [`step`], carried out at the position |
+//! | `CYCL CALL`, `M99` | steps of the cycle, carried out at the position |
 //! | `M89` | `modal_call`: there is one behind each block that has moved |
 //! | `TOOL CALL 5 Z S2500` | tool state of the channel; the axis chooses the plane |
 //!
@@ -50,7 +49,7 @@
 //!
 //! Diameters are read by the gatherer of a family: inside there are radii. The working plane is ZX; nose radius compensation is radius
 //! compensation about a center that [`contour`] shifts by the vector of the tip. G71 to G73 and their kin read a contour between two
-//! blocks: those blocks are executed into a list of paths in place of the outlet, and the cycle makes its [`step`]s of them; execution goes
+//! blocks: those blocks are executed into a list of paths in place of the outlet, and the cycle makes its steps of them; execution goes
 //! on with `Action::Goto` behind the last. Threads are moves with `Manner::Thread`. Feed per turn and constant cutting speed are state
 //! that moves carry already.
 

@@ -3,12 +3,9 @@
 use super::five_axis;
 use super::outlet::Outlet;
 use super::path::{Path, Shape};
-use super::sagitta;
+use super::sagitta::{self, chord_count};
 use ncfix_base::geometry::{Arc, AxisVector};
 use ncfix_machine::snc::{Element, Kind, Move};
-
-/// Chords of one arc at most; a tolerance that asks for more is not met.
-const MOST_CHORDS: f64 = 100_000.0;
 
 impl Outlet<'_> {
     /// Puts the moves of a path into the stream.
@@ -110,25 +107,4 @@ fn arc_chords(
         out
     });
     (chords, off_mm)
-}
-
-/// How many equal chords keep within a tolerance of an arc: the sagitta of a chord of angle a is r (1 − cos a/2).
-pub(in crate::exec) fn chord_count(radius_mm: f64, sweep_rad: f64, tolerance_mm: f64) -> u32 {
-    let share = (1.0 - tolerance_mm / radius_mm).clamp(0.0, 1.0);
-    let widest = (2.0 * share.acos()).max(1e-6);
-    // Between 1 and the limit.
-    (sweep_rad.abs() / widest).ceil().clamp(1.0, MOST_CHORDS) as u32
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn chords_keep_the_sagitta() {
-        // r = 10, a = 90 degrees: sagitta 10 (1 - cos 45°) = 2.9289.
-        assert_eq!(chord_count(10.0, std::f64::consts::TAU, 2.93), 4);
-        assert_eq!(chord_count(10.0, std::f64::consts::TAU, 2.92), 5);
-        assert_eq!(chord_count(10.0, 0.1, 100.0), 1);
-    }
 }

@@ -46,6 +46,17 @@ fn curvature(a: &AxisVector, b: &AxisVector, c: &AxisVector) -> f64 {
     if sides > 0.0 { 2.0 * ab.cross(&bc).norm() / sides } else { 0.0 }
 }
 
+/// Chords of one arc at most; a tolerance that asks for more is not met.
+const MOST_CHORDS: f64 = 100_000.0;
+
+/// How many equal chords keep within a tolerance of an arc: the sagitta of a chord of angle a is r (1 − cos a/2).
+pub(in crate::exec) fn chord_count(radius_mm: f64, sweep_rad: f64, tolerance_mm: f64) -> u32 {
+    let share = (1.0 - tolerance_mm / radius_mm).clamp(0.0, 1.0);
+    let widest = (2.0 * share.acos()).max(1e-6);
+    // Between 1 and the limit.
+    (sweep_rad.abs() / widest).ceil().clamp(1.0, MOST_CHORDS) as u32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -74,5 +85,13 @@ mod tests {
             assert_eq!(off_mm(&at(0.0, 0.0), &points, k, 2.5e-4), 0.0, "{k}");
         }
         assert_eq!(off_mm(&at(0.0, 0.0), &points[..1], 0, 2.5e-4), 2.5e-4);
+    }
+
+    #[test]
+    fn chords_keep_the_sagitta() {
+        // r = 10, a = 90 degrees: sagitta 10 (1 - cos 45°) = 2.9289.
+        assert_eq!(chord_count(10.0, std::f64::consts::TAU, 2.93), 4);
+        assert_eq!(chord_count(10.0, std::f64::consts::TAU, 2.92), 5);
+        assert_eq!(chord_count(10.0, 0.1, 100.0), 1);
     }
 }

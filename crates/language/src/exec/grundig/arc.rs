@@ -1,6 +1,6 @@
 //! Arcs and helices: center by I, J, K or polar (B3, L3), radius (R), sweep (B5), turns by the pitch.
 
-use super::motion;
+use super::step;
 use super::target;
 use std::f64::consts::TAU;
 
@@ -204,7 +204,7 @@ fn center(
 
 /// A circular motion, one move a turn; other axes have their share of each.
 pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector, named: AxisSet) -> Result<(), Fault> {
-    motion::check_feed(channel, channel.modal.feed, channel.outlet.origin.span)?;
+    step::check_feed(channel, channel.modal.feed, channel.outlet.origin.span)?;
     let turns = circle.sweep_rad / TAU;
     let mut whole = turns.floor();
     if turns - whole > 1.0 - NO_REST {
@@ -228,13 +228,14 @@ pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector
 
 /// One arc of at most a turn.
 pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector, named: AxisSet) -> Result<(), Fault> {
-    let (machine, setup, plane) = (channel.machine, std::sync::Arc::clone(&channel.setup), channel.modal.plane);
+    let (machine, setup, plane) =
+        (channel.machine, std::sync::Arc::clone(&channel.standing.setup), channel.modal.plane);
     let control = &machine.control;
     let [abscissa, ordinate, _] = plane.axes();
     let span = channel.outlet.origin.span;
     let programmed = target::here(channel);
     let to = *to;
-    motion::elementary(channel, &to, named, false, channel.modal.feed, |[start, target]| {
+    step::elementary(channel, &to, named, false, channel.modal.feed, |[start, target]| {
         // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit.
         let is_shifted = setup.frame.is_translation();
         let (from, end) = if is_shifted { (*start, *target) } else { (programmed, to) };

@@ -1,19 +1,21 @@
 //! The channel: executes the words of one block in their fixed order and puts elements into the stream.
 
+use super::cycles::Flat;
+use super::geometry::Choice;
+use super::geometry::Element;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use super::contour_words::Open;
 use super::expression::Parameters;
 use super::modal::Modal;
 use crate::exec::core::contour::{Corner, Soft};
 use crate::exec::core::options::{Options, RapidOrder};
 use crate::exec::core::outlet::{HasOutlet, Outlet};
 use crate::exec::core::radius::Radius;
+use crate::exec::core::standing::Standing;
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeTable;
 use ncfix_machine::machine::{Machine, Tool};
-use ncfix_machine::snc::{Kind, Setup, Word};
+use ncfix_machine::snc::{Kind, Word};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
@@ -30,11 +32,8 @@ pub(super) struct Channel<'a> {
     pub(super) radius_wear: BTreeMap<(u32, u32), f64>,
     /// Which rapid moves are taken apart.
     pub(super) rapid_order: RapidOrder,
-    /// All that lies between programmed positions and axis commands.
-    pub(super) setup: Arc<Setup>,
-    /// The part of it that the output keeps.
-    pub(super) shown: Arc<Setup>,
-    pub(super) shown_changed: bool,
+    /// Frame, tool length and plane in force.
+    pub(super) standing: Standing,
     /// Whether the block has moved already.
     pub(super) has_moved: bool,
     /// M3 or M4 while the spindle turns.
@@ -74,9 +73,7 @@ impl<'a> Channel<'a> {
             radius: options.radius,
             radius_wear: machine.radius_wear_mm.clone(),
             rapid_order: options.rapid_order,
-            setup: Arc::default(),
-            shown: Arc::default(),
-            shown_changed: true,
+            standing: Standing { changed: true, ..Standing::default() },
             has_moved: false,
             spindle: None,
             feed_named: false,
@@ -96,4 +93,13 @@ impl<'a> Channel<'a> {
             self.outlet.push(Kind::Comment(comment));
         }
     }
+}
+
+/// An element that waits for its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Open {
+    pub(super) start: Flat,
+    pub(super) element: Element,
+    pub(super) choice: Choice,
+    pub(super) span: Span,
 }

@@ -3,13 +3,13 @@
 use super::arc;
 use super::arc::{Circle, sweep_between};
 use super::channel::Channel;
+use super::channel::Open;
 use super::cycles::Flat;
 use super::gathered::{Found, Gathered};
 use super::geometry::{Choice, Element, meet};
-use super::machining;
 use super::modal::{MotionKind, plus};
-use super::motion;
 use super::setup;
+use super::step;
 use super::target;
 use super::target::Target;
 use crate::exec::core::contour::{Clearance, Corner, Soft, SoftForm, SoftSide, Transition};
@@ -17,15 +17,6 @@ use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
-
-/// An element that waits for its end.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Open {
-    start: Flat,
-    element: Element,
-    choice: Choice,
-    span: Span,
-}
 
 /// Takes R1= and I1= of a motion: what stands between it and the next one.
 pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
@@ -96,7 +87,7 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
     };
     let incremental = channel.modal.incremental;
     let target = target_of_plane(channel, gathered, incremental)?;
-    let end = machining::flat(channel, &target.to);
+    let end = target::flat(channel, &target.to);
     let choice = if choice == Choice::Second { choice } else { open.choice };
     let found = meet(open.start, open.element, element, end, choice);
     let corner = match found {
@@ -109,8 +100,8 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
     };
     let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
     let mut place = target::here(channel);
-    machining::set_flat(channel, &mut place, corner);
-    channel.modal.command = motion::reach(channel, &place, plane);
+    target::set_flat(channel, &mut place, corner);
+    channel.modal.command = step::reach(channel, &place, plane);
     channel.modal.known = channel.modal.known.union(plane);
     let shown = setup::shown_axes(channel, plane, true);
     channel.outlet.close(Some(channel.modal.command), shown);
@@ -120,7 +111,7 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
             let circle = Circle { clockwise, center: plane_coordinates(channel, center), sweep_rad };
             arc::circular(channel, circle, target.to, target.named.union(plane))?;
         }
-        _ => motion::straight(channel, target)?,
+        _ => step::straight(channel, target)?,
     }
     Ok(true)
 }
@@ -182,7 +173,7 @@ fn element_of(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Opti
             center[axes[0]] = base[0] + first * scale;
             center[axes[1]] = base[1] + second * scale;
             let clockwise = channel.modal.motion == MotionKind::Clockwise;
-            Ok(Some((Element::Arc { center: machining::flat(channel, &center), clockwise }, has_end)))
+            Ok(Some((Element::Arc { center: target::flat(channel, &center), clockwise }, has_end)))
         }
     }
 }
@@ -190,23 +181,23 @@ fn element_of(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Opti
 /// Begins a motion whose end is not known.
 fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span: Span) -> Result<(), Fault> {
     target::check_plane_known(channel, span)?;
-    if !channel.setup.frame.keeps_circles(channel.modal.plane) {
+    if !channel.standing.setup.frame.keeps_circles(channel.modal.plane) {
         let message = "intersections of G64 under unequal scale";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program the ends of the elements"));
     }
-    let start = machining::flat(channel, &target::here(channel));
+    let start = target::flat(channel, &target::here(channel));
     let to = target::here(channel);
     channel.is_open = true;
     let feed = channel.modal.feed;
     let rapid = channel.modal.motion == MotionKind::Rapid;
     let done = match element {
         Element::Arc { center, clockwise } => {
-            motion::check_feed(channel, feed, span)?;
+            step::check_feed(channel, feed, span)?;
             let circle = Circle { clockwise, center: plane_coordinates(channel, center), sweep_rad: 0.0 };
             arc::one_arc(channel, circle, &to, AxisSet::EMPTY)
         }
-        _ if rapid => motion::rapid_line(channel, &to, AxisSet::EMPTY),
-        _ => motion::feed_line(channel, &to, AxisSet::EMPTY, feed),
+        _ if rapid => step::rapid_line(channel, &to, AxisSet::EMPTY),
+        _ => step::feed_line(channel, &to, AxisSet::EMPTY, feed),
     };
     channel.is_open = false;
     done?;
@@ -216,7 +207,7 @@ fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span:
 
 /// How much the frame enlarges the plane.
 fn plane_factor(channel: &Channel<'_>) -> f64 {
-    let frame = &channel.setup.frame;
+    let frame = &channel.standing.setup.frame;
     if frame.is_translation() {
         return 1.0;
     }
@@ -243,7 +234,7 @@ pub(super) fn end_open(channel: &mut Channel<'_>) {
 /// Abscissa and ordinate of the plane of a point of the flat one.
 fn plane_coordinates(channel: &Channel<'_>, flat: Flat) -> [f64; 2] {
     let mut place = ncfix_base::geometry::AxisVector::ZERO;
-    machining::set_flat(channel, &mut place, flat);
+    target::set_flat(channel, &mut place, flat);
     let [abscissa, ordinate, _] = channel.modal.plane.axes();
     [place[abscissa], place[ordinate]]
 }
@@ -261,7 +252,7 @@ pub(super) fn two_lines(channel: &mut Channel<'_>, gathered: &mut Gathered, span
     let second = leg(channel, gathered, Some(1))?;
     let corners = [(None, None), (Some(1), Some(1))].map(|(r, k)| (gathered.take(b'R', r), gathered.take(b'K', k)));
     let scale = channel.modal.scale();
-    let from = machining::flat(channel, &start);
+    let from = target::flat(channel, &start);
     let middle = match (first.end(from, scale, channel), second) {
         (Some(middle), _) => middle,
         (None, Leg { angle: Some(b), place: [Some(_), Some(_)], .. }) => {
@@ -281,8 +272,8 @@ pub(super) fn two_lines(channel: &mut Channel<'_>, gathered: &mut Gathered, span
     for (place, (round, chamfer)) in [middle, end].into_iter().zip(corners) {
         channel.corner = transition(channel, round, chamfer)?;
         let mut to = start;
-        machining::set_flat(channel, &mut to, place);
-        motion::feed_line(channel, &to, plane, channel.modal.feed)?;
+        target::set_flat(channel, &mut to, place);
+        step::feed_line(channel, &to, plane, channel.modal.feed)?;
     }
     Ok(())
 }
@@ -382,7 +373,7 @@ impl Leg {
     fn end(&self, from: Flat, scale: f64, channel: &Channel<'_>) -> Option<Flat> {
         let given = self.given(from, scale, channel);
         let direction = |degrees: f64| {
-            machining::flat(
+            target::flat(
                 channel,
                 &plus(&ncfix_base::geometry::AxisVector::ZERO, &channel.modal.direction(degrees), 1.0),
             )

@@ -3,18 +3,19 @@
 use super::arc;
 use super::arc::Circle;
 use super::channel::Channel;
-use super::cycles::{self, At, Cycle, CycleFault, CycleWords, Feed, Flat, Step};
+use super::cycles::{self, At, Cycle, CycleFault, CycleWords, Feed, Step};
+use super::defined::Defined;
 use super::gathered::Gathered;
-use super::motion;
+use super::step;
 use super::target;
 use super::target::Target;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane};
+use ncfix_base::geometry::{AxisSet, AxisVector};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Dwell, Kind, Word, WordValue};
 
-use super::motion::STILL;
+use super::step::STILL;
 
 /// Moves that the cycles of one block may make.
 const MOST_STEPS: usize = 100_000;
@@ -58,25 +59,6 @@ fn allowed(number: u16) -> Vec<Allowed> {
         _ => &[],
     };
     [DRILL, own].concat()
-}
-
-/// A cycle that is defined.
-#[derive(Clone)]
-pub(super) struct Defined {
-    cycle: &'static Cycle,
-    words: CycleWords,
-    /// Its feed, where its block names one.
-    feed: Option<f64>,
-    /// Pitch of G84, mm.
-    pitch: Option<f64>,
-    /// Whether it was defined under G95, in whose unit its feeds are.
-    per_turn: bool,
-}
-
-impl std::fmt::Debug for Defined {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "G{}", self.cycle.number)
-    }
 }
 
 /// G77, G79, G81 to G89; false where the block has none of them.
@@ -154,7 +136,7 @@ fn at_positions(
     defined: &Defined,
     span: Span,
 ) -> Result<(), Fault> {
-    let rotation = pocket_angle(channel, gathered, defined);
+    let rotation = pocket_angle(gathered, defined);
     let points = target::points(channel, gathered)?;
     let target = position(channel, gathered)?;
     if points.is_empty() {
@@ -176,7 +158,7 @@ fn at_positions(
 
 /// `G77`: holes on a circle.
 fn on_circle(channel: &mut Channel<'_>, gathered: &mut Gathered, defined: &Defined, span: Span) -> Result<(), Fault> {
-    let rotation = pocket_angle(channel, gathered, defined);
+    let rotation = pocket_angle(gathered, defined);
     let scale = channel.modal.scale();
     let Some((radius, _)) = gathered.once(b'R', None)? else {
         return Err(bad_value(span, "G77 needs the radius R", "write for example G77 X0 Y0 Z0 R20 I0 J6"));
@@ -187,12 +169,12 @@ fn on_circle(channel: &mut Channel<'_>, gathered: &mut Gathered, defined: &Defin
         return Err(bad_value(span, "G77 needs the number of holes J", "write for example J6"));
     };
     let center = position(channel, gathered)?;
-    let places = cycles::bolt_circle(flat(channel, &center.to), radius * scale, first, last, count)
+    let places = cycles::bolt_circle(target::flat(channel, &center.to), radius * scale, first, last, count)
         .map_err(|found| cycle_fault(found, span))?;
     let [abscissa, ordinate, _] = channel.modal.plane.axes();
     for flat in places {
         let mut place = center;
-        set_flat(channel, &mut place.to, flat);
+        target::set_flat(channel, &mut place.to, flat);
         place.named.insert(abscissa);
         place.named.insert(ordinate);
         run_cycle(channel, defined, &place, rotation)?;
@@ -201,7 +183,7 @@ fn on_circle(channel: &mut Channel<'_>, gathered: &mut Gathered, defined: &Defin
 }
 
 /// B1= turns pockets and slots, rad.
-fn pocket_angle(channel: &Channel<'_>, gathered: &mut Gathered, defined: &Defined) -> f64 {
+fn pocket_angle(gathered: &mut Gathered, defined: &Defined) -> f64 {
     let is_turn = (87..=89).contains(&defined.cycle.number) && gathered.peek(b'L', Some(1)).is_none();
     let found = if is_turn { gathered.take(b'B', Some(1)) } else { None };
     found.map_or(0.0, |(degrees, _)| degrees.to_radians())
@@ -229,11 +211,11 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
     if !extra.is_empty() {
         let mut to = target::here(channel);
         extra.iter().for_each(|axis| to[axis] = place.to[axis]);
-        motion::rapid_line(channel, &to, extra)?;
+        step::rapid_line(channel, &to, extra)?;
     }
     let settings = &channel.machine.control.grundig;
     let at = At {
-        point: flat(channel, &place.to),
+        point: target::flat(channel, &place.to),
         surface: place.to[applicate],
         height: target::here(channel)[applicate],
         rotation_rad,
@@ -288,31 +270,31 @@ fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(),
             let here = target::here(channel);
             let (mut to, mut named) = (here, AxisSet::EMPTY);
             if let Some(flat) = plane {
-                set_flat(channel, &mut to, flat);
+                target::set_flat(channel, &mut to, flat);
                 axes.into_iter().take(2).for_each(|axis| named.insert(axis));
             }
             if let Some(height) = height {
                 to[axes[2]] = height;
                 named.insert(axes[2]);
             }
-            if motion::has_place(channel, named) && named.iter().all(|axis| (to[axis] - here[axis]).abs() < STILL) {
+            if step::has_place(channel, named) && named.iter().all(|axis| (to[axis] - here[axis]).abs() < STILL) {
                 return Ok(());
             }
             match step {
                 Step::Line { feed, .. } => {
                     let feed = if feed == Feed::Plunge { plunging } else { channel.modal.feed };
-                    motion::feed_line(channel, &to, named, feed)
+                    step::feed_line(channel, &to, named, feed)
                 }
-                _ => motion::rapid_line(channel, &to, named),
+                _ => step::rapid_line(channel, &to, named),
             }
         }
         Step::Arc { end, center, clockwise } => {
             let mut to = target::here(channel);
-            let start = flat(channel, &to);
-            set_flat(channel, &mut to, end);
+            let start = target::flat(channel, &to);
+            target::set_flat(channel, &mut to, end);
             let sweep_rad = super::arc::sweep_between(start, end, center, clockwise);
             let mut middle = AxisVector::ZERO;
-            set_flat(channel, &mut middle, center);
+            target::set_flat(channel, &mut middle, center);
             let circle = Circle { clockwise, center: [middle[axes[0]], middle[axes[1]]], sweep_rad };
             arc::circular(channel, circle, to, axes.into_iter().take(2).collect())
         }
@@ -341,7 +323,7 @@ fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(),
 /// M3 or M4, whichever is in force.
 fn turning(channel: &Channel<'_>) -> Result<u16, Fault> {
     channel.spindle.ok_or_else(|| {
-        motion::block_fault(
+        step::block_fault(
             channel,
             Code::CYCLE_ALARM,
             "the cycle stops or reverses the spindle, and neither M3 nor M4 was programmed",
@@ -354,24 +336,6 @@ fn spindle_word(channel: &mut Channel<'_>, number: u16) {
     let value = WordValue::Number(f64::from(number));
     channel.outlet.begin_line();
     channel.outlet.push(Kind::Before(vec![Word { letter: b'M', extension: None, value }]));
-}
-
-/// Coordinates of the plane as angles count in it: in G18 X and −Z.
-pub(super) fn flat(channel: &Channel<'_>, position: &AxisVector) -> Flat {
-    match channel.modal.plane {
-        Plane::XY => [position[Axis::X], position[Axis::Y]],
-        Plane::ZX => [position[Axis::X], -position[Axis::Z]],
-        Plane::YZ => [position[Axis::Y], position[Axis::Z]],
-    }
-}
-
-/// Sets them.
-pub(super) fn set_flat(channel: &Channel<'_>, position: &mut AxisVector, [first, second]: Flat) {
-    match channel.modal.plane {
-        Plane::XY => (position[Axis::X], position[Axis::Y]) = (first, second),
-        Plane::ZX => (position[Axis::X], position[Axis::Z]) = (first, -second),
-        Plane::YZ => (position[Axis::Y], position[Axis::Z]) = (first, second),
-    }
 }
 
 fn cycle_fault(found: CycleFault, span: Span) -> Fault {

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::frames::Frames;
-use super::machining::Defined;
+use super::defined::Defined;
+use super::shifts::Frames;
 use crate::exec::core::contour::ContourModal;
 use ncfix_base::geometry::{AxisSet, AxisVector, Plane};
 use ncfix_base::units::{MM_PER_INCH, sin_deg};

@@ -2,29 +2,16 @@
 
 use super::arc;
 use super::contour_words;
-use super::setup;
+use super::step;
 use super::target;
-use super::tool::place;
-use crate::exec::core::options::RapidOrder;
-use std::sync::Arc as Shared;
 
 use super::channel::Channel;
 use super::gathered::Gathered;
 use super::modal::MotionKind;
-use super::target::Target;
-use crate::exec::core::contour::{Shown, Wish, unstated};
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::path::{Path, Shape};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
-use ncfix_base::source::Span;
-use ncfix_machine::snc::{FeedUnit, Kind, Manner, Move, Way};
-
-/// Nearer than this, mm or rad, nothing moves.
-pub(super) const STILL: f64 = 1e-9;
-/// Positioning logic: ways shorter than this, mm or rad, go along with the others. A correction adds some micrometers to every axis of
-/// a move that is in order already.
-const ALONG: f64 = 0.2;
+use ncfix_base::geometry::Axis;
+use ncfix_machine::snc::Kind;
 
 /// The motion of a block, if it has one.
 pub(super) fn motion_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
@@ -66,7 +53,7 @@ fn motion(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Faul
             return arc::arc_words(channel, gathered, target);
         }
         if !target.named.is_empty() {
-            return straight(channel, target);
+            return step::straight(channel, target);
         }
         if channel.feed_named {
             channel.outlet.push(Kind::Feed(channel.modal.feed));
@@ -92,185 +79,7 @@ fn motion(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Faul
                 to.to[axis] = here[axis];
             }
         }
-        straight(channel, to)?;
+        step::straight(channel, to)?;
     }
     Ok(())
-}
-
-/// A straight motion of the kind in force.
-pub(super) fn straight(channel: &mut Channel<'_>, target: Target) -> Result<(), Fault> {
-    match channel.modal.motion {
-        MotionKind::Rapid => rapid(channel, target),
-        _ => feed_line(channel, &target.to, target.named, channel.modal.feed),
-    }
-}
-
-/// A rapid motion: with positioning logic first the tool axis where it leads off the work, else it comes last.
-pub(super) fn rapid(channel: &mut Channel<'_>, target: Target) -> Result<(), Fault> {
-    let Target { to, named } = target;
-    let [.., applicate] = channel.modal.plane.axes();
-    let others = named.difference([applicate].into_iter().collect());
-    let here = target::here(channel);
-    let is_moving = |axis: Axis| (to[axis] - here[axis]).abs() > ALONG;
-    let is_split =
-        may_split(channel, named) && named.contains(applicate) && is_moving(applicate) && others.iter().any(is_moving);
-    if !is_split {
-        return rapid_line(channel, &to, named);
-    }
-    let tool: AxisSet = [applicate].into_iter().collect();
-    let away = (to[applicate] > here[applicate]) != channel.modal.tool.reversed;
-    let mut between = if away { here } else { to };
-    between[applicate] = if away { to[applicate] } else { here[applicate] };
-    let (first, second) = if away { (tool, others) } else { (others, tool) };
-    rapid_line(channel, &between, first)?;
-    rapid_line(channel, &to, second)
-}
-
-/// One straight line at rapid.
-pub(super) fn rapid_line(channel: &mut Channel<'_>, to: &AxisVector, named: AxisSet) -> Result<(), Fault> {
-    elementary(channel, to, named, true, channel.modal.feed, |_| Ok(Shape::Line))
-}
-
-/// One straight line with feed.
-pub(super) fn feed_line(channel: &mut Channel<'_>, to: &AxisVector, named: AxisSet, feed: f64) -> Result<(), Fault> {
-    check_feed(channel, feed, channel.outlet.origin.span)?;
-    elementary(channel, to, named, false, feed, |_| Ok(Shape::Line))
-}
-
-/// One elementary motion. `shape` gets its ends in base coordinates, and the working plane behind the frame.
-pub(super) fn elementary(
-    channel: &mut Channel<'_>,
-    to: &AxisVector,
-    named: AxisSet,
-    rapid: bool,
-    feed: f64,
-    shape: impl FnOnce([&AxisVector; 2]) -> Result<Shape, Fault>,
-) -> Result<(), Fault> {
-    let span = channel.outlet.origin.span;
-    let start = channel.modal.command;
-    let target = reach(channel, to, named);
-    if let Some(axis) = AXES_OF_MOTION.into_iter().find(|&axis| target[axis].is_nan() || target[axis].abs() > 1e9) {
-        return Err(bad_value(span, format!("{axis} would move to {}", target[axis]), "check the values"));
-    }
-    let basis = PlaneBasis::behind(&channel.setup.frame, channel.modal.plane)
-        .ok_or_else(|| bad_value(span, "the frame squeezes the working plane flat", "check G73"))?;
-    let start_known = setup::shown_axes(channel, channel.modal.known, false);
-    // What follows begins where the block leads, also where its way is faulty.
-    let found = shape([&start, &target]);
-    channel.modal.command = target;
-    channel.modal.known = channel.modal.known.union(named);
-    let shape = found?;
-    let (moving, stated) =
-        (setup::shown_axes(channel, named, true), setup::shown_axes(channel, channel.modal.known, false));
-    // A turned axis moves two of the output: where the other one stands decides where both end.
-    if let Some(axis) = moving.difference(stated).iter().next().filter(|_| channel.strict) {
-        let message = format!("where {axis} goes depends on an axis that the program has not stated yet");
-        let help = "begin with a block that names all axes of the rotation, or give --start";
-        return Err(fault(Code::UNKNOWN_START, span, message, help));
-    }
-    if std::mem::replace(&mut channel.has_moved, true) {
-        channel.outlet.begin_line();
-    }
-    setup::show_setup(channel);
-    let motion = Move {
-        rapid,
-        arc: None,
-        target,
-        named: moving,
-        known: stated,
-        feed,
-        feed_named: std::mem::take(&mut channel.feed_named),
-        unit: if channel.modal.per_turn { FeedUnit::PerTurn } else { FeedUnit::PerMinute },
-        ways: [Way::Plain; 3],
-        in_machine_frame: false,
-        manner: Manner::Path,
-        off_curve_mm: 0.0,
-    };
-    let path = Path { motion, start, start_known, basis, shape, setup: Shared::clone(&channel.setup), span };
-    put(channel, path);
-    Ok(())
-}
-
-/// Puts a motion into the stream, through the contour stage where it must.
-fn put(channel: &mut Channel<'_>, path: Path) {
-    let (mut contour, corner, soft) =
-        (channel.modal.contour, channel.corner.take(), channel.soft.take().map(|(soft, _)| soft));
-    let is_free = corner.is_none() && soft.is_none() && !channel.is_open;
-    if is_free && contour.is_plain() && !channel.outlet.is_holding() {
-        channel.outlet.pass_plain(&path);
-        return;
-    }
-    if channel.outlet.keeps_wear && contour.compensates() {
-        contour.shown = Shown::of(&path.basis, &channel.shown.frame, channel.modal.plane);
-    }
-    let wish = Wish::of(contour, radius_mm(channel), path.span, channel.outlet.origin.file);
-    let wish = Wish { corner, soft, ..wish };
-    if channel.strict {
-        channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.plane));
-    }
-    let tool = channel.modal.tool.number;
-    channel.outlet.name_register(&wish, || tool.map_or_else(|| "the tool".to_owned(), |tool| format!("T{tool}")));
-    let element = channel.outlet.element(Kind::Empty);
-    if channel.is_open {
-        channel.outlet.open(path, element, wish);
-    } else {
-        channel.outlet.pass_path(path, element, wish);
-    }
-}
-
-/// Axis commands of programmed positions; those of axes that nothing names keep their last bit where the frame only shifts.
-pub(super) fn reach(channel: &Channel<'_>, to: &AxisVector, named: AxisSet) -> AxisVector {
-    let frame = &channel.setup.frame;
-    if !frame.is_translation() {
-        return channel.setup.command(to);
-    }
-    let mut target = channel.modal.command;
-    for axis in named.iter() {
-        let tool = if axis.slot() < 3 { channel.setup.tool_mm[axis.slot()] } else { 0.0 };
-        target[axis] = to[axis] + frame.shift(axis) - tool;
-    }
-    target
-}
-
-/// A finding at the block.
-pub(super) fn block_fault(channel: &Channel<'_>, code: Code, message: impl Into<String>, help: &str) -> Fault {
-    let span: Span = channel.outlet.origin.span;
-    fault(code, span, message, help)
-}
-
-/// Axes whose positions are checked.
-const AXES_OF_MOTION: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
-
-/// Whether it is stated, or may be assumed, where these axes stand.
-pub(super) fn has_place(channel: &Channel<'_>, axes: AxisSet) -> bool {
-    let may_assume = !channel.strict && channel.rapid_order != RapidOrder::Stated;
-    may_assume || axes.difference(channel.modal.known).is_empty()
-}
-
-/// Whether a rapid move of these axes may be taken apart. Where it does not know where it starts, the control itself puts the motions
-/// of the block in order.
-pub(super) fn may_split(channel: &Channel<'_>, axes: AxisSet) -> bool {
-    channel.modal.positioning_logic && channel.rapid_order != RapidOrder::None && has_place(channel, axes)
-}
-
-/// Whether a motion needs a feed and has none.
-pub(super) fn check_feed(channel: &mut Channel<'_>, feed: f64, span: Span) -> Result<(), Fault> {
-    if feed > 0.0 {
-        return Ok(());
-    }
-    let (message, help) = ("a feed motion, and no F was programmed yet", "program F before it or in it");
-    if channel.strict {
-        return Err(fault(Code::MISSING_FEED, span, message, help));
-    }
-    if !std::mem::replace(&mut channel.feed_warned, true) {
-        channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, help));
-    }
-    Ok(())
-}
-
-/// The radius that G41 and G42 work with, mm.
-pub(super) fn radius_mm(channel: &Channel<'_>) -> f64 {
-    let tool = &channel.modal.tool;
-    let wear = tool.number.and_then(|number| channel.radius_wear.get(&place(number)));
-    channel.radius.of(tool.whole_radius_mm(), wear.copied().unwrap_or(0.0))
 }

@@ -4,7 +4,8 @@ use super::channel::Channel;
 use crate::exec::core::fault::{Fault, bad_value};
 use crate::exec::core::options::Options;
 use crate::exec::core::outlet::HasOutlet;
-use ncfix_base::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Vector};
+use crate::exec::core::standing::{known_behind, lengthened};
+use ncfix_base::geometry::{AxisSet, Frame, Vector};
 use ncfix_dialect::CodeTable;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Setup};
@@ -26,38 +27,36 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     let assumed = frames.assumed || tool.assumed;
     let plane = channel.modal.plane;
     let setup = Setup { frame, tool_mm, plane, transform: None, assumed };
-    let changes = |axis: &Axis| setup.tool_mm[axis.slot()] != channel.setup.tool_mm[axis.slot()];
-    let lost: AxisSet = LINEAR_AXES.into_iter().take(3).filter(changes).collect();
+    let lost = lengthened(&channel.standing.setup, &setup);
     if !lost.is_empty() {
         // The length that the control has may differ: nothing must lead to where the tip would be by this one.
         channel.modal.known = channel.modal.known.difference(lost);
         channel.outlet.push(Kind::Lost(lost));
     }
-    if setup.frame.linear() != channel.setup.frame.linear() {
-        let machine = channel.setup.frame.known_across(channel.modal.known, false);
-        channel.modal.known = setup.frame.known_across(machine, true);
+    if setup.frame.linear() != channel.standing.setup.frame.linear() {
+        channel.modal.known = known_behind(channel.modal.known, &channel.standing.setup.frame, &setup.frame);
     }
     let shown = Setup { frame: stored, ..setup.clone() };
-    if shown != *channel.shown {
-        channel.shown = Arc::new(shown);
-        channel.shown_changed = true;
+    if shown != *channel.standing.shown {
+        channel.standing.shown = Arc::new(shown);
+        channel.standing.changed = true;
     }
-    if setup != *channel.setup {
-        channel.setup = Arc::new(setup);
+    if setup != *channel.standing.setup {
+        channel.standing.setup = Arc::new(setup);
     }
     Ok(())
 }
 
 /// Tells the output what holds from here on, where that has changed.
 pub(super) fn show_setup(channel: &mut Channel<'_>) {
-    if std::mem::take(&mut channel.shown_changed) {
-        channel.outlet.push(Kind::Setup(Arc::clone(&channel.shown)));
+    if std::mem::take(&mut channel.standing.changed) {
+        channel.outlet.push(Kind::Setup(Arc::clone(&channel.standing.shown)));
     }
 }
 
 /// Axes of the program as axes of the output.
 pub(super) fn shown_axes(channel: &Channel<'_>, axes: AxisSet, moving: bool) -> AxisSet {
-    let (own, shown): (&Frame, &Frame) = (&channel.setup.frame, &channel.shown.frame);
+    let (own, shown): (&Frame, &Frame) = (&channel.standing.setup.frame, &channel.standing.shown.frame);
     if own.is_translation() && shown.is_translation() {
         return axes;
     }

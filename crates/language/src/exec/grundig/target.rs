@@ -1,11 +1,13 @@
 //! Where a block leads: Cartesian, incremental, polar and mixed words, points, the pole.
 
 use super::channel::Channel;
+use super::cycles::Flat;
 use super::gathered::{Found, Gathered};
 use super::modal::{Point, plus};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::rollover;
 use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::Plane;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_base::source::Span;
 
@@ -25,7 +27,7 @@ pub(super) struct Target {
 
 /// The present position as programmed.
 pub(super) fn here(channel: &Channel<'_>) -> AxisVector {
-    channel.setup.programmed(&channel.modal.command)
+    channel.standing.setup.programmed(&channel.modal.command)
 }
 
 /// mm or rad of a word of an axis.
@@ -196,4 +198,22 @@ fn point_number((value, span): Found) -> Result<u32, Fault> {
     }
     // In range.
     Ok(value as u32)
+}
+
+/// Coordinates of the plane as angles count in it: in G18 X and −Z.
+pub(super) fn flat(channel: &Channel<'_>, position: &AxisVector) -> Flat {
+    match channel.modal.plane {
+        Plane::XY => [position[Axis::X], position[Axis::Y]],
+        Plane::ZX => [position[Axis::X], -position[Axis::Z]],
+        Plane::YZ => [position[Axis::Y], position[Axis::Z]],
+    }
+}
+
+/// Sets them.
+pub(super) fn set_flat(channel: &Channel<'_>, position: &mut AxisVector, [first, second]: Flat) {
+    match channel.modal.plane {
+        Plane::XY => (position[Axis::X], position[Axis::Y]) = (first, second),
+        Plane::ZX => (position[Axis::X], position[Axis::Z]) = (first, -second),
+        Plane::YZ => (position[Axis::Y], position[Axis::Z]) = (first, second),
+    }
 }

@@ -2,13 +2,14 @@
 
 use super::direction;
 use super::measure;
-use super::motion;
-use super::offsets;
+use super::step;
+use super::target;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
 use super::gathered::Gathered;
-use super::motion::{Step, unknown_start};
+use super::step::Step;
+use super::target::unknown_start;
 use crate::exec::core::arc::{behind_frame, center_of_radius};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::grid::{Meeting, closes_in_linuxcnc, is_one_place, meeting, unsure};
@@ -36,7 +37,7 @@ pub(super) fn arc(
     end: AxisVector,
     named: AxisSet,
 ) -> Result<(), Fault> {
-    let setup = Shared::clone(&channel.setup);
+    let setup = Shared::clone(&channel.standing.setup);
     let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
     if channel.strict {
         let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
@@ -46,11 +47,11 @@ pub(super) fn arc(
     }
     let (clockwise, span) = (code == 20, gathered.span);
     let end = if channel.is_rs274() { end } else { closed_on_grid(channel, end, span)? };
-    let target = motion::reach(channel, &setup, named, &end, gathered.span)?;
+    let target = step::reach(channel, &setup, named, &end, gathered.span)?;
     let turns = turns(channel, gathered)?;
     // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit; else as programmed.
     let is_shifted = setup.frame.is_translation();
-    let (from, to) = if is_shifted { (channel.modal.command, target) } else { (offsets::here(channel), end) };
+    let (from, to) = if is_shifted { (channel.modal.command, target) } else { (target::here(channel), end) };
     let (s, e) = ([from[abscissa], from[ordinate]], [to[abscissa], to[ordinate]]);
     let center_letters = [abscissa, ordinate].map(|axis| b"IJK"[axis.slot()]);
     let across = b"IJK"[applicate.slot()];
@@ -74,7 +75,7 @@ pub(super) fn arc(
             let message = "an arc with R whose end is its start moves nothing";
             channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, "a full circle needs I, J, K"));
             let step = Step::straight(gathered, false, end, named);
-            return motion::step(channel, step);
+            return step::step(channel, step);
         }
         let slack = channel.is_rs274();
         let reach = |radius: f64| if slack { RADIUS_MM } else { tolerance(radius) };
@@ -92,9 +93,9 @@ pub(super) fn arc(
         && channel.is_rs274()
         && closes_in_linuxcnc(s, e, *center)
     {
-        let (here, mut end) = (offsets::here(channel), end);
+        let (here, mut end) = (target::here(channel), end);
         (end[abscissa], end[ordinate]) = (here[abscissa], here[ordinate]);
-        target = motion::reach(channel, &setup, named, &end, span)?;
+        target = step::reach(channel, &setup, named, &end, span)?;
         to = if is_shifted { target } else { end };
     }
     let arc = center.and_then(|center| {
@@ -134,12 +135,12 @@ pub(super) fn arc(
     }
     let shape = behind_frame(&arc, [&from, &to], &target, &setup, channel.machine.control.chord_tolerance_mm);
     let step = Step::straight(gathered, false, end, named);
-    motion::send(channel, step, target, shape, setup)
+    step::send(channel, step, target, shape, setup)
 }
 
 /// The end of an arc of a Fanuc; where its increment makes it one with the start, it is the start.
 fn closed_on_grid(channel: &Channel<'_>, mut end: AxisVector, span: Span) -> Result<AxisVector, Fault> {
-    let here = offsets::here(channel);
+    let here = target::here(channel);
     let [abscissa, ordinate, _] = channel.modal.plane.axes();
     let (start, to) = ([here[abscissa], here[ordinate]], [end[abscissa], end[ordinate]]);
     match meeting(start, to, measure::increments_per_length(channel) / channel.modal.scale()) {
@@ -167,7 +168,7 @@ fn center(
                 let message = format!("{} is missing, and G90.1 is in force", char::from(letter));
                 return Err(fault(Code::NO_CENTER, gathered.span, message, "give both coordinates of the center"));
             };
-            let shift = channel.setup.frame.shift(axis) - channel.setup.tool_mm[axis.slot()];
+            let shift = channel.standing.setup.frame.shift(axis) - channel.standing.setup.tool_mm[axis.slot()];
             *place = value + if is_shifted { shift } else { 0.0 };
         } else {
             *place += value.unwrap_or_default();

@@ -1,14 +1,14 @@
 //! M codes.
 
-use super::compensation;
-use super::cycle;
-use super::data;
+use super::forbidden;
+use super::modes;
 use super::state;
+use super::text;
 use std::fmt::Write as _;
 
 use super::channel::Channel;
-use super::gather::whole;
 use super::gathered::Gathered;
+use super::measure::whole;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
@@ -195,13 +195,13 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
     match number {
         98 | 99 => {}
         2 | 30 => {
-            cycle::leave_exact_stops(channel, false);
+            modes::leave_exact_stops(channel, false);
             channel.ends_program = true;
             channel.after.push(word(number));
         }
         0 | 1 | 60 => channel.after.push(word(number)),
         6 => {
-            compensation::no_compensation(channel, span, "M6")?;
+            forbidden::no_compensation(channel, span, "M6")?;
             if channel.modal.selected.is_none() {
                 let message = "M6, and no tool was selected with T";
                 return Err(bad_value(span, message, "program T before it or in its block"));
@@ -279,6 +279,6 @@ pub(super) fn append_plain(channel: &Channel<'_>, text: &mut String, letter: u8,
     if is_unpointed {
         let _ = write!(text, " {}{value}", char::from(letter));
     } else {
-        data::append(channel, text, letter, value);
+        text::append(channel, text, letter, value);
     }
 }

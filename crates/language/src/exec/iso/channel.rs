@@ -1,27 +1,27 @@
 //! The channel: executes the gathered words of one block in their fixed order and puts elements into the stream.
 
+use super::drill::Drill;
+use super::nurbs::Curve;
+use super::polar::Polar;
+use super::tilted::Collected;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use super::call::Call;
-use super::cycle::Cycles;
 use super::gathered::Gathered;
-use super::length::ToolOffset;
 use super::modal::Modal;
-use super::offsets::System;
 use super::passes::Passes;
-use super::special::Special;
-use super::state::SavedState;
 use super::variables::Variables;
+use super::zero_offset::System;
 use crate::exec::core::contour::Corner;
 use crate::exec::core::options::Options;
 use crate::exec::core::outlet::{HasOutlet, Outlet};
 use crate::exec::core::radius::Radius;
+use crate::exec::core::standing::Standing;
 use ncfix_base::geometry::{AxisSet, AxisVector, FrameParts, Vector};
 use ncfix_base::source::Span;
 use ncfix_dialect::{Dialect, Language};
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{BlockNumber, Kind, Origin, Setup, Word};
+use ncfix_machine::snc::{BlockNumber, Kind, Origin, Word};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
@@ -55,11 +55,8 @@ pub(super) struct Channel<'a> {
     pub(super) loops: Passes,
     /// Calls of G66 in force, the last one the innermost.
     pub(super) modal_calls: Vec<Call>,
-    /// How programmed positions relate to axis commands.
-    pub(super) setup: Arc<Setup>,
-    /// What of it the control that runs the output knows; the same one where there is nothing else.
-    pub(super) shown: Arc<Setup>,
-    pub(super) setup_changed: bool,
+    /// Frame, tool length and plane in force.
+    pub(super) standing: Standing,
     /// The direction of the tool at the end of the motion at hand, and where it stands.
     pub(super) direction: Option<(Vector, Span)>,
     pub(super) feed_warned: bool,
@@ -101,9 +98,7 @@ impl<'a> Channel<'a> {
             variables: Variables::new(language, machine),
             loops: Passes::default(),
             modal_calls: Vec::new(),
-            setup: Arc::default(),
-            shown: Arc::default(),
-            setup_changed: true,
+            standing: Standing { changed: true, ..Standing::default() },
             direction: None,
             feed_warned: false,
             offset_warned: None,
@@ -152,4 +147,60 @@ impl<'a> Channel<'a> {
             self.push(Kind::Before(before));
         }
     }
+}
+
+/// What cycles keep from block to block.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cycles {
+    pub(super) drill: Drill,
+    /// The kind of motion, in tenths, to which a Fanuc returns with G80.
+    pub(super) line: u16,
+    /// The output is in G61, the program is not.
+    pub(super) is_exact: bool,
+    /// M29 announced rigid tapping.
+    pub(super) is_rigid: bool,
+}
+
+/// What M70 or M73 saved at a program level.
+#[derive(Debug)]
+pub(super) struct SavedState {
+    pub(super) modal: Modal,
+    /// M73: it comes back by itself when the level ends.
+    pub(super) returns: bool,
+}
+
+/// Offsets of one number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct ToolOffset {
+    /// Along X, Y, Z; of a Fanuc the length is that along Z.
+    pub(super) length_mm: Vector,
+    pub(super) length_wear_mm: f64,
+    pub(super) radius_mm: f64,
+    pub(super) radius_wear_mm: f64,
+    /// Whether the program has set it.
+    pub(super) is_stated: bool,
+}
+
+/// What the kinds of motion here keep from block to block.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Special {
+    /// G16
+    pub(super) polar: Option<Polar>,
+    pub(super) curve: Curve,
+    /// Blocks of G68.2 that have come so far.
+    pub(super) tilt_parts: Collected,
+    /// Where a rotation, scaling or mirror has begun or ended, and the program has not stated all axes of the plane since.
+    pub(super) doubt: Option<Doubt>,
+}
+
+/// Axes whose value depends on the parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Doubt {
+    /// What the program gave them, mm.
+    pub(super) values: AxisVector,
+    pub(super) open: AxisSet,
+    /// Axes that turn together.
+    pub(super) group: AxisSet,
+    /// Nothing is in force any more.
+    pub(super) has_ended: bool,
 }

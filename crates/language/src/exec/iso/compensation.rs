@@ -2,11 +2,11 @@
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
-use super::gather::whole;
 use super::gathered::Gathered;
-use super::length;
 use super::measure;
-use super::motion;
+use super::measure::whole;
+use super::modes;
+use super::target;
 use crate::exec::core::contour::{Shown, Side, Wish, unstated};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::Path;
@@ -89,7 +89,7 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
 fn leaving_direction(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<Option<[f64; 2]>, Fault> {
     let [abscissa, ordinate, _] = channel.modal.plane.axes();
     let letters = [abscissa, ordinate].map(|axis| b"IJK"[axis.slot()]);
-    let is_straight = matches!(motion::motion_of(channel, gathered), Some(0 | 10));
+    let is_straight = matches!(modes::motion_of(channel, gathered), Some(0 | 10));
     if !is_straight || !gathered.has_any(&letters) {
         return Ok(None);
     }
@@ -97,7 +97,7 @@ fn leaving_direction(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<O
     for (axis, letter) in [abscissa, ordinate].into_iter().zip(letters) {
         direction[axis] = measure::length(channel, gathered, letter)?.unwrap_or_default();
     }
-    let frame = &channel.setup.frame;
+    let frame = &channel.standing.setup.frame;
     let turned = frame.apply_direction(direction.xyz());
     direction.set_xyz(turned);
     let basis = PlaneBasis::behind(frame, channel.modal.plane);
@@ -122,7 +122,7 @@ fn radius_of(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<f64, 
     if number == 0 {
         return Ok(0.0);
     }
-    if let Some(offset) = length::tool_offset(channel, number) {
+    if let Some(offset) = target::tool_offset(channel, number) {
         return Ok(channel.radius.of(offset.radius_mm + offset.radius_wear_mm, offset.radius_wear_mm));
     }
     let message = format!("offset {number} has no radius in the machine file");
@@ -132,15 +132,6 @@ fn radius_of(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<f64, 
     }
     channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; 0 is used"), help));
     Ok(0.0)
-}
-
-/// Refuses what does not go together with radius compensation.
-pub(super) fn no_compensation(channel: &Channel<'_>, span: Span, what: &str) -> Result<(), Fault> {
-    if !channel.modal.contour.compensates() || !channel.is_rs274() {
-        return Ok(());
-    }
-    let message = format!("{what} while radius compensation is on");
-    Err(fault(Code::BAD_COMPENSATION, span, message, "program G40 and a motion before it"))
 }
 
 /// Puts a motion into the stream, through the contour stage where it must.
@@ -153,7 +144,7 @@ pub(super) fn pass(channel: &mut Channel<'_>, path: Path) {
         return;
     }
     if channel.outlet.keeps_wear && modal.compensates() {
-        modal.shown = Shown::of(&path.basis, &channel.shown.frame, channel.modal.plane);
+        modal.shown = Shown::of(&path.basis, &channel.standing.shown.frame, channel.modal.plane);
     }
     let file = channel.outlet.file();
     let wish = Wish { corner, ..Wish::of(modal, channel.modal.radius_mm, path.span, file) };

@@ -1,40 +1,28 @@
 //! A block in a canned cycle: collects its words, asks [`super::drill`] what is to be done, and puts that into the stream.
 
-use super::data;
 use super::feed;
 use super::measure;
-use super::motion;
-use super::offsets;
+use super::modes;
 use super::one_axis;
 use super::spline;
+use super::step;
+use super::target;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
 use super::codes::{G80, Group, name_of};
 use super::cycles::{HoleFault, Turn, rs274};
-use super::drill::{Call, Drill};
-use super::gather::whole;
+use super::drill::Call;
 use super::gathered::Gathered;
-use super::motion::Step;
+use super::measure::whole;
 use super::polar;
+use super::step::Step;
 use super::trip::{Action, Place};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Manner, Word, WordValue};
-
-/// What cycles keep from block to block.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Cycles {
-    drill: Drill,
-    /// The kind of motion, in tenths, to which a Fanuc returns with G80.
-    line: u16,
-    /// The output is in G61, the program is not.
-    is_exact: bool,
-    /// M29 announced rigid tapping.
-    pub(super) is_rigid: bool,
-}
 
 /// Whether a code in tenths is a canned cycle of holes.
 fn is_cycle(code: u16, is_rs274: bool) -> bool {
@@ -49,19 +37,6 @@ fn is_tapping(code: u16) -> bool {
     matches!(code, 740 | 840 | 842 | 843)
 }
 
-/// The code of motion of a block, in tenths. A Fanuc ends its cycles with any other motion, and G80 brings back what was in force
-/// before them.
-pub(super) fn code_of_motion(channel: &Channel<'_>, gathered: &Gathered) -> Option<u16> {
-    let code = gathered.code(Group::Motion);
-    if channel.is_rs274() {
-        return code;
-    }
-    code.or_else(|| match gathered.code(Group::Cycle) {
-        Some(G80) => Some(channel.cycles.line),
-        cycle => cycle,
-    })
-}
-
 /// Notes the kind of motion that comes into force.
 pub(super) fn note_motion(channel: &mut Channel<'_>, code: u16) {
     let before = std::mem::replace(&mut channel.modal.motion, code);
@@ -69,7 +44,7 @@ pub(super) fn note_motion(channel: &mut Channel<'_>, code: u16) {
         return;
     }
     spline::drop_curve(channel, code);
-    leave_exact_stops(channel, false);
+    modes::leave_exact_stops(channel, false);
     channel.cycles.line = code;
     channel.cycles.is_rigid = false;
     channel.cycles.drill.end(channel.language);
@@ -84,7 +59,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     let span = if span == Span::default() { gathered.span } else { span };
     check_cycle(channel, gathered, code, span)?;
     let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
-    let here = offsets::here(channel);
+    let here = target::here(channel);
     let bottom = word_of(channel, gathered, applicate)?;
     let mut words = [word_of(channel, gathered, abscissa)?, word_of(channel, gathered, ordinate)?];
     if channel.special.polar.is_some() {
@@ -103,17 +78,17 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     let incremental = channel.modal.incremental;
     for (axis, word) in [abscissa, ordinate].into_iter().zip(words) {
         if incremental || word.is_none() {
-            offsets::check_stated(channel, axis, gathered.span)?;
+            target::check_stated(channel, axis, gathered.span)?;
         }
     }
-    offsets::check_stated(channel, applicate, gathered.span)?;
+    target::check_stated(channel, applicate, gathered.span)?;
     let mut others = gathered.axes.difference([abscissa, ordinate, applicate].into_iter().collect());
     let mut end = here;
     for axis in others.iter() {
-        let value = motion::axis_value(channel, gathered, axis)?;
+        let value = target::axis_value(channel, gathered, axis)?;
         end[axis] = match incremental {
             true => value + here[axis],
-            false => motion::absolute(channel, gathered, axis, value, here[axis])?,
+            false => target::absolute(channel, gathered, axis, value, here[axis])?,
         };
     }
     let call = call(
@@ -150,7 +125,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     if actions.is_empty() {
         return Ok(());
     }
-    if is_tapping(code) && code_of_motion(channel, gathered) == Some(code) {
+    if is_tapping(code) && modes::code_of_motion(channel, gathered) == Some(code) {
         let message = "tapping becomes feed moves with the spindle reversed between them";
         let help = "the tap needs a chuck that gives way; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
@@ -187,16 +162,16 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         is_brought = false;
         let is_named = std::mem::take(&mut feed_named);
         let span = gathered.span;
-        motion::step(channel, Step { rapid, end, named, feed_named: is_named, manner: Manner::Path, span })?;
+        step::step(channel, Step { rapid, end, named, feed_named: is_named, manner: Manner::Path, span })?;
     }
     Ok(())
 }
 
 /// The operator has moved an axis: where it is now is an assumption.
 fn brought(channel: &mut Channel<'_>, axis: Axis, place: &AxisVector, span: Span) -> Result<(), Fault> {
-    let setup = Shared::clone(&channel.setup);
+    let setup = Shared::clone(&channel.standing.setup);
     let named: AxisSet = [axis].into_iter().collect();
-    channel.modal.command = motion::reach(channel, &setup, named, place, span)?;
+    channel.modal.command = step::reach(channel, &setup, named, place, span)?;
     if channel.strict {
         let lost = channel.modal.forget(named);
         channel.push(Kind::Lost(lost));
@@ -280,12 +255,12 @@ fn call(
 /// A direction of the machine in the program's plane.
 fn direction_of(channel: &Channel<'_>, axis: Axis, sign: f64) -> [f64; 2] {
     let [abscissa, ordinate, _] = channel.modal.plane.axes();
-    let direction = channel.setup.frame.unapply_direction(Vector::ith(axis.dimension(), sign));
+    let direction = channel.standing.setup.frame.unapply_direction(Vector::ith(axis.dimension(), sign));
     [abscissa, ordinate].map(|axis| direction.get(axis.slot()).copied().unwrap_or_default())
 }
 
 fn word_of(channel: &mut Channel<'_>, gathered: &Gathered, axis: Axis) -> Result<Option<f64>, Fault> {
-    Ok(if gathered.axes.contains(axis) { Some(motion::axis_value(channel, gathered, axis)?) } else { None })
+    Ok(if gathered.axes.contains(axis) { Some(target::axis_value(channel, gathered, axis)?) } else { None })
 }
 
 /// Refuses what does not go together with a cycle.
@@ -353,25 +328,5 @@ fn stop_exactly(channel: &mut Channel<'_>) {
         && !std::mem::replace(&mut channel.cycles.is_exact, true)
     {
         channel.push(Kind::Keep("G61"));
-    }
-}
-
-/// Brings back the path control of the program behind a cycle, or forgets it where the block names one.
-pub(super) fn leave_exact_stops(channel: &mut Channel<'_>, is_named: bool) {
-    if !std::mem::take(&mut channel.cycles.is_exact) || is_named {
-        return;
-    }
-    match channel.modal.path_control {
-        (611, ..) => channel.push(Kind::Keep("G61.1")),
-        (_, None, None) => channel.push(Kind::Keep("G64")),
-        (_, p, q) => {
-            let mut text = "G64".to_owned();
-            for (letter, value) in [(b'P', p), (b'Q', q)] {
-                if let Some(value) = value {
-                    data::append_length(channel, &mut text, letter, value);
-                }
-            }
-            channel.push(Kind::Verbatim(text.into_bytes()));
-        }
     }
 }

@@ -1,22 +1,20 @@
 //! G10: zero offsets and tool offsets that the program sets. The control has them for good, so the output sets them too.
 
-use super::compensation;
-use super::length;
+use super::forbidden;
 use super::measure;
-use super::motion;
 use super::offsets;
-use std::fmt::Write as _;
+use super::target;
+use super::text;
 
 use super::channel::Channel;
+use super::channel::ToolOffset;
 use super::codes::Group;
 use super::gathered::Gathered;
-use super::length::ToolOffset;
-use super::offsets::System;
+use super::zero_offset::System;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts};
 use ncfix_base::source::Span;
-use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::snc::Kind;
 
 /// `G10`
@@ -58,10 +56,10 @@ fn system_number(channel: &Channel<'_>, number: Option<u32>, span: Span) -> Resu
 
 fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, span: Span) -> Result<(), Fault> {
     if system == channel.modal.system {
-        compensation::no_compensation(channel, span, "G10")?;
+        forbidden::no_compensation(channel, span, "G10")?;
     }
     let is_relative = channel.is_rs274() && gathered.raw(b'L').is_some_and(|l| l.round() == 20.0);
-    let known = offsets::offset_of(channel, system);
+    let known = target::offset_of(channel, system);
     let mut parts = known.unwrap_or_default();
     if let Some(angle) = gathered.raw(b'R').filter(|_| channel.is_rs274() && !is_relative) {
         parts.rotation[2] = angle.to_radians();
@@ -70,7 +68,7 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
         place_here(channel, gathered, system, &mut parts)?;
     } else {
         for axis in gathered.axes.iter() {
-            let value = motion::axis_value(channel, gathered, axis)?;
+            let value = target::axis_value(channel, gathered, axis)?;
             // Of a Fanuc, G91 adds to what is there.
             let adds = channel.modal.incremental && !channel.is_rs274();
             if adds && known.is_none() && channel.strict {
@@ -105,29 +103,22 @@ fn place_here(
     parts: &mut FrameParts,
 ) -> Result<(), Fault> {
     let order = channel.machine.control.rotation_order;
-    let mut wanted = offsets::frame_of(channel, system).unapply(&tip(channel));
+    let mut wanted = target::frame_of(channel, system).unapply(&target::tip(channel));
     let shift = channel.modal.shift;
     wanted = wanted - shift;
     for axis in gathered.axes.iter() {
-        offsets::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
-        wanted[axis] = motion::axis_value(channel, gathered, axis)?;
+        target::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+        wanted[axis] = target::axis_value(channel, gathered, axis)?;
     }
     // What the rotation makes of the wanted position, taken off where the tip is.
     let turned = FrameParts { translation: AxisVector::ZERO, ..*parts };
     let Some(turned) = turned.frame(order) else { return Ok(()) };
-    let place = tip(channel) - turned.apply(&(wanted + shift));
+    let place = target::tip(channel) - turned.apply(&(wanted + shift));
     let touched = if turned.is_translation() { gathered.axes } else { gathered.axes.union(AxisSet::XYZ) };
     for axis in touched.iter() {
         parts.translation[axis] = place[axis];
     }
     Ok(())
-}
-
-/// The tip of the tool as the control sees it, machine coordinates.
-pub(super) fn tip(channel: &Channel<'_>) -> AxisVector {
-    let mut tip = channel.modal.command;
-    tip.set_xyz(tip.xyz() + channel.setup.tool_mm);
-    tip
 }
 
 fn say_offset(channel: &mut Channel<'_>, system: System, parts: &FrameParts, named: AxisSet, with_angle: bool) {
@@ -137,48 +128,48 @@ fn say_offset(channel: &mut Channel<'_>, system: System, parts: &FrameParts, nam
     };
     for axis in named.iter() {
         let value = parts.shift()[axis];
-        let shown = if axis.is_rotary() { value.to_degrees() } else { value / output_unit_mm(channel) };
-        append(channel, &mut text, axis.letter(), shown);
+        let shown = if axis.is_rotary() { value.to_degrees() } else { value / text::output_unit_mm(channel) };
+        text::append(channel, &mut text, axis.letter(), shown);
     }
     if with_angle {
-        append(channel, &mut text, b'R', parts.rotation[2].to_degrees());
+        text::append(channel, &mut text, b'R', parts.rotation[2].to_degrees());
     }
     channel.push(Kind::Verbatim(text.into_bytes()));
 }
 
 /// `G10 L1`, `L10`, `L11` of RS274/NGC: length and radius of a tool.
 fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32, span: Span) -> Result<(), Fault> {
-    let mut offset = length::tool_offset(channel, number).unwrap_or_default();
+    let mut offset = target::tool_offset(channel, number).unwrap_or_default();
     let mut text = format!("G10 L1 P{number}");
     // Where the tip would be without length, in the coordinates that L10 and L11 mean.
     let mut bare = channel.modal.command;
     if l == 10 {
         bare = channel.modal.frame().unapply(&bare);
     } else if l == 11 {
-        bare = offsets::frame_of(channel, System(9)).unapply(&bare);
+        bare = target::frame_of(channel, System(9)).unapply(&bare);
     }
     for axis in gathered.axes.iter() {
         if !AxisSet::XYZ.contains(axis) {
             let message = format!("a tool offset along {axis} is not supported");
             return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(axis.letter()), message, "name X, Y or Z"));
         }
-        let value = motion::axis_value(channel, gathered, axis)?;
+        let value = target::axis_value(channel, gathered, axis)?;
         let length = if l == 1 {
             value
         } else {
-            offsets::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+            target::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
             bare[axis] - value
         };
         offset.length_mm[axis.slot()] = length;
-        append_length(channel, &mut text, axis.letter(), length);
+        text::append_length(channel, &mut text, axis.letter(), length);
     }
     if let Some(radius) = measure::length(channel, gathered, b'R')? {
         offset.radius_mm = radius;
-        append_length(channel, &mut text, b'R', radius);
+        text::append_length(channel, &mut text, b'R', radius);
     }
     for letter in *b"IJQ" {
         if let Some(value) = gathered.raw(letter) {
-            append(channel, &mut text, letter, value);
+            text::append(channel, &mut text, letter, value);
         }
     }
     if gathered.axes.is_empty() && !gathered.has_any(b"RIJQ") {
@@ -202,7 +193,7 @@ fn set_tool_value(
     let Some(value) = measure::length(channel, gathered, b'R')? else {
         return Err(bad_value(span, "G10 needs R with the value", "write for example G10 L10 P1 R100."));
     };
-    let known = length::tool_offset(channel, number);
+    let known = target::tool_offset(channel, number);
     if known.is_none() && channel.strict && (channel.modal.incremental || matches!(l, 11 | 13)) {
         let message = format!("offset {number} is changed in part, and has no value in the machine file");
         return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
@@ -219,33 +210,7 @@ fn set_tool_value(
     let value = *place;
     channel.tools.insert(number, ToolOffset { is_stated: true, ..offset });
     let mut text = format!("G10 L{l} P{number}");
-    append_length(channel, &mut text, b'R', value);
+    text::append_length(channel, &mut text, b'R', value);
     channel.push(Kind::Verbatim(text.into_bytes()));
     Ok(())
-}
-
-/// mm in a length unit of the output.
-pub(super) fn output_unit_mm(channel: &Channel<'_>) -> f64 {
-    if channel.machine.control.output_inch == Some(true) { MM_PER_INCH } else { 1.0 }
-}
-
-/// Appends a word of a length, mm, in the unit of the output.
-pub(super) fn append_length(channel: &Channel<'_>, text: &mut String, letter: u8, value_mm: f64) {
-    append(channel, text, letter, value_mm / output_unit_mm(channel));
-}
-
-/// Appends a word of a value in the unit in which it is written.
-pub(super) fn append(channel: &Channel<'_>, text: &mut String, letter: u8, value: f64) {
-    let mut number = format!("{value:.5}");
-    let kept = number.trim_end_matches('0').len();
-    number.truncate(kept);
-    if number == "-0." {
-        "0.".clone_into(&mut number);
-    }
-    // A Fanuc takes a number without a point for increments.
-    if channel.is_rs274() {
-        number.truncate(number.trim_end_matches('.').len());
-    }
-    // Writing to a string cannot fail.
-    let _ = write!(text, " {}{number}", char::from(letter));
 }

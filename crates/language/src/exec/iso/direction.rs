@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::channel::Channel;
 use super::gathered::Gathered;
-use super::motion::unknown_start;
+use super::target::unknown_start;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::Path;
 use ncfix_base::diagnostic::Code;

@@ -5,7 +5,7 @@ use super::channel::Channel;
 use super::expression::Scope;
 use super::level::{Action, Called, Interpreter, Iso, Level, Loaded};
 use super::loaded::Loops;
-use super::setup;
+use super::offsets;
 use super::{flow, startup};
 use crate::exec::core;
 use crate::exec::core::executor::Executor;
@@ -14,10 +14,13 @@ use crate::exec::core::interpreter::Execute;
 use crate::exec::core::ledger::Ledger;
 use crate::exec::core::library::Library;
 use crate::exec::core::options::Options;
+use crate::exec::core::outlet::HasOutlet;
 use crate::exec::core::program::Statement;
 use crate::syntax::words::{self, Block, Comment, CommentKind, Program};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::{Source, Span};
+use ncfix_dialect::Dialect;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Origin};
@@ -38,7 +41,7 @@ pub(in crate::exec) fn start<'a>(
     options: &Options,
 ) -> Box<dyn Executor + 'a> {
     let (first, main) = program.main_parts();
-    let mut channel = setup::begin(machine, options, program.dialect);
+    let mut channel = begin(machine, options, program.dialect);
     let source = program.source.clone();
     let found = startup::start_up(&mut channel, &program);
     let start = program.parts.get(first).map_or(0, |part| part.blocks.start);
@@ -175,4 +178,15 @@ impl Interpreter<'_> {
             ));
         }
     }
+}
+
+/// A channel as it is when a program starts.
+pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, dialect: &'static Dialect) -> Channel<'a> {
+    let mut channel = Channel::new(machine, options, dialect);
+    // G54 is in force when a program starts.
+    if let Err(found) = offsets::load_offset(&mut channel, Span::default()) {
+        channel.outlet.warnings.push(found);
+    }
+    channel.modal.known = if options.start.is_some() { channel.axes } else { AxisSet::EMPTY };
+    channel
 }

@@ -5,6 +5,7 @@ use super::functions::{Arithmetic, NoValue};
 use super::measure;
 use super::predefined;
 use super::system;
+use super::variables::Missing;
 use super::variables::{Place, number_of};
 use crate::exec::core::fault::{Fault, at, fault};
 use crate::exec::core::grid::on_grid;
@@ -18,19 +19,6 @@ use ncfix_machine::machine::DecimalPoint;
 const MAX_DEPTH: u32 = 500;
 /// How far a value that has to be whole may be above or below a whole number.
 const WHOLE: f64 = 1e-4;
-
-/// Why the state of the control gives no value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Missing {
-    /// There is no such variable.
-    Unknown,
-    /// Only the machine knows it.
-    OnlyMachine,
-    /// The program has not stated the position.
-    Unstated,
-    /// Positions cannot be read while the radius compensation is on.
-    Compensated,
-}
 
 /// What an expression may look at.
 #[derive(Clone, Copy)]

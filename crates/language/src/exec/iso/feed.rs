@@ -1,16 +1,16 @@
 //! Feed, speed, tool word, dwell, path control.
 
 use super::auxiliary;
-use super::compensation;
-use super::cycle;
-use super::data;
+use super::forbidden;
 use super::measure;
+use super::modes;
+use super::text;
 use std::fmt::Write as _;
 
 use super::channel::Channel;
 use super::codes::Group;
-use super::gather::whole;
 use super::gathered::Gathered;
+use super::measure::whole;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Word, WordValue};
@@ -153,19 +153,19 @@ pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
 pub(super) fn path_control(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Control) else { return Ok(()) };
     if channel.is_rs274() {
-        compensation::no_compensation(channel, gathered.code_span(Group::Control), "another path control mode")?;
+        forbidden::no_compensation(channel, gathered.code_span(Group::Control), "another path control mode")?;
     }
-    cycle::leave_exact_stops(channel, true);
+    modes::leave_exact_stops(channel, true);
     channel.modal.path_control = (code, None, None);
     if code == 640 && channel.is_rs274() && gathered.has_any(b"PQR") {
         let mut text = "G64".to_owned();
         let (p, q) = (measure::length(channel, gathered, b'P')?, measure::length(channel, gathered, b'Q')?);
         channel.modal.path_control = (code, p, q);
-        let unit_mm = data::output_unit_mm(channel);
+        let unit_mm = text::output_unit_mm(channel);
         let (p, q) = (p.map(|length| length / unit_mm), q.map(|length| length / unit_mm));
         for (letter, value) in [(b'P', p), (b'Q', q), (b'R', gathered.raw(b'R'))] {
             if let Some(value) = value {
-                data::append(channel, &mut text, letter, value);
+                text::append(channel, &mut text, letter, value);
             }
         }
         channel.push(Kind::Verbatim(text.into_bytes()));
@@ -208,7 +208,7 @@ pub(super) fn passed_on(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         }
         let value = if is_length { measure::length(channel, gathered, letter)? } else { gathered.raw(letter) };
         if let Some(value) = value {
-            let value = if is_length { value / data::output_unit_mm(channel) } else { value };
+            let value = if is_length { value / text::output_unit_mm(channel) } else { value };
             let is_count = gathered.is_unpointed(letter) && !is_length;
             auxiliary::append_plain(channel, &mut text, letter, value, is_count);
         }

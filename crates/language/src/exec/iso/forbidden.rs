@@ -6,6 +6,8 @@ use super::codes::{Group, name_of};
 use super::gathered::Gathered;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::Axis;
+use ncfix_base::geometry::AxisSet;
 use ncfix_base::geometry::Plane;
 use ncfix_base::source::Span;
 
@@ -36,7 +38,7 @@ pub(super) fn check_state(channel: &Channel<'_>, gathered: &Gathered) -> Result<
     if is_plain {
         return Ok(());
     }
-    for found in found(channel, gathered) {
+    for found in found(gathered) {
         within_transforms(channel, gathered, &found)?;
         within_compensation(channel, gathered, &found)?;
         within_tip_control(channel, gathered, &found)?;
@@ -46,7 +48,7 @@ pub(super) fn check_state(channel: &Channel<'_>, gathered: &Gathered) -> Result<
 }
 
 /// The codes of a block that a state may forbid.
-fn found(channel: &Channel<'_>, gathered: &Gathered) -> Vec<Found> {
+fn found(gathered: &Gathered) -> Vec<Found> {
     let named = |kind: Kind, group: Group, code: u16| (kind, name_of(code), gathered.code_span(group));
     let mut out = Vec::new();
     out.extend(gathered.code(Group::Plane).map(|code| named(Kind::Plane, Group::Plane, code)));
@@ -161,4 +163,42 @@ pub(super) fn check_offset_write(channel: &Channel<'_>, number: u32, span: Span)
     let found = (Kind::Origin, format!("#{number}"), span);
     within_transforms(channel, &gathered, &found)?;
     within_compensation(channel, &gathered, &found)
+}
+
+/// Refuses motions in a tilted plane that are not what the control would do.
+pub(super) fn check_tilt(channel: &Channel<'_>, named: AxisSet, span: Span) -> Result<(), Fault> {
+    let Some(stand) = channel.modal.transforms.stand() else {
+        let has_rotary = channel.machine.axis_set().iter().any(Axis::is_rotary);
+        if channel.strict && has_rotary && !named.intersection(AxisSet::XYZ).is_empty() {
+            let message = "a motion in a tilted plane on which the tool was not put";
+            return Err(refused_with(span, message, "program G53.1 behind G68.2"));
+        }
+        return Ok(());
+    };
+    if stand.tool_mm != channel.standing.setup.tool_mm {
+        let message = "the tool length changes within a tilted plane";
+        return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
+    }
+    if stand.below != channel.modal.below_transforms() {
+        let message = "the zero offset changes within a tilted plane";
+        return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
+    }
+    if named.iter().any(Axis::is_rotary) {
+        let message = "rotary axes move within a tilted plane";
+        return Err(refused_with(span, message, "end it with G69 first, or leave them to G53.1"));
+    }
+    Ok(())
+}
+
+pub(super) fn refused_with(span: Span, message: &str, help: &str) -> Fault {
+    fault(Code::NOT_SUPPORTED, span, message, help)
+}
+
+/// Refuses what does not go together with radius compensation.
+pub(super) fn no_compensation(channel: &Channel<'_>, span: Span, what: &str) -> Result<(), Fault> {
+    if !channel.modal.contour.compensates() || !channel.is_rs274() {
+        return Ok(());
+    }
+    let message = format!("{what} while radius compensation is on");
+    Err(fault(Code::BAD_COMPENSATION, span, message, "program G40 and a motion before it"))
 }

@@ -4,14 +4,13 @@ use super::codes::{G80, Group, group_of, name_of};
 use super::expression::Scope;
 use super::gathered::Gathered;
 use super::measure;
+use super::measure::NEAR;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{Address, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::{Effect, Language};
 
-/// How near to a whole number a computed code must be.
-const NEAR: f64 = 1e-3;
 /// Largest value that a word may have.
 const MAX_VALUE: f64 = 1e9;
 
@@ -49,7 +48,7 @@ pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) 
         }
         match letter {
             b'G' => g_code(scope, value, word.span, out)?,
-            b'M' => out.m_codes.push((whole(value, word.span, "M")?, word.span)),
+            b'M' => out.m_codes.push((measure::whole(value, word.span, "M")?, word.span)),
             _ => {
                 if out.set_value(letter, value, has_point, word.span) {
                     double(word.span)?;
@@ -77,16 +76,6 @@ fn grid_scope<'s, 'a>(scope: &Scope<'s, 'a>, letter: u8, inch: bool) -> Scope<'s
 /// A word or a group twice: an alarm, or the last one counts.
 fn double(span: Span) -> Result<(), Fault> {
     Err(fault(Code::DOUBLE_WORD, span, "a word of this kind stands in the block already", "take one of them out"))
-}
-
-/// The whole number that a code must be.
-pub(super) fn whole(value: f64, span: Span, what: &str) -> Result<u32, Fault> {
-    let rounded = value.round();
-    if (value - rounded).abs() > NEAR || !(0.0..=f64::from(u32::MAX)).contains(&rounded) {
-        let message = format!("{what}{value} is no whole number from 0");
-        return Err(bad_value(span, message, "write a whole number that is not negative"));
-    }
-    Ok(rounded as u32)
 }
 
 fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> Result<(), Fault> {

@@ -2,11 +2,11 @@
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
-use super::compensation;
+use super::forbidden;
 use super::gathered::Gathered;
-use super::motion;
-use super::motion::Step;
-use super::offsets;
+use super::step;
+use super::step::Step;
+use super::target;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet};
@@ -19,7 +19,7 @@ const PARAMETERS: [u32; 2] = [5161, 5181];
 /// `G28`, `G30`: rapid by way of the point named to the reference point, the axes named or all of them.
 pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Action);
-    compensation::no_compensation(channel, span, &name_of(code))?;
+    forbidden::no_compensation(channel, span, &name_of(code))?;
     let is_second = code == 300;
     let point = match gathered.raw(b'P').filter(|_| is_second && !channel.is_rs274()) {
         None => 1 + u8::from(is_second),
@@ -29,14 +29,13 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     // By way of where the axes stand, wherever that is: `G91 G28 Z0` at the start of a program.
     let mut stays = channel.modal.incremental;
     for axis in gathered.axes.iter() {
-        stays &= motion::axis_value(channel, gathered, axis)? == 0.0;
+        stays &= target::axis_value(channel, gathered, axis)? == 0.0;
     }
-    let (through, named) =
-        if stays { (offsets::here(channel), gathered.axes) } else { motion::end(channel, gathered)? };
+    let (through, named) = if stays { (target::here(channel), gathered.axes) } else { step::end(channel, gathered)? };
     // Directly after G40 the tool of LinuxCNC is beside the place where the program is, and goes there first.
     let is_beside = channel.is_rs274() && channel.outlet.is_holding();
-    if !named.is_empty() && (through != offsets::here(channel) || is_beside) {
-        motion::step(channel, Step::straight(gathered, true, through, named))?;
+    if !named.is_empty() && (through != target::here(channel) || is_beside) {
+        step::step(channel, Step::straight(gathered, true, through, named))?;
         channel.outlet.begin_line();
     }
     channel.through = Some(channel.modal.command);
@@ -50,7 +49,7 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     }
     let manner = Manner::Reference;
     let step = Step { feed_named: false, manner, ..Step::straight(gathered, true, end, homed) };
-    motion::machine_step(channel, step)
+    step::machine_step(channel, step)
 }
 
 /// Where a reference point of an axis is, mm or rad.
@@ -76,9 +75,9 @@ fn reference(channel: &Channel<'_>, point: u8, axis: Axis, span: Span) -> Result
 
 /// `G28.1`, `G30.1`: the present position becomes the reference point.
 pub(super) fn save_home(channel: &mut Channel<'_>, code: u16, span: Span) -> Result<(), Fault> {
-    compensation::no_compensation(channel, span, &name_of(code))?;
+    forbidden::no_compensation(channel, span, &name_of(code))?;
     if let Some(axis) = AxisSet::XYZ.iter().find(|&axis| channel.strict && !channel.modal.known.contains(axis)) {
-        return Err(super::motion::unknown_start(span, axis));
+        return Err(target::unknown_start(span, axis));
     }
     if channel.strict {
         let message = format!("{} would store where the axes stand with their correction", name_of(code));

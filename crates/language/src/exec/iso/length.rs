@@ -2,12 +2,12 @@
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
-use super::compensation;
-use super::data;
-use super::gather::whole;
+use super::forbidden;
 use super::gathered::Gathered;
-use super::motion;
+use super::measure::whole;
 use super::setup;
+use super::target;
+use super::text;
 use super::tilt;
 use super::tip;
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -17,29 +17,6 @@ use ncfix_base::source::Span;
 use ncfix_machine::machine::LengthAxis;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
-/// Offsets of one number.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct ToolOffset {
-    /// Along X, Y, Z; of a Fanuc the length is that along Z.
-    pub(super) length_mm: Vector,
-    pub(super) length_wear_mm: f64,
-    pub(super) radius_mm: f64,
-    pub(super) radius_wear_mm: f64,
-    /// Whether the program has set it.
-    pub(super) is_stated: bool,
-}
-
-/// Offsets of a number, as the program or the machine file set them.
-pub(super) fn tool_offset(channel: &Channel<'_>, number: u32) -> Option<ToolOffset> {
-    channel.tools.get(&number).copied().or_else(|| {
-        let tool = channel.machine.tool(number, 1)?;
-        let [first, second, third] = tool.length_mm;
-        // Lengths 1, 2, 3 lie along Z, Y, X.
-        let length_mm = Vector::new(third, second, first);
-        Some(ToolOffset { length_mm, radius_mm: tool.radius_mm, ..ToolOffset::default() })
-    })
-}
-
 /// Executes the code of length compensation. Whether it took the axis words, so that the block has no motion.
 pub(super) fn length_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
     let code = gathered.code(Group::Length);
@@ -47,7 +24,7 @@ pub(super) fn length_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
     let span =
         if gathered.code(Group::Length).is_some() { gathered.code_span(Group::Length) } else { gathered.span_of(b'H') };
     if channel.is_rs274() {
-        compensation::no_compensation(channel, span, &name_of(code))?;
+        forbidden::no_compensation(channel, span, &name_of(code))?;
         rs274_length(channel, gathered, code, span)
     } else {
         fanuc_length(channel, gathered, code, span)?;
@@ -72,14 +49,14 @@ fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
                 None => channel.modal.active.unwrap_or(0),
             };
             if gathered.has(b'H') {
-                data::append(channel, &mut text, b'H', f64::from(number));
+                text::append(channel, &mut text, b'H', f64::from(number));
             }
             (length, assumed) = table_length(channel, number, span)?;
             channel.modal.h = number;
         }
         432 if gathered.has(b'H') => {
             let number = whole(gathered.raw(b'H').unwrap_or(0.0), gathered.span_of(b'H'), "H")?;
-            data::append(channel, &mut text, b'H', f64::from(number));
+            text::append(channel, &mut text, b'H', f64::from(number));
             let (more, is_assumed) = table_length(channel, number, span)?;
             length += more;
             assumed = is_assumed;
@@ -92,16 +69,16 @@ fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
                     let at = gathered.span_of(axis.letter());
                     return Err(fault(Code::NOT_SUPPORTED, at, message, "name X, Y or Z"));
                 }
-                let value = motion::axis_value(channel, gathered, axis)?;
+                let value = target::axis_value(channel, gathered, axis)?;
                 let place = &mut length[axis.slot()];
                 *place = if code == 431 { value } else { *place + value };
-                data::append_length(channel, &mut text, axis.letter(), value);
+                text::append_length(channel, &mut text, axis.letter(), value);
             }
         }
         _ => {}
     }
     channel.modal.length_code = code;
-    put_length(channel, length, assumed);
+    setup::put_length(channel, length, assumed);
     channel.push(Kind::Verbatim(text.into_bytes()));
     Ok(takes_axes)
 }
@@ -111,7 +88,7 @@ fn table_length(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(V
     if number == 0 {
         return Ok((Vector::zeros(), false));
     }
-    if let Some(offset) = tool_offset(channel, number) {
+    if let Some(offset) = target::tool_offset(channel, number) {
         let wear = Vector::new(0.0, 0.0, offset.length_wear_mm);
         return Ok((offset.length_mm + wear, false));
     }
@@ -149,13 +126,13 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
         }
     }
     if channel.modal.transforms.turns(&length) {
-        return Err(turned_length(span));
+        return Err(setup::turned_length(span));
     }
     let (was_turning, tool_mm, axes) =
-        (channel.modal.turning.is_some(), channel.setup.tool_mm, tip::axis_command(channel));
+        (channel.modal.turning.is_some(), channel.standing.setup.tool_mm, tip::axis_command(channel));
     tip::switch_tip(channel, code, gathered, span)?;
     channel.modal.length_code = code;
-    put_length(channel, length, assumed);
+    setup::put_length(channel, length, assumed);
     if !is_off {
         tilt::stand_anew(channel, span)?;
     }
@@ -202,19 +179,6 @@ fn length_axis(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result
     }
 }
 
-/// Puts a length in force.
-pub(super) fn put_length(channel: &mut Channel<'_>, length_mm: Vector, assumed: bool) {
-    channel.modal.length_mm = length_mm;
-    channel.modal.length_assumed = assumed;
-    setup::refresh_setup(channel);
-}
-
 fn unclear_axis(span: Span) -> Fault {
     bad_value(span, "the axis of the length is not clear", "name one of X, Y, Z with G43")
-}
-
-/// The control turns the length with the coordinates, while the tool stays as it is.
-pub(super) fn turned_length(span: Span) -> Fault {
-    let message = "tool length compensation and a rotation in space (G68 I J K) together";
-    fault(Code::NOT_SUPPORTED, span, message, "use G68.2 and G53.1, or program without G43")
 }

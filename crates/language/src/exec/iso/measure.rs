@@ -2,9 +2,11 @@
 
 use super::channel::Channel;
 use super::gathered::Gathered;
+use crate::exec::core::fault::bad_value;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::grid::on_grid;
 use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
 use ncfix_machine::machine::DecimalPoint;
 
 /// A length word, mm.
@@ -64,4 +66,17 @@ fn has_increments(channel: &mut Channel<'_>, gathered: &Gathered, letter: u8) ->
         "a number without a decimal point, which is whole units or least increments by a parameter of the control";
     let help = "set control.decimal_point to \"calculator\" or \"increment\" in the machine file";
     Err(fault(Code::UNITS_DOUBT, gathered.span_of(letter), message, help))
+}
+
+/// How near to a whole number a computed code must be.
+pub(super) const NEAR: f64 = 1e-3;
+
+/// The whole number that a code must be.
+pub(super) fn whole(value: f64, span: Span, what: &str) -> Result<u32, Fault> {
+    let rounded = value.round();
+    if (value - rounded).abs() > NEAR || !(0.0..=f64::from(u32::MAX)).contains(&rounded) {
+        let message = format!("{what}{value} is no whole number from 0");
+        return Err(bad_value(span, message, "write a whole number that is not negative"));
+    }
+    Ok(rounded as u32)
 }

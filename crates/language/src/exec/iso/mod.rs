@@ -52,7 +52,10 @@ mod special;
 mod spline;
 mod startup;
 mod state;
+mod step;
 mod system;
+mod target;
+mod text;
 mod thread;
 mod tilt;
 mod tilted;
@@ -60,5 +63,6 @@ mod tip;
 mod transform;
 mod trip;
 mod variables;
+mod zero_offset;
 
 pub(super) use execute::start;

@@ -1,8 +1,8 @@
 //! What stays in force from block to block: modal codes, offsets, tool, position.
 
 use super::codes::G80;
-use super::offsets::System;
-use super::transform::Transforms;
+use super::frames::Transforms;
+use super::zero_offset::System;
 use crate::exec::core::contour::ContourModal;
 use ncfix_base::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
 use ncfix_base::units::MM_PER_INCH;

@@ -1,10 +1,13 @@
 //! Modal codes: plane, units, dimensions.
 
 use super::channel::Channel;
+use super::codes::G80;
 use super::codes::Group;
-use super::compensation;
+use super::direction;
+use super::forbidden;
 use super::gathered::Gathered;
 use super::setup;
+use super::text;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Plane;
@@ -15,7 +18,7 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
     let Some(plane) = u8::try_from(code / 10).ok().and_then(Plane::from_number) else { return Ok(()) };
     if plane != channel.modal.plane {
         if channel.is_rs274() {
-            compensation::no_compensation(channel, gathered.code_span(Group::Plane), "another plane")?;
+            forbidden::no_compensation(channel, gathered.code_span(Group::Plane), "another plane")?;
         }
         channel.modal.plane = plane;
         setup::refresh_setup(channel);
@@ -54,4 +57,47 @@ pub(super) fn retract(channel: &mut Channel<'_>, gathered: &Gathered) {
     if let Some(code) = gathered.code(Group::Retract) {
         channel.modal.to_r_plane = code == 990;
     }
+}
+
+/// The code of motion of a block, in tenths. A Fanuc ends its cycles with any other motion, and G80 brings back what was in force
+/// before them.
+pub(super) fn code_of_motion(channel: &Channel<'_>, gathered: &Gathered) -> Option<u16> {
+    let code = gathered.code(Group::Motion);
+    if channel.is_rs274() {
+        return code;
+    }
+    code.or_else(|| match gathered.code(Group::Cycle) {
+        Some(G80) => Some(channel.cycles.line),
+        cycle => cycle,
+    })
+}
+
+/// Brings back the path control of the program behind a cycle, or forgets it where the block names one.
+pub(super) fn leave_exact_stops(channel: &mut Channel<'_>, is_named: bool) {
+    if !std::mem::take(&mut channel.cycles.is_exact) || is_named {
+        return;
+    }
+    match channel.modal.path_control {
+        (611, ..) => channel.push(Kind::Keep("G61.1")),
+        (_, None, None) => channel.push(Kind::Keep("G64")),
+        (_, p, q) => {
+            let mut text = "G64".to_owned();
+            for (letter, value) in [(b'P', p), (b'Q', q)] {
+                if let Some(value) = value {
+                    text::append_length(channel, &mut text, letter, value);
+                }
+            }
+            channel.push(Kind::Verbatim(text.into_bytes()));
+        }
+    }
+}
+
+/// The kind of motion of a block that names a code of motion or has words for the one in force.
+pub(super) fn motion_of(channel: &Channel<'_>, gathered: &Gathered) -> Option<u16> {
+    if let Some(code) = code_of_motion(channel, gathered) {
+        return Some(code);
+    }
+    let is_arc = matches!(channel.modal.motion, 20 | 30) || direction::has_directions(channel);
+    let moves = !gathered.axes.is_empty() || gathered.has_any(b"@^") || is_arc && gathered.has_any(b"IJKR");
+    moves.then_some(channel.modal.motion)
 }

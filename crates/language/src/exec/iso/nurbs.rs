@@ -157,6 +157,15 @@ fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
     (off[0] - way[0] * share).hypot(off[1] - way[1] * share)
 }
 
+/// The curve that is not complete yet, and where the last one points.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Curve {
+    pub(super) control: Vec<Control>,
+    pub(super) order: usize,
+    /// From the end of the last G5 along its tangent, mm.
+    pub(super) onwards: [f64; 2],
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

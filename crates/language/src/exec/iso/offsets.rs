@@ -2,72 +2,25 @@
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
-use super::compensation;
-use super::data;
+use super::forbidden;
 use super::gathered::Gathered;
-use super::motion;
-use super::motion::unknown_start;
 use super::setup;
+use super::target;
+use super::text;
+use super::zero_offset::System;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, AxisVector, Frame, FrameParts};
+use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{FrameWords, Kind};
-
-/// A settable zero offset: 1 to 9 are G54 to G59.3, from [`System::ADDITIONAL`] on G54.1 P1 and so on; 0 is the offset of all systems.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct System(pub(super) u16);
-
-/// What stands before [`System`] 1 to 9.
-const NAMES: [&str; 10] = ["EXT", "G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
-
-impl System {
-    /// G54
-    pub(super) const FIRST: System = System(1);
-    /// The offset that all systems of a Fanuc share.
-    pub(super) const EXTERNAL: System = System(0);
-    /// G54.1 P0, which there is not.
-    pub(super) const ADDITIONAL: u16 = 100;
-
-    /// The system of a code in tenths.
-    fn of_code(tenths: u16) -> Option<System> {
-        match tenths {
-            540 | 550 | 560 | 570 | 580 | 590 => Some(System((tenths - 530) / 10)),
-            591..=593 => Some(System(tenths - 591 + 7)),
-            _ => None,
-        }
-    }
-
-    /// The system of a name.
-    pub(super) fn of_name(name: &str) -> Option<System> {
-        let own = NAMES.iter().position(|known| *known == name).map(|index| System(index as u16));
-        own.or_else(|| {
-            name.strip_prefix("G54.1 P")?.parse().ok().map(|number: u16| System(System::ADDITIONAL + number))
-        })
-    }
-
-    /// As a program selects it and the machine file names it.
-    pub(super) fn words(self) -> String {
-        match NAMES.get(usize::from(self.0)) {
-            Some(name) => (*name).to_owned(),
-            None => format!("G54.1 P{}", self.0 - System::ADDITIONAL),
-        }
-    }
-}
-
-/// The value of a zero offset; `None` where neither program nor machine file give one.
-pub(super) fn offset_of(channel: &Channel<'_>, system: System) -> Option<FrameParts> {
-    let own = channel.offsets.get(&system).copied();
-    own.or_else(|| channel.machine.zero_offsets.get(&system.words()).copied())
-}
 
 /// Puts the zero offset in force, without a word to the output.
 pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let (system, order) = (channel.modal.system, channel.machine.control.rotation_order);
-    let parts = offset_of(channel, system);
+    let parts = target::offset_of(channel, system);
     channel.modal.offset_assumed = parts.is_none();
     let own = parts.unwrap_or_default().frame(order);
-    let external = offset_of(channel, System::EXTERNAL).unwrap_or_default().frame(order);
+    let external = target::offset_of(channel, System::EXTERNAL).unwrap_or_default().frame(order);
     let (Some(own), Some(external)) = (own, external) else {
         let message = format!("the frame of {} cannot be undone", system.words());
         return Err(fault(Code::NOT_COMPUTABLE, span, message, "check its factors"));
@@ -95,8 +48,8 @@ pub(super) fn check_offset(channel: &mut Channel<'_>, span: Span) {
 pub(super) fn coordinates(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Coordinates) else { return Ok(()) };
     let span = gathered.code_span(Group::Coordinates);
-    compensation::no_compensation(channel, span, &name_of(code))?;
-    let is_additional = code == 541 || code == 540 && !channel.is_rs274() && p_is_of_offset(channel, gathered);
+    forbidden::no_compensation(channel, span, &name_of(code))?;
+    let is_additional = code == 541 || code == 540 && !channel.is_rs274() && p_is_of_offset(gathered);
     let system = if is_additional {
         match gathered.raw(b'P').map(f64::round).filter(|number| (1.0..=300.0).contains(number)) {
             Some(number) => System(System::ADDITIONAL + number as u16),
@@ -116,35 +69,35 @@ pub(super) fn coordinates(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
 }
 
 /// Whether the P of a block with G54 belongs to it: `G54 P3` is `G54.1 P3`.
-fn p_is_of_offset(channel: &Channel<'_>, gathered: &Gathered) -> bool {
+fn p_is_of_offset(gathered: &Gathered) -> bool {
     gathered.has(b'P') && gathered.code(Group::Action).is_none()
 }
 
 /// G52, G92 and what takes it back.
 pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Action);
-    compensation::no_compensation(channel, span, &name_of(code))?;
+    forbidden::no_compensation(channel, span, &name_of(code))?;
     if matches!(code, 520 | 920) && gathered.axes.is_empty() {
         let message = format!("{} without axis words", name_of(code));
         return Err(bad_value(span, message, "name the axes that it concerns"));
     }
-    let here = here(channel);
+    let here = target::here(channel);
     match code {
         520 if channel.is_rs274() => {
             for axis in gathered.axes.iter() {
-                channel.modal.shift[axis] = motion::axis_value(channel, gathered, axis)?;
+                channel.modal.shift[axis] = target::axis_value(channel, gathered, axis)?;
             }
             channel.modal.stored_shift = channel.modal.shift;
         }
         520 => {
             for axis in gathered.axes.iter() {
-                channel.modal.local[axis] = motion::axis_value(channel, gathered, axis)?;
+                channel.modal.local[axis] = target::axis_value(channel, gathered, axis)?;
             }
         }
         920 => {
             for axis in gathered.axes.iter() {
-                check_stated(channel, axis, gathered.span_of(axis.letter()))?;
-                let value = motion::axis_value(channel, gathered, axis)?;
+                target::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+                let value = target::axis_value(channel, gathered, axis)?;
                 // The local shift of the axis is part of the position, and ends.
                 let local = std::mem::take(&mut channel.modal.local[axis]);
                 channel.modal.shift[axis] += here[axis] + local - value;
@@ -154,7 +107,7 @@ pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code:
         // The preset of Fanuc: each axis named is again what the zero offset alone makes of it, whatever the value.
         _ => {
             for axis in gathered.axes.iter() {
-                motion::axis_value(channel, gathered, axis)?;
+                target::axis_value(channel, gathered, axis)?;
                 channel.modal.shift[axis] = 0.0;
                 channel.modal.local[axis] = 0.0;
             }
@@ -173,7 +126,7 @@ fn say_end(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) {
     }
     let mut text = name_of(code);
     for axis in named.iter() {
-        data::append(channel, &mut text, axis.letter(), 0.0);
+        text::append(channel, &mut text, axis.letter(), 0.0);
     }
     channel.push(Kind::Verbatim(text.into_bytes()));
 }
@@ -181,7 +134,7 @@ fn say_end(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) {
 /// G92.1, G92.2, G92.3 of RS274/NGC.
 pub(super) fn shift_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Shift) else { return Ok(()) };
-    compensation::no_compensation(channel, gathered.code_span(Group::Shift), &name_of(code))?;
+    forbidden::no_compensation(channel, gathered.code_span(Group::Shift), &name_of(code))?;
     if code == 923 {
         channel.modal.shift = channel.modal.stored_shift;
     } else {
@@ -194,24 +147,4 @@ pub(super) fn shift_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
     }
     setup::refresh_setup(channel);
     Ok(())
-}
-
-/// What depends on where an axis stands must not be corrected where the program has not stated it.
-pub(super) fn check_stated(channel: &Channel<'_>, axis: Axis, span: Span) -> Result<(), Fault> {
-    if channel.strict && !channel.modal.known.contains(axis) {
-        return Err(unknown_start(span, axis));
-    }
-    Ok(())
-}
-
-/// Where the channel is, as the program would say it.
-pub(super) fn here(channel: &Channel<'_>) -> AxisVector {
-    channel.setup.programmed(&channel.modal.command)
-}
-
-/// The frame of a zero offset alone, that of all systems included.
-pub(super) fn frame_of(channel: &Channel<'_>, system: System) -> Frame {
-    let order = channel.machine.control.rotation_order;
-    let frame = |system| offset_of(channel, system).unwrap_or_default().frame(order).unwrap_or_else(Frame::identity);
-    frame(System::EXTERNAL).compose(&frame(system))
 }

@@ -4,10 +4,10 @@
 //! coordinates, or nowhere. Once the program has stated both axes the two are one.
 
 use super::channel::Channel;
+use super::channel::Doubt;
+use super::frames::Transforms;
 use super::gathered::Gathered;
-use super::motion;
-use super::offsets;
-use super::transform::Transforms;
+use super::target;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
@@ -17,21 +17,9 @@ use ncfix_machine::machine::OneAxis;
 /// Values nearer than this are the same, mm.
 const SAME_MM: f64 = 1e-6;
 
-/// Axes whose value depends on the parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Doubt {
-    /// What the program gave them, mm.
-    values: AxisVector,
-    open: AxisSet,
-    /// Axes that turn together.
-    group: AxisSet,
-    /// Nothing is in force any more.
-    has_ended: bool,
-}
-
 /// Rotation, scaling or mirror have changed; `before` is what was in force, `here` where the tool was by it.
 pub(super) fn note_turn(channel: &mut Channel<'_>, before: &Transforms, here: &AxisVector, known: AxisSet) {
-    let now = offsets::here(channel);
+    let now = target::here(channel);
     let transforms = &channel.modal.transforms;
     let is_in_space = before.is_in_space() || transforms.is_in_space();
     let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
@@ -73,7 +61,7 @@ pub(super) fn other_axes(
         if !doubt.has_ended {
             // The way is the same by either rule: the tool turns about where it stands.
             for axis in moved.iter() {
-                doubt.values[axis] += motion::axis_value(channel, gathered, axis)?;
+                doubt.values[axis] += target::axis_value(channel, gathered, axis)?;
             }
             channel.special.doubt = Some(doubt);
             return Ok(None);
@@ -102,7 +90,7 @@ pub(super) fn other_axes(
                 "{other} is not named in the first block behind a rotation, scaling or mirror: whether it moves is a \
                  parameter of the control ({other} {:.3} or {:.3})",
                 doubt.values[other],
-                offsets::here(channel)[other]
+                target::here(channel)[other]
             );
             let help = format!(
                 "name {other} too, or say with control.one_axis_in_rotation what the control does (Fanuc parameter 11600, bit 5)"

@@ -1,6 +1,6 @@
 //! Calls of programs that the control runs by itself: they are passed on, their values evaluated.
 
-use super::data;
+use super::text;
 use std::fmt::Write as _;
 
 use super::arguments::letter_of;
@@ -24,7 +24,7 @@ impl Interpreter<'_> {
             let message = "the arguments of this call are in inches, and the output is metric";
             return Err(at(call.span, Code::NOT_SUPPORTED, message, "call it under G21"));
         }
-        if self.channel.setup != self.channel.shown {
+        if self.channel.standing.setup != self.channel.standing.shown {
             let message =
                 "this program would run without the shifts and rotations in force, which the output does not have";
             let help = "call it where only a settable zero offset is in force";
@@ -75,7 +75,7 @@ impl Interpreter<'_> {
                 let message = format!("the argument #{number} of a program of the control cannot be passed on");
                 return Err(at(call.span, Code::NOT_SUPPORTED, message, "pass it with a letter of its own"));
             };
-            data::append(&self.channel, &mut text, letter, value);
+            text::append(&self.channel, &mut text, letter, value);
         }
         Ok(text)
     }

@@ -17,6 +17,7 @@ use super::motion;
 use super::offsets;
 use super::reference;
 use super::special;
+use super::target;
 use super::transform;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
@@ -27,7 +28,7 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
     channel.before.clear();
     channel.after.clear();
     channel.corner = None;
-    motion::check_axes(channel, gathered)?;
+    target::check_axes(channel, gathered)?;
     let done = if channel.is_rs274() { execute_rs274(channel, gathered) } else { execute_fanuc(channel, gathered) };
     // Even where the block has a fault, the program ends where it says so.
     done?;
@@ -54,7 +55,7 @@ pub(super) fn execute_rs274(channel: &mut Channel<'_>, gathered: &mut Gathered) 
     channel.flush_before();
     feed::dwell(channel, gathered)?;
     modes::plane(channel, gathered)?;
-    special::lathe(channel, gathered)?;
+    special::lathe(gathered)?;
     modes::units(channel, gathered)?;
     compensation::compensation_codes(channel, gathered)?;
     let mut takes_axes = length::length_codes(channel, gathered)?;
@@ -62,7 +63,7 @@ pub(super) fn execute_rs274(channel: &mut Channel<'_>, gathered: &mut Gathered) 
     feed::path_control(channel, gathered)?;
     modes::distance(channel, gathered);
     if gathered.code(Group::Retract).is_some() {
-        compensation::no_compensation(channel, gathered.code_span(Group::Retract), "another retract mode")?;
+        forbidden::no_compensation(channel, gathered.code_span(Group::Retract), "another retract mode")?;
     }
     modes::retract(channel, gathered);
     takes_axes |= action(channel, gathered)?;
@@ -98,7 +99,7 @@ pub(super) fn execute_fanuc(channel: &mut Channel<'_>, gathered: &mut Gathered) 
 
 /// The motion of a block, and what acts behind it.
 pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_axes: bool) -> Result<(), Fault> {
-    let code = if takes_axes { cycle::code_of_motion(channel, gathered) } else { motion::motion_of(channel, gathered) };
+    let code = if takes_axes { modes::code_of_motion(channel, gathered) } else { modes::motion_of(channel, gathered) };
     let mut done = Ok(());
     if let Some(code) = code {
         if !takes_axes && code == G80 && !gathered.axes.is_empty() {
@@ -155,7 +156,7 @@ pub(super) fn action(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<b
         520 | 920 => offsets::axis_offsets(channel, gathered, code)?,
         921 => offsets::axis_offsets(channel, gathered, code)?,
         _ => {
-            special::special_motion(channel, gathered, code)?;
+            motion::special_motion(channel, gathered, code)?;
         }
     }
     Ok(true)

@@ -1,12 +1,10 @@
 //! Parameters of RS274/NGC that stand for the state of the control: numbers from 5161 on, and the names that begin with an underscore.
 
 use super::channel::Channel;
-use super::data;
-use super::expression::Missing;
-use super::length;
-use super::offsets;
-use super::offsets::System;
 use super::system;
+use super::target;
+use super::variables::Missing;
+use super::zero_offset::System;
 use crate::exec::core::contour::Side;
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::snc::{FeedUnit, Kind};
@@ -49,7 +47,7 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
         5220 => Ok(f64::from(channel.modal.system.0)),
         5221..=5390 => {
             let (system, place) = offset_place(number)?;
-            let parts = offsets::offset_of(channel, system);
+            let parts = target::offset_of(channel, system);
             match (parts, ORDER.get(place as usize)) {
                 (None, _) if channel.strict => Err(Missing::OnlyMachine),
                 (None, _) => Ok(0.0),
@@ -61,7 +59,7 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
         5400 => tool_in_spindle(channel),
         5404..=5409 | 5411..=5413 => Ok(0.0),
         // What the table says of the tool in the spindle, whether it is in force or not.
-        5401..=5403 | 5410 => match channel.modal.active.and_then(|tool| length::tool_offset(channel, tool)) {
+        5401..=5403 | 5410 => match channel.modal.active.and_then(|tool| target::tool_offset(channel, tool)) {
             Some(offset) if number == 5410 => Ok(2.0 * offset.radius_mm),
             Some(offset) => Ok(offset.length_mm[(number - 5401) as usize]),
             None if channel.strict => Err(Missing::OnlyMachine),
@@ -76,9 +74,9 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
 /// A probe has come to the end of its way without touching: that is what is taken where nothing must be known for certain.
 pub(super) fn note_probe(channel: &mut Channel<'_>) {
     let end = if channel.is_rs274() {
-        offsets::here(channel)
+        target::here(channel)
     } else {
-        system::work_frame(channel).unapply(&data::tip(channel))
+        system::work_frame(channel).unapply(&target::tip(channel))
     };
     let mut shown = end;
     for axis in ORDER {
@@ -105,13 +103,13 @@ fn here_of(channel: &Channel<'_>, axis: Axis) -> Result<f64, Missing> {
     if channel.strict && !channel.modal.known.contains(axis) {
         return Err(Missing::Unstated);
     }
-    Ok(system::shown_value(channel, axis, offsets::here(channel)[axis]))
+    Ok(system::shown_value(channel, axis, target::here(channel)[axis]))
 }
 
 /// A value that an assignment to a parameter of a zero offset changes. It takes effect when the program selects the offset.
 pub(super) fn write_parameter(channel: &mut Channel<'_>, number: u32, value: f64) -> bool {
     let Some((system, place)) = offset_place(number) else { return false };
-    let mut parts = offsets::offset_of(channel, system).unwrap_or_default();
+    let mut parts = target::offset_of(channel, system).unwrap_or_default();
     match ORDER.get(place as usize) {
         Some(&axis) => {
             parts.translation[axis] = if axis.is_rotary() { value.to_radians() } else { value };
@@ -185,7 +183,7 @@ fn machine_of(channel: &Channel<'_>, axis: Axis) -> Result<f64, Missing> {
     if channel.strict && !channel.modal.known.contains(axis) {
         return Err(Missing::Unstated);
     }
-    Ok(system::shown_value(channel, axis, data::tip(channel)[axis]))
+    Ok(system::shown_value(channel, axis, target::tip(channel)[axis]))
 }
 
 fn one_axis(text: &str) -> Option<Axis> {

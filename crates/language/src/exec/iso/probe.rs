@@ -3,9 +3,9 @@
 use super::channel::Channel;
 use super::codes::name_of;
 use super::gathered::Gathered;
-use super::motion;
-use super::motion::Step;
 use super::predefined;
+use super::step;
+use super::step::Step;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::{FeedUnit, Kind, Manner};
@@ -21,7 +21,7 @@ pub(super) fn probe(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         let message = format!("{name} under a feed per revolution (G95)");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G94: LinuxCNC refuses it too"));
     }
-    let (end, named) = motion::end(channel, gathered)?;
+    let (end, named) = step::end(channel, gathered)?;
     let word = match code {
         382 => "G38.2",
         383 => "G38.3",
@@ -30,7 +30,7 @@ pub(super) fn probe(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         _ => "G31",
     };
     let manner = Manner::Probe(word);
-    motion::step(channel, Step { rapid: false, end, named, feed_named: gathered.has(b'F'), manner, span })?;
+    step::step(channel, Step { rapid: false, end, named, feed_named: gathered.has(b'F'), manner, span })?;
     predefined::note_probe(channel);
     if channel.strict {
         let lost = channel.modal.forget(named);

@@ -1,12 +1,12 @@
 //! G27 and G29 of Fanuc: to the reference point to check it, and from it back to work.
 
-use super::motion;
+use super::step;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
 use super::codes::Group;
 use super::gathered::Gathered;
-use super::motion::Step;
+use super::step::Step;
 use crate::exec::core::fault::{Fault, bad_value};
 use crate::exec::core::path::Shape;
 
@@ -25,11 +25,11 @@ pub(super) fn back_to_work(channel: &mut Channel<'_>, gathered: &Gathered, code:
         for axis in gathered.axes.iter() {
             target[axis] = through[axis];
         }
-        let setup = Shared::clone(&channel.setup);
+        let setup = Shared::clone(&channel.standing.setup);
         let step = Step::straight(gathered, true, setup.programmed(&target), gathered.axes);
-        motion::send(channel, step, target, Shape::Line, setup)?;
+        step::send(channel, step, target, Shape::Line, setup)?;
         channel.outlet.begin_line();
     }
-    let (end, named) = motion::end(channel, gathered)?;
-    motion::step(channel, Step::straight(gathered, true, end, named))
+    let (end, named) = step::end(channel, gathered)?;
+    step::step(channel, Step::straight(gathered, true, end, named))
 }

@@ -1,45 +1,44 @@
 //! Puts frame and tool in force.
 
 use super::channel::Channel;
-use super::motion::known_behind;
-use super::offsets;
-use super::tip;
-use crate::exec::core::options::Options;
+use crate::exec::core::fault::Fault;
+use crate::exec::core::fault::fault;
 use crate::exec::core::outlet::HasOutlet;
-use ncfix_base::geometry::{AxisSet, LINEAR_AXES};
+use crate::exec::core::standing::{keep_pose, known_behind, lengthened};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::Vector;
 use ncfix_base::source::Span;
-use ncfix_dialect::Dialect;
-use ncfix_machine::machine::Machine;
 use std::sync::Arc;
 
 /// Puts frame and tool in force. Of a Fanuc an axis along which the tool length changes is taken as unknown until the program
 /// states it again: whether the control moves it at once is a parameter.
 pub(super) fn refresh_setup(channel: &mut Channel<'_>) {
     let (setup, shown) = (channel.modal.setup(), channel.modal.shown());
-    tip::keep_pose(channel, &setup);
-    for axis in LINEAR_AXES.into_iter().take(3) {
-        if !channel.is_rs274() && setup.tool_mm[axis.slot()] != channel.setup.tool_mm[axis.slot()] {
-            channel.modal.known.remove(axis);
-        }
+    keep_pose(&channel.standing.setup, &setup, channel.outlet.kinematics.as_deref(), &mut channel.modal.command);
+    if !channel.is_rs274() {
+        channel.modal.known = channel.modal.known.difference(lengthened(&channel.standing.setup, &setup));
     }
-    let (old, new) = (&channel.setup.frame, &setup.frame);
+    let (old, new) = (&channel.standing.setup.frame, &setup.frame);
     if old.linear() != new.linear() {
         channel.modal.known = known_behind(channel.modal.known, old, new);
     }
-    if *channel.shown != shown {
-        channel.shown = Arc::new(shown);
-        channel.setup_changed = true;
+    if *channel.standing.shown != shown {
+        channel.standing.shown = Arc::new(shown);
+        channel.standing.changed = true;
     }
-    channel.setup = if setup == *channel.shown { Arc::clone(&channel.shown) } else { Arc::new(setup) };
+    channel.standing.setup =
+        if setup == *channel.standing.shown { Arc::clone(&channel.standing.shown) } else { Arc::new(setup) };
 }
 
-/// A channel as it is when a program starts.
-pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, dialect: &'static Dialect) -> Channel<'a> {
-    let mut channel = Channel::new(machine, options, dialect);
-    // G54 is in force when a program starts.
-    if let Err(found) = offsets::load_offset(&mut channel, Span::default()) {
-        channel.outlet.warnings.push(found);
-    }
-    channel.modal.known = if options.start.is_some() { channel.axes } else { AxisSet::EMPTY };
-    channel
+/// Puts a length in force.
+pub(super) fn put_length(channel: &mut Channel<'_>, length_mm: Vector, assumed: bool) {
+    channel.modal.length_mm = length_mm;
+    channel.modal.length_assumed = assumed;
+    refresh_setup(channel);
+}
+
+/// The control turns the length with the coordinates, while the tool stays as it is.
+pub(super) fn turned_length(span: Span) -> Fault {
+    let message = "tool length compensation and a rotation in space (G68 I J K) together";
+    fault(Code::NOT_SUPPORTED, span, message, "use G68.2 and G53.1, or program without G43")
 }

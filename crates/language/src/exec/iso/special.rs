@@ -2,57 +2,18 @@
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
-use super::cycle;
 use super::gathered::Gathered;
 use super::measure;
-use super::offsets;
-use super::one_axis::Doubt;
-use super::polar::{self, Polar};
-use super::probe;
-use super::spline;
-use super::spline::Curve;
-use super::thread;
-use super::tilt;
-use super::tilted::Collected;
+use super::polar::{self};
+use super::target;
 use crate::exec::core::contour::{Corner, Transition};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, AxisVector};
 use ncfix_base::source::Span;
 
-/// What the kinds of motion here keep from block to block.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Special {
-    /// G16
-    pub(super) polar: Option<Polar>,
-    pub(super) curve: Curve,
-    /// Blocks of G68.2 that have come so far.
-    pub(super) tilt_parts: Collected,
-    /// Where a rotation, scaling or mirror has begun or ended, and the program has not stated all axes of the plane since.
-    pub(super) doubt: Option<Doubt>,
-}
-
-/// A block under a kind of motion that is neither line nor arc; its words may be missing.
-pub(super) fn special_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-    match code {
-        50 | 51 => spline::spline(channel, gathered, code),
-        52 => spline::nurbs_point(channel, gathered),
-        53 => spline::nurbs_end(channel, gathered),
-        310 | 382..=385 => probe::probe(channel, gathered, code),
-        330 | 331 => thread::thread(channel, gathered, code),
-        760 if channel.is_rs274() => thread::threading(channel, gathered),
-        531 => tilt::tool_on_plane(channel, gathered),
-        730..=890 => cycle::cycle(channel, gathered, code),
-        _ => {
-            let message = format!("{} is not supported", name_of(code));
-            let group = if gathered.code(Group::Action) == Some(code) { Group::Action } else { Group::Motion };
-            Err(fault(Code::NOT_SUPPORTED, gathered.code_span(group), message, "program without it"))
-        }
-    }
-}
-
 /// `G7`, `G8`: diameters and radii of a lathe.
-pub(super) fn lathe(channel: &Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn lathe(gathered: &Gathered) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Lathe) else { return Ok(()) };
     let message = format!("{} is for lathes, and is not supported", name_of(code));
     let help = "program X without it: positions are those of the axis";
@@ -157,7 +118,7 @@ fn angle_word(
 
 /// What depends on where the plane's axes stand must not be corrected where the program has not stated it.
 pub(super) fn check_plane_stated(channel: &Channel<'_>, plane: AxisSet, span: Span) -> Result<(), Fault> {
-    plane.iter().try_for_each(|axis| offsets::check_stated(channel, axis, span))
+    plane.iter().try_for_each(|axis| target::check_stated(channel, axis, span))
 }
 
 /// What `,C` and `,R` ask of the end of the motion to come.
@@ -178,7 +139,7 @@ pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
     if size == 0.0 {
         return Ok(());
     }
-    let frame = &channel.setup.frame;
+    let frame = &channel.standing.setup.frame;
     if !frame.is_translation() && !frame.keeps_circles(channel.modal.plane) {
         let message = ",C or ,R under unequal scaling";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "scale both axes of the plane alike"));

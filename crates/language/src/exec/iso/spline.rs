@@ -1,17 +1,17 @@
 //! G5, G5.1 and G5.2/G5.3 of RS274/NGC: curves of the XY plane.
 
-use super::compensation;
+use super::forbidden;
 use super::measure;
-use super::motion;
-use super::offsets;
 use super::special;
+use super::step;
+use super::target;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
 use super::codes::{G80, name_of};
 use super::gathered::Gathered;
-use super::motion::Step;
 use super::nurbs::{Control, Nurbs, NurbsFault};
+use super::step::Step;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
@@ -24,21 +24,12 @@ const MOST_POINTS: usize = 2_000;
 /// Largest order.
 const MOST_ORDER: f64 = 2_000.0;
 
-/// The curve that is not complete yet, and where the last one points.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Curve {
-    control: Vec<Control>,
-    order: usize,
-    /// From the end of the last G5 along its tangent, mm.
-    onwards: [f64; 2],
-}
-
 /// `G5`, `G5.1`
 pub(super) fn spline(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     check_curve(channel, gathered, code)?;
-    let here = offsets::here(channel);
+    let here = target::here(channel);
     let start = [here[Axis::X], here[Axis::Y]];
-    let (end, _) = motion::end(channel, gathered)?;
+    let (end, _) = step::end(channel, gathered)?;
     let target = [end[Axis::X], end[Axis::Y]];
     let pair = |channel: &mut Channel<'_>, letters: [u8; 2]| -> Result<Option<[f64; 2]>, Fault> {
         match (measure::length(channel, gathered, letters[0])?, measure::length(channel, gathered, letters[1])?) {
@@ -80,7 +71,7 @@ pub(super) fn nurbs_point(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
         return Err(bad_value(gathered.span, "G5.2 with one of X and Y", "write both"));
     }
     if channel.special.curve.control.is_empty() {
-        let here = offsets::here(channel);
+        let here = target::here(channel);
         let weight = weight.filter(|_| !has[0]).unwrap_or(1.0);
         channel.special.curve.order = 3;
         channel.special.curve.control.push(Control { at: [here[Axis::X], here[Axis::Y]], weight });
@@ -96,7 +87,7 @@ pub(super) fn nurbs_point(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
         channel.special.curve.order = order as usize;
     }
     if has[0] {
-        let (end, _) = motion::end(channel, gathered)?;
+        let (end, _) = step::end(channel, gathered)?;
         let Some(weight) = weight.filter(|weight| *weight > 0.0) else {
             let message = "a control point of G5.2 without a weight above 0";
             return Err(bad_value(gathered.span, message, "write P with the weight, 1 for none"));
@@ -131,8 +122,8 @@ pub(super) fn drop_curve(channel: &mut Channel<'_>, code: u16) {
 
 /// Moves along a curve.
 fn along(channel: &mut Channel<'_>, curve: &Nurbs, gathered: &Gathered) -> Result<(), Fault> {
-    let here = offsets::here(channel);
-    let setup = Shared::clone(&channel.setup);
+    let here = target::here(channel);
+    let setup = Shared::clone(&channel.standing.setup);
     let pieces =
         curve.pieces(channel.machine.control.chord_tolerance_mm).map_err(|found| no_curve(found, gathered.span))?;
     let named: AxisSet = [Axis::X, Axis::Y].into_iter().collect();
@@ -141,17 +132,17 @@ fn along(channel: &mut Channel<'_>, curve: &Nurbs, gathered: &Gathered) -> Resul
         let mut place = here;
         place[Axis::X] = x;
         place[Axis::Y] = y;
-        ends.push(motion::reach(channel, &setup, named, &place, gathered.span)?);
+        ends.push(step::reach(channel, &setup, named, &place, gathered.span)?);
     }
     let target = ends.last().copied().unwrap_or(channel.modal.command);
     let (feed_named, span) = (gathered.has(b'F'), gathered.span);
     let step = Step { rapid: false, end: here, named, feed_named, manner: Manner::Path, span };
-    motion::send(channel, step, target, Shape::Chords(ends), setup)
+    step::send(channel, step, target, Shape::Chords(ends), setup)
 }
 
 fn check_curve(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let (name, span) = (name_of(code), gathered.span);
-    compensation::no_compensation(channel, span, &name)?;
+    forbidden::no_compensation(channel, span, &name)?;
     if channel.modal.plane != Plane::XY {
         let message = format!("{name} outside the XY plane");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17"));

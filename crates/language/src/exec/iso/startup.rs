@@ -40,6 +40,6 @@ pub(super) fn start_up(channel: &mut Channel<'_>, program: &Program) -> Option<D
         }
     }
     channel.outlet.queue.clear();
-    channel.setup_changed = true;
+    channel.standing.changed = true;
     None
 }

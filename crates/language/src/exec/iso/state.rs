@@ -1,23 +1,15 @@
 //! Saved states: M70, M71, M72, M73 of LinuxCNC.
 
 use super::channel::Channel;
-use super::data;
-use super::length;
+use super::channel::SavedState;
 use super::modal::Modal;
 use super::offsets;
 use super::setup;
+use super::text;
 use crate::exec::core::contour::Side;
 use crate::exec::core::fault::{Fault, bad_value};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{FeedUnit, FrameWords, Kind, Word, WordValue};
-
-/// What M70 or M73 saved at a program level.
-#[derive(Debug)]
-pub(super) struct SavedState {
-    modal: Modal,
-    /// M73: it comes back by itself when the level ends.
-    pub(super) returns: bool,
-}
 
 /// M70, and with `returns` M73.
 pub(super) fn save_state(channel: &mut Channel<'_>, returns: bool) {
@@ -103,7 +95,7 @@ fn bring_back(channel: &mut Channel<'_>, saved: &Modal) {
                 let mut text = "G64".to_owned();
                 for (letter, value) in [(b'P', p), (b'Q', q)] {
                     if let Some(value) = value {
-                        data::append_length(channel, &mut text, letter, value);
+                        text::append_length(channel, &mut text, letter, value);
                     }
                 }
                 texts.push(text);
@@ -120,11 +112,11 @@ fn bring_back(channel: &mut Channel<'_>, saved: &Modal) {
         let mut text = if saved.length_code == 490 { "G49".to_owned() } else { "G43.1".to_owned() };
         if saved.length_code != 490 {
             for (letter, value) in b"XYZ".iter().zip(saved.length_mm.iter()) {
-                data::append_length(channel, &mut text, *letter, *value);
+                text::append_length(channel, &mut text, *letter, *value);
             }
         }
         texts.push(text);
-        length::put_length(channel, saved.length_mm, saved.length_assumed);
+        setup::put_length(channel, saved.length_mm, saved.length_assumed);
     }
     if channel.modal.system != saved.system {
         channel.modal.system = saved.system;

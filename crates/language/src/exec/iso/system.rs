@@ -1,14 +1,13 @@
 //! System variables of Fanuc: the state of the control behind the numbers from #1000 on.
 
 use super::channel::Channel;
-use super::compensation;
-use super::data;
-use super::expression::Missing;
+use super::channel::ToolOffset;
 use super::forbidden;
-use super::length;
-use super::length::ToolOffset;
 use super::offsets;
-use super::offsets::System;
+use super::target;
+use super::text;
+use super::variables::Missing;
+use super::zero_offset::System;
 use crate::exec::core::contour::Side;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
@@ -106,13 +105,13 @@ pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Opti
         Meaning::Alarm | Meaning::Told | Meaning::Machine => Err(Missing::OnlyMachine),
         Meaning::Offset(system, place) => {
             let axis = axis_at(channel, place).ok_or(Missing::Unknown)?;
-            match offsets::offset_of(channel, system) {
+            match target::offset_of(channel, system) {
                 Some(parts) => Ok(Some(shown_value(channel, axis, parts.shift()[axis]))),
                 None if system == System::EXTERNAL || !channel.strict => Ok(Some(0.0)),
                 None => Err(Missing::OnlyMachine),
             }
         }
-        Meaning::Tool(number, part) => match length::tool_offset(channel, number) {
+        Meaning::Tool(number, part) => match target::tool_offset(channel, number) {
             Some(mut offset) => Ok(Some(*part_of(&mut offset, part) / channel.modal.scale())),
             None if channel.strict => Err(Missing::OnlyMachine),
             None => Ok(Some(0.0)),
@@ -157,7 +156,7 @@ fn position(channel: &Channel<'_>, position: Position, axis: Axis) -> Result<f64
         return Err(Missing::Compensated);
     }
     let values: AxisVector = match position {
-        Position::Programmed => work_frame(channel).unapply(&data::tip(channel)),
+        Position::Programmed => work_frame(channel).unapply(&target::tip(channel)),
         Position::Machine => channel.modal.command,
         Position::Gauge => work_frame(channel).unapply(&channel.modal.command),
         Position::Skip | Position::Length => AxisVector::ZERO,
@@ -261,11 +260,11 @@ fn write_offset(
     let Some(axis) = axis_at(channel, place) else {
         return Err(bad_value(span, format!("#{number} is of an axis that the machine lacks"), "check the number"));
     };
-    compensation::no_compensation(channel, span, "a change of zero offsets")?;
+    forbidden::no_compensation(channel, span, "a change of zero offsets")?;
     if system == channel.modal.system || system == System::EXTERNAL {
         forbidden::check_offset_write(channel, number, span)?;
     }
-    let known = offsets::offset_of(channel, system);
+    let known = target::offset_of(channel, system);
     if known.is_none() && channel.strict {
         let message = format!("{} is changed in part, and has no value in the machine file", system.words());
         return Err(fault(
@@ -280,7 +279,7 @@ fn write_offset(
     parts.translation[axis] = inside;
     parts.fine[axis] = 0.0;
     channel.offsets.insert(system, parts);
-    tell(channel, number, if axis.is_rotary() { value } else { inside / data::output_unit_mm(channel) }, "");
+    tell(channel, number, if axis.is_rotary() { value } else { inside / text::output_unit_mm(channel) }, "");
     if system == channel.modal.system || system == System::EXTERNAL {
         offsets::load_offset(channel, span)?;
     }
@@ -295,7 +294,7 @@ fn write_tool(
     value: f64,
     span: Span,
 ) -> Result<(), Fault> {
-    let known = length::tool_offset(channel, tool);
+    let known = target::tool_offset(channel, tool);
     if known.is_none() && channel.strict {
         let message = format!("offset {tool} is changed in part, and has no value in the machine file");
         return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
@@ -304,7 +303,7 @@ fn write_tool(
     let inside = value * channel.modal.scale();
     *part_of(&mut offset, part) = inside;
     channel.tools.insert(tool, ToolOffset { is_stated: true, ..offset });
-    tell(channel, number, inside / data::output_unit_mm(channel), "");
+    tell(channel, number, inside / text::output_unit_mm(channel), "");
     Ok(())
 }
 

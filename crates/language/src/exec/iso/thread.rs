@@ -5,10 +5,10 @@ use super::codes::name_of;
 use super::cycles::threading::{Thread as Cut, moves};
 use super::gathered::Gathered;
 use super::measure;
-use super::motion;
-use super::motion::Step;
-use super::offsets;
 use super::special;
+use super::step;
+use super::step::Step;
+use super::target;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Plane};
@@ -32,20 +32,20 @@ pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
         let message = "a faster way out of the hole (I) is not supported";
         return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'I'), message, "take I out"));
     }
-    let start = offsets::here(channel);
-    let (end, named) = motion::end(channel, gathered)?;
+    let start = target::here(channel);
+    let (end, named) = step::end(channel, gathered)?;
     let step = |code: ThreadCode, end| {
         let manner = Manner::Thread(Thread { code, lead: Some((letter, lead)), change: None });
         Step { rapid: false, end, named, feed_named: false, manner, span: gathered.span }
     };
     if code == 330 {
-        return motion::step(channel, step(ThreadCode::G33, end));
+        return step::step(channel, step(ThreadCode::G33, end));
     }
     // The spindle turns back, and the tool is where it was.
-    named.iter().try_for_each(|axis| offsets::check_stated(channel, axis, gathered.span))?;
-    motion::step(channel, step(ThreadCode::G331, end))?;
+    named.iter().try_for_each(|axis| target::check_stated(channel, axis, gathered.span))?;
+    step::step(channel, step(ThreadCode::G331, end))?;
     channel.outlet.begin_line();
-    motion::step(channel, step(ThreadCode::G332, start))
+    step::step(channel, step(ThreadCode::G332, start))
 }
 
 /// `G76`: a thread in passes.
@@ -66,8 +66,8 @@ pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         *value = found;
     }
     let [pitch, peak, first, depth] = needed;
-    let here = offsets::here(channel);
-    let (end, _) = motion::end(channel, gathered)?;
+    let here = target::here(channel);
+    let (end, _) = step::end(channel, gathered)?;
     let tapers = gathered.raw(b'L').unwrap_or(0.0);
     if !(0.0..=3.0).contains(&tapers) || tapers.fract() != 0.0 {
         return Err(bad_value(gathered.span_of(b'L'), format!("L{tapers} is none of 0 to 3"), "check L"));
@@ -106,7 +106,7 @@ pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
             Manner::Thread(Thread { code: ThreadCode::G33, lead: Some((b'K', pitch)), change: None })
         });
         let rapid = pass.pitch.is_none();
-        motion::step(channel, Step { rapid, end: place, named, feed_named: false, manner, span })?;
+        step::step(channel, Step { rapid, end: place, named, feed_named: false, manner, span })?;
     }
     Ok(())
 }

@@ -5,12 +5,13 @@
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
+use super::forbidden;
 use super::gathered::Gathered;
 use super::measure;
-use super::motion;
-use super::motion::Step;
-use super::offsets;
 use super::setup;
+use super::step;
+use super::step::Step;
+use super::target;
 use super::tilted::{Part, Plane, by_euler, by_roll_pitch_yaw};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::tilted_plane::{tilting_axis, turned_frame, unknown_places, workpiece_normal};
@@ -107,7 +108,7 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
         channel.modal.known = channel.modal.known.union(unknown);
     }
     let below = channel.modal.below_transforms();
-    let tool_mm = channel.setup.tool_mm;
+    let tool_mm = channel.standing.setup.tool_mm;
     let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
     let near = channel.modal.command;
     let turned = match (kinematics.orientations(&normal, &near), choice) {
@@ -139,7 +140,7 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
 /// of the new length goes to the same points of the plane, and the rotary axes stay (B-63944EN, tilted working plane command: G43 comes
 /// behind G53.1).
 pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
-    let tool_mm = channel.setup.tool_mm;
+    let tool_mm = channel.standing.setup.tool_mm;
     let Some(tilt) = channel.modal.transforms.tilt().copied() else { return Ok(()) };
     if channel.modal.transforms.stand().is_none_or(|stand| stand.tool_mm == tool_mm) {
         return Ok(());
@@ -155,45 +156,16 @@ pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fa
 
 /// Turns the rotary axes at rapid; the linear ones stay.
 fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector, span: Span) -> Result<(), Fault> {
-    let mut end = offsets::here(channel);
-    let frame = channel.setup.frame;
+    let mut end = target::here(channel);
+    let frame = channel.standing.setup.frame;
     let mut named = AxisSet::EMPTY;
     for axis in kinematics.rotary_axes() {
         end[axis] = turned[axis] - frame.shift(axis);
         named.insert(axis);
     }
-    motion::step(channel, Step { rapid: true, end, named, feed_named: false, manner: Manner::Path, span })
-}
-
-/// Refuses motions in a tilted plane that are not what the control would do.
-pub(super) fn check_tilt(channel: &Channel<'_>, named: AxisSet, span: Span) -> Result<(), Fault> {
-    let Some(stand) = channel.modal.transforms.stand() else {
-        let has_rotary = channel.machine.axis_set().iter().any(Axis::is_rotary);
-        if channel.strict && has_rotary && !named.intersection(AxisSet::XYZ).is_empty() {
-            let message = "a motion in a tilted plane on which the tool was not put";
-            return Err(refused_with(span, message, "program G53.1 behind G68.2"));
-        }
-        return Ok(());
-    };
-    if stand.tool_mm != channel.setup.tool_mm {
-        let message = "the tool length changes within a tilted plane";
-        return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
-    }
-    if stand.below != channel.modal.below_transforms() {
-        let message = "the zero offset changes within a tilted plane";
-        return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
-    }
-    if named.iter().any(Axis::is_rotary) {
-        let message = "rotary axes move within a tilted plane";
-        return Err(refused_with(span, message, "end it with G69 first, or leave them to G53.1"));
-    }
-    Ok(())
+    step::step(channel, Step { rapid: true, end, named, feed_named: false, manner: Manner::Path, span })
 }
 
 fn refused(span: Span, message: String) -> Fault {
-    refused_with(span, &message, "program the plane another way, or its motions in machine coordinates")
-}
-
-fn refused_with(span: Span, message: &str, help: &str) -> Fault {
-    fault(Code::NOT_SUPPORTED, span, message, help)
+    forbidden::refused_with(span, &message, "program the plane another way, or its motions in machine coordinates")
 }

@@ -3,8 +3,7 @@
 //! Under it the positions of the channel are those of the tip, fixed to the workpiece; [`crate::exec::core::five_axis`] makes axis commands
 //! of them.
 
-use super::motion;
-use super::offsets;
+use super::target;
 use std::f64::consts::TAU;
 
 use super::channel::Channel;
@@ -14,7 +13,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
-use ncfix_machine::snc::{Setup, Turning};
+use ncfix_machine::snc::Turning;
 
 /// Angles nearer than this are the same, rad.
 const SAME_ANGLE_RAD: f64 = 1e-9;
@@ -46,7 +45,7 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
         let kinematics = channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.machine)));
         let rotary = kinematics.rotary_axes().count();
         let can = (1..=2).contains(&rotary)
-            && kinematics.command_on_workpiece(&channel.modal.command, &channel.setup.tool_mm).is_some();
+            && kinematics.command_on_workpiece(&channel.modal.command, &channel.standing.setup.tool_mm).is_some();
         if !can {
             let message = format!("G43.4 needs X, Y, Z and one or two rotary axes, and the machine has {rotary}");
             return Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"));
@@ -55,7 +54,7 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
     }
     channel.outlet.finish();
     let Some(kinematics) = &channel.outlet.kinematics else { return Ok(()) };
-    let tool_mm = channel.setup.tool_mm;
+    let tool_mm = channel.standing.setup.tool_mm;
     let modal = &mut channel.modal;
     modal.turning = turning;
     modal.command = if turning.is_some() {
@@ -78,12 +77,12 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
         let (here, is_known) = (channel.modal.command[axis], channel.modal.known.contains(axis));
         let mut places = vec![here];
         if gathered.axes.contains(axis) {
-            let value = motion::axis_value(channel, gathered, axis)?;
-            let from = if channel.modal.incremental { here } else { channel.setup.frame.shift(axis) };
+            let value = target::axis_value(channel, gathered, axis)?;
+            let from = if channel.modal.incremental { here } else { channel.standing.setup.frame.shift(axis) };
             let end = from + value;
             places = if is_known { vec![here, end] } else { vec![end] };
         } else {
-            offsets::check_stated(channel, axis, span)?;
+            target::check_stated(channel, axis, span)?;
         }
         // What is corrected already has the table where a correction put it.
         let most = if channel.strict { SAME_ANGLE_RAD } else { CORRECTED_ANGLE_RAD };
@@ -100,7 +99,8 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
 /// Where the axes stand.
 pub(super) fn axis_command(channel: &Channel<'_>) -> AxisVector {
     let turning = channel.modal.turning.and(channel.outlet.kinematics.as_deref());
-    let command = turning.and_then(|chain| chain.command_on_workpiece(&channel.modal.command, &channel.setup.tool_mm));
+    let command =
+        turning.and_then(|chain| chain.command_on_workpiece(&channel.modal.command, &channel.standing.setup.tool_mm));
     command.unwrap_or(channel.modal.command)
 }
 
@@ -109,23 +109,11 @@ pub(super) fn axis_command(channel: &Channel<'_>) -> AxisVector {
 pub(super) fn forget_moved_tip(channel: &mut Channel<'_>, axes: &AxisVector, tool_mm: &Vector) {
     let Some(kinematics) = &channel.outlet.kinematics else { return };
     let before = kinematics.on_workpiece(axes, tool_mm);
-    let now = kinematics.on_workpiece(axes, &channel.setup.tool_mm);
+    let now = kinematics.on_workpiece(axes, &channel.standing.setup.tool_mm);
     for axis in AxisSet::XYZ.iter().filter(|&axis| (before[axis] - now[axis]).abs() > SAME_PLACE_MM) {
         channel.modal.known.remove(axis);
     }
     if channel.modal.turning.is_some() {
         channel.modal.command = now;
-    }
-}
-
-/// The machine stands where it stood when frame or tool change: under the transformation the place of the tip follows from it.
-pub(super) fn keep_pose(channel: &mut Channel<'_>, setup: &Setup) {
-    let (Some(_), Some(kinematics)) = (channel.setup.transform.and(setup.transform), &channel.outlet.kinematics) else {
-        return;
-    };
-    if setup.tool_mm != channel.setup.tool_mm
-        && let Some(command) = kinematics.command_on_workpiece(&channel.modal.command, &channel.setup.tool_mm)
-    {
-        channel.modal.command = kinematics.on_workpiece(&command, &setup.tool_mm);
     }
 }

@@ -1,19 +1,17 @@
 //! Rotation, scale, mirror, polar coordinates and tilted planes of Fanuc: the codes that change what is nearest to the programmed values.
 
-pub(super) use super::frames::Transforms;
-
 use super::channel::Channel;
 use super::codes::{Group, name_of};
-use super::data;
 use super::frames::Within;
 use super::gathered::Gathered;
-use super::length::turned_length;
 use super::measure;
-use super::offsets;
 use super::one_axis;
 use super::polar::Polar;
 use super::setup;
+use super::setup::turned_length;
 use super::special;
+use super::target;
+use super::text;
 use super::tilt;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
@@ -57,7 +55,7 @@ pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) ->
     }
     if gathered.code(Group::Scale) == Some(500) {
         let done = channel.modal.transforms.end_scale();
-        allowed(channel, done, 500, gathered.code_span(Group::Scale))?;
+        allowed(done, 500, gathered.code_span(Group::Scale))?;
     }
     match gathered.code(Group::Mirror) {
         Some(501) => took |= end_mirror(channel, gathered)?,
@@ -68,13 +66,13 @@ pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) ->
         None => {}
     }
     if gathered.code(Group::Scale) == Some(510) {
-        once(channel, took, gathered.code_span(Group::Scale))?;
+        once(took, gathered.code_span(Group::Scale))?;
         scale(channel, gathered)?;
         took = true;
     }
     if let Some(code) = gathered.code(Group::Rotation).filter(|&code| code != 690) {
         let span = gathered.code_span(Group::Rotation);
-        once(channel, took, span)?;
+        once(took, span)?;
         match code {
             680 => rotation(channel, gathered, span)?,
             _ => tilt::tilt(channel, gathered, code, span)?,
@@ -91,14 +89,14 @@ pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) ->
             let message = "a change of mirror, scaling, rotation or tilted plane within radius compensation";
             return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "end it with G40 first"));
         }
-        let (here, known) = (offsets::here(channel), channel.modal.known);
+        let (here, known) = (target::here(channel), channel.modal.known);
         setup::refresh_setup(channel);
         one_axis::note_turn(channel, &before, &here, known);
     }
     Ok(took)
 }
 
-fn once(channel: &Channel<'_>, took: bool, span: Span) -> Result<(), Fault> {
+fn once(took: bool, span: Span) -> Result<(), Fault> {
     if !took {
         return Ok(());
     }
@@ -106,7 +104,7 @@ fn once(channel: &Channel<'_>, took: bool, span: Span) -> Result<(), Fault> {
     Err(bad_value(span, message, "write each in a block of its own"))
 }
 
-fn allowed(channel: &Channel<'_>, done: Result<(), Within>, code: u16, span: Span) -> Result<(), Fault> {
+fn allowed(done: Result<(), Within>, code: u16, span: Span) -> Result<(), Fault> {
     done.map_err(|within| {
         let message = format!("{} within {within}", name_of(code));
         let help = "begin with the mirror, then the scaling, then the rotation, and end in the reverse order";
@@ -131,7 +129,7 @@ fn mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
         return Err(bad_value(span, "G51.1 without axis words", "name the axes that it mirrors, and where"));
     }
     let done = channel.modal.transforms.set_mirror(words);
-    allowed(channel, done, 511, span)
+    allowed(done, 511, span)
 }
 
 /// `G50.1 X Y Z`: whether it took the axis words.
@@ -143,11 +141,11 @@ fn end_mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fa
     }
     let mut text = "G50.1".to_owned();
     for (letter, _) in LETTERS.into_iter().zip(named).filter(|&(_, is_named)| is_named) {
-        data::append(channel, &mut text, letter, 0.0);
+        text::append(channel, &mut text, letter, 0.0);
     }
     channel.push(Kind::Verbatim(text.into_bytes()));
     let done = channel.modal.transforms.end_mirror(named);
-    allowed(channel, done, 501, gathered.code_span(Group::Mirror))?;
+    allowed(done, 501, gathered.code_span(Group::Mirror))?;
     Ok(!has_motion && named != [false; 3])
 }
 
@@ -169,13 +167,13 @@ fn scale(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     };
     for (axis, _) in AXES.into_iter().zip(center).filter(|(axis, word)| channel.axes.contains(*axis) && word.is_none())
     {
-        offsets::check_stated(channel, axis, span)?;
+        target::check_stated(channel, axis, span)?;
     }
-    let here = offsets::here(channel);
+    let here = target::here(channel);
     match channel.modal.transforms.set_scale(center, factors, &here) {
         Ok(true) => Ok(()),
         Ok(false) => Err(bad_value(span, "a factor of G51 is 0", "correct the factor")),
-        Err(within) => allowed(channel, Err(within), 510, span),
+        Err(within) => allowed(Err(within), 510, span),
     }
 }
 
@@ -184,7 +182,7 @@ fn rotation(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Resul
     let Some(angle) = measure::angle(channel, gathered, b'R')? else {
         return Err(bad_value(span, "G68 needs R with the angle", "write R in degrees"));
     };
-    let here = offsets::here(channel);
+    let here = target::here(channel);
     let center = place_words(channel, gathered)?;
     if gathered.has_any(b"IJK") {
         special::check_plane_stated(channel, missing(center), span)?;
@@ -194,7 +192,7 @@ fn rotation(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Resul
             Ok(false) => return Err(bad_value(span, "I, J and K of G68 are 0", "write the direction of the line")),
             Err(within) => Err(within),
         };
-        allowed(channel, done, 680, span)?;
+        allowed(done, 680, span)?;
         if channel.modal.transforms.turns(&channel.modal.length_mm) {
             return Err(turned_length(span));
         }
@@ -210,7 +208,7 @@ fn rotation(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Resul
     special::check_plane_stated(channel, missing(center).intersection(plane), span)?;
     let center = [abscissa, ordinate].map(|axis| center.get(axis.slot()).copied().flatten());
     let done = channel.modal.transforms.set_rotation(channel.modal.plane, center, angle, &here);
-    allowed(channel, done, 680, span)
+    allowed(done, 680, span)
 }
 
 /// The axes of X, Y, Z without a word.

@@ -260,3 +260,16 @@ impl Variables {
         self.levels.len() - 1
     }
 }
+
+/// Why the state of the control gives no value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Missing {
+    /// There is no such variable.
+    Unknown,
+    /// Only the machine knows it.
+    OnlyMachine,
+    /// The program has not stated the position.
+    Unstated,
+    /// Positions cannot be read while the radius compensation is on.
+    Compensated,
+}

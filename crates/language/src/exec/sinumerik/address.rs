@@ -3,11 +3,6 @@
 //! An address with a value is gathered here and found again by [`super::gathered::Gathered::named`]; whoever executes it
 //! takes it from there. To add one, add a row to `grammars/sinumerik-words.tsv`, a variant, and the code that takes it.
 
-use super::gather::{Gatherer, twice};
-use super::gathered::{Gathered, NamedValue};
-use crate::exec::core::fault::Fault;
-use crate::syntax::sinumerik::{Value, Word};
-
 /// An address that is a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Named {
@@ -63,7 +58,7 @@ pub(super) fn extended(letter: u8, extension: u32) -> Option<Named> {
         (b'I', 1) => Named::I1,
         (b'J', 1) => Named::J1,
         (b'K', 1) => Named::K1,
-        _ => return super::orientation::address(letter, extension),
+        _ => return address(letter, extension),
     })
 }
 
@@ -118,19 +113,11 @@ impl Named {
     }
 }
 
-impl Gatherer<'_> {
-    /// Reads the value of a named address.
-    pub(super) fn address(&self, address: Named, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
-        let dimension = match word.value {
-            Value::Dimension(function, _) => Some(function),
-            _ => None,
-        };
-        if out.named(address).is_some() {
-            return Err(twice(word.span));
-        }
-        out.addresses.push(NamedValue { address, value: self.number(word)?, dimension, span: word.span });
-        Ok(())
-    }
+/// The address of `A2` to `C7`; `None` where it is none of a direction.
+pub(super) fn address(letter: u8, extension: u32) -> Option<Named> {
+    let slot = letter.checked_sub(b'A').filter(|slot| *slot < 3)?;
+    let number = u8::try_from(extension).ok().filter(|number| (2..=7).contains(number))?;
+    Some(Named::Orientation(number, slot))
 }
 
 #[cfg(test)]

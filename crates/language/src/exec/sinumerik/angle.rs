@@ -4,7 +4,9 @@
 //! end and angle; until then the motion waits.
 
 use super::address::Named;
+use super::channel;
 use super::channel::Channel;
+use super::channel::OpenAngle;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::MotionKind;
 use crate::exec::core::contour::crossing;
@@ -12,20 +14,6 @@ use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_base::source::Span;
-
-/// Where a motion without end begins and leads, programmed coordinates of the plane, mm and rad.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct OpenAngle {
-    start: [f64; 2],
-    angle_rad: f64,
-    span: Span,
-}
-
-impl OpenAngle {
-    pub(super) fn span(&self) -> Span {
-        self.span
-    }
-}
 
 /// Carries out ANG, and demands it behind a motion without end.
 pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
@@ -46,7 +34,7 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
             other => {
                 end_open(channel, None, AxisSet::EMPTY);
                 other.map(|_| ())?;
-                Err(without_end(open.span))
+                Err(channel::without_end(open.span))
             }
         };
     }
@@ -63,7 +51,7 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
         let help = "begin with an absolute position of this axis, or give --start";
         return Err(fault(Code::UNKNOWN_START, angle.span, message, help));
     }
-    let here = channel.setup.programmed(&channel.modal.command);
+    let here = channel.standing.setup.programmed(&channel.modal.command);
     let start = [here[abscissa], here[ordinate]];
     let angle_rad = angle.value.to_radians();
     let Some(axis) = named.iter().next() else {
@@ -100,7 +88,7 @@ fn close_angle(
             "the end of this element is incremental, and its start is its intersection with the element before";
         return Err(bad_value(angle.span, message, "program the end absolute"));
     }
-    let here = channel.setup.programmed(&channel.modal.command);
+    let here = channel.standing.setup.programmed(&channel.modal.command);
     let end = [programmed_end(channel, gathered, abscissa, &here), programmed_end(channel, gathered, ordinate, &here)];
     let Some(corner) = crossing((open.start, open.angle_rad), (end, angle.value.to_radians())) else {
         let message = "this element and the one before run in the same direction: they do not meet";
@@ -109,7 +97,7 @@ fn close_angle(
     let mut place = here;
     place[abscissa] = corner[0];
     place[ordinate] = corner[1];
-    channel.modal.command = channel.setup.command(&place);
+    channel.modal.command = channel.standing.setup.command(&place);
     channel.modal.programmed[abscissa] = corner[0];
     channel.modal.programmed[ordinate] = corner[1];
     channel.modal.known = channel.modal.known.union(plane);
@@ -133,13 +121,4 @@ fn set_end(channel: &Channel<'_>, gathered: &mut Gathered, axis: Axis, value: f6
 
 fn end_open(channel: &mut Channel<'_>, end: Option<AxisVector>, axes: AxisSet) {
     channel.outlet.close(end, axes);
-}
-
-/// The finding of a motion whose end never came.
-pub(super) fn without_end(span: Span) -> Fault {
-    bad_value(
-        span,
-        "this element has an angle and no end",
-        "give one coordinate of its end, or let an element with both coordinates and ANG follow",
-    )
 }

@@ -1,12 +1,12 @@
 //! Arcs of the working plane: their centers, however they are programmed, and what a frame makes of them.
 
+use super::gathered;
 use std::f64::consts::TAU;
 
 use super::address::Named;
+use super::context::MotionContext;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::{Modal, MotionKind};
-use super::motion::MotionContext;
-use super::polar;
 use crate::exec::core::arc::{RadiusFault, behind_frame, center_of_radius};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::grid::{Meeting, meeting, unsure};
@@ -53,7 +53,7 @@ pub(super) fn end_by_angle(
         return Ok(None);
     }
     let [abscissa, ordinate, _] = modal.plane.axes();
-    if gathered.named.contains(abscissa) || gathered.named.contains(ordinate) || polar::is_programmed(gathered) {
+    if gathered.named.contains(abscissa) || gathered.named.contains(ordinate) || gathered::is_programmed(gathered) {
         let help = "keep two of them: an arc has either center and angle, or end and angle, or end and center";
         return Err(fault(Code::BAD_ARC, span, "center, end point and opening angle in one block", help));
     }
@@ -196,7 +196,7 @@ pub(super) fn arc(
     let radius = gathered.named(Named::Cr).map(|value| (value.value, value.span));
     let opening = gathered.named(Named::Ar);
     let center = match (radius, has_center) {
-        _ if polar::is_programmed(gathered) => {
+        _ if gathered::is_programmed(gathered) => {
             if let Some(other) = radius.map(|(_, span)| span).or(opening.map(|value| value.span)) {
                 return Err(two_centers(other));
             }

@@ -1,6 +1,7 @@
 //! Data that a control saves as assignments: tools (`_TOA`), zero offsets (`_UFR`), R parameters (`_RPA`), global variables (`_GUD`),
 //! machine data (`_TEA`, `_INI`). They are read into the machine with the same code that executes programs.
 
+use super::startup;
 use std::collections::BTreeMap;
 
 use super::assign::{assign, assigned};
@@ -9,12 +10,11 @@ use super::frame_store::settable_code;
 use super::level::Loaded;
 use super::loaded::load;
 use super::scope::scope_of;
-use super::setup;
 use super::system_write::{SystemName, assign_system};
 use super::value::Value as ExecValue;
 use super::variables::List;
-use crate::exec::Options;
 use crate::exec::core::fault::{Fault, at};
+use crate::exec::core::options::Options;
 use crate::syntax::sinumerik::{self, Address, ArgumentRange, Body, ExprId, Node, Value, Word};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;
@@ -42,7 +42,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
     let loaded = load(program, &before.control);
     let mut reader = Reader {
         loaded: &loaded,
-        channel: setup::begin(&before, &Options::default(), ncfix_dialect::sinumerik().codes()),
+        channel: startup::begin(&before, &Options::default(), ncfix_dialect::sinumerik().codes()),
         data: Data::default(),
     };
     for section in &loaded.program.sections {

@@ -1,8 +1,9 @@
 //! Assignments: R parameters, variables, arrays, and whatever else may stand left of an equals sign.
 
+use super::beside;
 use super::channel::Channel;
 use super::level::Loaded;
-use super::pass::file_result;
+use super::names::Meaning;
 use super::scope::scope_of;
 use super::system_write::{SystemName, assign_system};
 use super::value::Value as ExecValue;
@@ -11,6 +12,7 @@ use crate::exec::core::fault::{Fault, at};
 use crate::syntax::sinumerik::{Address, Block, Definition, ExprId, NameId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
+use ncfix_dialect::Treatment;
 
 /// Carries out the assignments of a block, from left to right. Words whose values they could change do not stand beside them.
 pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Block) -> Result<(), Fault> {
@@ -27,7 +29,7 @@ pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Bl
                 let list = assigned(loaded, channel, word)?;
                 assign_name(loaded, channel, name, list, span)?;
             }
-            Address::Indexed(left) if is_assignable(loaded, channel, left) => {
+            Address::Indexed(left) if beside::is_assignable(loaded, channel, left) => {
                 let list = assigned(loaded, channel, word)?;
                 assign(loaded, channel, left, list, span)?;
             }
@@ -41,17 +43,6 @@ pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Bl
         }
     }
     Ok(())
-}
-
-/// Whether the left side is no address of the language such as `POS[X]=`.
-pub(super) fn is_assignable(loaded: &Loaded, channel: &Channel<'_>, left: ExprId) -> bool {
-    match loaded.program.expr(left).node {
-        Node::Indexed(name, _) => {
-            let text = loaded.program.names.text(name);
-            text.starts_with('$') || channel.variables.has(name, text)
-        }
-        _ => true,
-    }
 }
 
 /// What stands right of the equals sign.
@@ -167,5 +158,17 @@ pub(super) fn define(loaded: &Loaded, channel: &mut Channel<'_>, definition: &De
         channel.variables.define_global(text, shape, value, definition.span)
     } else {
         channel.variables.define(definition.name, text, shape, value, definition.span)
+    }
+}
+
+/// The result variable of a file access, which takes place on the control only: no error.
+pub(super) fn file_result(loaded: &Loaded, channel: &mut Channel<'_>, word: &Word) -> Result<(), Fault> {
+    let (Address::Name(name), Value::Arguments(range)) = (word.address, word.value) else { return Ok(()) };
+    let Meaning::Kept(row) = loaded.own.meanings[name.index()] else { return Ok(()) };
+    match loaded.program.arguments_of(range) {
+        [Some(result), ..] if row.treatment == Treatment::File => {
+            assign_value(loaded, channel, *result, ExecValue::Int(0), word.span)
+        }
+        _ => Ok(()),
     }
 }

@@ -1,6 +1,6 @@
 //! Words of axes by the names that the machine file gives them: `X1=10`.
 
-use super::gather::Gatherer;
+use super::gatherer::Gatherer;
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::Word;
 use ncfix_base::diagnostic::Code;

@@ -3,7 +3,6 @@
 //! The programming manual gives assignments to variables a block of their own where axes are programmed: whether `X=R1 R1=20` moves to
 //! the old or the new value is laid down nowhere. The same holds for frames and tool data beside the words that use them.
 
-use super::assign::is_assignable;
 use super::channel::Channel;
 use super::level::Loaded;
 use super::names::Meaning;
@@ -115,5 +114,16 @@ impl Look<'_> {
     fn is_variable(self, name: NameId) -> bool {
         let text = self.loaded.program.names.text(name);
         text.starts_with('$') && text != "$PI" || self.channel.variables.has(name, text)
+    }
+}
+
+/// Whether the left side is no address of the language such as `POS[X]=`.
+pub(super) fn is_assignable(loaded: &Loaded, channel: &Channel<'_>, left: ExprId) -> bool {
+    match loaded.program.expr(left).node {
+        Node::Indexed(name, _) => {
+            let text = loaded.program.names.text(name);
+            text.starts_with('$') || channel.variables.has(name, text)
+        }
+        _ => true,
     }
 }

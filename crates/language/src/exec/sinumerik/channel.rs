@@ -1,21 +1,20 @@
 //! The channel: executes the gathered words of one block in their fixed order and puts elements into the stream.
 
-use super::spline;
-use std::sync::Arc;
-
-use super::angle::OpenAngle;
+use super::control::System;
 use super::modal::Modal;
-use super::spline::Splines;
-use super::system::System;
+use super::splines::Splines;
 use super::variables::Variables;
 use crate::exec::core::contour::{Corner, Soft};
+use crate::exec::core::fault::Fault;
+use crate::exec::core::fault::bad_value;
 use crate::exec::core::options::Options;
 use crate::exec::core::outlet::{HasOutlet, Outlet};
 use crate::exec::core::radius::Radius;
-use ncfix_base::geometry::{AxisSet, Frame};
+use crate::exec::core::standing::Standing;
+use ncfix_base::source::Span;
 use ncfix_dialect::CodeTable;
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{BlockNumber, Kind, Origin, Setup};
+use ncfix_machine::snc::{BlockNumber, Kind, Origin};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
@@ -38,8 +37,8 @@ pub(super) struct Channel<'a> {
     pub(super) strict: bool,
     /// Which radius G41 and G42 work with.
     pub(super) radius: Radius,
-    pub(super) setup: Arc<Setup>,
-    pub(super) setup_changed: bool,
+    /// Frame, tool length and plane in force.
+    pub(super) standing: Standing,
     /// Line of the first length or feed that was programmed before any unit code.
     pub(super) unitless: Option<u32>,
     pub(super) unit_stated: bool,
@@ -69,8 +68,7 @@ impl<'a> Channel<'a> {
             has_moved: false,
             strict: options.strict,
             radius: options.radius,
-            setup: Arc::default(),
-            setup_changed: true,
+            standing: Standing { changed: true, ..Standing::default() },
             unitless: None,
             unit_stated: false,
             feed_warned: false,
@@ -87,7 +85,8 @@ impl<'a> Channel<'a> {
     pub(super) fn push(&mut self, kind: Kind) {
         if self.splines.is_holding() {
             let element = self.outlet.element(kind);
-            spline::hold(self, element);
+            let found = self.splines.hold(element);
+            self.outlet.warnings.extend(found);
         } else {
             self.outlet.push(kind);
         }
@@ -101,7 +100,25 @@ impl<'a> Channel<'a> {
     }
 }
 
-/// Which axes of a new frame are stated, where those in `known` of an old one are.
-fn known_behind(known: AxisSet, old: &Frame, new: &Frame) -> AxisSet {
-    new.known_across(old.known_across(known, false), true)
+/// Where a motion without end begins and leads, programmed coordinates of the plane, mm and rad.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OpenAngle {
+    pub(super) start: [f64; 2],
+    pub(super) angle_rad: f64,
+    pub(super) span: Span,
+}
+
+impl OpenAngle {
+    pub(super) fn span(&self) -> Span {
+        self.span
+    }
+}
+
+/// The finding of a motion whose end never came.
+pub(super) fn without_end(span: Span) -> Fault {
+    bad_value(
+        span,
+        "this element has an angle and no end",
+        "give one coordinate of its end, or let an element with both coordinates and ANG follow",
+    )
 }

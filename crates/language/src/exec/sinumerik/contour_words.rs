@@ -1,11 +1,9 @@
 //! The words of contours: what a block changes for good, and what it asks for its own motion.
 
 use super::address::Named;
-use super::angle::without_end;
 use super::channel::Channel;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::MotionKind;
-use super::spline;
 use crate::exec::core::contour::{
     Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish, unstated,
 };
@@ -18,15 +16,7 @@ use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::snc::{Element, WordValue};
 
 /// Words that the control may see again in the output, where nothing is compensated any more.
-const PASSED_ON: &[&str] = &["G40", "CFC", "CFTCP", "CFIN", "CUT2D"];
-
-/// Takes a word of the code table.
-pub(super) fn gather_word(name: &'static str, out: &mut Gathered) {
-    out.contour.push(name);
-    if PASSED_ON.contains(&name) {
-        out.keep.push(name);
-    }
-}
+pub(super) const PASSED_ON: &[&str] = &["G40", "CFC", "CFTCP", "CFIN", "CUT2D"];
 
 impl ContourModal {
     /// A modal word.
@@ -193,7 +183,7 @@ pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
 
 /// The factor by which the frame scales the plane.
 fn even_scale(channel: &Channel<'_>, value: &NamedValue) -> Result<f64, Fault> {
-    let frame = &channel.setup.frame;
+    let frame = &channel.standing.setup.frame;
     if frame.is_translation() {
         return Ok(1.0);
     }
@@ -218,7 +208,7 @@ pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
         return None;
     }
     let modal_corner = (modal.round_mm > 0.0).then(|| {
-        let frame = &channel.setup.frame;
+        let frame = &channel.standing.setup.frame;
         let [abscissa, ..] = channel.modal.plane.axes();
         let scale = frame.linear().column(abscissa.slot()).norm();
         // FRC goes before FRCM, behind RNDM too.
@@ -274,12 +264,4 @@ fn check_known(channel: &mut Channel<'_>, path: &Path, wish: &Wish) {
     if channel.strict {
         channel.outlet.warnings.extend(unstated(path, wish, channel.modal.plane));
     }
-}
-
-/// Ends what is held back.
-pub(super) fn finish(channel: &mut Channel<'_>) {
-    let ended = spline::end_spline(channel, None);
-    channel.outlet.warnings.extend(ended.err());
-    channel.outlet.warnings.extend(channel.open_angle.take().map(|open| without_end(open.span())));
-    channel.outlet.finish();
 }

@@ -1,8 +1,8 @@
 //! Calls of the control's cycles: which level belongs to one, and what is found in it as the user sees it.
 
 use super::cycles::{Cycle, alarm};
-use super::gather::Gatherer;
 use super::gathered::Call;
+use super::gatherer::Gatherer;
 use super::level::{Entry, Interpreter};
 use super::scope::scope_of;
 use crate::exec::core::fault::{Fault, fault};

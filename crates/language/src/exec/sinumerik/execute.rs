@@ -1,7 +1,8 @@
 //! Starts a program, and executes its blocks.
 
-use super::contour_words;
 use super::flow;
+use super::spline;
+use super::startup;
 use std::collections::HashMap;
 
 use super::channel::Channel;
@@ -9,7 +10,6 @@ use super::level::{Action, Asked, Called, Entry, Interpreter, Level, Loaded, Ret
 use super::library::read_definitions;
 use super::loaded::load;
 use super::parameters;
-use super::setup;
 use crate::exec::core;
 use crate::exec::core::executor::Executor;
 use crate::exec::core::fault::Fault;
@@ -47,7 +47,7 @@ pub(in crate::exec) fn start<'a>(
         .position(|section| section.ending == "MPF" && !section.blocks.is_empty())
         .or_else(|| program.sections.iter().position(|section| section.ending != "DEF" && !section.blocks.is_empty()))
         .unwrap_or(0);
-    let mut channel = setup::begin(machine, options, program.dialect.codes());
+    let mut channel = startup::begin(machine, options, program.dialect.codes());
     let source = program.source.clone();
     if let Some(section) = program.sections.get(main) {
         for &header in &section.headers {
@@ -155,7 +155,7 @@ impl Execute for Sinumerik {
     }
 
     fn finish(run: &mut Interpreter<'_>) {
-        contour_words::finish(&mut run.channel);
+        spline::finish(&mut run.channel);
         run.channel.outlet.end(run.ledger.has_errors());
         run.report_warnings(run.channel.outlet.file());
     }

@@ -1,8 +1,8 @@
 //! Evaluation of expressions.
 
+use super::control::System;
 use super::functions::{NoValue, evaluate, is_frame_function};
 use super::modal::Modal;
-use super::system::System;
 use super::value::{Value, is_int};
 use super::variables::Variables;
 use crate::exec::core::fault::{Fault, fault};

@@ -9,7 +9,7 @@ use ncfix_base::source::Span;
 /// Refuses what the state before the block does not allow.
 pub(super) fn check_state(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
     if channel.modal.contour.compensates() {
-        check_compensation(channel, gathered, span)?;
+        check_compensation(gathered, span)?;
     }
     if channel.modal.transform.turning().is_some() && gathered.is_reference {
         let message =
@@ -21,7 +21,7 @@ pub(super) fn check_state(channel: &Channel<'_>, gathered: &Gathered, span: Span
 
 /// Programming manual, "reference point approach" and "fixed-point approach": without radius compensation, and without a
 /// transformation. A tool change moves the machine, and a transformation that begins or ends changes what the contour is.
-fn check_compensation(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+fn check_compensation(gathered: &Gathered, span: Span) -> Result<(), Fault> {
     let found = if gathered.is_reference {
         Some("G74 or G75")
     } else if gathered.tool_change {

@@ -1,18 +1,21 @@
 //! The frames of the control that a program reads and writes: settable, base, programmable, and what they add up to.
 
+use ncfix_base::geometry::Axis;
+use ncfix_base::geometry::Plane;
+use ncfix_base::geometry::Vector;
+use ncfix_base::geometry::about;
+use ncfix_base::geometry::by_solid_angles;
+use ncfix_machine::machine::Control;
+use ncfix_machine::snc::FrameKind;
+use ncfix_machine::snc::FrameStatement;
 use std::collections::BTreeMap;
 
-use super::expression::Scope;
-use super::value::Value;
 use crate::exec::core::fault::{Fault, fault};
-use crate::syntax::sinumerik::{ArgumentRange, ExprId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Frame, FrameParts, RotationOrder};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Machine;
 
-/// Settable frames: G500, G54 to G57, G505 to G599.
-const SETTABLE: i64 = 100;
 /// Base frames of the channel and of the control, 16 each.
 pub(super) const BASES: i64 = 16;
 
@@ -20,11 +23,11 @@ pub(super) const BASES: i64 = 16;
 #[derive(Clone, Debug, Default)]
 pub(super) struct FrameStore {
     /// By number: 0 for G500, 1 for G54, 5 for G505.
-    settable: BTreeMap<i64, FrameParts>,
+    pub(super) settable: BTreeMap<i64, FrameParts>,
     /// Base frames in the data of the control; they act when a settable frame is selected next.
-    stored_base: BTreeMap<i64, FrameParts>,
+    pub(super) stored_base: BTreeMap<i64, FrameParts>,
     /// Base frames in force: those of the control, then those of the channel from number 16 on.
-    active_base: BTreeMap<i64, FrameParts>,
+    pub(super) active_base: BTreeMap<i64, FrameParts>,
 }
 
 /// A frame of the control.
@@ -47,30 +50,6 @@ pub(super) enum FrameName {
     /// A system frame such as `$P_SETFRAME`, of which only the one that changes nothing is known.
     System,
 }
-
-/// A name, how many numbers select one of its frames, and the frame of a number.
-type Row = (&'static str, i64, fn(i64) -> FrameName);
-
-const NAMES: &[Row] = &[
-    ("$P_UIFR", SETTABLE, FrameName::Settable),
-    ("$P_NCBFR", BASES, FrameName::StoredBase),
-    ("$P_CHBFR", BASES, |number| FrameName::StoredBase(number + BASES)),
-    ("$P_UBFR", 0, |_| FrameName::StoredBase(BASES)),
-    ("$P_NCBFRAME", BASES, FrameName::Base),
-    ("$P_CHBFRAME", BASES, |number| FrameName::Base(number + BASES)),
-    ("$P_BFRAME", 0, |_| FrameName::Base(BASES)),
-    ("$P_IFRAME", 0, |_| FrameName::ActiveSettable),
-    ("$P_PFRAME", 0, |_| FrameName::Programmable),
-    ("$P_ACTBFRAME", 0, |_| FrameName::AllBases),
-    ("$P_ACTFRAME", 0, |_| FrameName::All),
-    ("$P_PARTFRAME", 0, |_| FrameName::System),
-    ("$P_SETFRAME", 0, |_| FrameName::System),
-    ("$P_EXTFRAME", 0, |_| FrameName::System),
-    ("$P_TOOLFRAME", 0, |_| FrameName::System),
-    ("$P_WPFRAME", 0, |_| FrameName::System),
-    ("$P_TRAFRAME", 0, |_| FrameName::System),
-    ("$P_CYCFRAME", 0, |_| FrameName::System),
-];
 
 /// The number of a settable frame by its code, `G54`.
 pub(super) fn settable_number(code: &str) -> Option<i64> {
@@ -138,63 +117,51 @@ impl FrameStore {
     }
 }
 
-impl Scope<'_> {
-    /// The frame of the control that a name and its indices mean; `None` where it is none.
-    pub(super) fn frame_name(
-        &self,
-        name: &str,
-        range: Option<ArgumentRange>,
-        span: Span,
-    ) -> Result<Option<FrameName>, Fault> {
-        let Some(&(_, count, make)) = NAMES.iter().find(|(known, ..)| *known == name) else { return Ok(None) };
-        if count == 0 {
-            return Ok(Some(make(0)));
-        }
-        let first = range.and_then(|range| self.program.arguments_of(range).first().copied().flatten());
-        let missing = || {
-            let message = format!("{name} needs the number of the frame");
-            fault(Code::BAD_INDEX, span, message, format!("write {name}[n] with n from 0 to {}", count - 1))
-        };
-        let number = self.whole(first.ok_or_else(missing)?)?;
-        if !(0..count).contains(&number) {
-            let message = format!("there is no {name}[{number}]");
-            return Err(fault(Code::BAD_INDEX, span, message, format!("its numbers run from 0 to {}", count - 1)));
-        }
-        Ok(Some(make(number)))
+/// The frame of a statement by itself; `None` where it cannot be undone.
+pub(super) fn frame_of(statement: &FrameStatement, plane: Plane, control: &Control) -> Option<Frame> {
+    let values = &statement.values;
+    let xyz = [values[Axis::X], values[Axis::Y], values[Axis::Z]];
+    let is_sound = values.0.iter().chain(&statement.in_plane_rad).all(|value| value.is_finite() && value.abs() < 1e9);
+    if !is_sound {
+        return None;
     }
+    match statement.kind {
+        FrameKind::Translate | FrameKind::Coarse | FrameKind::Fine => Some(Frame::translation(*values)),
+        FrameKind::Rotate => Some(Frame::rotation(match statement.in_plane_rad {
+            Some(angle_rad) => {
+                let applicate = plane.axes()[2];
+                about(&Vector::ith(applicate.slot(), 1.0), angle_rad)
+            }
+            None => control.rotation_order.matrix(xyz),
+        })),
+        FrameKind::SolidAngles => {
+            let named = |axis: Axis| statement.named.contains(axis);
+            let pair = match (named(Axis::X), named(Axis::Y), named(Axis::Z)) {
+                (true, true, true) => return None,
+                (_, true, true) => Axis::Y,
+                (true, _, true) => Axis::Z,
+                (true, _, _) => Axis::X,
+                (_, true, _) => Axis::Y,
+                _ => Axis::Z,
+            };
+            let angle = |steps: usize| xyz[(pair.slot() + steps) % 3];
+            by_solid_angles(pair, angle(0), angle(1)).map(Frame::rotation)
+        }
+        FrameKind::Scale => {
+            let factor = |axis: Axis| if statement.named.contains(axis) { values[axis] } else { 1.0 };
+            let factors = [Axis::X, Axis::Y, Axis::Z].map(factor);
+            let is_positive = factors.iter().all(|factor| (1e-6..1e6).contains(factor));
+            if is_positive { Frame::scale(factors.into()) } else { None }
+        }
+        FrameKind::Mirror => {
+            let is_on = |axis: &Axis| control.mirror_toggles || values[*axis] != 0.0;
+            Some(Frame::mirror(statement.named.iter().filter(is_on).collect()))
+        }
+    }
+}
 
-    /// A frame of the control.
-    pub(super) fn frame(&self, name: FrameName, span: Span) -> Result<FrameParts, Fault> {
-        let frames = &self.system.frames;
-        let of = |frame: &Frame| {
-            FrameParts::of(frame, self.order()).ok_or_else(|| {
-                let message = "this frame has no components: it turns inside different factors";
-                fault(Code::NOT_COMPUTABLE, span, message, "scale all axes alike, or turn before scaling")
-            })
-        };
-        match name {
-            FrameName::Settable(number) => match frames.settable(self.machine, number) {
-                Some(parts) => Ok(parts),
-                None if self.system.strict => Err(super::frames::no_offset(&settable_code(number), span)),
-                None => Ok(FrameParts::default()),
-            },
-            FrameName::StoredBase(number) => Ok(frames.stored_base.get(&number).copied().unwrap_or_default()),
-            FrameName::Base(number) => Ok(frames.active_base.get(&number).copied().unwrap_or_default()),
-            FrameName::System => Ok(FrameParts::default()),
-            FrameName::ActiveSettable => of(&self.modal.settable),
-            FrameName::Programmable => of(&self.modal.programmable),
-            FrameName::AllBases => of(&self.modal.base),
-            FrameName::All => of(&self.modal.frame()),
-        }
-    }
-
-    /// Reads a frame of the control or a component of it.
-    pub(super) fn read_frame(&self, name: FrameName, range: Option<ArgumentRange>, id: ExprId) -> Result<Value, Fault> {
-        let span = self.program.expr(id).span;
-        let parts = self.frame(name, span)?;
-        match range.map(|range| self.component(range)).transpose()?.flatten() {
-            Some((axis, component, _)) => self.get_component(&parts, axis, component, span),
-            None => Ok(Value::Frame(Box::new(parts))),
-        }
-    }
+/// A settable frame without value where one is needed.
+pub(super) fn no_offset(name: &str, span: Span) -> Fault {
+    let help = format!("add [zero_offset.{name}] there or in a file given with --setup");
+    fault(Code::NO_OFFSET, span, format!("{name} has no value in the machine file"), help)
 }

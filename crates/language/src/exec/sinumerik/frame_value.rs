@@ -1,11 +1,15 @@
 //! Frames as values: the functions that make them, their components, and their text in a program.
 
 use super::expression::Scope;
-use super::frames::frame_of;
+use super::frame_store;
+use super::frame_store::BASES;
+use super::frame_store::FrameName;
+use super::frame_store::frame_of;
 use super::value::Value;
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ArgumentRange, ExprId, Node};
 use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::Frame;
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, FrameParts, Plane, RotationOrder};
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
@@ -253,4 +257,94 @@ fn pair(axis: Axis, value: f64) -> String {
 /// The plane's axes in the order of `$P_AXN1` to `$P_AXN3`.
 pub(super) fn plane_axis(plane: Plane, number: usize) -> Option<Axis> {
     number.checked_sub(1).and_then(|index| plane.axes().get(index).copied())
+}
+
+/// Settable frames: G500, G54 to G57, G505 to G599.
+pub(super) const SETTABLE: i64 = 100;
+
+/// A name, how many numbers select one of its frames, and the frame of a number.
+pub(super) type Row = (&'static str, i64, fn(i64) -> FrameName);
+
+pub(super) const NAMES: &[Row] = &[
+    ("$P_UIFR", SETTABLE, FrameName::Settable),
+    ("$P_NCBFR", BASES, FrameName::StoredBase),
+    ("$P_CHBFR", BASES, |number| FrameName::StoredBase(number + BASES)),
+    ("$P_UBFR", 0, |_| FrameName::StoredBase(BASES)),
+    ("$P_NCBFRAME", BASES, FrameName::Base),
+    ("$P_CHBFRAME", BASES, |number| FrameName::Base(number + BASES)),
+    ("$P_BFRAME", 0, |_| FrameName::Base(BASES)),
+    ("$P_IFRAME", 0, |_| FrameName::ActiveSettable),
+    ("$P_PFRAME", 0, |_| FrameName::Programmable),
+    ("$P_ACTBFRAME", 0, |_| FrameName::AllBases),
+    ("$P_ACTFRAME", 0, |_| FrameName::All),
+    ("$P_PARTFRAME", 0, |_| FrameName::System),
+    ("$P_SETFRAME", 0, |_| FrameName::System),
+    ("$P_EXTFRAME", 0, |_| FrameName::System),
+    ("$P_TOOLFRAME", 0, |_| FrameName::System),
+    ("$P_WPFRAME", 0, |_| FrameName::System),
+    ("$P_TRAFRAME", 0, |_| FrameName::System),
+    ("$P_CYCFRAME", 0, |_| FrameName::System),
+];
+
+impl Scope<'_> {
+    /// The frame of the control that a name and its indices mean; `None` where it is none.
+    pub(super) fn frame_name(
+        &self,
+        name: &str,
+        range: Option<ArgumentRange>,
+        span: Span,
+    ) -> Result<Option<FrameName>, Fault> {
+        let Some(&(_, count, make)) = NAMES.iter().find(|(known, ..)| *known == name) else { return Ok(None) };
+        if count == 0 {
+            return Ok(Some(make(0)));
+        }
+        let first = range.and_then(|range| self.program.arguments_of(range).first().copied().flatten());
+        let missing = || {
+            let message = format!("{name} needs the number of the frame");
+            fault(Code::BAD_INDEX, span, message, format!("write {name}[n] with n from 0 to {}", count - 1))
+        };
+        let number = self.whole(first.ok_or_else(missing)?)?;
+        if !(0..count).contains(&number) {
+            let message = format!("there is no {name}[{number}]");
+            return Err(fault(Code::BAD_INDEX, span, message, format!("its numbers run from 0 to {}", count - 1)));
+        }
+        Ok(Some(make(number)))
+    }
+
+    /// A frame of the control.
+    pub(super) fn frame(&self, name: FrameName, span: Span) -> Result<FrameParts, Fault> {
+        let frames = &self.system.frames;
+        let of = |frame: &Frame| {
+            FrameParts::of(frame, self.order()).ok_or_else(|| {
+                let message = "this frame has no components: it turns inside different factors";
+                fault(Code::NOT_COMPUTABLE, span, message, "scale all axes alike, or turn before scaling")
+            })
+        };
+        match name {
+            FrameName::Settable(number) => match frames.settable(self.machine, number) {
+                Some(parts) => Ok(parts),
+                None if self.system.strict => {
+                    Err(super::frame_store::no_offset(&frame_store::settable_code(number), span))
+                }
+                None => Ok(FrameParts::default()),
+            },
+            FrameName::StoredBase(number) => Ok(frames.stored_base.get(&number).copied().unwrap_or_default()),
+            FrameName::Base(number) => Ok(frames.active_base.get(&number).copied().unwrap_or_default()),
+            FrameName::System => Ok(FrameParts::default()),
+            FrameName::ActiveSettable => of(&self.modal.settable),
+            FrameName::Programmable => of(&self.modal.programmable),
+            FrameName::AllBases => of(&self.modal.base),
+            FrameName::All => of(&self.modal.frame()),
+        }
+    }
+
+    /// Reads a frame of the control or a component of it.
+    pub(super) fn read_frame(&self, name: FrameName, range: Option<ArgumentRange>, id: ExprId) -> Result<Value, Fault> {
+        let span = self.program.expr(id).span;
+        let parts = self.frame(name, span)?;
+        match range.map(|range| self.component(range)).transpose()?.flatten() {
+            Some((axis, component, _)) => self.get_component(&parts, axis, component, span),
+            None => Ok(Value::Frame(Box::new(parts))),
+        }
+    }
 }

@@ -2,17 +2,16 @@
 
 use super::address::Named;
 use super::channel::Channel;
+use super::frame_store;
 use super::frame_store::settable_number;
+use super::gathered;
 use super::gathered::Gathered;
 use super::save;
 use super::setup;
-use super::swivel;
-use super::system_write;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector, about, by_solid_angles};
+use ncfix_base::geometry::{AxisSet, AxisVector, Frame};
 use ncfix_base::source::Span;
-use ncfix_machine::machine::Control;
 use ncfix_machine::snc::{FrameKind, FrameStatement, FrameWords};
 
 pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
@@ -21,11 +20,11 @@ pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(
         let message = format!("{name} in a plane that CYCLE800 has swivelled");
         return Err(fault(Code::BAD_SWIVEL, *span, message, "end the swivel with CYCLE800() first"));
     }
-    let order = system_write::rotation_order(channel);
+    let order = setup::rotation_order(channel);
     let parts = settable_number(name).and_then(|number| channel.system.frames.settable(channel.machine, number));
     let missing = parts.is_none();
     if missing && channel.strict {
-        return Err(no_offset(name, *span));
+        return Err(frame_store::no_offset(name, *span));
     }
     if missing {
         channel.outlet.warnings.push(fault(
@@ -60,7 +59,7 @@ pub(super) fn frame_statement(
     gathered: &Gathered,
     (kind, additive, span): (FrameKind, bool, Span),
 ) -> Result<(), Fault> {
-    if shares_its_block(gathered) || gathered.addresses.iter().any(|value| value.address.moves()) {
+    if gathered::shares_its_block(gathered) || gathered.addresses.iter().any(|value| value.address.moves()) {
         return Err(fault(
             Code::MUST_STAND_ALONE,
             span,
@@ -106,7 +105,7 @@ fn replace_swivelled(channel: &mut Channel<'_>, statement: &FrameStatement, span
         let message = "G58 and G59 in a swivelled plane are not supported";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program the shift with TRANS or ATRANS"));
     }
-    swivel::restate(channel, span)?;
+    save::restate(channel, span)?;
     if statement.named.is_empty() && statement.in_plane_rad.is_none() {
         return Ok(());
     }
@@ -122,9 +121,14 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
     if matches!(statement.kind, FrameKind::Coarse | FrameKind::Fine) {
         shift_part(channel, statement, span)?;
     } else {
-        let added = frame_of(statement, channel.modal.plane, &channel.machine.control).ok_or_else(|| {
-            bad_value(span, "this statement makes no frame", "scale by factors above 0, tilt by less than 90 degrees")
-        })?;
+        let added =
+            frame_store::frame_of(statement, channel.modal.plane, &channel.machine.control).ok_or_else(|| {
+                bad_value(
+                    span,
+                    "this statement makes no frame",
+                    "scale by factors above 0, tilt by less than 90 degrees",
+                )
+            })?;
         let is_fine = channel.machine.control.fine_shift && statement.kind == FrameKind::Translate;
         if !statement.additive {
             channel.modal.fine = AxisVector::ZERO;
@@ -137,7 +141,7 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
         }
     }
     setup::refresh_setup(channel);
-    let frame = &channel.setup.frame;
+    let frame = &channel.standing.setup.frame;
     let machine = channel.machine;
     let lacking = AxisSet::XYZ.iter().find(|&axis| {
         let slot = axis.slot();
@@ -178,72 +182,10 @@ fn shift_part(channel: &mut Channel<'_>, statement: &FrameStatement, span: Span)
     Ok(())
 }
 
-/// Whether a block has words that no frame statement and no pole may stand beside.
-pub(super) fn shares_its_block(gathered: &Gathered) -> bool {
-    gathered.center.iter().any(Option::is_some)
-        || gathered.feed.is_some()
-        || gathered.tool.is_some()
-        || gathered.motion.is_some()
-        || gathered.offset.is_some()
-        || gathered.dwell.is_some()
-        || !gathered.after.is_empty()
-        || !gathered.before.is_empty()
-        || !gathered.as_incremental.is_empty()
-}
-
 /// Refuses words of frame statements in other blocks.
 pub(super) fn without_statement(gathered: &Gathered) -> Result<(), Fault> {
     match gathered.named(Named::Rpl) {
         Some(angle) => Err(bad_value(angle.span, "RPL belongs to ROT or AROT", "program them together")),
         None => Ok(()),
     }
-}
-
-/// The frame of a statement by itself; `None` where it cannot be undone.
-pub(super) fn frame_of(statement: &FrameStatement, plane: Plane, control: &Control) -> Option<Frame> {
-    let values = &statement.values;
-    let xyz = [values[Axis::X], values[Axis::Y], values[Axis::Z]];
-    let is_sound = values.0.iter().chain(&statement.in_plane_rad).all(|value| value.is_finite() && value.abs() < 1e9);
-    if !is_sound {
-        return None;
-    }
-    match statement.kind {
-        FrameKind::Translate | FrameKind::Coarse | FrameKind::Fine => Some(Frame::translation(*values)),
-        FrameKind::Rotate => Some(Frame::rotation(match statement.in_plane_rad {
-            Some(angle_rad) => {
-                let applicate = plane.axes()[2];
-                about(&Vector::ith(applicate.slot(), 1.0), angle_rad)
-            }
-            None => control.rotation_order.matrix(xyz),
-        })),
-        FrameKind::SolidAngles => {
-            let named = |axis: Axis| statement.named.contains(axis);
-            let pair = match (named(Axis::X), named(Axis::Y), named(Axis::Z)) {
-                (true, true, true) => return None,
-                (_, true, true) => Axis::Y,
-                (true, _, true) => Axis::Z,
-                (true, _, _) => Axis::X,
-                (_, true, _) => Axis::Y,
-                _ => Axis::Z,
-            };
-            let angle = |steps: usize| xyz[(pair.slot() + steps) % 3];
-            by_solid_angles(pair, angle(0), angle(1)).map(Frame::rotation)
-        }
-        FrameKind::Scale => {
-            let factor = |axis: Axis| if statement.named.contains(axis) { values[axis] } else { 1.0 };
-            let factors = [Axis::X, Axis::Y, Axis::Z].map(factor);
-            let is_positive = factors.iter().all(|factor| (1e-6..1e6).contains(factor));
-            if is_positive { Frame::scale(factors.into()) } else { None }
-        }
-        FrameKind::Mirror => {
-            let is_on = |axis: &Axis| control.mirror_toggles || values[*axis] != 0.0;
-            Some(Frame::mirror(statement.named.iter().filter(is_on).collect()))
-        }
-    }
-}
-
-/// A settable frame without value where one is needed.
-pub(super) fn no_offset(name: &str, span: Span) -> Fault {
-    let help = format!("add [zero_offset.{name}] there or in a file given with --setup");
-    fault(Code::NO_OFFSET, span, format!("{name} has no value in the machine file"), help)
 }

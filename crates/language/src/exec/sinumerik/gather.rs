@@ -1,31 +1,26 @@
 //! Gathers the words of one block before anything is executed: gather, check, execute.
 
-use super::expression::Scope;
+use super::address::Named;
+use super::contour_words::PASSED_ON;
+use super::curve::End;
+use super::gathered::NamedValue;
 use super::gathered::{Call, Gathered};
+use super::gatherer;
+use super::gatherer::Gatherer;
 use super::modal::MotionKind;
 use super::names::Meaning;
 use super::operand::undefined;
-use super::polar::PoleBase;
-use super::spline::End;
+use super::pole::PoleBase;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, NameId, Value, Word};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, AxisSet};
+use ncfix_base::geometry::Axis;
 use ncfix_base::source::Span;
-use ncfix_dialect::{CodeEntry, CodeTable, Effect};
+use ncfix_dialect::{CodeEntry, Effect};
 use ncfix_machine::snc::{FrameKind, Word as AuxWord, WordValue};
 
 /// Largest feed and speed that is one.
 const MOST: f64 = 1e9;
-
-/// Gathers blocks of one program.
-#[derive(Clone, Copy)]
-pub(super) struct Gatherer<'a> {
-    pub(super) scope: Scope<'a>,
-    pub(super) meanings: &'a [Meaning],
-    pub(super) codes: &'static CodeTable,
-    pub(super) machine_axes: AxisSet,
-}
 
 impl Gatherer<'_> {
     /// Reads all words of a block. Assignments were carried out before.
@@ -106,7 +101,7 @@ impl Gatherer<'_> {
                     _ => false,
                 };
                 if out.center[slot].replace((self.number(word)?, absolute)).is_some() {
-                    return Err(twice(word.span));
+                    return Err(gatherer::twice(word.span));
                 }
                 out.center_span = word.span;
                 Ok(())
@@ -116,17 +111,17 @@ impl Gatherer<'_> {
                 if value.is_nan() || value < 0.0 {
                     return Err(bad_value(word.span, "a feed must not be negative", "program F with a positive value"));
                 }
-                once(&mut out.feed, (plausible(value, word.span)?, word.span), word.span)
+                gatherer::once(&mut out.feed, (plausible(value, word.span)?, word.span), word.span)
             }
-            b'S' => once(&mut out.speed, (plausible(self.number(word)?, word.span)?, word.span), word.span),
+            b'S' => gatherer::once(&mut out.speed, (plausible(self.number(word)?, word.span)?, word.span), word.span),
             b'T' => {
                 let value = match self.text_value(word)? {
                     Some(name) => WordValue::Name(name),
                     None => WordValue::Number(f64::from(self.whole(word, u32::MAX)?)),
                 };
-                once(&mut out.tool, (value, word.span), word.span)
+                gatherer::once(&mut out.tool, (value, word.span), word.span)
             }
-            b'D' => once(&mut out.edge, (self.whole(word, 99_999)?, word.span), word.span),
+            b'D' => gatherer::once(&mut out.edge, (self.whole(word, 99_999)?, word.span), word.span),
             b'M' => {
                 let number = self.whole(word, 99_999_999)?;
                 let aux = AuxWord { letter, extension: None, value: WordValue::Number(f64::from(number)) };
@@ -160,7 +155,7 @@ impl Gatherer<'_> {
             }
             b'P' => {
                 let repeats = self.whole(word, 9999)?;
-                once(&mut out.call_repeats, (repeats, word.span), word.span)
+                gatherer::once(&mut out.call_repeats, (repeats, word.span), word.span)
             }
             _ => Err(self.unsupported(word)),
         }
@@ -250,7 +245,7 @@ impl Gatherer<'_> {
                 out.keep.push(if entry.name == "ORIPATH" { "ORIVECT" } else { entry.name });
                 out.transform.codes.push(entry.name);
             }
-            Effect::Contour => super::contour_words::gather_word(entry.name, out),
+            Effect::Contour => gather_word(entry.name, out),
             Effect::Spline => out.curve.ends.extend(End::of(entry.name)),
             Effect::Display => {}
             Effect::Limits => out.limits = Some(span),
@@ -277,7 +272,7 @@ impl Gatherer<'_> {
             return Err(fault(Code::NO_AXIS, word.span, message, help));
         }
         if out.named.contains(axis) {
-            return Err(twice(word.span));
+            return Err(gatherer::twice(word.span));
         }
         if let Value::Dimension(function, _) = word.value
             && !super::rotary::set_way(axis, function, word.span, out)?
@@ -311,7 +306,7 @@ impl Gatherer<'_> {
                     [Some(id), ..] => self.scope.value(*id)?.text(),
                     [None, ..] => return Err(self.unsupported(word)),
                 };
-                once(&mut out.message, text, word.span)
+                gatherer::once(&mut out.message, text, word.span)
             }
             (Meaning::Alarm, Value::Arguments(range)) => Err(self.alarm(range, word.span)?),
             (Meaning::Return, Value::None | Value::Arguments(_)) => {
@@ -386,13 +381,25 @@ fn plausible(value: f64, span: Span) -> Result<f64, Fault> {
     Ok(value)
 }
 
-fn once<T>(place: &mut Option<T>, value: T, span: Span) -> Result<(), Fault> {
-    match place.replace(value) {
-        Some(_) => Err(twice(span)),
-        None => Ok(()),
+impl Gatherer<'_> {
+    /// Reads the value of a named address.
+    pub(super) fn address(&self, address: Named, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+        let dimension = match word.value {
+            Value::Dimension(function, _) => Some(function),
+            _ => None,
+        };
+        if out.named(address).is_some() {
+            return Err(gatherer::twice(word.span));
+        }
+        out.addresses.push(NamedValue { address, value: self.number(word)?, dimension, span: word.span });
+        Ok(())
     }
 }
 
-pub(super) fn twice(span: Span) -> Fault {
-    fault(Code::DOUBLE_WORD, span, "this address stands twice in the block", "keep one of them, or split the block")
+/// Takes a word of the code table.
+pub(super) fn gather_word(name: &'static str, out: &mut Gathered) {
+    out.contour.push(name);
+    if PASSED_ON.contains(&name) {
+        out.keep.push(name);
+    }
 }

@@ -1,10 +1,10 @@
 //! All that one block says.
 
 use super::address::Named;
+use super::curve::CurveWords;
+use super::five_axis::TransformWords;
 use super::modal::MotionKind;
-use super::polar::PoleBase;
-use super::polynomial::CurveWords;
-use super::transform::TransformWords;
+use super::pole::PoleBase;
 use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{ArgumentRange, DimensionFunction};
 use ncfix_base::geometry::{AXIS_COUNT, AxisSet, AxisVector};
@@ -159,4 +159,22 @@ impl Gathered {
     pub(super) fn named(&self, address: Named) -> Option<&NamedValue> {
         self.addresses.iter().find(|value| value.address == address)
     }
+}
+
+/// Whether the end of a block is given by AP or RP.
+pub(super) fn is_programmed(gathered: &Gathered) -> bool {
+    !gathered.addresses.is_empty() && (gathered.named(Named::Ap).is_some() || gathered.named(Named::Rp).is_some())
+}
+
+/// Whether a block has words that no frame statement and no pole may stand beside.
+pub(super) fn shares_its_block(gathered: &Gathered) -> bool {
+    gathered.center.iter().any(Option::is_some)
+        || gathered.feed.is_some()
+        || gathered.tool.is_some()
+        || gathered.motion.is_some()
+        || gathered.offset.is_some()
+        || gathered.dwell.is_some()
+        || !gathered.after.is_empty()
+        || !gathered.before.is_empty()
+        || !gathered.as_incremental.is_empty()
 }

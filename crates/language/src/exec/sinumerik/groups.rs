@@ -3,7 +3,7 @@
 use super::expression::Scope;
 use super::frame_store::settable_number;
 use super::modal::MotionKind;
-use super::save::initial;
+use super::stated::initial;
 use ncfix_base::geometry::Plane;
 use ncfix_machine::snc::ThreadCode;
 

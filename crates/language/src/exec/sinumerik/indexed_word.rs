@@ -1,7 +1,7 @@
 //! Words whose address has an index: `AX[…]=`. Assignments to elements of arrays and system variables were carried out before.
 
-use super::gather::Gatherer;
 use super::gathered::Gathered;
+use super::gatherer::Gatherer;
 use super::groups::code_of;
 use super::names::Meaning;
 use crate::exec::core::fault::{Fault, fault};

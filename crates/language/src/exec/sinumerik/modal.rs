@@ -1,10 +1,9 @@
 //! What stays in force from block to block: modal codes, frames, tool, position.
 
-use super::polar::Polar;
-use super::save::Stated;
-use super::spline::End;
-use super::swivel::Swivelled;
-use super::transform::Transform;
+use super::curve::End;
+use super::five_axis::Transform;
+use super::pole::Polar;
+use super::stated::Stated;
 use crate::exec::core::contour::ContourModal;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
@@ -12,6 +11,7 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::FrameStatement;
 use ncfix_machine::snc::{FeedUnit, Setup, ThreadCode, WordValue};
 
 /// The kind of motion that is in force: G group 1.
@@ -270,7 +270,7 @@ impl Modal {
     /// The finding about an axis whose place the program has not stated.
     pub(super) fn unknown_start(&self, span: Span, axis: Axis) -> Fault {
         if !self.moved_by_plane.contains(axis) {
-            return super::motion::unknown_start(span, axis);
+            return unknown_start(span, axis);
         }
         let message = format!(
             "the program has not stated where {axis} is since G{} was selected, which moves the tool length to another axis",
@@ -281,4 +281,26 @@ impl Modal {
         );
         fault(Code::UNKNOWN_START, span, message, help)
     }
+}
+
+/// A plane that is swivelled.
+#[derive(Clone, Debug)]
+pub(super) struct Swivelled {
+    /// Between the settable frame and the programmable one.
+    pub(super) frame: Frame,
+    /// What says so in the output.
+    pub(super) statements: [FrameStatement; 2],
+    /// The tilt of the workpiece.
+    pub(super) tilt: Frame,
+    /// The tool for which the frame holds.
+    pub(super) tool_mm: Vector,
+}
+
+pub(super) fn unknown_start(span: Span, axis: Axis) -> Fault {
+    fault(
+        Code::UNKNOWN_START,
+        span,
+        format!("the program has not stated where {axis} is"),
+        "begin with an absolute position of this axis, or give --start",
+    )
 }

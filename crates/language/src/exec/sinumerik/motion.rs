@@ -1,5 +1,6 @@
 //! Turns the gathered words of a block into a motion: targets and ways.
 
+use super::context::MotionContext;
 use std::sync::Arc as Shared;
 
 use super::gathered::Gathered;
@@ -11,23 +12,7 @@ use crate::exec::core::path::{Path, Shape};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
 use ncfix_base::source::Span;
-use ncfix_machine::machine::{Control, Machine};
-use ncfix_machine::snc::{Manner, Move, Setup, Way};
-
-/// What a motion needs beside the modal state.
-#[derive(Clone, Copy)]
-pub(super) struct MotionContext<'a> {
-    pub(super) machine: &'a Machine,
-    pub(super) control: &'a Control,
-    /// The frame and tool that hold in this block (G53 suppresses the modal frame).
-    pub(super) setup: &'a Shared<Setup>,
-    /// Whether this block suppresses the frame.
-    pub(super) is_suppressed: bool,
-    /// Refuse motions whose start is not known.
-    pub(super) strict: bool,
-    /// Where the block stands.
-    pub(super) span: Span,
-}
+use ncfix_machine::snc::{Manner, Move, Way};
 
 /// The motion of a block that names axes or a center, and the state behind it.
 pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<Path, Fault> {
@@ -210,14 +195,5 @@ fn stale_start(span: Span, axis: Axis) -> Fault {
         span,
         format!("an incremental {axis} directly behind a change of the frame that is more than a shift"),
         "begin with an absolute position of this axis, or see control.incremental_traverses_frame_change",
-    )
-}
-
-pub(super) fn unknown_start(span: Span, axis: Axis) -> Fault {
-    fault(
-        Code::UNKNOWN_START,
-        span,
-        format!("the program has not stated where {axis} is"),
-        "begin with an absolute position of this axis, or give --start",
     )
 }

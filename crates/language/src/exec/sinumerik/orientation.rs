@@ -12,13 +12,6 @@ use ncfix_base::geometry::{Axis, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::OrientationAngles;
 
-/// The address of `A2` to `C7`; `None` where it is none of a direction.
-pub(super) fn address(letter: u8, extension: u32) -> Option<Named> {
-    let slot = letter.checked_sub(b'A').filter(|slot| *slot < 3)?;
-    let number = u8::try_from(extension).ok().filter(|number| (2..=7).contains(number))?;
-    Some(Named::Orientation(number, slot))
-}
-
 /// Adds the orientation of a block to its motion.
 pub(super) fn orient(channel: &mut Channel<'_>, gathered: &Gathered, path: &mut Path) -> Result<(), Fault> {
     let on_path = surface::direction_on_path(channel, gathered, path)?;
@@ -108,6 +101,7 @@ fn from_angles(angles: OrientationAngles, [a, b, c]: [f64; 3]) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exec::sinumerik::address::address;
     use std::f64::consts::FRAC_PI_2;
 
     #[test]

@@ -3,12 +3,11 @@
 //! Variables and R parameters of the program are gone from the output, so their values stand in their place; names that only the control
 //! knows (axes, spindles, constants of cycles) stay as written.
 
-use super::assign::assign_value;
 use super::channel::Channel;
 use super::feed;
 use super::functions::is_function;
-use super::gather::Gatherer;
 use super::gathered::Gathered;
+use super::gatherer::Gatherer;
 use super::level::Loaded;
 use super::names::{Meaning, is_indexed_letter};
 use super::scope::gatherer;
@@ -309,18 +308,6 @@ struct Named {
 /// A number as a program writes it.
 pub(super) fn number_text(value: f64) -> Vec<u8> {
     ((value * PARTS).round() / PARTS).to_string().into_bytes()
-}
-
-/// The result variable of a file access, which takes place on the control only: no error.
-pub(super) fn file_result(loaded: &Loaded, channel: &mut Channel<'_>, word: &Word) -> Result<(), Fault> {
-    let (Address::Name(name), Value::Arguments(range)) = (word.address, word.value) else { return Ok(()) };
-    let Meaning::Kept(row) = loaded.own.meanings[name.index()] else { return Ok(()) };
-    match loaded.program.arguments_of(range) {
-        [Some(result), ..] if row.treatment == Treatment::File => {
-            assign_value(loaded, channel, *result, ExecValue::Int(0), word.span)
-        }
-        _ => Ok(()),
-    }
 }
 
 /// A call by statement that the control carries out: `CALL "NAME"`, `PCALL path(…)`, `EXTCALL("NAME")`.

@@ -2,67 +2,18 @@
 
 use super::address::Named;
 use super::channel::Channel;
-use super::frames::shares_its_block;
+use super::context::MotionContext;
+use super::gathered;
+use super::gathered::shares_its_block;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::Modal;
-use super::motion::MotionContext;
+use super::pole::Polar;
+use super::pole::PoleBase;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{AxisSet, Plane};
+use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
-
-/// Pole, and what was programmed about it, in plane coordinates of the program (mm, rad).
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Polar {
-    pole: [f64; 2],
-    /// The plane that pole, radius and angle belong to.
-    plane: Option<Plane>,
-    radius: Option<f64>,
-    angle_rad: Option<f64>,
-}
-
-/// What a pole is relative to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum PoleBase {
-    /// `G110`: the last position.
-    Position,
-    /// `G111`: the workpiece zero.
-    Zero,
-    /// `G112`: the last pole.
-    Pole,
-}
-
-impl PoleBase {
-    /// The base of a G code.
-    pub(super) fn of(code: &str) -> Option<PoleBase> {
-        Some(match code {
-            "G110" => PoleBase::Position,
-            "G111" => PoleBase::Zero,
-            "G112" => PoleBase::Pole,
-            _ => return None,
-        })
-    }
-}
-
-impl Polar {
-    /// The pole; the workpiece zero until one is programmed.
-    pub(super) fn pole(&self, plane: Plane, span: Span) -> Result<[f64; 2], Fault> {
-        match self.plane {
-            None => Ok([0.0; 2]),
-            Some(own) if own == plane => Ok(self.pole),
-            Some(_) => {
-                let message = "the plane was changed behind the pole";
-                Err(fault(Code::BAD_POLAR, span, message, "program the pole in this plane with G110, G111 or G112"))
-            }
-        }
-    }
-}
-
-/// Whether the end of a block is given by AP or RP.
-pub(super) fn is_programmed(gathered: &Gathered) -> bool {
-    !gathered.addresses.is_empty() && (gathered.named(Named::Ap).is_some() || gathered.named(Named::Rp).is_some())
-}
 
 /// Abscissa and ordinate of a polar end point; `None` where the block has none.
 pub(super) fn end(
@@ -70,7 +21,7 @@ pub(super) fn end(
     modal: &mut Modal,
     context: MotionContext<'_>,
 ) -> Result<Option<[f64; 2]>, Fault> {
-    if !is_programmed(gathered) {
+    if !gathered::is_programmed(gathered) {
         return Ok(None);
     }
     let [abscissa, ordinate, _] = modal.plane.axes();

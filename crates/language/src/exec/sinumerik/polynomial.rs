@@ -4,33 +4,21 @@
 //! proportion to p. With a denominator, geometry axes are quotients.
 
 use super::address::Named;
-use super::gather::Gatherer;
+use super::context::MotionContext;
+use super::curve::COEFFICIENTS;
+use super::curve::CurveWords;
 use super::gathered::Gathered;
+use super::gatherer::Gatherer;
 use super::modal::{Modal, MotionKind};
-use super::motion::MotionContext;
-use super::spline::{End, curve_fault};
+use super::spline::curve_fault;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::Shape;
 use crate::syntax::sinumerik::{ExprId, Value, Word};
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisVector, Bezier, Weighted};
-use ncfix_base::source::Span;
+use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector, Bezier, Weighted};
 
-/// Coefficients a2 to a5.
-const COEFFICIENTS: usize = 4;
 /// Chords of one block at most.
 const MOST_CHORDS: usize = 100_000;
-
-/// What a block says of curves.
-#[derive(Debug, Default)]
-pub(super) struct CurveWords {
-    /// How splines begin or end from here on.
-    pub(super) ends: Vec<(bool, End)>,
-    polynomials: Vec<(Axis, [f64; COEFFICIENTS])>,
-    /// End value and coefficients of the denominator.
-    denominator: Option<(f64, [f64; COEFFICIENTS])>,
-    span: Span,
-}
 
 impl Gatherer<'_> {
     /// `PO[X]=(…)`, `PO[]=(…)`

@@ -3,8 +3,8 @@
 //! Axes of the machine file are moved and corrected like others and written as POS again; nothing else may move in their block, as each
 //! axis would arrive at a time of its own. Axes that the machine file does not know are passed on.
 
-use super::gather::Gatherer;
 use super::gathered::Gathered;
+use super::gatherer::Gatherer;
 use super::value::Value as ExecValue;
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{Address, Block, ExprId, Node, Value, Word};

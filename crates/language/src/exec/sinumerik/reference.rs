@@ -3,8 +3,8 @@
 //! The code, the number of the point and the axes are passed on as they are. The axis words have no meaning as positions and may name
 //! axes of the machine (`X1=0`); where these axes are is unknown behind the block. All other words act as in any block.
 
-use super::gather::Gatherer;
 use super::gathered::Gathered;
+use super::gatherer::Gatherer;
 use super::names::Meaning;
 use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{Address, Block, Value, Word};

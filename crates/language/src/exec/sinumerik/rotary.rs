@@ -4,8 +4,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::context::MotionContext;
 use super::gathered::Gathered;
-use super::motion::MotionContext;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;

@@ -3,150 +3,18 @@
 use super::channel::Channel;
 use super::modal::Modal;
 use super::setup;
+use super::stated;
+use super::stated::MAX_STATEMENTS;
+use super::stated::NO_FRAME;
+use super::stated::NOT_MODAL;
+use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::fault;
 use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::Frame;
 use ncfix_base::geometry::{AxisSet, AxisVector, Plane};
-use ncfix_dialect::{CodeTable, Effect};
+use ncfix_base::source::Span;
+use ncfix_dialect::Effect;
 use ncfix_machine::snc::{FrameKind, FrameStatement, FrameWords, Kind};
-
-/// Codes that are active when the control starts, by group (Sinumerik MD20150), where the output passes them on.
-const INITIAL: &[&str] = &[
-    "STARTFIFO",
-    "G17",
-    "G40",
-    "G60",
-    "G601",
-    "G94",
-    "CFC",
-    "NORM",
-    "G450",
-    "BNAT",
-    "ENAT",
-    "BRISK",
-    "CUT2D",
-    "CDOF",
-    "FFWOF",
-    "ORIWKS",
-    "RMI",
-    "ORIC",
-    "WALIMON",
-    "DIAMOF",
-    "COMPOF",
-    "FTOCOF",
-    "OSOF",
-    "SPOF",
-    "PDELAYOF",
-    "FNORM",
-    "SPIF1",
-    "CPRECOF",
-    "CUTCONOF",
-    "LFOF",
-    "TCOABS",
-    "G140",
-    "G340",
-    "SPATH",
-    "G290",
-    "G460",
-    "CP",
-    "FENDNORM",
-    "DYNNORM",
-    "RTLION",
-    "ORIVECT",
-    "PAROTOF",
-    "TOROTOF",
-];
-
-/// Groups whose codes hold for one block only, and those that the output always writes as G90 and in mm.
-const NOT_MODAL: &[u8] = &[0, 2, 3, 9, 11, 13, 14];
-
-/// `TRANS` alone: no programmable frame.
-const NO_FRAME: FrameStatement = FrameStatement {
-    kind: FrameKind::Translate,
-    additive: false,
-    values: AxisVector::ZERO,
-    named: AxisSet::EMPTY,
-    in_plane_rad: None,
-};
-
-/// A programmable frame of more statements cannot be brought back.
-const MAX_STATEMENTS: usize = 1000;
-
-/// What the output has said of the modal state.
-#[derive(Clone, Debug)]
-pub(super) struct Stated {
-    /// Codes in force by group.
-    codes: Vec<(u8, &'static str)>,
-    /// `G500`, `G54` …
-    offset: String,
-    /// The assignment to the programmable frame that its statements build on, where there was one.
-    assigned: Option<Vec<u8>>,
-    /// The statements that make up the programmable frame, each with its working plane.
-    frame: Vec<(FrameStatement, Plane)>,
-}
-
-impl Stated {
-    pub(super) fn new(offset: &str) -> Stated {
-        Stated { codes: Vec::new(), offset: offset.to_owned(), assigned: None, frame: Vec::new() }
-    }
-
-    /// The settable frame in force: `G54`, or the assignment to it.
-    pub(super) fn offset(&self) -> &str {
-        &self.offset
-    }
-
-    /// Notes an assignment to the settable frame in force.
-    pub(super) fn assign_settable(&mut self, text: &str) {
-        text.clone_into(&mut self.offset);
-    }
-
-    /// Notes an assignment to the programmable frame.
-    pub(super) fn assign_programmable(&mut self, text: &str) {
-        self.frame.clear();
-        self.assigned = Some(text.as_bytes().to_vec());
-    }
-
-    /// The code of a group that was programmed last.
-    pub(super) fn code(&self, group: u8) -> Option<&'static str> {
-        self.codes.iter().find(|(known, _)| *known == group).map(|&(_, word)| word)
-    }
-
-    fn set_code(&mut self, group: u8, word: &'static str) {
-        match self.codes.iter_mut().find(|(known, _)| *known == group) {
-            Some(entry) => entry.1 = word,
-            None => self.codes.push((group, word)),
-        }
-    }
-
-    fn add_frame(&mut self, words: &FrameWords, plane: Plane) {
-        let new = match words {
-            FrameWords::Settable(name) => return self.offset.clone_from(name),
-            FrameWords::Statement(statement) => *statement,
-        };
-        let is_part = matches!(new.kind, FrameKind::Coarse | FrameKind::Fine);
-        if !new.additive && !is_part {
-            self.frame.clear();
-            self.assigned = None;
-        }
-        let has_room = self.frame.len() < MAX_STATEMENTS;
-        match self.frame.last_mut() {
-            // Shifts in a row are one: a loop of ATRANS shall not grow without end.
-            Some((last, _)) if new.additive && [last.kind, new.kind] == [FrameKind::Translate; 2] => {
-                last.values = last.values + new.values;
-                last.named = last.named.iter().chain(new.named.iter()).collect();
-            }
-            None if !is_part && self.assigned.is_none() => {
-                self.frame.push((FrameStatement { additive: false, ..new }, plane))
-            }
-            _ if has_room => self.frame.push((new, plane)),
-            _ => {}
-        }
-    }
-}
-
-/// The code of a group that is active when the control starts.
-pub(super) fn initial(table: &'static CodeTable, group: u8) -> Option<&'static str> {
-    INITIAL.iter().copied().find(|word| table.word(word).is_some_and(|row| row.group == group))
-}
 
 /// Notes the codes that the machine file says are active at the start.
 pub(super) fn note_initial_codes(channel: &mut Channel<'_>) {
@@ -176,7 +44,7 @@ pub(super) fn restore(channel: &mut Channel<'_>, saved: Modal) {
     let left = std::mem::replace(&mut channel.modal, saved);
     channel.modal.keep_position_of(&left);
     let codes = left.stated.codes.iter().filter_map(|&(group, word)| {
-        let before = channel.modal.stated.code(group).or_else(|| initial(channel.codes, group))?;
+        let before = channel.modal.stated.code(group).or_else(|| stated::initial(channel.codes, group))?;
         (before != word).then_some(before)
     });
     let codes: Vec<&'static str> = codes.collect();
@@ -217,4 +85,33 @@ pub(super) fn restore(channel: &mut Channel<'_>, saved: Modal) {
         }
     }
     setup::refresh_setup(channel);
+}
+
+/// Writes the swivelled plane anew, without programmable frame.
+pub(super) fn restate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
+    let none = FrameStatement {
+        kind: FrameKind::Translate,
+        additive: false,
+        values: AxisVector::ZERO,
+        named: AxisSet::EMPTY,
+        in_plane_rad: None,
+    };
+    let nothing_on_top = FrameStatement { additive: true, ..none };
+    let statements = channel.modal.swivelled.as_ref().map_or([none, nothing_on_top], |swivelled| swivelled.statements);
+    channel.modal.programmable = Frame::identity();
+    channel.modal.fine = AxisVector::ZERO;
+    setup::refresh_setup(channel);
+    if channel.standing.setup.frame.linear().iter().any(|part| !part.is_finite()) {
+        return Err(refused(span, "the swivelled plane makes no frame".to_owned()));
+    }
+    for statement in statements.into_iter().filter(|statement| !(statement.additive && statement.named.is_empty())) {
+        channel.outlet.begin_line();
+        push_frame(channel, FrameWords::Statement(statement));
+    }
+    Ok(())
+}
+
+pub(super) fn refused(span: Span, message: String) -> Fault {
+    let help = "program the plane with frame statements and the rotary axes with their words, or name CYCLE800 in control.opaque";
+    fault(Code::BAD_SWIVEL, span, message, help)
 }

@@ -2,7 +2,7 @@
 
 use super::channel::Channel;
 use super::expression::Scope;
-use super::gather::Gatherer;
+use super::gatherer::Gatherer;
 use super::level::Loaded;
 use ncfix_machine::machine::Machine;
 

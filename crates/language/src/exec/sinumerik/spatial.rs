@@ -1,12 +1,12 @@
 //! Arcs in space: through an intermediate point (CIP), and tangential to what comes before (CT).
 
 use super::address::Named;
+use super::context::MotionContext;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::{Modal, MotionKind};
-use super::motion::MotionContext;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::path::Shape;
-use crate::exec::core::resolve::chord_count;
+use crate::exec::core::sagitta::chord_count;
 use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Matrix, Plane, PlaneBasis, Vector};

@@ -5,10 +5,14 @@
 
 use super::address::Named;
 use super::channel::Channel;
+use super::channel::without_end;
 use super::contour_words;
+use super::curve::End;
 use super::gathered::Gathered;
 use super::modal::{Modal, MotionKind};
-use crate::exec::core::contour::Wish;
+use super::splines::Held;
+use super::splines::MOST_HELD;
+use super::splines::Node;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::{Path, Shape};
 use ncfix_base::diagnostic::Code;
@@ -18,69 +22,12 @@ use ncfix_base::geometry::{
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Element, Kind};
 
-/// Blocks and elements of one spline at most.
-const MOST_HELD: usize = 100_000;
 /// Chords of one spline at most.
 const MOST_CHORDS: usize = 1_000_000;
 /// Points nearer than this are one, mm.
 const SAME_POINT_MM: f64 = 1e-9;
 /// Where a path stands that is looked at for its direction.
 const STEP: f64 = 1e-6;
-
-/// How a spline begins or ends.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum End {
-    /// BNAT, ENAT: without curvature.
-    #[default]
-    Natural,
-    /// BTAN, ETAN: in the direction of the motion before or behind it.
-    Tangent,
-    /// BAUTO, EAUTO.
-    Automatic,
-}
-
-impl End {
-    /// Whether a code is about the end rather than the start, and what it says.
-    pub(super) fn of(code: &str) -> Option<(bool, End)> {
-        let end = match code.get(1..)? {
-            "NAT" => End::Natural,
-            "TAN" => End::Tangent,
-            "AUTO" => End::Automatic,
-            _ => return None,
-        };
-        Some((code.starts_with('E'), end))
-    }
-}
-
-/// What a block says of its place in a spline.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
-    kind: MotionKind,
-    length: Option<f64>,
-    weight: f64,
-    degree: Option<usize>,
-    ends: [End; 2],
-}
-
-#[derive(Debug)]
-enum Held {
-    Element(Element),
-    Path(Box<Path>, Element, Node, Option<Box<Wish>>),
-}
-
-/// The blocks of the spline that is not complete yet.
-#[derive(Debug, Default)]
-pub(super) struct Splines {
-    held: Vec<Held>,
-    /// Direction of the motion before it, where it matters.
-    before: Option<AxisVector>,
-}
-
-impl Splines {
-    pub(super) fn is_holding(&self) -> bool {
-        !self.held.is_empty()
-    }
-}
 
 /// What a block says of its place in a spline; `None` for other motions.
 pub(super) fn node(gathered: &Gathered, modal: &Modal) -> Result<Option<Node>, Fault> {
@@ -118,21 +65,6 @@ pub(super) fn curve_fault(found: CurveFault, span: Span) -> Fault {
     }
 }
 
-/// Holds an element back behind the blocks of a spline.
-pub(super) fn hold(channel: &mut Channel<'_>, element: Element) {
-    if channel.splines.held.len() >= MOST_HELD {
-        let message = format!("a spline of more than {MOST_HELD} blocks");
-        channel.splines.held.clear();
-        channel.outlet.warnings.push(fault(
-            Code::NOT_SUPPORTED,
-            element.origin.span,
-            message,
-            "end it with G1 earlier",
-        ));
-    }
-    channel.splines.held.push(Held::Element(element));
-}
-
 /// Puts a motion into the stream, through the splines where it must.
 #[inline]
 pub(super) fn push_path(channel: &mut Channel<'_>, path: Path, node: Option<Node>) -> Result<(), Fault> {
@@ -166,7 +98,8 @@ fn spline(channel: &mut Channel<'_>, path: Path, element: Element, node: Node) -
     });
     let found = if other == Some(true) { end_spline(channel, Some(&path)) } else { Ok(()) };
     if channel.splines.held.len() >= MOST_HELD {
-        hold(channel, element);
+        let too_long = channel.splines.hold(element);
+        channel.outlet.warnings.extend(too_long);
         return found;
     }
     // What the contour wants of the block holds for it whatever comes before the spline is complete.
@@ -343,4 +276,12 @@ fn along_b_spline(blocks: &mut [(&mut Path, Node)], tolerance_mm: f64) -> Result
         path.shape = Shape::Chords(points);
     }
     Ok(())
+}
+
+/// Ends what is held back.
+pub(super) fn finish(channel: &mut Channel<'_>) {
+    let ended = end_spline(channel, None);
+    channel.outlet.warnings.extend(ended.err());
+    channel.outlet.warnings.extend(channel.open_angle.take().map(|open| without_end(open.span())));
+    channel.outlet.finish();
 }

@@ -1,13 +1,13 @@
 //! The motion of a block on its way into the stream.
 
 use super::channel::Channel;
+use super::context::MotionContext;
 use super::contour_words;
 use super::gathered::Gathered;
-use super::motion::{self, MotionContext};
+use super::motion;
 use super::orientation;
 use super::rotary;
 use super::spline;
-use super::swivel;
 use super::thread;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::outlet::HasOutlet;
@@ -19,20 +19,20 @@ use ncfix_machine::snc::{Kind, Manner, Setup};
 use std::sync::Arc;
 
 pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-    swivel::check_swivelled(channel, span)?;
+    check_swivelled(channel, span)?;
     let geometry = || LINEAR_AXES.into_iter().take(3).any(|axis| gathered.named.contains(axis));
     channel.has_moved = gathered.named.is_empty() || geometry();
     let setup = if let Some(word) = gathered.suppress {
         let bare = Arc::new(suppressed(channel, word));
         channel.push(Kind::Setup(Arc::clone(&bare)));
-        channel.setup_changed = true;
-        channel.modal.known = known_behind(channel.modal.known, &channel.setup.frame, &bare.frame);
+        channel.standing.changed = true;
+        channel.modal.known = known_behind(channel.modal.known, &channel.standing.setup.frame, &bare.frame);
         bare
     } else {
-        if std::mem::take(&mut channel.setup_changed) {
-            channel.push(Kind::Setup(Arc::clone(&channel.setup)));
+        if std::mem::take(&mut channel.standing.changed) {
+            channel.push(Kind::Setup(Arc::clone(&channel.standing.setup)));
         }
-        Arc::clone(&channel.setup)
+        Arc::clone(&channel.standing.setup)
     };
     contour_words::corner_words(channel, gathered)?;
     let context = MotionContext {
@@ -50,7 +50,7 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
     let found = motion::motion(gathered, &mut channel.modal, context);
     channel.modal.feed = modal_feed;
     if gathered.suppress.is_some() {
-        channel.modal.known = known_behind(channel.modal.known, &setup.frame, &channel.setup.frame);
+        channel.modal.known = known_behind(channel.modal.known, &setup.frame, &channel.standing.setup.frame);
     }
     let mut path = found?;
     if path.motion.rapid {
@@ -74,5 +74,16 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
 /// What holds in a block with a word that suppresses frames: G53 leaves the base frame.
 pub(super) fn suppressed(channel: &Channel<'_>, word: &str) -> Setup {
     let frame = if word == "G53" { channel.modal.base } else { Frame::identity() };
-    Setup { frame, ..(*channel.setup).clone() }
+    Setup { frame, ..(*channel.standing.setup).clone() }
+}
+
+/// Refuses what a swivelled plane does not stand.
+pub(super) fn check_swivelled(channel: &Channel<'_>, span: Span) -> Result<(), Fault> {
+    let Some(swivelled) = &channel.modal.swivelled else { return Ok(()) };
+    let turns_tool = channel.machine.topology.tool.iter().any(|axis| axis.is_rotary());
+    if turns_tool && swivelled.tool_mm != channel.modal.tool_mm() {
+        let message = "the tool length changed in a swivelled plane, and the head turns";
+        return Err(fault(Code::BAD_SWIVEL, span, message, "swivel again behind the tool change"));
+    }
+    Ok(())
 }

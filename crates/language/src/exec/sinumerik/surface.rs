@@ -16,24 +16,6 @@ use ncfix_machine::machine::{OriPath, TiltAbout};
 /// A normal and a path that are nearer to each other give no plane for LEAD (Sinumerik MD21084), rad.
 const NORMAL_ALONG_PATH_RAD: f64 = 0.052_36;
 
-/// What is in force of it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Surface {
-    /// ORIPATH: every motion ends in the direction that path and surface give.
-    pub(super) follows_path: bool,
-    /// At the end of the last block, coordinates of the program, of any length.
-    normal: Vector,
-    /// LEAD and TILT, rad; `None` before the program says them.
-    angles: [Option<f64>; 2],
-}
-
-impl Default for Surface {
-    fn default() -> Self {
-        // Whatever plane is active.
-        Surface { follows_path: false, normal: Vector::z(), angles: [None; 2] }
-    }
-}
-
 /// Takes over the words of a block that say where the surface is and how the tool stands on it.
 pub(super) fn surface(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let is_on = channel.modal.transform.turning().is_some();

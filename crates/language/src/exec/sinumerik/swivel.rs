@@ -9,11 +9,11 @@ use super::channel::Channel;
 use super::gathered::{Call, Gathered};
 use super::level::Interpreter;
 use super::modal::MotionKind;
+use super::modal::Swivelled;
 use super::order;
 use super::save;
 use super::scope::scope_of;
 use super::setup;
-use super::system_write;
 use super::value::Value;
 
 use crate::exec::core::fault::{Fault, fault};
@@ -22,7 +22,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Frame, Matrix, ROTARY_AXES, RotationOrder, Vector, about};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
-use ncfix_machine::snc::{FrameKind, FrameStatement, FrameWords, Way};
+use ncfix_machine::snc::{FrameKind, FrameStatement, Way};
 
 /// A matrix that is off a rotation by more is none.
 const SAME_ROTATION: f64 = 1e-9;
@@ -30,19 +30,6 @@ const SAME_ROTATION: f64 = 1e-9;
 const SAME_ANGLE: f64 = 1e-9;
 /// Values of the statements are written with so many parts of a mm or degree.
 const PARTS: f64 = 1e9;
-
-/// A plane that is swivelled.
-#[derive(Clone, Debug)]
-pub(super) struct Swivelled {
-    /// Between the settable frame and the programmable one.
-    pub(super) frame: Frame,
-    /// What says so in the output.
-    statements: [FrameStatement; 2],
-    /// The tilt of the workpiece.
-    tilt: Frame,
-    /// The tool for which the frame holds.
-    tool_mm: Vector,
-}
 
 /// What a call asks for.
 struct Request {
@@ -73,7 +60,7 @@ impl Interpreter<'_> {
                 (1, Value::Text(text)) => name.clone_from(text),
                 _ => match (values.get_mut(place), value.number()) {
                     (Some(slot), Some(number)) => *slot = number,
-                    _ => return Err(refused(call.span, format!("argument {} is not understood", place + 1))),
+                    _ => return Err(save::refused(call.span, format!("argument {} is not understood", place + 1))),
                 },
             }
         }
@@ -82,7 +69,7 @@ impl Interpreter<'_> {
         let is_reset = given.iter().all(Option::is_none) || name == b"0";
         let digits = status as i64;
         if digits < 0 || status.fract() != 0.0 || digits / 10 % 10_000 != 0 || digits % 10 > 1 {
-            return Err(refused(call.span, format!("_ST {status}: only 0 and 1 in the last digit are followed")));
+            return Err(save::refused(call.span, format!("_ST {status}: only 0 and 1 in the last digit are followed")));
         }
         let rotation = if is_reset { Matrix::identity() } else { rotation_of(mode, [a, b, c], call.span)? };
         let request = Request {
@@ -107,7 +94,7 @@ fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fa
         return Ok(rotation);
     }
     if !(0.0..64.0).contains(&mode) || mode.fract() != 0.0 {
-        return Err(refused(span, format!("_MODE {mode}: only rotations axis by axis are followed")));
+        return Err(save::refused(span, format!("_MODE {mode}: only rotations axis by axis are followed")));
     }
     // Below 64.
     let bits = mode as u32;
@@ -117,7 +104,7 @@ fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fa
             2 => Vector::y(),
             3 => Vector::z(),
             _ if angle == 0.0 => continue,
-            _ => return Err(refused(span, format!("_MODE {mode} names no axis for rotation {}", place + 1))),
+            _ => return Err(save::refused(span, format!("_MODE {mode} names no axis for rotation {}", place + 1))),
         };
         rotation *= about(&unit, angle.to_radians());
     }
@@ -127,13 +114,13 @@ fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fa
 fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     let span = request.span;
     if channel.modal.transform.turning().is_some() {
-        return Err(refused(span, "under TRAORI the plane cannot be swivelled".to_owned()));
+        return Err(save::refused(span, "under TRAORI the plane cannot be swivelled".to_owned()));
     }
     let kinematics = Kinematics::new(channel.machine);
     retract(channel, request, &kinematics)?;
     if request.is_reset {
         channel.modal.swivelled = None;
-        return restate(channel, span);
+        return save::restate(channel, span);
     }
     let below = channel.modal.base.compose(&channel.modal.settable);
     let new =
@@ -147,7 +134,10 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     let has_rotary = kinematics.rotary_axes().next().is_some();
     let total = if has_rotary {
         if request.direction == 0.0 {
-            return Err(refused(span, "_DIR 0 on a machine that swivels: what turns the axes is not known".to_owned()));
+            return Err(save::refused(
+                span,
+                "_DIR 0 on a machine that swivels: what turns the axes is not known".to_owned(),
+            ));
         }
         let all = AxisSet::XYZ.iter().chain(kinematics.rotary_axes());
         let unknown: AxisSet = all.filter(|&axis| !is_stated(channel, axis)).collect();
@@ -160,23 +150,26 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
         let turned = choose(channel, &kinematics, &normal, request)?;
         turn(channel, &kinematics, &turned, span)?;
         let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
-            .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
+            .ok_or_else(|| save::refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
         Some(total)
     } else if request.direction == 0.0 {
         Some(below.compose(&tilt))
     } else {
-        return Err(refused(span, "the machine has no rotary axes to swivel; _DIR 0 sets the frame alone".to_owned()));
+        return Err(save::refused(
+            span,
+            "the machine has no rotary axes to swivel; _DIR 0 sets the frame alone".to_owned(),
+        ));
     };
-    let total = total.ok_or_else(|| refused(span, "the swivelled plane makes no frame".to_owned()))?;
+    let total = total.ok_or_else(|| save::refused(span, "the swivelled plane makes no frame".to_owned()))?;
     let relative = below.inverse().compose(&total);
-    let statements = statements_of(&relative, system_write::rotation_order(channel))
-        .ok_or_else(|| refused(span, "the zero offset scales or mirrors".to_owned()))?;
+    let statements = statements_of(&relative, setup::rotation_order(channel))
+        .ok_or_else(|| save::refused(span, "the zero offset scales or mirrors".to_owned()))?;
     let frame = statements.iter().fold(Frame::identity(), |frame, statement| {
-        let added = super::frames::frame_of(statement, channel.modal.plane, &channel.machine.control);
+        let added = super::frame_store::frame_of(statement, channel.modal.plane, &channel.machine.control);
         frame.compose(&added.unwrap_or_else(Frame::identity))
     });
     channel.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm }));
-    restate(channel, span)
+    save::restate(channel, span)
 }
 
 fn is_stated(channel: &Channel<'_>, axis: Axis) -> bool {
@@ -262,7 +255,7 @@ fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics
         let tip = kinematics.tip_mm(&channel.modal.command, &tool_mm);
         let away = tip + kinematics.direction(&channel.modal.command) * request.retract_by_mm;
         let target = kinematics.placed(&away, &channel.modal.command, &tool_mm);
-        let target = target.ok_or_else(|| refused(span, "the linear axes cannot place the tip".to_owned()))?;
+        let target = target.ok_or_else(|| save::refused(span, "the linear axes cannot place the tip".to_owned()))?;
         AxisSet::XYZ.iter().for_each(|axis| go_to(axis, target[axis]));
         return go(channel, words, span);
     }
@@ -280,41 +273,6 @@ fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics
             Err(fault(Code::BAD_SWIVEL, span, message, help))
         }
     }
-}
-
-/// Writes the swivelled plane anew, without programmable frame.
-pub(super) fn restate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
-    let none = FrameStatement {
-        kind: FrameKind::Translate,
-        additive: false,
-        values: AxisVector::ZERO,
-        named: AxisSet::EMPTY,
-        in_plane_rad: None,
-    };
-    let nothing_on_top = FrameStatement { additive: true, ..none };
-    let statements = channel.modal.swivelled.as_ref().map_or([none, nothing_on_top], |swivelled| swivelled.statements);
-    channel.modal.programmable = Frame::identity();
-    channel.modal.fine = AxisVector::ZERO;
-    setup::refresh_setup(channel);
-    if channel.setup.frame.linear().iter().any(|part| !part.is_finite()) {
-        return Err(refused(span, "the swivelled plane makes no frame".to_owned()));
-    }
-    for statement in statements.into_iter().filter(|statement| !(statement.additive && statement.named.is_empty())) {
-        channel.outlet.begin_line();
-        save::push_frame(channel, FrameWords::Statement(statement));
-    }
-    Ok(())
-}
-
-/// Refuses what a swivelled plane does not stand.
-pub(super) fn check_swivelled(channel: &Channel<'_>, span: Span) -> Result<(), Fault> {
-    let Some(swivelled) = &channel.modal.swivelled else { return Ok(()) };
-    let turns_tool = channel.machine.topology.tool.iter().any(|axis| axis.is_rotary());
-    if turns_tool && swivelled.tool_mm != channel.modal.tool_mm() {
-        let message = "the tool length changed in a swivelled plane, and the head turns";
-        return Err(fault(Code::BAD_SWIVEL, span, message, "swivel again behind the tool change"));
-    }
-    Ok(())
 }
 
 /// `TRANS` and `AROT` that make a frame; `None` where it scales or mirrors.
@@ -344,9 +302,4 @@ fn translation(shift: Vector) -> Frame {
     let mut offset = AxisVector::ZERO;
     offset.set_xyz(shift);
     Frame::translation(offset)
-}
-
-fn refused(span: Span, message: String) -> Fault {
-    let help = "program the plane with frame statements and the rotary axes with their words, or name CYCLE800 in control.opaque";
-    fault(Code::BAD_SWIVEL, span, message, help)
 }

@@ -1,37 +1,22 @@
 //! System variables that a program reads: what the execution knows, what the run has written, and the table of the machine file.
 
-use std::cell::Cell;
-use std::collections::HashMap;
+use super::control::System;
+use super::variables::setting_value;
 
 use super::expression::Scope;
 use super::frame_store::{FrameStore, settable_number};
 use super::frame_value::plane_axis;
-use super::tool_data::ToolData;
 use super::value::Value;
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ArgumentRange, ExprId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 use ncfix_base::units::MM_PER_INCH;
-use ncfix_machine::machine::{Machine, Setting};
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::WordValue;
 
 /// Values that a run may write.
 const MAX_VALUES: usize = 200_000;
-
-/// The system variables of a run.
-#[derive(Clone, Debug, Default)]
-pub(super) struct System {
-    values: HashMap<String, Value>,
-    pub(super) frames: FrameStore,
-    pub(super) tools: ToolData,
-    /// Whether nothing may be assumed.
-    pub(super) strict: bool,
-    /// Whether MCALL is in force.
-    pub(super) modal_call: bool,
-    /// A variable of the main run that was read since [`Self::looked`]: the control stops to read it.
-    looked: Cell<Option<&'static str>>,
-}
 
 /// Variables that are the same on every control that runs a program for real.
 const CONSTANTS: &[(&str, f64)] = &[
@@ -77,17 +62,6 @@ impl System {
     }
 }
 
-/// A value of the machine file's tables.
-pub(super) fn value_of(setting: &Setting) -> Option<Value> {
-    Some(match setting {
-        Setting::Whole(value) => Value::Int(*value),
-        Setting::Number(value) => Value::Real(*value),
-        Setting::Truth(value) => Value::Bool(*value),
-        Setting::Text(text) => Value::Text(text.clone().into_bytes()),
-        Setting::List(_) => return None,
-    })
-}
-
 impl Scope<'_> {
     /// The name with its indices as the tables write it: `$TC_DP6[1,1]`.
     pub(super) fn key(&self, name: &str, range: Option<ArgumentRange>) -> Result<(String, Vec<Value>), Fault> {
@@ -114,7 +88,7 @@ impl Scope<'_> {
         if let Some(value) = self.computed(name, &indices, id)? {
             return Ok(value);
         }
-        if let Some(value) = self.machine.system.get(&key).and_then(value_of) {
+        if let Some(value) = self.machine.system.get(&key).and_then(setting_value) {
             return Ok(value);
         }
         if let Some(&(_, value)) = CONSTANTS.iter().find(|(known, _)| *known == name) {
@@ -250,7 +224,7 @@ impl Scope<'_> {
             _ => {
                 let shown: Vec<String> =
                     arguments.iter().map(|value| String::from_utf8_lossy(&value.text()).to_ascii_uppercase()).collect();
-                Ok(self.machine.system.get(&format!("{name}({})", shown.join(","))).and_then(value_of))
+                Ok(self.machine.system.get(&format!("{name}({})", shown.join(","))).and_then(setting_value))
             }
         }
     }

@@ -12,7 +12,7 @@ use super::variables::List;
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::ArgumentRange;
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{Axis, RotationOrder};
+use ncfix_base::geometry::Axis;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
 
@@ -35,11 +35,6 @@ pub(super) struct SystemName<'n> {
     pub(super) name: &'n str,
     pub(super) range: Option<ArgumentRange>,
     pub(super) span: Span,
-}
-
-/// In which order the angles of a rotation turn.
-pub(super) fn rotation_order(channel: &Channel<'_>) -> RotationOrder {
-    channel.machine.control.rotation_order
 }
 
 /// Assigns to a system variable.
@@ -136,7 +131,7 @@ fn assign_frame(
     span: Span,
 ) -> Result<(), Fault> {
     let scope = scope_of(loaded, channel);
-    let order = rotation_order(channel);
+    let order = setup::rotation_order(channel);
     let parts = match (component, value) {
         (None, Value::Frame(parts)) => *parts,
         (Some((axis, component, _)), value) => {

@@ -3,11 +3,11 @@
 use super::channel::Channel;
 use super::gathered::Gathered;
 use super::setup;
-use super::tool_data;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::LINEAR_AXES;
 use ncfix_base::source::Span;
+use ncfix_machine::machine::Tool;
 use ncfix_machine::machine::ToolChange;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
@@ -49,13 +49,12 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
 /// Puts the length of the active tool's edge in force, and says where it is not known.
 fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let is_off = channel.modal.edge == 0 || channel.modal.active == Some(WordValue::Number(0.0));
-    let wear_mm = || tool_data::active_wear_mm(channel);
-    let size =
-        tool_data::active_tool(channel).map(|tool| (tool.length_mm, channel.radius.of(tool.radius_mm, wear_mm())));
+    let wear_mm = || active_wear_mm(channel);
+    let size = active_tool(channel).map(|tool| (tool.length_mm, channel.radius.of(tool.radius_mm, wear_mm())));
     (channel.modal.length_mm, channel.modal.radius_mm) = size.filter(|_| !is_off).unwrap_or_default();
     channel.modal.tool_assumed = !is_off && size.is_none();
     setup::refresh_setup(channel);
-    let tool_mm = channel.setup.tool_mm;
+    let tool_mm = channel.standing.setup.tool_mm;
     let lacking = LINEAR_AXES
         .into_iter()
         .take(3)
@@ -90,4 +89,17 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     }
     channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
     Ok(())
+}
+
+/// The edge in force; none for T0 and D0.
+pub(super) fn active_tool<'c>(channel: &'c Channel<'_>) -> Option<&'c Tool> {
+    channel.modal.tool_in(&channel.system.tools, channel.machine)
+}
+
+/// The wear in the radius of the edge in force, mm.
+pub(super) fn active_wear_mm(channel: &Channel<'_>) -> f64 {
+    let Some(tool) = active_tool(channel) else { return 0.0 };
+    let place = (tool.number, tool.edge);
+    let written = channel.system.tools.radius_wear().find(|(edge, _)| *edge == place).map(|(_, wear)| wear);
+    written.or_else(|| channel.machine.radius_wear_mm.get(&place).copied()).unwrap_or(0.0)
 }

@@ -1,6 +1,5 @@
 //! Tool data that a program reads and writes: `$TC_DPn[t,d]` over the tools of the machine file.
 
-use super::channel::Channel;
 use super::modal::Modal;
 use ncfix_machine::machine::{Machine, Tool};
 use ncfix_machine::snc::WordValue;
@@ -148,17 +147,4 @@ impl Modal {
     pub(super) fn tool_in<'m>(&self, tools: &'m ToolData, machine: &'m Machine) -> Option<&'m Tool> {
         tools.find(machine, self.active.as_ref()?, self.edge)
     }
-}
-
-/// The edge in force; none for T0 and D0.
-pub(super) fn active_tool<'c>(channel: &'c Channel<'_>) -> Option<&'c Tool> {
-    channel.modal.tool_in(&channel.system.tools, channel.machine)
-}
-
-/// The wear in the radius of the edge in force, mm.
-pub(super) fn active_wear_mm(channel: &Channel<'_>) -> f64 {
-    let Some(tool) = active_tool(channel) else { return 0.0 };
-    let place = (tool.number, tool.edge);
-    let written = channel.system.tools.radius_wear().find(|(edge, _)| *edge == place).map(|(_, wear)| wear);
-    written.or_else(|| channel.machine.radius_wear_mm.get(&place).copied()).unwrap_or(0.0)
 }

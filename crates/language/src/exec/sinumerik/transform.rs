@@ -4,12 +4,11 @@
 //! taken off ([`ncfix_machine::machine::Kinematics::on_workpiece`]); [`crate::exec::core::five_axis`] makes axis commands of them.
 
 use super::channel::Channel;
-use super::contour_words;
-use super::gather::Gatherer;
 use super::gathered::Gathered;
+use super::gatherer::Gatherer;
 use super::setup;
+use super::spline;
 use super::surface;
-use super::surface::Surface;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::sinumerik::{ArgumentRange, Word};
 use ncfix_base::diagnostic::Code;
@@ -17,50 +16,7 @@ use ncfix_base::geometry::{AxisSet, LINEAR_AXES, ROTARY_AXES};
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeEntry;
 use ncfix_machine::machine::{Kinematics, OrientationAngles};
-use ncfix_machine::snc::{Kind, Setup, Turning};
-
-/// What a block says of it.
-#[derive(Debug, Default)]
-pub(super) struct TransformWords {
-    /// `TRAORI`, `TRAORI(2)`, `TRAFOOF`.
-    pub(super) switch: Option<(&'static str, Span)>,
-    /// `ORIWKS`, `ORIAXES` …
-    pub(super) codes: Vec<&'static str>,
-}
-
-/// What is in force of it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Transform {
-    is_on: bool,
-    /// Orientations are meant in the machine's directions (ORIMKS).
-    pub(super) in_machine: bool,
-    /// ORIAXES, ORIVECT; `None` before the program says it.
-    turning: Option<Turning>,
-    /// ORIRPY, ORIEULER; `None` before the program says it.
-    pub(super) angles: Option<OrientationAngles>,
-    /// LEAD, TILT, ORIPATH.
-    pub(super) surface: Surface,
-}
-
-impl Transform {
-    /// Takes over whether a transformation is in force, which SAVE does not bring back.
-    pub(super) fn keep_switch_of(&mut self, left: &Transform) {
-        self.is_on = left.is_on;
-    }
-
-    /// A code of the group of ORIAXES.
-    fn turn(&mut self, turning: Turning) {
-        self.turning = Some(turning);
-        self.surface.follows_path = false;
-    }
-
-    /// How the tool turns; `None` without a transformation. Where no code of the group of ORIAXES was programmed, ORIMKS moves the
-    /// rotary axes in proportion and ORIWKS the tool along a great circle (Sinumerik MD21104).
-    pub(super) fn turning(&self) -> Option<Turning> {
-        let usual = if self.in_machine { Turning::Axes } else { Turning::Vector };
-        self.is_on.then(|| self.turning.unwrap_or(usual))
-    }
-}
+use ncfix_machine::snc::{Kind, Turning};
 
 impl Gatherer<'_> {
     /// `TRAORI(n)`
@@ -126,7 +82,7 @@ pub(super) fn transform(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         if is_on {
             check_kinematics(channel, span)?;
         }
-        contour_words::finish(channel);
+        spline::finish(channel);
         channel.push(Kind::Keep(name));
         switch(channel, is_on);
     }
@@ -139,7 +95,7 @@ fn check_kinematics(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> 
     let kinematics = channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.machine)));
     let rotary = kinematics.rotary_axes().count();
     let can = (1..=2).contains(&rotary)
-        && kinematics.command_on_workpiece(&channel.modal.command, &channel.setup.tool_mm).is_some();
+        && kinematics.command_on_workpiece(&channel.modal.command, &channel.standing.setup.tool_mm).is_some();
     if can {
         return Ok(());
     }
@@ -153,7 +109,7 @@ fn switch(channel: &mut Channel<'_>, is_on: bool) {
     }
     let Some(kinematics) = &channel.outlet.kinematics else { return };
     let modal = &mut channel.modal;
-    let tool_mm = channel.setup.tool_mm;
+    let tool_mm = channel.standing.setup.tool_mm;
     modal.command = if is_on {
         kinematics.on_workpiece(&modal.command, &tool_mm)
     } else {
@@ -165,16 +121,4 @@ fn switch(channel: &mut Channel<'_>, is_on: bool) {
         modal.known = modal.known.intersection(ROTARY_AXES.into_iter().collect());
     }
     modal.programmed = modal.setup().programmed(&modal.command);
-}
-
-/// The machine stands where it stood when frame or tool change: under a transformation the place of the tip follows from it.
-pub(super) fn keep_pose(channel: &mut Channel<'_>, setup: &Setup) {
-    let (Some(_), Some(kinematics)) = (channel.setup.transform.and(setup.transform), &channel.outlet.kinematics) else {
-        return;
-    };
-    if setup.tool_mm != channel.setup.tool_mm
-        && let Some(command) = kinematics.command_on_workpiece(&channel.modal.command, &channel.setup.tool_mm)
-    {
-        channel.modal.command = kinematics.on_workpiece(&command, &setup.tool_mm);
-    }
 }

@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::cells::{Cells, wrong_type};
 use super::functions::is_function;
-use super::system;
 use super::value::Value;
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{DefinitionType, NameId};
@@ -96,7 +95,7 @@ impl Variables {
         }
         for (key, setting) in &machine.system {
             let index = key.strip_prefix("$R[").and_then(|rest| rest.strip_suffix(']')?.parse().ok());
-            if let (Some(index), Some(value)) = (index, system::value_of(setting).and_then(|value| value.number())) {
+            if let (Some(index), Some(value)) = (index, setting_value(setting).and_then(|value| value.number())) {
                 let _ = variables.set_parameter(index, value, Span::default());
             }
         }
@@ -361,7 +360,7 @@ fn flatten<'s>(setting: &'s Setting, out: &mut Vec<&'s Setting>) {
 fn value_of(setting: &Setting, kind: DefinitionType) -> Option<Value> {
     match (setting, kind) {
         (Setting::Text(name), DefinitionType::Axis) => Some(Value::Axis(name.to_ascii_uppercase())),
-        _ => system::value_of(setting),
+        _ => setting_value(setting),
     }
 }
 
@@ -376,4 +375,15 @@ fn bad_parameter(index: i64, span: Span) -> Fault {
         format!("there is no R{index}"),
         format!("R parameters run from R0 to R{}", PARAMETERS - 1),
     )
+}
+
+/// A value of the machine file's tables.
+pub(super) fn setting_value(setting: &Setting) -> Option<Value> {
+    Some(match setting {
+        Setting::Whole(value) => Value::Int(*value),
+        Setting::Number(value) => Value::Real(*value),
+        Setting::Truth(value) => Value::Bool(*value),
+        Setting::Text(text) => Value::Text(text.clone().into_bytes()),
+        Setting::List(_) => return None,
+    })
 }

@@ -1,19 +1,12 @@
 //! Motions whose end the next one tells: they wait in the stage until it is known.
 
-use super::Contour;
 use super::curve::{Curve, Flat, add};
 use super::moving::{Item, Moving};
+use super::stage::{Contour, OpenLine};
 use ncfix_base::geometry::{AxisSet, AxisVector};
 
 /// Items that may wait behind a motion without end.
 const MOST_WAITING: usize = 1000;
-
-/// A motion whose end is not known yet, and what stands behind it.
-#[derive(Debug)]
-pub(super) struct OpenLine {
-    moving: Box<Moving>,
-    behind: Vec<Item>,
-}
 
 impl Contour {
     pub(in crate::exec) fn open(&mut self, moving: Box<Moving>) {

@@ -4,7 +4,7 @@ use super::compensation::{Active, Limits, NEARLY_TANGENTIAL};
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, distance, left, scaled};
 use super::link::{Link, Role};
 use super::moving::{Item, Moving};
-use super::rules::Rules;
+use super::wish::Rules;
 use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;

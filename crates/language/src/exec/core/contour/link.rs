@@ -6,6 +6,9 @@ use super::wish::FeedAt;
 use ncfix_base::geometry::{AXES, AxisVector, PlaneBasis};
 use ncfix_machine::snc::Kind;
 
+/// Items that may wait, whatever they are.
+pub(super) const MOST_WAITING: usize = 10_000;
+
 /// What a piece is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {

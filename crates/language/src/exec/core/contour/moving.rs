@@ -1,11 +1,10 @@
 //! A motion in the stage: its curve in plane coordinates, and what becomes of it when the curve changes.
 
 use super::curve::{Curve, Flat, SAME_MM, distance};
-use super::switch::Switch;
 use super::wish::Wish;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::path::{Path, Shape};
-use crate::exec::core::resolve::chord_count;
+use crate::exec::core::sagitta::chord_count;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, LINEAR_AXES, PlaneBasis};
 use ncfix_machine::snc::{Element, Kind, Manner};
@@ -222,4 +221,15 @@ fn at_height(basis: &PlaneBasis, own: &PlaneBasis, point: Flat) -> Flat {
         position[axis] = xyz[axis.slot()];
     }
     basis.flat(&position)
+}
+
+/// What a motion does to the compensation of the control.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::exec) enum Switch {
+    #[default]
+    None,
+    /// It leads to the contour.
+    On,
+    /// It leads off the contour.
+    Off,
 }

@@ -5,7 +5,7 @@ use super::compensation::{Active, Compensation};
 use super::corner::NO_WAY_MM;
 use super::curve::{Curve, add, distance, left, scaled, sub, unit};
 use super::moving::{Item, Moving};
-use super::rules::Reach;
+use super::wish::Reach;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;

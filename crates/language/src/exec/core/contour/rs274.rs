@@ -4,14 +4,15 @@
 //! stands behind it waits for the next: at an inner corner both are cut back to where their ways meet, around an outer corner leads an
 //! arc in the block behind it. Nothing is left out; what does not meet is refused. The motion behind G40 begins where the tool is.
 
+use super::moving::Switch;
+use super::tracking::unreachable;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::compensation::Compensation;
 use super::curve::{Curve, SAME_MM, add, cross, distance, dot, left, scaled, sub, unit};
 use super::moving::{Item, Moving, same_plane};
-use super::rules::Rules;
-use super::switch::Switch;
 use super::tracking::{Held, Next, Piece, Tracking, Way, sign};
+use super::wish::Rules;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
@@ -266,14 +267,6 @@ fn not_straight(moving: &Moving) -> Fault {
         Code::BAD_COMPENSATION,
         "the first motion behind G40 is not straight",
         "end the compensation with G0 or G1 off the contour",
-    )
-}
-
-pub(super) fn unreachable(moving: &Moving) -> Fault {
-    moving.fault(
-        Code::CONTOUR_NOT_FOLLOWED,
-        "the tool cannot reach this element at its inner corner without damaging the contour",
-        "use a smaller tool, or change the contour",
     )
 }
 

@@ -10,34 +10,9 @@
 //! Each motion then goes into the stage with [`Wish::of`], which takes the radius in force. A motion may stay out of it only where
 //! [`ContourModal::is_plain`] says so and the stage holds nothing: the stage may wait for the motion that leads off the contour.
 
-use super::wish::{Approach, ContourModal, FeedAt, Side, Wish};
+use super::wish::{Approach, ContourModal, FeedAt, Reach, Rules, Side, Wish};
 use ncfix_base::source::{FileId, Span};
 use ncfix_machine::machine::{CompensationCorner, CompensationStart, Control};
-
-/// Whose rules.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::exec) enum Rules {
-    #[default]
-    Sinumerik,
-    /// Cutter compensation C. [`ContourModal::sharp`]: lines around outer corners.
-    Fanuc,
-    /// RS274/NGC as LinuxCNC executes it: the first motion ends beside its own end, none leads off.
-    Rs274,
-    /// [`ContourModal::sharp`]: outer corners to the intersection.
-    Grundig,
-}
-
-/// Where a straight motion without compensation of its side ends: G43, G44 of Grundig.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::exec) enum Reach {
-    /// At its end.
-    #[default]
-    End,
-    /// G43: a radius before it.
-    To,
-    /// G44: a radius beyond it.
-    Past,
-}
 
 impl ContourModal {
     /// Cutter compensation C.

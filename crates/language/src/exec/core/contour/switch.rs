@@ -5,57 +5,21 @@
 
 use super::compensation::Compensation;
 use super::curve::SAME_MM;
+use super::moving::Switch;
 use super::moving::{Item, Moving};
-use super::rules::{Reach, Rules};
 use super::tracking::Held;
+use super::wish::Shown;
 use super::wish::Side;
+use super::wish::{Reach, Rules};
 use crate::exec::core::fault::Fault;
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
-use ncfix_base::geometry::{AXES, AxisSet, Frame, Plane, PlaneBasis};
+use ncfix_base::geometry::{AXES, AxisSet};
 use ncfix_machine::snc::Kind;
 
 /// How long the part of a motion to the contour is in which the control goes over to its radius, mm. It is one piece of the output, so that no corner
 /// lies between it and the contour.
 const LEAD_MM: f64 = 5.0;
-
-/// Normals of planes are the same to this.
-const SAME_PLANE: f64 = 1e-12;
-
-/// What a motion does to the compensation of the control.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::exec) enum Switch {
-    #[default]
-    None,
-    /// It leads to the contour.
-    On,
-    /// It leads off the contour.
-    Off,
-}
-
-/// The plane of the program as the frame of the output shows it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(in crate::exec) enum Shown {
-    #[default]
-    Same,
-    /// From the other side: what is left of the contour there is right of it here.
-    Mirrored,
-    /// Another plane.
-    Other,
-}
-
-impl Shown {
-    /// The plane behind the frame of the program, whose basis is given, as the frame of the output has it.
-    pub(in crate::exec) fn of(basis: &PlaneBasis, output: &Frame, plane: Plane) -> Shown {
-        let normal = |basis: &PlaneBasis| basis.lift([0.0, 0.0], 1.0);
-        let Some(shown) = PlaneBasis::behind(output, plane) else { return Shown::Other };
-        match normal(basis).dot(&normal(&shown)) {
-            along if along > 1.0 - SAME_PLANE => Shown::Same,
-            along if along < SAME_PLANE - 1.0 => Shown::Mirrored,
-            _ => Shown::Other,
-        }
-    }
-}
 
 impl Moving {
     /// The words for it.

@@ -2,10 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::compensation::MOST_WAITING;
 use super::curve::{Curve, Flat, SAME_MM, add, distance, dot, left, scaled, sub, unit};
+use super::link::MOST_WAITING;
 use super::moving::{Item, Moving};
-use super::rs274::unreachable;
 use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisVector, LINEAR_AXES, PlaneBasis};
@@ -217,4 +216,12 @@ pub(super) fn sign(is_positive: bool) -> f64 {
 /// A root of what may be less than 0 through rounding only.
 fn checked_root(square: f64) -> Option<f64> {
     (square > -1e-9).then(|| square.max(0.0).sqrt())
+}
+
+pub(super) fn unreachable(moving: &Moving) -> Fault {
+    moving.fault(
+        Code::CONTOUR_NOT_FOLLOWED,
+        "the tool cannot reach this element at its inner corner without damaging the contour",
+        "use a smaller tool, or change the contour",
+    )
 }

@@ -1,7 +1,7 @@
 //! What the program wants of the contour: modal codes, and what one motion asks of the stage.
 
-use super::rules::{Reach, Rules};
-use super::switch::Shown;
+use ncfix_base::geometry::Plane;
+use ncfix_base::geometry::{Frame, PlaneBasis};
 use ncfix_base::source::{FileId, Span};
 
 /// G40, G41, G42.
@@ -174,5 +174,57 @@ impl Wish {
 
     pub(in crate::exec) fn compensates(&self) -> bool {
         self.modal.side != Side::Off
+    }
+}
+
+/// Whose rules.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::exec) enum Rules {
+    #[default]
+    Sinumerik,
+    /// Cutter compensation C. [`ContourModal::sharp`]: lines around outer corners.
+    Fanuc,
+    /// RS274/NGC as LinuxCNC executes it: the first motion ends beside its own end, none leads off.
+    Rs274,
+    /// [`ContourModal::sharp`]: outer corners to the intersection.
+    Grundig,
+}
+
+/// Where a straight motion without compensation of its side ends: G43, G44 of Grundig.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::exec) enum Reach {
+    /// At its end.
+    #[default]
+    End,
+    /// G43: a radius before it.
+    To,
+    /// G44: a radius beyond it.
+    Past,
+}
+
+/// Normals of planes are the same to this.
+const SAME_PLANE: f64 = 1e-12;
+
+/// The plane of the program as the frame of the output shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::exec) enum Shown {
+    #[default]
+    Same,
+    /// From the other side: what is left of the contour there is right of it here.
+    Mirrored,
+    /// Another plane.
+    Other,
+}
+
+impl Shown {
+    /// The plane behind the frame of the program, whose basis is given, as the frame of the output has it.
+    pub(in crate::exec) fn of(basis: &PlaneBasis, output: &Frame, plane: Plane) -> Shown {
+        let normal = |basis: &PlaneBasis| basis.lift([0.0, 0.0], 1.0);
+        let Some(shown) = PlaneBasis::behind(output, plane) else { return Shown::Other };
+        match normal(basis).dot(&normal(&shown)) {
+            along if along > 1.0 - SAME_PLANE => Shown::Same,
+            along if along < SAME_PLANE - 1.0 => Shown::Mirrored,
+            _ => Shown::Other,
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! G89: a circular pocket of radius R about the position.
 
+use super::basis::{At, CycleFault, CycleWords, fault};
 use super::pocket::Pocket;
-use super::{At, CycleFault, CycleWords, Step, fault};
+use super::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let pocket = Pocket::new(words, at)?;

@@ -1,7 +1,8 @@
 //! G81: down with feed, dwell, out at rapid.
 
+use super::basis::{At, CycleFault, CycleWords, Heights, dwell};
 use super::step::Feed;
-use super::{At, CycleFault, CycleWords, Heights, Step, dwell};
+use super::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let heights = Heights::of(words, at)?;

@@ -1,8 +1,9 @@
 //! G83: in pecks of K, each shorter than the last by I, with a lift by J after each or a full retraction where J is 0 or K1= pecks are
 //! done.
 
+use super::basis::{At, CycleFault, CycleWords, Heights, dwell, fault};
 use super::step::Feed;
-use super::{At, CycleFault, CycleWords, Heights, Step, dwell, fault};
+use super::step::Step;
 
 /// More pecks than this are a slip of the pen.
 const MOST_PECKS: u32 = 10_000;

@@ -3,8 +3,9 @@
 //! How a control clears the inside of a pocket is its own affair. Here the tool plunges in the middle and mills one loop around the
 //! other from inside outwards, so that the last one is the edge; climb milling (J1, the default) is counter-clockwise inside.
 
+use super::basis::{At, CycleFault, CycleWords, fault};
+use super::step::Step;
 use super::step::{Feed, Flat};
-use super::{At, CycleFault, CycleWords, Step, fault};
 
 /// Loops with sharp corners leave nothing between them up to this share of the tool diameter: (1 + √½) / 2.
 const WIDEST_SHARE: f64 = 0.85;

@@ -1,8 +1,9 @@
 //! G87: a rectangular pocket X by Y about the position, its corners rounded with R, or with the tool's radius.
 
+use super::basis::{At, CycleFault, CycleWords, fault};
 use super::pocket::Pocket;
 use super::step::Flat;
-use super::{At, CycleFault, CycleWords, Step, fault};
+use super::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let pocket = Pocket::new(words, at)?;
@@ -59,7 +60,8 @@ fn around(pocket: &Pocket<'_>, half: Flat, rounding: f64, steps: &mut Vec<Step>)
 
 #[cfg(test)]
 mod tests {
-    use super::super::{At, CycleWords, Step};
+    use super::super::basis::{At, CycleWords};
+    use super::super::step::Step;
     use super::*;
 
     /// Largest distance of an uncut point inside from the cut region, and whether anything outside was cut, on a grid: the region is

@@ -1,7 +1,8 @@
 //! G88: a slot. The longer of X and Y is its length, from the position on in the direction of its sign; the other is its width.
 
+use super::basis::{At, CycleFault, CycleWords, fault};
 use super::pocket::Pocket;
-use super::{At, CycleFault, CycleWords, Step, fault};
+use super::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let pocket = Pocket::new(words, at)?;
@@ -47,7 +48,8 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
 
 #[cfg(test)]
 mod tests {
-    use super::super::{At, CycleWords, Step};
+    use super::super::basis::{At, CycleWords};
+    use super::super::step::Step;
     use super::*;
 
     #[test]

@@ -1,7 +1,8 @@
 //! G84: down with feed, dwell, the spindle reverses, out to the first clearance with feed, and the spindle turns again as before.
 
+use super::basis::{At, CycleFault, CycleWords, Heights, dwell};
 use super::step::Feed;
-use super::{At, CycleFault, CycleWords, Heights, Step, dwell};
+use super::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let heights = Heights::of(words, at)?;

@@ -1,0 +1,212 @@
+//! One motion: from its target to the outlet.
+
+use super::channel::Channel;
+use super::compensation;
+use super::direction;
+use super::forbidden;
+use super::gathered::Gathered;
+use super::offsets;
+use super::one_axis;
+use super::special;
+use super::target;
+use crate::exec::core::fault::Fault;
+use crate::exec::core::fault::bad_value;
+use crate::exec::core::fault::fault;
+use crate::exec::core::path::Path;
+use crate::exec::core::path::Shape;
+use crate::exec::core::standing::known_behind;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::Axis;
+use ncfix_base::geometry::AxisSet;
+use ncfix_base::geometry::AxisVector;
+use ncfix_base::geometry::Frame;
+use ncfix_base::geometry::PlaneBasis;
+use ncfix_base::source::Span;
+use ncfix_machine::snc::FeedUnit;
+use ncfix_machine::snc::Kind;
+use ncfix_machine::snc::Manner;
+use ncfix_machine::snc::Move;
+use ncfix_machine::snc::Setup;
+use std::sync::Arc as Shared;
+/// Positions beyond this are no positions, mm or rad.
+pub(super) const FARTHEST: f64 = 1e9;
+
+/// One motion to a position.
+#[derive(Debug)]
+pub(super) struct Step {
+    pub(super) rapid: bool,
+    /// Where it ends, as programmed.
+    pub(super) end: AxisVector,
+    /// Axes that it names.
+    pub(super) named: AxisSet,
+    /// Whether its block has F.
+    pub(super) feed_named: bool,
+    pub(super) manner: Manner,
+    pub(super) span: Span,
+}
+
+impl Step {
+    /// A straight motion of a block.
+    pub(super) fn straight(gathered: &Gathered, rapid: bool, end: AxisVector, named: AxisSet) -> Step {
+        let feed_named = gathered.has(b'F');
+        Step { rapid, end, named, feed_named, manner: Manner::Path, span: gathered.span }
+    }
+}
+
+/// The programmed end of a block, and the axes that it names.
+pub(super) fn end(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(AxisVector, AxisSet), Fault> {
+    let here = target::here(channel);
+    let (mut end, mut named) = (here, gathered.axes);
+    for axis in gathered.axes.iter() {
+        let value = target::axis_value(channel, gathered, axis)?;
+        if channel.modal.incremental {
+            target::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+            end[axis] += value;
+        } else {
+            end[axis] = target::absolute(channel, gathered, axis, value, here[axis])?;
+        }
+    }
+    if let Some((others, values)) = one_axis::other_axes(channel, gathered, named)? {
+        others.iter().for_each(|axis| end[axis] = values[axis]);
+        named = named.union(others);
+    }
+    special::polar_end(channel, gathered, &here, &mut end, &mut named)?;
+    Ok((end, named))
+}
+
+/// A straight motion to a programmed position.
+pub(super) fn step(channel: &mut Channel<'_>, step: Step) -> Result<(), Fault> {
+    let setup = Shared::clone(&channel.standing.setup);
+    let target = reach(channel, &setup, step.named, &step.end, step.span)?;
+    send(channel, step, target, Shape::Line, setup)
+}
+
+/// A straight motion to a position of the machine.
+pub(super) fn machine_step(channel: &mut Channel<'_>, step: Step) -> Result<(), Fault> {
+    // Positions of the axes: what the tool takes off is added before, so that the place of the tip stays known.
+    let tool_mm = channel.standing.setup.tool_mm;
+    let mut shift = AxisVector::ZERO;
+    shift.set_xyz(tool_mm);
+    let frame = Frame::translation(shift);
+    let bare = Shared::new(Setup { frame, tool_mm, plane: channel.modal.plane, transform: None, assumed: false });
+    one_axis::settle_axes(channel, step.named);
+    channel.push(Kind::Keep("G53"));
+    channel.push(Kind::Setup(Shared::clone(&bare)));
+    channel.standing.changed = true;
+    let full = channel.standing.setup.frame;
+    channel.modal.known = known_behind(channel.modal.known, &full, &bare.frame);
+    let target = reach(channel, &bare, step.named, &step.end, step.span);
+    let sent = target.and_then(|target| send(channel, step, target, Shape::Line, Shared::clone(&bare)));
+    channel.modal.known = known_behind(channel.modal.known, &bare.frame, &full);
+    sent
+}
+
+/// Axis commands of programmed positions of the named axes.
+pub(super) fn reach(
+    channel: &Channel<'_>,
+    setup: &Setup,
+    named: AxisSet,
+    end: &AxisVector,
+    span: Span,
+) -> Result<AxisVector, Fault> {
+    let mut target = channel.modal.command;
+    if setup.frame.is_translation() {
+        // Axis by axis, so that the command of an axis that the block does not name keeps its last bit.
+        for axis in named.iter() {
+            let tool = if axis.slot() < 3 { setup.tool_mm[axis.slot()] } else { 0.0 };
+            target[axis] = end[axis] + setup.frame.shift(axis) - tool;
+        }
+    } else {
+        target = setup.command(end);
+    }
+    match named.iter().find(|&axis| !target[axis].is_finite() || target[axis].abs() > FARTHEST) {
+        Some(axis) => Err(bad_value(span, format!("{axis} would move to {}", target[axis]), "check the value")),
+        None => Ok(target),
+    }
+}
+
+/// Puts a motion into the stream.
+pub(super) fn send(
+    channel: &mut Channel<'_>,
+    step: Step,
+    target: AxisVector,
+    shape: Shape,
+    setup: Shared<Setup>,
+) -> Result<(), Fault> {
+    let in_machine_frame = !Shared::ptr_eq(&setup, &channel.standing.setup);
+    if !in_machine_frame {
+        offsets::check_offset(channel, step.span);
+        if std::mem::take(&mut channel.standing.changed) {
+            channel.push(Kind::Setup(Shared::clone(&channel.standing.shown)));
+        }
+    }
+    check_feed(channel, &step);
+    if channel.modal.transforms.tilt().is_some() && !in_machine_frame {
+        forbidden::check_tilt(channel, step.named, step.span)?;
+    }
+    let basis = PlaneBasis::behind(&setup.frame, channel.modal.plane)
+        .ok_or_else(|| bad_value(step.span, "the frame squeezes the working plane flat", "check its factors"))?;
+    let (start, start_known) = (channel.modal.command, channel.modal.known);
+    channel.modal.known = start_known.union(step.named);
+    channel.modal.command = target;
+    let (mut named, mut known, mut begun) = (step.named, channel.modal.known, start_known);
+    if !in_machine_frame
+        && !Shared::ptr_eq(&channel.standing.setup, &channel.standing.shown)
+        && !setup.frame.is_translation()
+    {
+        let inner = &channel.standing.shown.frame;
+        named = inner.inverse().mixed_with(setup.frame.mixed_with(named));
+        known = known_behind(known, &setup.frame, inner);
+        begun = known_behind(begun, &setup.frame, inner);
+        // A turned axis moves two of the output: where the other one stands decides where both end.
+        if let Some(axis) = named.difference(known).iter().next().filter(|_| channel.strict) {
+            return Err(unknown_mixed(step.span, axis));
+        }
+    }
+    // What the spindle drives has no feed of its own.
+    let is_driven = matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven());
+    let motion = Move {
+        rapid: step.rapid,
+        arc: None,
+        target,
+        named,
+        known,
+        feed: if is_driven { 0.0 } else { channel.modal.feed },
+        feed_named: step.feed_named && !is_driven,
+        unit: if is_driven { FeedUnit::PerMinute } else { channel.modal.feed_mode },
+        ways: Default::default(),
+        in_machine_frame,
+        manner: step.manner,
+        off_curve_mm: 0.0,
+    };
+    let mut path = Path { motion, start, start_known: begun, basis, shape, setup, span: step.span };
+    if let Some((direction, span)) = channel.direction {
+        direction::orient(channel, &mut path, direction, span)?;
+    }
+    channel.has_moved = true;
+    compensation::pass(channel, path);
+    Ok(())
+}
+
+pub(super) fn check_feed(channel: &mut Channel<'_>, step: &Step) {
+    if step.rapid || channel.modal.feed > 0.0 && (step.feed_named || channel.modal.feed_mode != FeedUnit::InverseTime) {
+        return;
+    }
+    if matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven()) {
+        return;
+    }
+    let (message, help) = match channel.modal.feed_mode {
+        FeedUnit::InverseTime => ("a feed motion in G93 without F", "program F in each block with G93"),
+        _ => ("a feed motion, and no F was programmed yet", "program F before it or in it"),
+    };
+    if channel.strict {
+        channel.outlet.warnings.push(fault(Code::MISSING_FEED, step.span, message, help));
+    } else if !std::mem::replace(&mut channel.feed_warned, true) {
+        channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, step.span, message, help));
+    }
+}
+
+pub(super) fn unknown_mixed(span: Span, axis: Axis) -> Fault {
+    let message = format!("where {axis} goes depends on an axis that the program has not stated yet");
+    fault(Code::UNKNOWN_START, span, message, "begin with a block that names all axes of the rotation, or give --start")
+}

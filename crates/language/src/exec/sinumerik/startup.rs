@@ -1,0 +1,23 @@
+//! A channel as it is when a program starts.
+
+use super::channel::Channel;
+use super::modal::initial_zero_offset;
+use super::save;
+use super::setup;
+use crate::exec::core::options::Options;
+use ncfix_base::geometry::Frame;
+use ncfix_dialect::CodeTable;
+use ncfix_machine::machine::Machine;
+/// A channel as it is when a program starts.
+pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Channel<'a> {
+    let mut channel = Channel::new(machine, options, codes);
+    let order = machine.control.rotation_order;
+    channel.modal.base = channel.system.frames.base(order).unwrap_or_else(Frame::identity);
+    if let Some(offset) = machine.zero_offsets.get(initial_zero_offset(machine)) {
+        channel.modal.settable = offset.frame(order).unwrap_or_else(Frame::identity);
+    }
+    setup::refresh_setup(&mut channel);
+    save::note_initial_codes(&mut channel);
+    channel.modal.programmed = channel.standing.setup.programmed(&channel.modal.command);
+    channel
+}

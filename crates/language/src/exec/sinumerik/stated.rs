@@ -1,0 +1,147 @@
+//! What the output says of the modal state.
+
+use ncfix_base::geometry::AxisSet;
+use ncfix_base::geometry::AxisVector;
+use ncfix_base::geometry::Plane;
+use ncfix_dialect::CodeTable;
+use ncfix_machine::snc::FrameKind;
+use ncfix_machine::snc::FrameStatement;
+use ncfix_machine::snc::FrameWords;
+/// Codes that are active when the control starts, by group (Sinumerik MD20150), where the output passes them on.
+pub(super) const INITIAL: &[&str] = &[
+    "STARTFIFO",
+    "G17",
+    "G40",
+    "G60",
+    "G601",
+    "G94",
+    "CFC",
+    "NORM",
+    "G450",
+    "BNAT",
+    "ENAT",
+    "BRISK",
+    "CUT2D",
+    "CDOF",
+    "FFWOF",
+    "ORIWKS",
+    "RMI",
+    "ORIC",
+    "WALIMON",
+    "DIAMOF",
+    "COMPOF",
+    "FTOCOF",
+    "OSOF",
+    "SPOF",
+    "PDELAYOF",
+    "FNORM",
+    "SPIF1",
+    "CPRECOF",
+    "CUTCONOF",
+    "LFOF",
+    "TCOABS",
+    "G140",
+    "G340",
+    "SPATH",
+    "G290",
+    "G460",
+    "CP",
+    "FENDNORM",
+    "DYNNORM",
+    "RTLION",
+    "ORIVECT",
+    "PAROTOF",
+    "TOROTOF",
+];
+
+/// Groups whose codes hold for one block only, and those that the output always writes as G90 and in mm.
+pub(super) const NOT_MODAL: &[u8] = &[0, 2, 3, 9, 11, 13, 14];
+
+/// `TRANS` alone: no programmable frame.
+pub(super) const NO_FRAME: FrameStatement = FrameStatement {
+    kind: FrameKind::Translate,
+    additive: false,
+    values: AxisVector::ZERO,
+    named: AxisSet::EMPTY,
+    in_plane_rad: None,
+};
+
+/// A programmable frame of more statements cannot be brought back.
+pub(super) const MAX_STATEMENTS: usize = 1000;
+
+/// What the output has said of the modal state.
+#[derive(Clone, Debug)]
+pub(super) struct Stated {
+    /// Codes in force by group.
+    pub(super) codes: Vec<(u8, &'static str)>,
+    /// `G500`, `G54` …
+    pub(super) offset: String,
+    /// The assignment to the programmable frame that its statements build on, where there was one.
+    pub(super) assigned: Option<Vec<u8>>,
+    /// The statements that make up the programmable frame, each with its working plane.
+    pub(super) frame: Vec<(FrameStatement, Plane)>,
+}
+
+impl Stated {
+    pub(super) fn new(offset: &str) -> Stated {
+        Stated { codes: Vec::new(), offset: offset.to_owned(), assigned: None, frame: Vec::new() }
+    }
+
+    /// The settable frame in force: `G54`, or the assignment to it.
+    pub(super) fn offset(&self) -> &str {
+        &self.offset
+    }
+
+    /// Notes an assignment to the settable frame in force.
+    pub(super) fn assign_settable(&mut self, text: &str) {
+        text.clone_into(&mut self.offset);
+    }
+
+    /// Notes an assignment to the programmable frame.
+    pub(super) fn assign_programmable(&mut self, text: &str) {
+        self.frame.clear();
+        self.assigned = Some(text.as_bytes().to_vec());
+    }
+
+    /// The code of a group that was programmed last.
+    pub(super) fn code(&self, group: u8) -> Option<&'static str> {
+        self.codes.iter().find(|(known, _)| *known == group).map(|&(_, word)| word)
+    }
+
+    pub(super) fn set_code(&mut self, group: u8, word: &'static str) {
+        match self.codes.iter_mut().find(|(known, _)| *known == group) {
+            Some(entry) => entry.1 = word,
+            None => self.codes.push((group, word)),
+        }
+    }
+
+    pub(super) fn add_frame(&mut self, words: &FrameWords, plane: Plane) {
+        let new = match words {
+            FrameWords::Settable(name) => return self.offset.clone_from(name),
+            FrameWords::Statement(statement) => *statement,
+        };
+        let is_part = matches!(new.kind, FrameKind::Coarse | FrameKind::Fine);
+        if !new.additive && !is_part {
+            self.frame.clear();
+            self.assigned = None;
+        }
+        let has_room = self.frame.len() < MAX_STATEMENTS;
+        match self.frame.last_mut() {
+            // Shifts in a row are one: a loop of ATRANS shall not grow without end.
+            Some((last, _)) if new.additive && [last.kind, new.kind] == [FrameKind::Translate; 2] => {
+                last.values = last.values + new.values;
+                last.named = last.named.iter().chain(new.named.iter()).collect();
+            }
+            None if !is_part && self.assigned.is_none() => {
+                self.frame.push((FrameStatement { additive: false, ..new }, plane))
+            }
+            _ if has_room => self.frame.push((new, plane)),
+            _ => {}
+        }
+    }
+}
+
+/// The code of a group that is active when the control starts.
+pub(super) fn initial(table: &'static CodeTable, group: u8) -> Option<&'static str> {
+    INITIAL.iter().copied().find(|word| table.word(word).is_some_and(|row| row.group == group))
+}
