@@ -9,7 +9,7 @@
 //! | frame, tool length and plane in force | [`standing`] |
 //! | radius compensation, roundings, chamfers | [`contour`] |
 //! | paths, and what the outlet makes of them | [`path`], [`outlet`], [`resolve`], [`five_axis`] |
-//! | findings, books, limits of a run | [`fault`], [`ledger`], [`options`] |
+//! | findings, books, limits of a run | [`fault`], [`ledger`], [`options`], [`settings`] |
 //!
 //! # What a family brings
 //!
@@ -73,5 +73,8 @@ pub(in crate::exec) mod radius;
 pub(in crate::exec) mod resolve;
 pub(in crate::exec) mod rollover;
 pub(in crate::exec) mod sagitta;
+pub(in crate::exec) mod settings;
 pub(in crate::exec) mod standing;
 pub(in crate::exec) mod tilted_plane;
+#[cfg(test)]
+mod toy;

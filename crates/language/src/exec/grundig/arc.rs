@@ -47,7 +47,7 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
     let has_center = words.iter().chain(&polar).any(Option::is_some);
     let is_idle = !has_center && radius.is_none() && sweep.is_none() && target.named.is_empty();
     if is_idle {
-        if channel.feed_named {
+        if channel.block.feed_named {
             channel.outlet.push(Kind::Feed(channel.modal.feed));
         }
         return Ok(());
@@ -136,7 +136,7 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
 
 /// The end of an arc; where the increment of the control makes it one with the start, it is the start.
 fn closed_on_grid(channel: &Channel<'_>, start: [f64; 2], end: [f64; 2], span: Span) -> Result<[f64; 2], Fault> {
-    match meeting(start, end, 1.0 / channel.machine.control.grid[0]) {
+    match meeting(start, end, 1.0 / channel.settings.machine.control.grid[0]) {
         Meeting::Apart => Ok(end),
         Meeting::Same => Ok(start),
         Meeting::Unsure => Err(unsure(span, start, end, "the grid is control.increment_mm")),
@@ -152,7 +152,7 @@ fn center_by_radius(
     end: [f64; 2],
     clockwise: bool,
 ) -> Result<[f64; 2], Fault> {
-    let control = &channel.machine.control;
+    let control = &channel.settings.machine.control;
     let tolerance = |radius: f64| control.arc_tolerance_mm.max(control.arc_tolerance_ratio * radius);
     center_of_radius(radius * channel.modal.scale(), start, end, clockwise, &tolerance).map_err(|found| {
         let help = "correct R or the end point; a full circle needs its center";
@@ -229,7 +229,7 @@ pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector
 /// One arc of at most a turn.
 pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector, named: AxisSet) -> Result<(), Fault> {
     let (machine, setup, plane) =
-        (channel.machine, std::sync::Arc::clone(&channel.standing.setup), channel.modal.plane);
+        (channel.settings.machine, std::sync::Arc::clone(&channel.standing.setup), channel.modal.plane);
     let control = &machine.control;
     let [abscissa, ordinate, _] = plane.axes();
     let span = channel.outlet.origin.span;

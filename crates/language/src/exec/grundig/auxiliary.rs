@@ -19,16 +19,16 @@ pub(super) fn feed_and_speed(channel: &mut Channel<'_>, gathered: &mut Gathered)
             return Err(bad_value(span, "a feed below 0", "write a feed above 0"));
         }
         channel.modal.feed = if channel.modal.inch { feed * MM_PER_INCH } else { feed };
-        channel.feed_named = true;
+        channel.block.feed_named = true;
     } else {
-        channel.feed_named = false;
+        channel.block.feed_named = false;
     }
     if let Some((speed, _)) = gathered.once(b'S', None)? {
         channel.modal.speed = Some(speed);
-        channel.before.push(Word { letter: b'S', extension: None, value: WordValue::Number(speed) });
+        channel.block.before.push(Word { letter: b'S', extension: None, value: WordValue::Number(speed) });
     }
-    if gathered.functions.is_empty() && !channel.before.is_empty() {
-        let before = std::mem::take(&mut channel.before);
+    if gathered.functions.is_empty() && !channel.block.before.is_empty() {
+        let before = std::mem::take(&mut channel.block.before);
         channel.outlet.push(Kind::Before(before));
     }
     Ok(())
@@ -42,7 +42,7 @@ pub(super) fn functions(channel: &mut Channel<'_>, gathered: &mut Gathered) -> R
         if code.number == 19
             && let Some((angle, _)) = gathered.take(b'D', None)
         {
-            channel.before.push(Word { letter: b'D', extension: None, value: WordValue::Number(angle) });
+            channel.block.before.push(Word { letter: b'D', extension: None, value: WordValue::Number(angle) });
         }
         match code.number {
             3 | 4 | 13 | 14 => channel.spindle = Some(if matches!(code.number, 3 | 13) { 3 } else { 4 }),
@@ -50,9 +50,9 @@ pub(super) fn functions(channel: &mut Channel<'_>, gathered: &mut Gathered) -> R
             53 | 54 => head(channel, code.number, code.span)?,
             _ => {}
         }
-        if BEHIND.contains(&code.number) { behind.push(word) } else { channel.before.push(word) }
+        if BEHIND.contains(&code.number) { behind.push(word) } else { channel.block.before.push(word) }
     }
-    let before = std::mem::take(&mut channel.before);
+    let before = std::mem::take(&mut channel.block.before);
     if !before.is_empty() {
         channel.outlet.push(Kind::Before(before));
     }
@@ -61,7 +61,7 @@ pub(super) fn functions(channel: &mut Channel<'_>, gathered: &mut Gathered) -> R
 
 /// M53, M54: the head turns. The machine file describes one of its positions.
 pub(super) fn head(channel: &Channel<'_>, number: u16, span: Span) -> Result<(), Fault> {
-    if channel.machine.control.grundig.head == Some(number) {
+    if channel.settings.machine.control.grundig.head == Some(number) {
         return Ok(());
     }
     let message = format!("M{number} turns the head into a position that the machine file does not describe");

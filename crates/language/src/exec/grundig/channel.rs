@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use super::expression::Parameters;
 use super::modal::Modal;
 use crate::exec::core::contour::{Corner, Soft};
-use crate::exec::core::options::{Options, RapidOrder};
+use crate::exec::core::options::Options;
 use crate::exec::core::outlet::{HasOutlet, Outlet};
-use crate::exec::core::radius::Radius;
+use crate::exec::core::settings::Settings;
 use crate::exec::core::standing::Standing;
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeTable;
@@ -19,35 +19,45 @@ use ncfix_machine::snc::{Kind, Word};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
-    pub(super) machine: &'a Machine,
+    /// The machine, and what the caller has chosen.
+    pub(super) settings: Settings<'a>,
     pub(super) outlet: Outlet<'a>,
     pub(super) modal: Modal,
     pub(super) parameters: Parameters,
     pub(super) codes: &'static CodeTable,
-    pub(super) tools: Vec<Tool>,
-    pub(super) strict: bool,
-    /// Which radius G41 and G42 work with.
-    pub(super) radius: Radius,
-    /// Wear in the radii of the tools, mm.
-    pub(super) radius_wear: BTreeMap<(u32, u32), f64>,
-    /// Which rapid moves are taken apart.
-    pub(super) rapid_order: RapidOrder,
+    /// The tools of the control.
+    pub(super) memory: ToolMemory,
     /// Frame, tool length and plane in force.
     pub(super) standing: Standing,
-    /// Whether the block has moved already.
-    pub(super) has_moved: bool,
+    /// What the block at hand says and does.
+    pub(super) block: AtHand,
     /// M3 or M4 while the spindle turns.
     pub(super) spindle: Option<u16>,
+    pub(super) feed_warned: bool,
+    /// A motion whose end the next one tells.
+    pub(super) open: Option<Open>,
+}
+
+/// The tools of the control.
+#[derive(Default)]
+pub(super) struct ToolMemory {
+    pub(super) tools: Vec<Tool>,
+    /// Wear in the radii of the tools, mm.
+    pub(super) radius_wear: BTreeMap<(u32, u32), f64>,
+}
+
+/// What the block at hand says and does.
+#[derive(Default)]
+pub(super) struct AtHand {
+    /// Whether the block has moved already.
+    pub(super) has_moved: bool,
     /// Whether the block names F.
     pub(super) feed_named: bool,
     /// S and M words of the block that act before its motion.
     pub(super) before: Vec<Word>,
-    pub(super) feed_warned: bool,
     /// What the motion to come wants of the contour stage.
     pub(super) corner: Option<Corner>,
     pub(super) soft: Option<(Soft, Span)>,
-    /// A motion whose end the next one tells.
-    pub(super) open: Option<Open>,
     /// Whether the motion that is put into the stream is such a one.
     pub(super) is_open: bool,
     /// Steps of the cycles of the block so far.
@@ -63,27 +73,17 @@ impl<'a> HasOutlet<'a> for Channel<'a> {
 impl<'a> Channel<'a> {
     pub(super) fn new(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Self {
         Channel {
-            machine,
+            settings: Settings::new(machine, options),
             outlet: Outlet::new(machine, options),
             modal: Modal::new(options.start, machine),
             parameters: Parameters::new(machine),
             codes,
-            tools: machine.tools.clone(),
-            strict: options.strict,
-            radius: options.radius,
-            radius_wear: machine.radius_wear_mm.clone(),
-            rapid_order: options.rapid_order,
+            memory: ToolMemory { tools: machine.tools.clone(), radius_wear: machine.radius_wear_mm.clone() },
             standing: Standing { changed: true, ..Standing::default() },
-            has_moved: false,
+            block: AtHand::default(),
             spindle: None,
-            feed_named: false,
-            before: Vec::new(),
             feed_warned: false,
-            corner: None,
-            soft: None,
             open: None,
-            is_open: false,
-            cycle_steps: 0,
         }
     }
 

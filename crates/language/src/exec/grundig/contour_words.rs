@@ -20,12 +20,12 @@ use ncfix_base::source::Span;
 
 /// Takes R1= and I1= of a motion: what stands between it and the next one.
 pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
-    channel.corner = None;
+    channel.block.corner = None;
     if !channel.modal.geometry {
         return Ok(());
     }
     let (round, chamfer) = (gathered.once(b'R', Some(1))?, gathered.once(b'I', Some(1))?);
-    channel.corner = transition(channel, round, chamfer)?;
+    channel.block.corner = transition(channel, round, chamfer)?;
     Ok(())
 }
 
@@ -44,7 +44,7 @@ fn transition(channel: &Channel<'_>, round: Option<Found>, chamfer: Option<Found
             return Err(bad_value(span, "a rounding and a chamfer at one corner", "keep one of them"));
         }
         (Some(round), None) => Transition::Round(size(round)?),
-        (None, Some(chamfer)) if channel.machine.control.grundig.chamfer_is_length => {
+        (None, Some(chamfer)) if channel.settings.machine.control.grundig.chamfer_is_length => {
             Transition::ChamferLength(size(chamfer)?)
         }
         (None, Some(chamfer)) => Transition::ChamferSetback(size(chamfer)?),
@@ -187,7 +187,7 @@ fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span:
     }
     let start = target::flat(channel, &target::here(channel));
     let to = target::here(channel);
-    channel.is_open = true;
+    channel.block.is_open = true;
     let feed = channel.modal.feed;
     let rapid = channel.modal.motion == MotionKind::Rapid;
     let done = match element {
@@ -199,7 +199,7 @@ fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span:
         _ if rapid => step::rapid_line(channel, &to, AxisSet::EMPTY),
         _ => step::feed_line(channel, &to, AxisSet::EMPTY, feed),
     };
-    channel.is_open = false;
+    channel.block.is_open = false;
     done?;
     channel.open = Some(Open { start, element, choice, span });
     Ok(())
@@ -270,7 +270,7 @@ pub(super) fn two_lines(channel: &mut Channel<'_>, gathered: &mut Gathered, span
     };
     let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
     for (place, (round, chamfer)) in [middle, end].into_iter().zip(corners) {
-        channel.corner = transition(channel, round, chamfer)?;
+        channel.block.corner = transition(channel, round, chamfer)?;
         let mut to = start;
         target::set_flat(channel, &mut to, place);
         step::feed_line(channel, &to, plane, channel.modal.feed)?;
@@ -330,13 +330,13 @@ pub(super) fn soft_words(
         feed_before: channel.modal.feed,
         rapid_before: channel.modal.motion == MotionKind::Rapid,
     };
-    channel.soft = Some((soft, span));
+    channel.block.soft = Some((soft, span));
     Ok(())
 }
 
 /// Says of G61 or G62 that still wait that nothing moves onto the contour or off it.
 pub(super) fn end_soft(channel: &mut Channel<'_>) {
-    if let Some((soft, span)) = channel.soft.take() {
+    if let Some((soft, span)) = channel.block.soft.take() {
         let message = if soft.retracts { "no motion follows this G62" } else { "no motion follows this G61" };
         let help = "write where it leads, for example G61 X0 Y0 R8";
         channel.outlet.warnings.push(bad_value(span, message, help));

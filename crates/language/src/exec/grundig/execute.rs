@@ -132,7 +132,7 @@ impl Interpreter<'_> {
         assignments(program, block, &mut self.channel)?;
         let scope = Scope { program, parameters: &self.channel.parameters };
         self.own.gather(program, block, scope)?;
-        self.own.put_on_grid(&self.channel.modal, self.channel.machine);
+        self.own.put_on_grid(&self.channel.modal, self.channel.settings.machine);
         let gathered = &mut self.own;
         if gathered.is_empty() {
             // Nothing but assignments.

@@ -99,7 +99,7 @@ fn settable(channel: &mut Channel<'_>, gathered: &mut Gathered, number: u16, spa
         channel.modal.frames.assumed = false;
     }
     channel.modal.frames.settable = name;
-    if channel.machine.control.grundig.offset_cancels_shift {
+    if channel.settings.machine.control.grundig.offset_cancels_shift {
         channel.modal.frames.cancel_programmed();
     }
     setup::refresh_setup(channel)?;
@@ -131,7 +131,7 @@ fn check_value(channel: &mut Channel<'_>, name: &str, span: Span) -> Result<(), 
         return Ok(());
     }
     let help = format!("add [zero_offset.\"{name}\"] there, or give the table of the control with --setup");
-    if channel.strict {
+    if channel.settings.strict {
         return Err(fault(Code::NO_OFFSET, span, format!("{name} has no value in the machine file"), help));
     }
     let message = format!("{name} has no value in the machine file; zero is used");
@@ -164,7 +164,7 @@ fn programmed_shift(
         let message = "the zero point is turned in another plane";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "take the rotation back with G93 B4=0 first"));
     }
-    let settings = &channel.machine.control.grundig;
+    let settings = &channel.settings.machine.control.grundig;
     let before = if additive { frames.angle_rad } else { 0.0 };
     let turn = angle.map_or(0.0, |(degrees, _)| degrees.to_radians());
     // Along the axes as they are turned when the shift acts.
@@ -206,7 +206,7 @@ fn mirror_and_scale(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
         }
     }
     if let Some((value, span)) = gathered.once(b'A', Some(4))? {
-        let settings = &channel.machine.control.grundig;
+        let settings = &channel.settings.machine.control.grundig;
         let factor = if settings.scale_in_percent { value / 100.0 } else { value };
         if !(1e-6..=1e6).contains(&factor) {
             return Err(bad_value(span, format!("A4={value} is no factor"), "write a factor above 0"));

@@ -111,20 +111,20 @@ fn define_cycle(
         let message = format!("G{} ({}) needs {}", cycle.number, cycle.title, char::from(missing));
         return Err(fault(Code::CYCLE_ALARM, span, message, "add the word"));
     }
-    let feed = channel.feed_named.then_some(channel.modal.feed);
+    let feed = channel.block.feed_named.then_some(channel.modal.feed);
     let mut pitch = None;
     if cycle.number == 84 {
         let message = "tapping becomes feed moves with the spindle reversed between them";
         let help = "the tap needs a chuck that gives way; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
-        if words.get(b'I', 1) == Some(1.0) && channel.strict {
+        if words.get(b'I', 1) == Some(1.0) && channel.settings.strict {
             let message = "tapping without a compensating chuck (I1=1) needs the spindle and the axis in step";
             let help = "program I1=0 and use such a chuck; elementary moves cannot say more";
             return Err(fault(Code::NOT_SUPPORTED, span, message, help));
         }
         pitch = words.get(b'J', 0).filter(|pitch| *pitch > 0.0);
     }
-    channel.feed_named = false;
+    channel.block.feed_named = false;
     channel.modal.cycle = Some(Defined { cycle, words, feed, pitch, per_turn: channel.modal.per_turn });
     Ok(())
 }
@@ -213,7 +213,7 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
         extra.iter().for_each(|axis| to[axis] = place.to[axis]);
         step::rapid_line(channel, &to, extra)?;
     }
-    let settings = &channel.machine.control.grundig;
+    let settings = &channel.settings.machine.control.grundig;
     let at = At {
         point: target::flat(channel, &place.to),
         surface: place.to[applicate],
@@ -225,8 +225,8 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
         slot_from_arc_center: settings.slot_from_arc_center,
     };
     let steps = (defined.cycle.steps)(&defined.words, &at).map_err(|found| cycle_fault(found, span))?;
-    channel.cycle_steps += steps.len();
-    if channel.cycle_steps > MOST_STEPS {
+    channel.block.cycle_steps += steps.len();
+    if channel.block.cycle_steps > MOST_STEPS {
         let message = "the cycles of this block make more than 100 000 moves";
         return Err(fault(Code::CYCLE_ALARM, span, message, "check infeeds, pecks and the number of positions"));
     }

@@ -19,7 +19,7 @@ pub(super) fn motion_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -
     let modal_feed = channel.modal.feed;
     if let Some(feed) = block_feed {
         channel.modal.feed = feed;
-        channel.feed_named = true;
+        channel.block.feed_named = true;
     }
     let done = motion(channel, gathered);
     if block_feed.is_some() {
@@ -55,7 +55,7 @@ fn motion(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Faul
         if !target.named.is_empty() {
             return step::straight(channel, target);
         }
-        if channel.feed_named {
+        if channel.block.feed_named {
             channel.outlet.push(Kind::Feed(channel.modal.feed));
         } else if gathered.items.is_empty() && gathered.codes.is_empty() && gathered.functions.is_empty() {
             channel.outlet.push(Kind::Empty);

@@ -24,9 +24,9 @@ pub(super) fn execute(
     gathered: &mut Gathered,
     comment: Option<Vec<u8>>,
 ) -> Result<(), Fault> {
-    channel.has_moved = false;
-    channel.before.clear();
-    channel.cycle_steps = 0;
+    channel.block.has_moved = false;
+    channel.block.before.clear();
+    channel.block.cycle_steps = 0;
     if gathered.codes.is_empty() && gathered.functions.is_empty() {
         if gathered.peek(b'T', None).is_some() {
             // A tool that is got ready: its change comes in a block of its own.

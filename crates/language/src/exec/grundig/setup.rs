@@ -16,8 +16,8 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
     let flat = || bad_value(span, "this frame cannot be undone", "check the factors of the zero offset");
     let frames = &channel.modal.frames;
-    let stored = frames.shown(&channel.machine.control).ok_or_else(flat)?;
-    let frame = stored.compose(&frames.programmed(&channel.machine.control.grundig).ok_or_else(flat)?);
+    let stored = frames.shown(&channel.settings.machine.control).ok_or_else(flat)?;
+    let frame = stored.compose(&frames.programmed(&channel.settings.machine.control.grundig).ok_or_else(flat)?);
     let tool = &channel.modal.tool;
     let mut tool_mm = Vector::zeros();
     let length = tool.length_mm + tool.allowance_mm[0];

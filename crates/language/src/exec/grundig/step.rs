@@ -100,12 +100,12 @@ pub(super) fn elementary(
     let (moving, stated) =
         (setup::shown_axes(channel, named, true), setup::shown_axes(channel, channel.modal.known, false));
     // A turned axis moves two of the output: where the other one stands decides where both end.
-    if let Some(axis) = moving.difference(stated).iter().next().filter(|_| channel.strict) {
+    if let Some(axis) = moving.difference(stated).iter().next().filter(|_| channel.settings.strict) {
         let message = format!("where {axis} goes depends on an axis that the program has not stated yet");
         let help = "begin with a block that names all axes of the rotation, or give --start";
         return Err(fault(Code::UNKNOWN_START, span, message, help));
     }
-    if std::mem::replace(&mut channel.has_moved, true) {
+    if std::mem::replace(&mut channel.block.has_moved, true) {
         channel.outlet.begin_line();
     }
     setup::show_setup(channel);
@@ -116,7 +116,7 @@ pub(super) fn elementary(
         named: moving,
         known: stated,
         feed,
-        feed_named: std::mem::take(&mut channel.feed_named),
+        feed_named: std::mem::take(&mut channel.block.feed_named),
         unit: if channel.modal.per_turn { FeedUnit::PerTurn } else { FeedUnit::PerMinute },
         ways: [Way::Plain; 3],
         in_machine_frame: false,
@@ -131,8 +131,8 @@ pub(super) fn elementary(
 /// Puts a motion into the stream, through the contour stage where it must.
 pub(super) fn put(channel: &mut Channel<'_>, path: Path) {
     let (mut contour, corner, soft) =
-        (channel.modal.contour, channel.corner.take(), channel.soft.take().map(|(soft, _)| soft));
-    let is_free = corner.is_none() && soft.is_none() && !channel.is_open;
+        (channel.modal.contour, channel.block.corner.take(), channel.block.soft.take().map(|(soft, _)| soft));
+    let is_free = corner.is_none() && soft.is_none() && !channel.block.is_open;
     if is_free && contour.is_plain() && !channel.outlet.is_holding() {
         channel.outlet.pass_plain(&path);
         return;
@@ -142,13 +142,13 @@ pub(super) fn put(channel: &mut Channel<'_>, path: Path) {
     }
     let wish = Wish::of(contour, radius_mm(channel), path.span, channel.outlet.origin.file);
     let wish = Wish { corner, soft, ..wish };
-    if channel.strict {
+    if channel.settings.strict {
         channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.plane));
     }
     let tool = channel.modal.tool.number;
     channel.outlet.name_register(&wish, || tool.map_or_else(|| "the tool".to_owned(), |tool| format!("T{tool}")));
     let element = channel.outlet.element(Kind::Empty);
-    if channel.is_open {
+    if channel.block.is_open {
         channel.outlet.open(path, element, wish);
     } else {
         channel.outlet.pass_path(path, element, wish);
@@ -180,14 +180,14 @@ pub(super) const AXES_OF_MOTION: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A
 
 /// Whether it is stated, or may be assumed, where these axes stand.
 pub(super) fn has_place(channel: &Channel<'_>, axes: AxisSet) -> bool {
-    let may_assume = !channel.strict && channel.rapid_order != RapidOrder::Stated;
+    let may_assume = !channel.settings.strict && channel.settings.rapid_order != RapidOrder::Stated;
     may_assume || axes.difference(channel.modal.known).is_empty()
 }
 
 /// Whether a rapid move of these axes may be taken apart. Where it does not know where it starts, the control itself puts the motions
 /// of the block in order.
 pub(super) fn may_split(channel: &Channel<'_>, axes: AxisSet) -> bool {
-    channel.modal.positioning_logic && channel.rapid_order != RapidOrder::None && has_place(channel, axes)
+    channel.modal.positioning_logic && channel.settings.rapid_order != RapidOrder::None && has_place(channel, axes)
 }
 
 /// Whether a motion needs a feed and has none.
@@ -196,7 +196,7 @@ pub(super) fn check_feed(channel: &mut Channel<'_>, feed: f64, span: Span) -> Re
         return Ok(());
     }
     let (message, help) = ("a feed motion, and no F was programmed yet", "program F before it or in it");
-    if channel.strict {
+    if channel.settings.strict {
         return Err(fault(Code::MISSING_FEED, span, message, help));
     }
     if !std::mem::replace(&mut channel.feed_warned, true) {
@@ -208,6 +208,6 @@ pub(super) fn check_feed(channel: &mut Channel<'_>, feed: f64, span: Span) -> Re
 /// The radius that G41 and G42 work with, mm.
 pub(super) fn radius_mm(channel: &Channel<'_>) -> f64 {
     let tool = &channel.modal.tool;
-    let wear = tool.number.and_then(|number| channel.radius_wear.get(&place(number)));
-    channel.radius.of(tool.whole_radius_mm(), wear.copied().unwrap_or(0.0))
+    let wear = tool.number.and_then(|number| channel.memory.radius_wear.get(&place(number)));
+    channel.settings.radius.of(tool.whole_radius_mm(), wear.copied().unwrap_or(0.0))
 }

@@ -164,11 +164,11 @@ pub(in crate::exec) fn apply(
 
 /// Takes tables of the control that stand beside the program.
 pub(super) fn take_tables(channel: &mut Channel<'_>, tables: Tables) {
-    channel.radius_wear.extend(tables.radius_wear);
+    channel.memory.radius_wear.extend(tables.radius_wear);
     channel.modal.frames.table.extend(tables.offsets);
     for tool in tables.tools {
-        channel.tools.retain(|known| (known.number, known.edge) != (tool.number, tool.edge));
-        channel.tools.push(tool);
+        channel.memory.tools.retain(|known| (known.number, known.edge) != (tool.number, tool.edge));
+        channel.memory.tools.push(tool);
     }
     for (number, value) in tables.parameters {
         // A number that is none is said where the program uses it.

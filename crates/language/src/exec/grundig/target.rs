@@ -51,7 +51,7 @@ pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, increme
             let message = format!("{axis} is programmed twice in the block");
             return Err(fault(Code::DOUBLE_WORD, span, message, "keep one of the words"));
         }
-        if channel.machine.axis(axis).is_none() {
+        if channel.settings.machine.axis(axis).is_none() {
             let message = format!("the machine has no axis {axis}");
             return Err(fault(Code::NO_AXIS, span, message, "check the program, or the topology of the machine"));
         }
@@ -63,7 +63,7 @@ pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, increme
             here[axis] + own
         } else {
             let from = Some(here[axis]).filter(|_| channel.modal.known.contains(axis));
-            rollover::position(channel.machine, axis, own, from, span)?
+            rollover::position(channel.settings.machine, axis, own, from, span)?
         };
         out.named.insert(axis);
     }
@@ -73,7 +73,7 @@ pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, increme
 
 /// What is relative needs a place to start from.
 pub(super) fn check_known(channel: &Channel<'_>, axis: Axis, span: Span) -> Result<(), Fault> {
-    if !channel.strict || channel.modal.known.contains(axis) {
+    if !channel.settings.strict || channel.modal.known.contains(axis) {
         return Ok(());
     }
     let message = format!("the program has not stated where {axis} is");

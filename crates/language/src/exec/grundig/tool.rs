@@ -53,7 +53,7 @@ fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let help = "add a [[tool]] entry there, or give the tool memory of the control with --setup";
     let Some(selected) = channel.modal.tool.selected else {
         let message = "a tool is changed, and no T was programmed";
-        if channel.strict {
+        if channel.settings.strict {
             return Err(fault(Code::NO_TOOL, span, message, "program T before it or in the block"));
         }
         channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, message, "program T before it"));
@@ -61,7 +61,7 @@ fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     };
     channel.modal.tool.number = Some(selected);
     let (number, edge) = place(selected);
-    let data = channel.tools.iter().find(|tool| tool.number == number && tool.edge == edge);
+    let data = channel.memory.tools.iter().find(|tool| tool.number == number && tool.edge == edge);
     let size = data.map(|tool: &Tool| (tool.length_mm[0], tool.radius_mm));
     (channel.modal.tool.length_mm, channel.modal.tool.radius_mm) = size.unwrap_or_default();
     // Without T0 there is no tool in the spindle, and nothing to know.
@@ -72,7 +72,7 @@ fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
         return Ok(());
     }
     let message = format!("T{selected} has no value in the machine file");
-    if channel.strict {
+    if channel.settings.strict {
         return Err(fault(Code::NO_TOOL, span, message, help));
     }
     channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
@@ -110,10 +110,10 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &mut Gathe
             continue;
         }
         contour.activation += 1;
-        if channel.modal.tool.selected.is_none() && channel.strict {
+        if channel.modal.tool.selected.is_none() && channel.settings.strict {
             return Err(no_tool(number, span));
         }
-        if channel.modal.tool.assumed && channel.strict {
+        if channel.modal.tool.assumed && channel.settings.strict {
             let message = "the radius of the tool has no value in the machine file";
             return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry there"));
         }
@@ -124,7 +124,7 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &mut Gathe
             let message = format!("G{number} while the radius is compensated");
             return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
         }
-        if channel.modal.tool.selected.is_none() && channel.strict {
+        if channel.modal.tool.selected.is_none() && channel.settings.strict {
             return Err(no_tool(number, span));
         }
         channel.modal.contour.reach = reach;

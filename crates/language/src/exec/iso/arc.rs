@@ -39,7 +39,7 @@ pub(super) fn arc(
 ) -> Result<(), Fault> {
     let setup = Shared::clone(&channel.standing.setup);
     let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
-    if channel.strict {
+    if channel.settings.strict {
         let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
         if let Some(axis) = plane.difference(channel.modal.known).iter().next() {
             return Err(unknown_start(gathered.span, axis));
@@ -133,7 +133,7 @@ pub(super) fn arc(
         let help = "scale both axes alike: what else a control does is no circle and no ellipse";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
-    let shape = behind_frame(&arc, [&from, &to], &target, &setup, channel.machine.control.chord_tolerance_mm);
+    let shape = behind_frame(&arc, [&from, &to], &target, &setup, channel.settings.machine.control.chord_tolerance_mm);
     let step = Step::straight(gathered, false, end, named);
     step::send(channel, step, target, shape, setup)
 }
@@ -196,7 +196,7 @@ fn turns(channel: &Channel<'_>, gathered: &Gathered) -> Result<u32, Fault> {
 
 /// How far an arc's end may be off its circle, by its radius.
 fn arc_tolerance(channel: &Channel<'_>) -> impl Fn(f64) -> f64 + use<> {
-    let control = &channel.machine.control;
+    let control = &channel.settings.machine.control;
     let (length, share, most) = if channel.is_rs274() {
         let length = if channel.modal.inch { SPIRAL_INCH_MM } else { SPIRAL_MM };
         (length, SPIRAL_SHARE, length * SPIRAL_MOST)

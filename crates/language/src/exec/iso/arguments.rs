@@ -78,7 +78,7 @@ pub(super) fn read(
 ) -> Result<Arguments, Fault> {
     let mut out = Arguments::new();
     let mut groups = Groups::default();
-    let type_two = scope.channel.machine.control.macros.arguments_two;
+    let type_two = scope.channel.settings.machine.control.macros.arguments_two;
     for word in words {
         let letter = match word.address {
             Address::Letter(letter) => letter,

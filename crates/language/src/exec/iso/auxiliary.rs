@@ -112,12 +112,12 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
         // Calls and returns are the business of the flow.
         98 | 99 => {}
         2 | 30 => {
-            channel.ends_program = true;
-            channel.after.push(word(number));
+            channel.block.ends_program = true;
+            channel.block.after.push(word(number));
         }
         0 | 1 | 5 | 9 => {
             note_spindle(channel, number);
-            channel.after.push(word(number));
+            channel.block.after.push(word(number));
         }
         6 => {
             if channel.modal.contour.compensates() {
@@ -125,12 +125,12 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
                 let help = "program G40 with a motion in the plane before it";
                 return Err(fault(Code::BAD_COMPENSATION, span, message, help));
             }
-            channel.before.push(word(number));
+            channel.block.before.push(word(number));
             change_tool(channel);
         }
         _ => {
             note_spindle(channel, number);
-            channel.before.push(word(number));
+            channel.block.before.push(word(number));
         }
     }
     Ok(())
@@ -196,17 +196,17 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
         98 | 99 => {}
         2 | 30 => {
             modes::leave_exact_stops(channel, false);
-            channel.ends_program = true;
-            channel.after.push(word(number));
+            channel.block.ends_program = true;
+            channel.block.after.push(word(number));
         }
-        0 | 1 | 60 => channel.after.push(word(number)),
+        0 | 1 | 60 => channel.block.after.push(word(number)),
         6 => {
             forbidden::no_compensation(channel, span, "M6")?;
             if channel.modal.selected.is_none() {
                 let message = "M6, and no tool was selected with T";
                 return Err(bad_value(span, message, "program T before it or in its block"));
             }
-            channel.before.push(word(number));
+            channel.block.before.push(word(number));
             look_where_axes_are(channel, gathered);
             change_tool(channel);
         }
@@ -250,7 +250,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
                 let spindle = gathered.raw(b'$').filter(|_| matches!(number, 3..=5));
                 match spindle {
                     Some(_) => m_with_words(channel, gathered, number, b"$"),
-                    None => channel.before.push(word(number)),
+                    None => channel.block.before.push(word(number)),
                 }
             }
         },
@@ -261,7 +261,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
 /// An M code with words of its own.
 fn m_with_words(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, letters: &[u8]) {
     if !gathered.has_any(letters) {
-        channel.before.push(word(number));
+        channel.block.before.push(word(number));
         return;
     }
     let mut text = format!("M{number}");

@@ -15,7 +15,7 @@ use super::zero_offset::System;
 use crate::exec::core::contour::Corner;
 use crate::exec::core::options::Options;
 use crate::exec::core::outlet::{HasOutlet, Outlet};
-use crate::exec::core::radius::Radius;
+use crate::exec::core::settings::Settings;
 use crate::exec::core::standing::Standing;
 use ncfix_base::geometry::{AxisSet, AxisVector, FrameParts, Vector};
 use ncfix_base::source::Span;
@@ -25,19 +25,45 @@ use ncfix_machine::snc::{BlockNumber, Kind, Origin, Word};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
-    pub(super) machine: &'a Machine,
+    /// The machine, and what the caller has chosen.
+    pub(super) settings: Settings<'a>,
     pub(super) language: Language,
     pub(super) axes: AxisSet,
     pub(super) outlet: Outlet<'a>,
     pub(super) modal: Modal,
+    /// What the program has set in the control.
+    pub(super) written: Written,
+    /// States that M70 and M73 have saved, one place per program level.
+    pub(super) saved: Vec<Option<Box<SavedState>>>,
+    /// What the block at hand says and does.
+    pub(super) block: AtHand,
+    pub(super) variables: Variables,
+    pub(super) loops: Passes,
+    /// Calls of G66 in force, the last one the innermost.
+    pub(super) modal_calls: Vec<Call>,
+    /// Frame, tool length and plane in force.
+    pub(super) standing: Standing,
+    /// What was said already.
+    pub(super) warned: Warned,
+    pub(super) cycles: Cycles,
+    pub(super) special: Special,
+    pub(super) gathered: Option<Box<Gathered>>,
+}
+
+/// What the program has set in the control.
+#[derive(Default)]
+pub(super) struct Written {
     /// Zero offsets that the program has set.
     pub(super) offsets: BTreeMap<System, FrameParts>,
     /// Tool offsets that the program has set.
     pub(super) tools: BTreeMap<u32, ToolOffset>,
     /// The point by way of which G28 and G30 went, machine positions.
     pub(super) through: Option<AxisVector>,
-    /// States that M70 and M73 have saved, one place per program level.
-    pub(super) saved: Vec<Option<Box<SavedState>>>,
+}
+
+/// What the block at hand says and does.
+#[derive(Default)]
+pub(super) struct AtHand {
     /// Whether the block has moved an axis.
     pub(super) has_moved: bool,
     /// Whether the block ends the program.
@@ -48,25 +74,18 @@ pub(super) struct Channel<'a> {
     pub(super) after: Vec<Word>,
     /// What the motion to come wants of the contour stage.
     pub(super) corner: Option<Corner>,
-    pub(super) strict: bool,
-    /// Which radius G41 and G42 work with.
-    pub(super) radius: Radius,
-    pub(super) variables: Variables,
-    pub(super) loops: Passes,
-    /// Calls of G66 in force, the last one the innermost.
-    pub(super) modal_calls: Vec<Call>,
-    /// Frame, tool length and plane in force.
-    pub(super) standing: Standing,
     /// The direction of the tool at the end of the motion at hand, and where it stands.
     pub(super) direction: Option<(Vector, Span)>,
-    pub(super) feed_warned: bool,
+}
+
+/// What was said already.
+#[derive(Default)]
+pub(super) struct Warned {
+    pub(super) feed: bool,
     /// The zero offset whose missing value was reported.
-    pub(super) offset_warned: Option<System>,
+    pub(super) offset: Option<System>,
     /// Whether it was reported that numbers lack a decimal point and what they mean is not stated.
-    pub(super) point_warned: bool,
-    pub(super) cycles: Cycles,
-    pub(super) special: Special,
-    pub(super) gathered: Option<Box<Gathered>>,
+    pub(super) point: bool,
 }
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
@@ -79,30 +98,19 @@ impl<'a> Channel<'a> {
     pub(super) fn new(machine: &'a Machine, options: &Options, dialect: &'static Dialect) -> Self {
         let language = dialect.language;
         Channel {
-            machine,
+            settings: Settings::new(machine, options),
             language,
             axes: machine.axis_set(),
             outlet: Outlet::new(machine, options),
             modal: Modal::new(options.start, machine, language),
-            offsets: BTreeMap::new(),
-            tools: BTreeMap::new(),
-            through: None,
+            written: Written::default(),
             saved: vec![None],
-            has_moved: false,
-            ends_program: false,
-            before: Vec::new(),
-            after: Vec::new(),
-            corner: None,
-            strict: options.strict,
-            radius: options.radius,
+            block: AtHand::default(),
             variables: Variables::new(language, machine),
             loops: Passes::default(),
             modal_calls: Vec::new(),
             standing: Standing { changed: true, ..Standing::default() },
-            direction: None,
-            feed_warned: false,
-            offset_warned: None,
-            point_warned: false,
+            warned: Warned::default(),
             cycles: Cycles::default(),
             special: Special::default(),
             gathered: None,
@@ -116,7 +124,7 @@ impl<'a> Channel<'a> {
     /// A new block: its elements carry this origin and number.
     pub(super) fn begin_block(&mut self, origin: Origin, number: Option<BlockNumber>) {
         self.outlet.begin_block(origin, number);
-        self.has_moved = false;
+        self.block.has_moved = false;
     }
 
     /// Puts an element into the stream.
@@ -142,8 +150,8 @@ impl<'a> Channel<'a> {
 
     /// Puts the S, M and H words of the block into the stream.
     pub(super) fn flush_before(&mut self) {
-        if !self.before.is_empty() {
-            let before = std::mem::take(&mut self.before);
+        if !self.block.before.is_empty() {
+            let before = std::mem::take(&mut self.block.before);
             self.push(Kind::Before(before));
         }
     }

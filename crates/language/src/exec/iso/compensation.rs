@@ -63,7 +63,7 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
             _ => {
                 let number = match gathered.raw(b'D') {
                     Some(value) => whole(value, gathered.span_of(b'D'), "D")?,
-                    None if channel.modal.active.is_none() && channel.strict => {
+                    None if channel.modal.active.is_none() && channel.settings.strict => {
                         let message =
                             format!("{} and no tool: the radius is that of an earlier program", name_of(code));
                         return Err(fault(Code::BAD_COMPENSATION, span, message, "program T and M6, or D, before it"));
@@ -123,11 +123,11 @@ fn radius_of(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<f64, 
         return Ok(0.0);
     }
     if let Some(offset) = target::tool_offset(channel, number) {
-        return Ok(channel.radius.of(offset.radius_mm + offset.radius_wear_mm, offset.radius_wear_mm));
+        return Ok(channel.settings.radius.of(offset.radius_mm + offset.radius_wear_mm, offset.radius_wear_mm));
     }
     let message = format!("offset {number} has no radius in the machine file");
     let help = "add a [[tool]] entry of this number there or in a file given with --setup";
-    if channel.strict {
+    if channel.settings.strict {
         return Err(fault(Code::NO_TOOL, span, message, help));
     }
     channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; 0 is used"), help));
@@ -138,7 +138,7 @@ fn radius_of(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<f64, 
 #[inline]
 pub(super) fn pass(channel: &mut Channel<'_>, path: Path) {
     let mut modal = channel.modal.contour;
-    let corner = channel.corner.take();
+    let corner = channel.block.corner.take();
     if corner.is_none() && modal.is_plain() && !channel.outlet.is_holding() {
         channel.outlet.pass_plain(&path);
         return;
@@ -148,7 +148,7 @@ pub(super) fn pass(channel: &mut Channel<'_>, path: Path) {
     }
     let file = channel.outlet.file();
     let wish = Wish { corner, ..Wish::of(modal, channel.modal.radius_mm, path.span, file) };
-    if channel.strict {
+    if channel.settings.strict {
         channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.plane));
     }
     let (number, tool) = (modal.register, channel.modal.active);

@@ -172,7 +172,7 @@ fn brought(channel: &mut Channel<'_>, axis: Axis, place: &AxisVector, span: Span
     let setup = Shared::clone(&channel.standing.setup);
     let named: AxisSet = [axis].into_iter().collect();
     channel.modal.command = step::reach(channel, &setup, named, place, span)?;
-    if channel.strict {
+    if channel.settings.strict {
         let lost = channel.modal.forget(named);
         channel.push(Kind::Lost(lost));
     }
@@ -225,7 +225,7 @@ fn call(
     }
     // Scaling holds for places alone: pecks and clearances are those of the machine.
     let growth = channel.modal.transforms.growth(if matches!(code, 760 | 870) { abscissa } else { applicate });
-    let iso = &channel.machine.control.iso;
+    let iso = &channel.settings.machine.control.iso;
     let clearance = match code {
         _ if is_rs274 => rs274::CLEARANCE_MM,
         730 => iso.chip_clearance_mm,
@@ -287,7 +287,7 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
         let message = format!("{name} outside the XY plane: LinuxCNC takes the axes for one another there");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17, or program the motions one by one"));
     }
-    if is_tapping(code) && channel.strict && !channel.is_rs274() {
+    if is_tapping(code) && channel.settings.strict && !channel.is_rs274() {
         check_rigid(channel, code, &name, span)?;
     }
     Ok(())
@@ -295,7 +295,7 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
 
 /// K of a peck cycle is a depth on a Haas, with G91 too.
 fn check_count(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-    if !matches!(code, 730 | 830) || channel.machine.control.iso.reads_as_fanuc {
+    if !matches!(code, 730 | 830) || channel.settings.machine.control.iso.reads_as_fanuc {
         return Ok(());
     }
     let name = name_of(code);
@@ -306,7 +306,7 @@ fn check_count(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<
 
 /// Refuses tapping that keeps spindle and axis in step, or may do so.
 fn check_rigid(channel: &Channel<'_>, code: u16, name: &str, span: Span) -> Result<(), Fault> {
-    let rigid = channel.machine.control.iso.rigid_tapping;
+    let rigid = channel.settings.machine.control.iso.rigid_tapping;
     let is_rigid = channel.cycles.is_rigid || matches!(code, 842 | 843) || rigid == Some(true);
     if is_rigid {
         let message = format!("{name} taps rigidly: single motions do not keep spindle and axis together");

@@ -71,7 +71,7 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
             let value = target::axis_value(channel, gathered, axis)?;
             // Of a Fanuc, G91 adds to what is there.
             let adds = channel.modal.incremental && !channel.is_rs274();
-            if adds && known.is_none() && channel.strict {
+            if adds && known.is_none() && channel.settings.strict {
                 let message = format!("{} is changed by a step, and has no value in the machine file", system.words());
                 return Err(fault(Code::NO_OFFSET, span, message, format!("add [zero_offset.\"{}\"]", system.words())));
             }
@@ -86,8 +86,8 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
     say_offset(channel, system, &parts, named, gathered.has(b'R'));
     // Without a value in the machine file an offset is known where the program sets X, Y and Z. That of all systems counts as zero.
     let is_external = system == System::EXTERNAL;
-    if known.is_some() || is_external || !channel.strict || AxisSet::XYZ.difference(gathered.axes).is_empty() {
-        channel.offsets.insert(system, parts);
+    if known.is_some() || is_external || !channel.settings.strict || AxisSet::XYZ.difference(gathered.axes).is_empty() {
+        channel.written.offsets.insert(system, parts);
     }
     if system == channel.modal.system || is_external {
         offsets::load_offset(channel, span)?;
@@ -102,7 +102,7 @@ fn place_here(
     system: System,
     parts: &mut FrameParts,
 ) -> Result<(), Fault> {
-    let order = channel.machine.control.rotation_order;
+    let order = channel.settings.machine.control.rotation_order;
     let mut wanted = target::frame_of(channel, system).unapply(&target::tip(channel));
     let shift = channel.modal.shift;
     wanted = wanted - shift;
@@ -175,7 +175,7 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
     if gathered.axes.is_empty() && !gathered.has_any(b"RIJQ") {
         return Err(bad_value(span, "G10 L1 without offsets", "name the axes or R"));
     }
-    channel.tools.insert(number, offset);
+    channel.written.tools.insert(number, offset);
     channel.push(Kind::Verbatim(text.into_bytes()));
     Ok(())
 }
@@ -194,7 +194,7 @@ fn set_tool_value(
         return Err(bad_value(span, "G10 needs R with the value", "write for example G10 L10 P1 R100."));
     };
     let known = target::tool_offset(channel, number);
-    if known.is_none() && channel.strict && (channel.modal.incremental || matches!(l, 11 | 13)) {
+    if known.is_none() && channel.settings.strict && (channel.modal.incremental || matches!(l, 11 | 13)) {
         let message = format!("offset {number} is changed in part, and has no value in the machine file");
         return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
     }
@@ -208,7 +208,7 @@ fn set_tool_value(
     };
     *place = value + if incremental { *place } else { 0.0 };
     let value = *place;
-    channel.tools.insert(number, ToolOffset { is_stated: true, ..offset });
+    channel.written.tools.insert(number, ToolOffset { is_stated: true, ..offset });
     let mut text = format!("G10 L{l} P{number}");
     text::append_length(channel, &mut text, b'R', value);
     channel.push(Kind::Verbatim(text.into_bytes()));

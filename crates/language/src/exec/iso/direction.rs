@@ -56,7 +56,7 @@ pub(super) fn tool_direction(
             return Err(fault(Code::NOT_SUPPORTED, span, message, "use G0, G1, G2 or G3 under G43.5"));
         }
     }
-    let on_table = channel.machine.topology.workpiece.iter().any(|axis| axis.is_rotary());
+    let on_table = channel.settings.machine.topology.workpiece.iter().any(|axis| axis.is_rotary());
     if on_table && gathered.code(super::codes::Group::Length) == Some(BY_DIRECTION) {
         let message = "a direction of the tool in the block of G43.5, on a machine with a rotary axis in its table";
         return Err(fault(Code::BAD_WORD_VALUE, span, message, "give it in a block behind that"));
@@ -74,11 +74,13 @@ pub(super) fn orient(channel: &mut Channel<'_>, path: &mut Path, direction: Vect
         return Err(bad_value(span, "a direction of the tool without length", "give I, J, K values"));
     };
     // Two ways of the axes lead to a direction: which one the control takes follows from where they stand.
-    if let Some(axis) = kinematics.rotary_axes().find(|&axis| !path.start_known.contains(axis) && channel.strict) {
+    if let Some(axis) =
+        kinematics.rotary_axes().find(|&axis| !path.start_known.contains(axis) && channel.settings.strict)
+    {
         return Err(unknown_start(span, axis));
     }
     let mut axes: Vec<Axis> = kinematics.rotary_axes().collect();
-    let in_table = |axis: &Axis| channel.machine.topology.workpiece.contains(axis);
+    let in_table = |axis: &Axis| channel.settings.machine.topology.workpiece.contains(axis);
     if !axes.iter().all(in_table) {
         axes.reverse();
     }

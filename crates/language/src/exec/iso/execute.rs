@@ -116,7 +116,7 @@ impl Execute for Iso {
     }
 
     fn modal_call(run: &mut Interpreter<'_>, block: &Block) -> Result<bool, Fault> {
-        Ok(run.channel.has_moved && !run.channel.modal_calls.is_empty() && run.trigger(block.line)?)
+        Ok(run.channel.block.has_moved && !run.channel.modal_calls.is_empty() && run.trigger(block.line)?)
     }
 
     fn call(run: &mut Interpreter<'_>, call: Box<Call>, block: &Block) -> Result<(), Fault> {

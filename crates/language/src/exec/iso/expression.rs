@@ -33,12 +33,15 @@ pub(super) struct Scope<'s, 'a> {
 
 impl Scope<'_, '_> {
     fn arithmetic(&self) -> Arithmetic {
-        Arithmetic { language: self.channel.language, signed_angles: self.channel.machine.control.macros.signed_angles }
+        Arithmetic {
+            language: self.channel.language,
+            signed_angles: self.channel.settings.machine.control.macros.signed_angles,
+        }
     }
 
     /// What a length without a decimal point counts, in units of the program, where such numbers count increments.
     pub(super) fn increment(&self) -> Option<f64> {
-        let counts = self.channel.machine.control.iso.decimal_point == Some(DecimalPoint::Increment);
+        let counts = self.channel.settings.machine.control.iso.decimal_point == Some(DecimalPoint::Increment);
         counts.then(|| 1.0 / measure::increments_per_length(&self.channel))
     }
 
@@ -164,7 +167,7 @@ impl Scope<'_, '_> {
         match self.channel.variables.place(known) {
             Place::Null => return Ok(None),
             Place::Nowhere => return Err(no_variable(number, span)),
-            Place::Variable if self.channel.strict && self.channel.variables.is_left_over(known) => {
+            Place::Variable if self.channel.settings.strict && self.channel.variables.is_left_over(known) => {
                 let message =
                     format!("#{number} keeps its value when the power is off, and the program has not set it");
                 let help = format!("set it in the program, or add \"#{number}\" = … to [system] of the machine file");
@@ -276,7 +279,7 @@ impl Scope<'_, '_> {
     }
 
     fn in_machine_file(&self, key: &str) -> Option<f64> {
-        self.channel.machine.system.get(key).and_then(number_of)
+        self.channel.settings.machine.system.get(key).and_then(number_of)
     }
 
     fn missing(&self, missing: Missing, span: Span) -> Result<f64, Fault> {

@@ -86,12 +86,12 @@ pub(super) fn speed(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
     }
     // A cutting speed is in feet per minute where lengths are in inches.
     let in_meters = |inch: bool| if inch { METERS_PER_FOOT } else { 1.0 };
-    let (own, output) = (channel.modal.inch, channel.machine.control.output_inch == Some(true));
+    let (own, output) = (channel.modal.inch, channel.settings.machine.control.output_inch == Some(true));
     let is_other = channel.modal.spindle_mode == 960 && own != output;
     channel.modal.speed = Some(value);
     channel.modal.speed_word = if is_other { to_places(value * in_meters(own) / in_meters(output)) } else { value };
     let value = WordValue::Number(channel.modal.speed_word);
-    channel.before.push(Word { letter: b'S', extension: None, value });
+    channel.block.before.push(Word { letter: b'S', extension: None, value });
     Ok(())
 }
 
@@ -141,7 +141,10 @@ pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
     if seconds < 0.0 {
         return Err(bad_value(span, "a dwell must not be negative", "check the time"));
     }
-    if channel.modal.feed_mode == FeedUnit::PerTurn && !channel.is_rs274() && channel.machine.control.iso.dwell_turns {
+    if channel.modal.feed_mode == FeedUnit::PerTurn
+        && !channel.is_rs274()
+        && channel.settings.machine.control.iso.dwell_turns
+    {
         channel.push(Kind::Dwell(Dwell::Turns(seconds)));
     } else {
         channel.push(Kind::Dwell(Dwell::Seconds(seconds)));
@@ -196,7 +199,7 @@ pub(super) fn passed_on(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     let mut text = entry.name.to_owned();
     for letter in entry.words.split(' ').filter_map(|word| word.bytes().next().filter(|_| word.len() == 1)) {
         let is_length = LENGTHS.contains(&letter);
-        let is_other = channel.modal.inch && channel.machine.control.output_inch != Some(true);
+        let is_other = channel.modal.inch && channel.settings.machine.control.output_inch != Some(true);
         if is_other && !is_length && gathered.has(letter) && !gathered.is_unpointed(letter) {
             let message = format!(
                 "{} with {} under G20: it may be in inches, and the output is metric",

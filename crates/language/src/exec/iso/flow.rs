@@ -134,7 +134,7 @@ fn execute(
     let done = run(loaded, level, channel, block, words, &mut gathered, has_assignments, is_silent);
     channel.put_back(gathered);
     // Even where the block has a fault, the program ends where it says so.
-    let ends = std::mem::take(&mut channel.ends_program);
+    let ends = std::mem::take(&mut channel.block.ends_program);
     match done {
         Err(found) if !ends => return Err(found),
         Err(found) => channel.outlet.warnings.push(found),

@@ -76,7 +76,7 @@ fn within_transforms(channel: &Channel<'_>, gathered: &Gathered, (kind, name, sp
     // `G17 G68 X0 Y0 R30.`: the plane of the turn that begins here.
     let begins =
         *kind == Kind::Plane && gathered.code(group).is_some() && plane_of(channel, gathered) == channel.modal.plane;
-    if is_free || begins || channel.machine.control.iso.codes_within_rotation {
+    if is_free || begins || channel.settings.machine.control.iso.codes_within_rotation {
         return Ok(());
     }
     let message = format!("{name} while {what}: a Fanuc forbids it, and where the tool would go is not defined");
@@ -168,8 +168,8 @@ pub(super) fn check_offset_write(channel: &Channel<'_>, number: u32, span: Span)
 /// Refuses motions in a tilted plane that are not what the control would do.
 pub(super) fn check_tilt(channel: &Channel<'_>, named: AxisSet, span: Span) -> Result<(), Fault> {
     let Some(stand) = channel.modal.transforms.stand() else {
-        let has_rotary = channel.machine.axis_set().iter().any(Axis::is_rotary);
-        if channel.strict && has_rotary && !named.intersection(AxisSet::XYZ).is_empty() {
+        let has_rotary = channel.settings.machine.axis_set().iter().any(Axis::is_rotary);
+        if channel.settings.strict && has_rotary && !named.intersection(AxisSet::XYZ).is_empty() {
             let message = "a motion in a tilted plane on which the tool was not put";
             return Err(refused_with(span, message, "program G53.1 behind G68.2"));
         }

@@ -38,7 +38,7 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
         step::step(channel, Step::straight(gathered, true, through, named))?;
         channel.outlet.begin_line();
     }
-    channel.through = Some(channel.modal.command);
+    channel.written.through = Some(channel.modal.command);
     let homed = if named.is_empty() && channel.is_rs274() { channel.axes } else { named };
     if homed.is_empty() {
         return Err(bad_value(span, format!("{} without axis words", name_of(code)), "name the axes"));
@@ -59,7 +59,7 @@ fn reference(channel: &Channel<'_>, point: u8, axis: Axis, span: Span) -> Result
         let value = channel.variables.get(first + number_of(axis)).unwrap_or_default();
         return Ok(if axis.is_rotary() { value.to_radians() } else { value });
     }
-    let points = &channel.machine.control.iso.reference_points;
+    let points = &channel.settings.machine.control.iso.reference_points;
     match points.get(&(point, axis)) {
         Some(&value) => Ok(value),
         // The first one is usually where the machine's zero is.
@@ -76,10 +76,11 @@ fn reference(channel: &Channel<'_>, point: u8, axis: Axis, span: Span) -> Result
 /// `G28.1`, `G30.1`: the present position becomes the reference point.
 pub(super) fn save_home(channel: &mut Channel<'_>, code: u16, span: Span) -> Result<(), Fault> {
     forbidden::no_compensation(channel, span, &name_of(code))?;
-    if let Some(axis) = AxisSet::XYZ.iter().find(|&axis| channel.strict && !channel.modal.known.contains(axis)) {
+    if let Some(axis) = AxisSet::XYZ.iter().find(|&axis| channel.settings.strict && !channel.modal.known.contains(axis))
+    {
         return Err(target::unknown_start(span, axis));
     }
-    if channel.strict {
+    if channel.settings.strict {
         let message = format!("{} would store where the axes stand with their correction", name_of(code));
         let help = "leave it out, and move there with G53 G0 instead of G28 or G30";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));

@@ -94,7 +94,7 @@ fn table_length(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(V
     }
     let message = format!("tool offset {number} has no value in the machine file");
     let help = "add a [[tool]] entry of this number there or in a file given with --setup";
-    if channel.strict {
+    if channel.settings.strict {
         return Err(fault(Code::NO_TOOL, span, message, help));
     }
     channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
@@ -116,7 +116,7 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
     // Along several axes where several blocks say so; G49 ends them all, H0 that of its axis.
     let mut length = Vector::zeros();
     if !is_off {
-        if channel.machine.control.iso.length_axis != LengthAxis::Z {
+        if channel.settings.machine.control.iso.length_axis != LengthAxis::Z {
             length = channel.modal.length_mm;
         }
         if size != 0.0 || length != Vector::zeros() {
@@ -148,14 +148,14 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
     }
     if gathered.has(b'H') {
         let value = WordValue::Number(f64::from(channel.modal.h));
-        channel.before.push(Word { letter: b'H', extension: None, value });
+        channel.block.before.push(Word { letter: b'H', extension: None, value });
     }
     Ok(())
 }
 
 /// The axis along which a Fanuc compensates (parameter 5001).
 fn length_axis(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result<Axis, Fault> {
-    match channel.machine.control.iso.length_axis {
+    match channel.settings.machine.control.iso.length_axis {
         LengthAxis::Z => Ok(Axis::Z),
         LengthAxis::Plane => {
             let [.., applicate] = channel.modal.plane.axes();

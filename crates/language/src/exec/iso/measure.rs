@@ -45,21 +45,21 @@ pub(super) fn increments_per_length(channel: &Channel<'_>) -> f64 {
 
 /// Increments of a Fanuc in a degree.
 pub(super) fn increments_per_degree(channel: &Channel<'_>) -> f64 {
-    channel.machine.control.iso.increment_system.per_unit()
+    channel.settings.machine.control.iso.increment_system.per_unit()
 }
 
 /// Increments of a Fanuc in an inch or a millimeter.
 pub(super) fn increments_per(channel: &Channel<'_>, inch: bool) -> f64 {
-    channel.machine.control.iso.increment_system.per_unit() * if inch { 10.0 } else { 1.0 }
+    channel.settings.machine.control.iso.increment_system.per_unit() * if inch { 10.0 } else { 1.0 }
 }
 
 /// Whether a number without a decimal point counts increments. Where the machine file does not say it, this is a finding: a
 /// factor of a thousand is not guessed.
 fn has_increments(channel: &mut Channel<'_>, gathered: &Gathered, letter: u8) -> Result<bool, Fault> {
-    if let Some(point) = channel.machine.control.iso.decimal_point {
+    if let Some(point) = channel.settings.machine.control.iso.decimal_point {
         return Ok(point == DecimalPoint::Increment);
     }
-    if std::mem::replace(&mut channel.point_warned, true) {
+    if std::mem::replace(&mut channel.warned.point, true) {
         return Ok(false);
     }
     let message =

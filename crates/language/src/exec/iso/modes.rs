@@ -34,7 +34,7 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
 pub(super) fn units(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Units) else { return Ok(()) };
     channel.modal.inch = code == 200;
-    match channel.machine.control.output_inch {
+    match channel.settings.machine.control.output_inch {
         Some(inch) if inch != channel.modal.inch && !channel.is_rs274() => {
             let message = "the program is in inches in one part and in millimeters in another";
             let help = "correct them as two programs: what the control keeps in tool and zero offsets follows the unit in force";

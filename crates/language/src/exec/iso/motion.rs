@@ -26,9 +26,9 @@ pub(super) fn motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
     if let Some(span) = gathered.machine_frame {
         return machine_motion(channel, gathered, code, span);
     }
-    channel.direction = direction::tool_direction(channel, gathered, code)?;
+    channel.block.direction = direction::tool_direction(channel, gathered, code)?;
     let done = way(channel, gathered, code);
-    channel.direction = None;
+    channel.block.direction = None;
     done
 }
 

@@ -16,7 +16,7 @@ use ncfix_machine::snc::{FrameWords, Kind};
 
 /// Puts the zero offset in force, without a word to the output.
 pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
-    let (system, order) = (channel.modal.system, channel.machine.control.rotation_order);
+    let (system, order) = (channel.modal.system, channel.settings.machine.control.rotation_order);
     let parts = target::offset_of(channel, system);
     channel.modal.offset_assumed = parts.is_none();
     let own = parts.unwrap_or_default().frame(order);
@@ -32,14 +32,15 @@ pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), F
 
 /// Says that the zero offset in force has no value: an error where it must not be assumed.
 pub(super) fn check_offset(channel: &mut Channel<'_>, span: Span) {
-    if !channel.modal.offset_assumed || channel.offset_warned == Some(channel.modal.system) {
+    if !channel.modal.offset_assumed || channel.warned.offset == Some(channel.modal.system) {
         return;
     }
-    channel.offset_warned = Some(channel.modal.system);
+    channel.warned.offset = Some(channel.modal.system);
     let words = channel.modal.system.words();
     let help = format!("add [zero_offset.\"{words}\"] there");
     // The motion goes on from here all the same, so that one fault is not found again in every block.
-    let (code, end) = if channel.strict { (Code::NO_OFFSET, "") } else { (Code::OFFSET_ASSUMED, "; zero is used") };
+    let (code, end) =
+        if channel.settings.strict { (Code::NO_OFFSET, "") } else { (Code::OFFSET_ASSUMED, "; zero is used") };
     let message = format!("{words} has no value in the machine file{end}");
     channel.outlet.warnings.push(fault(code, span, message, help));
 }

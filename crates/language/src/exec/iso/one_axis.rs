@@ -56,7 +56,7 @@ pub(super) fn other_axes(
     };
     let moved = doubt.group.intersection(named);
     let span = moved.iter().next().map_or(gathered.span, |axis| gathered.span_of(axis.letter()));
-    let setting = channel.machine.control.iso.one_axis_in_rotation;
+    let setting = channel.settings.machine.control.iso.one_axis_in_rotation;
     if channel.modal.incremental {
         if !doubt.has_ended {
             // The way is the same by either rule: the tool turns about where it stands.

@@ -25,9 +25,9 @@ use ncfix_machine::snc::Kind;
 
 /// Executes a block's words.
 pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
-    channel.before.clear();
-    channel.after.clear();
-    channel.corner = None;
+    channel.block.before.clear();
+    channel.block.after.clear();
+    channel.block.corner = None;
     target::check_axes(channel, gathered)?;
     let done = if channel.is_rs274() { execute_rs274(channel, gathered) } else { execute_fanuc(channel, gathered) };
     // Even where the block has a fault, the program ends where it says so.
@@ -119,8 +119,8 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
     } else {
         feed_alone(channel, gathered);
     }
-    if !channel.after.is_empty() {
-        let after = std::mem::take(&mut channel.after);
+    if !channel.block.after.is_empty() {
+        let after = std::mem::take(&mut channel.block.after);
         channel.push(Kind::After(after));
     }
     auxiliary::lose_by_functions(channel, gathered);

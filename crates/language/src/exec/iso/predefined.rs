@@ -34,7 +34,7 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
     let axis_of = |start: u32| ORDER.get((number - start) as usize).copied().unwrap_or(Axis::X);
     let in_mm = |axis: Axis, value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
     Some(match number {
-        5061..=5070 if channel.strict && channel.variables.probed.is_some() => Err(Missing::OnlyMachine),
+        5061..=5070 if channel.settings.strict && channel.variables.probed.is_some() => Err(Missing::OnlyMachine),
         5021..=5029 => machine_of(channel, axis_of(5021)),
         5210 => {
             let is_applied = channel.modal.shift == channel.modal.stored_shift;
@@ -49,7 +49,7 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
             let (system, place) = offset_place(number)?;
             let parts = target::offset_of(channel, system);
             match (parts, ORDER.get(place as usize)) {
-                (None, _) if channel.strict => Err(Missing::OnlyMachine),
+                (None, _) if channel.settings.strict => Err(Missing::OnlyMachine),
                 (None, _) => Ok(0.0),
                 (Some(parts), Some(&axis)) => Ok(in_mm(axis, parts.shift()[axis])),
                 (Some(parts), None) => Ok(parts.rotation[2].to_degrees()),
@@ -62,7 +62,7 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
         5401..=5403 | 5410 => match channel.modal.active.and_then(|tool| target::tool_offset(channel, tool)) {
             Some(offset) if number == 5410 => Ok(2.0 * offset.radius_mm),
             Some(offset) => Ok(offset.length_mm[(number - 5401) as usize]),
-            None if channel.strict => Err(Missing::OnlyMachine),
+            None if channel.settings.strict => Err(Missing::OnlyMachine),
             None => Ok(0.0),
         },
         5420..=5428 if channel.modal.contour.compensates() => Err(Missing::Compensated),
@@ -93,14 +93,14 @@ pub(super) fn note_probe(channel: &mut Channel<'_>) {
 fn tool_in_spindle(channel: &Channel<'_>) -> Result<f64, Missing> {
     match channel.modal.active {
         Some(tool) => Ok(f64::from(tool)),
-        None if channel.strict => Err(Missing::OnlyMachine),
+        None if channel.settings.strict => Err(Missing::OnlyMachine),
         None => Ok(0.0),
     }
 }
 
 /// Where an axis is, as the program would say it.
 fn here_of(channel: &Channel<'_>, axis: Axis) -> Result<f64, Missing> {
-    if channel.strict && !channel.modal.known.contains(axis) {
+    if channel.settings.strict && !channel.modal.known.contains(axis) {
         return Err(Missing::Unstated);
     }
     Ok(system::shown_value(channel, axis, target::here(channel)[axis]))
@@ -117,7 +117,7 @@ pub(super) fn write_parameter(channel: &mut Channel<'_>, number: u32, value: f64
         }
         None => parts.rotation[2] = value.to_radians(),
     }
-    channel.offsets.insert(system, parts);
+    channel.written.offsets.insert(system, parts);
     channel.push(Kind::Verbatim(format!("#{number}={value}").into_bytes()));
     true
 }
@@ -180,7 +180,7 @@ pub(super) fn predefined_name(channel: &Channel<'_>, name: &str) -> Option<Resul
 
 /// Where an axis of the machine is.
 fn machine_of(channel: &Channel<'_>, axis: Axis) -> Result<f64, Missing> {
-    if channel.strict && !channel.modal.known.contains(axis) {
+    if channel.settings.strict && !channel.modal.known.contains(axis) {
         return Err(Missing::Unstated);
     }
     Ok(system::shown_value(channel, axis, target::tip(channel)[axis]))

@@ -32,7 +32,7 @@ pub(super) fn probe(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     let manner = Manner::Probe(word);
     step::step(channel, Step { rapid: false, end, named, feed_named: gathered.has(b'F'), manner, span })?;
     predefined::note_probe(channel);
-    if channel.strict {
+    if channel.settings.strict {
         let lost = channel.modal.forget(named);
         channel.push(Kind::Lost(lost));
     }

@@ -17,7 +17,7 @@ pub(super) fn back_to_work(channel: &mut Channel<'_>, gathered: &Gathered, code:
         return Err(bad_value(span, "G27 and G29 need axis words", "name the axes"));
     }
     if code == 290 {
-        let Some(through) = channel.through else {
+        let Some(through) = channel.written.through else {
             let help = "program G28 or G30 before it";
             return Err(bad_value(span, "G29, and no G28 or G30 has stated its point", help));
         };

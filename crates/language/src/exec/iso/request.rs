@@ -40,7 +40,7 @@ pub(super) enum Request {
 /// What the words of a block ask for; the first that asks for something counts.
 pub(super) fn request(channel: &Channel<'_>, level: &Level, words: &[Word]) -> Option<Request> {
     let is_fanuc = channel.language == Language::Fanuc;
-    let codes = &channel.machine.control.macros.codes;
+    let codes = &channel.settings.machine.control.macros.codes;
     let may_map = is_fanuc && !codes.is_empty() && !level.own.is_of_code;
     words.iter().find_map(|word| {
         let Address::Letter(letter) = word.address else { return None };

@@ -147,6 +147,6 @@ pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
     let [abscissa, ..] = channel.modal.plane.axes();
     let size = size * frame.linear().column(abscissa.slot()).norm();
     let transition = if round { Transition::Round(size) } else { Transition::ChamferSetback(size) };
-    channel.corner = Some(Corner { transition, feed: 0.0, is_modal: false });
+    channel.block.corner = Some(Corner { transition, feed: 0.0, is_modal: false });
     Ok(())
 }

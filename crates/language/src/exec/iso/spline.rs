@@ -124,8 +124,9 @@ pub(super) fn drop_curve(channel: &mut Channel<'_>, code: u16) {
 fn along(channel: &mut Channel<'_>, curve: &Nurbs, gathered: &Gathered) -> Result<(), Fault> {
     let here = target::here(channel);
     let setup = Shared::clone(&channel.standing.setup);
-    let pieces =
-        curve.pieces(channel.machine.control.chord_tolerance_mm).map_err(|found| no_curve(found, gathered.span))?;
+    let pieces = curve
+        .pieces(channel.settings.machine.control.chord_tolerance_mm)
+        .map_err(|found| no_curve(found, gathered.span))?;
     let named: AxisSet = [Axis::X, Axis::Y].into_iter().collect();
     let mut ends: Vec<AxisVector> = Vec::with_capacity(pieces.len());
     for [x, y] in pieces {

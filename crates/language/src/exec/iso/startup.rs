@@ -10,7 +10,7 @@ use ncfix_base::source::{FileId, Source};
 
 /// Executes `control.startup_code`, of which the output says nothing.
 pub(super) fn start_up(channel: &mut Channel<'_>, program: &Program) -> Option<Diagnostic> {
-    let code = &channel.machine.control.iso.startup_code;
+    let code = &channel.settings.machine.control.iso.startup_code;
     if code.is_empty() {
         return None;
     }
@@ -30,12 +30,12 @@ pub(super) fn start_up(channel: &mut Channel<'_>, program: &Program) -> Option<D
         let scope = Scope { program: &parsed, channel, index: usize::MAX, grid: None };
         let found = gather(&scope, parsed.words_of(block), &mut gathered);
         let done = found.and_then(|()| order::execute(channel, &mut gathered));
-        let moves = channel.has_moved;
+        let moves = channel.block.has_moved;
         channel.put_back(gathered);
         if let Err(found) = done {
             return complain(&found.message);
         }
-        if moves || channel.ends_program {
+        if moves || channel.block.ends_program {
             return complain("it moves an axis or ends the program");
         }
     }

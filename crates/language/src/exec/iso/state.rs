@@ -161,7 +161,7 @@ fn bring_back_auxiliaries(channel: &mut Channel<'_>, saved: &Modal) {
     channel.modal.speed_word = saved.speed_word;
     channel.modal.spindle = saved.spindle;
     channel.modal.coolant = saved.coolant;
-    channel.before.extend(aux.into_iter().map(word));
+    channel.block.before.extend(aux.into_iter().map(word));
 }
 
 /// Puts an M code on a line of its own: LinuxCNC takes one code of a group and one P in a block.

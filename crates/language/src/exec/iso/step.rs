@@ -159,7 +159,7 @@ pub(super) fn send(
         known = known_behind(known, &setup.frame, inner);
         begun = known_behind(begun, &setup.frame, inner);
         // A turned axis moves two of the output: where the other one stands decides where both end.
-        if let Some(axis) = named.difference(known).iter().next().filter(|_| channel.strict) {
+        if let Some(axis) = named.difference(known).iter().next().filter(|_| channel.settings.strict) {
             return Err(unknown_mixed(step.span, axis));
         }
     }
@@ -180,10 +180,10 @@ pub(super) fn send(
         off_curve_mm: 0.0,
     };
     let mut path = Path { motion, start, start_known: begun, basis, shape, setup, span: step.span };
-    if let Some((direction, span)) = channel.direction {
+    if let Some((direction, span)) = channel.block.direction {
         direction::orient(channel, &mut path, direction, span)?;
     }
-    channel.has_moved = true;
+    channel.block.has_moved = true;
     compensation::pass(channel, path);
     Ok(())
 }
@@ -199,9 +199,9 @@ pub(super) fn check_feed(channel: &mut Channel<'_>, step: &Step) {
         FeedUnit::InverseTime => ("a feed motion in G93 without F", "program F in each block with G93"),
         _ => ("a feed motion, and no F was programmed yet", "program F before it or in it"),
     };
-    if channel.strict {
+    if channel.settings.strict {
         channel.outlet.warnings.push(fault(Code::MISSING_FEED, step.span, message, help));
-    } else if !std::mem::replace(&mut channel.feed_warned, true) {
+    } else if !std::mem::replace(&mut channel.warned.feed, true) {
         channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, step.span, message, help));
     }
 }

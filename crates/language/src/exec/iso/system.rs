@@ -107,13 +107,13 @@ pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Opti
             let axis = axis_at(channel, place).ok_or(Missing::Unknown)?;
             match target::offset_of(channel, system) {
                 Some(parts) => Ok(Some(shown_value(channel, axis, parts.shift()[axis]))),
-                None if system == System::EXTERNAL || !channel.strict => Ok(Some(0.0)),
+                None if system == System::EXTERNAL || !channel.settings.strict => Ok(Some(0.0)),
                 None => Err(Missing::OnlyMachine),
             }
         }
         Meaning::Tool(number, part) => match target::tool_offset(channel, number) {
             Some(mut offset) => Ok(Some(*part_of(&mut offset, part) / channel.modal.scale())),
-            None if channel.strict => Err(Missing::OnlyMachine),
+            None if channel.settings.strict => Err(Missing::OnlyMachine),
             None => Ok(Some(0.0)),
         },
         Meaning::Position(kind, place) => {
@@ -146,10 +146,10 @@ fn position(channel: &Channel<'_>, position: Position, axis: Axis) -> Result<f64
     }
     if position == Position::Skip {
         // Where the skip came only the machine knows; without strictness it is taken for the end of the motion.
-        let probed = channel.variables.probed.filter(|_| !channel.strict);
+        let probed = channel.variables.probed.filter(|_| !channel.settings.strict);
         return probed.map(|values| values[axis]).ok_or(Missing::OnlyMachine);
     }
-    if channel.strict && !channel.modal.known.contains(axis) {
+    if channel.settings.strict && !channel.modal.known.contains(axis) {
         return Err(Missing::Unstated);
     }
     if channel.modal.contour.compensates() && position != Position::Programmed {
@@ -223,7 +223,7 @@ pub(super) fn write_system(
             let text = comment_of(loaded, block);
             let message = format!("the program stops with its alarm {number_value}: {text}");
             let help = "the program found something that it does not go on with; correct what it asks for";
-            channel.ends_program = true;
+            channel.block.ends_program = true;
             let found = fault(Code::CYCLE_ALARM, span, message.trim_end_matches([':', ' ']), help);
             channel.outlet.warnings.push(found);
             Ok(())
@@ -265,7 +265,7 @@ fn write_offset(
         forbidden::check_offset_write(channel, number, span)?;
     }
     let known = target::offset_of(channel, system);
-    if known.is_none() && channel.strict {
+    if known.is_none() && channel.settings.strict {
         let message = format!("{} is changed in part, and has no value in the machine file", system.words());
         return Err(fault(
             Code::NO_OFFSET,
@@ -278,7 +278,7 @@ fn write_offset(
     let inside = if axis.is_rotary() { value.to_radians() } else { value * channel.modal.scale() };
     parts.translation[axis] = inside;
     parts.fine[axis] = 0.0;
-    channel.offsets.insert(system, parts);
+    channel.written.offsets.insert(system, parts);
     tell(channel, number, if axis.is_rotary() { value } else { inside / text::output_unit_mm(channel) }, "");
     if system == channel.modal.system || system == System::EXTERNAL {
         offsets::load_offset(channel, span)?;
@@ -295,14 +295,14 @@ fn write_tool(
     span: Span,
 ) -> Result<(), Fault> {
     let known = target::tool_offset(channel, tool);
-    if known.is_none() && channel.strict {
+    if known.is_none() && channel.settings.strict {
         let message = format!("offset {tool} is changed in part, and has no value in the machine file");
         return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
     }
     let mut offset = known.unwrap_or_default();
     let inside = value * channel.modal.scale();
     *part_of(&mut offset, part) = inside;
-    channel.tools.insert(tool, ToolOffset { is_stated: true, ..offset });
+    channel.written.tools.insert(tool, ToolOffset { is_stated: true, ..offset });
     tell(channel, number, inside / text::output_unit_mm(channel), "");
     Ok(())
 }

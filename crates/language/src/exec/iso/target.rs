@@ -18,8 +18,8 @@ use ncfix_base::geometry::Vector;
 use ncfix_base::source::Span;
 /// Offsets of a number, as the program or the machine file set them.
 pub(super) fn tool_offset(channel: &Channel<'_>, number: u32) -> Option<ToolOffset> {
-    channel.tools.get(&number).copied().or_else(|| {
-        let tool = channel.machine.tool(number, 1)?;
+    channel.written.tools.get(&number).copied().or_else(|| {
+        let tool = channel.settings.machine.tool(number, 1)?;
         let [first, second, third] = tool.length_mm;
         // Lengths 1, 2, 3 lie along Z, Y, X.
         let length_mm = Vector::new(third, second, first);
@@ -53,7 +53,7 @@ pub(super) fn absolute(
     here: f64,
 ) -> Result<f64, Fault> {
     let here = Some(here).filter(|_| channel.modal.known.contains(axis));
-    rollover::position(channel.machine, axis, value, here, gathered.span_of(axis.letter()))
+    rollover::position(channel.settings.machine, axis, value, here, gathered.span_of(axis.letter()))
 }
 
 /// Refuses axes that the machine lacks.
@@ -83,13 +83,13 @@ pub(super) fn unknown_start(span: Span, axis: Axis) -> Fault {
 
 /// The value of a zero offset; `None` where neither program nor machine file give one.
 pub(super) fn offset_of(channel: &Channel<'_>, system: System) -> Option<FrameParts> {
-    let own = channel.offsets.get(&system).copied();
-    own.or_else(|| channel.machine.zero_offsets.get(&system.words()).copied())
+    let own = channel.written.offsets.get(&system).copied();
+    own.or_else(|| channel.settings.machine.zero_offsets.get(&system.words()).copied())
 }
 
 /// What depends on where an axis stands must not be corrected where the program has not stated it.
 pub(super) fn check_stated(channel: &Channel<'_>, axis: Axis, span: Span) -> Result<(), Fault> {
-    if channel.strict && !channel.modal.known.contains(axis) {
+    if channel.settings.strict && !channel.modal.known.contains(axis) {
         return Err(unknown_start(span, axis));
     }
     Ok(())
@@ -102,7 +102,7 @@ pub(super) fn here(channel: &Channel<'_>) -> AxisVector {
 
 /// The frame of a zero offset alone, that of all systems included.
 pub(super) fn frame_of(channel: &Channel<'_>, system: System) -> Frame {
-    let order = channel.machine.control.rotation_order;
+    let order = channel.settings.machine.control.rotation_order;
     let frame = |system| offset_of(channel, system).unwrap_or_default().frame(order).unwrap_or_else(Frame::identity);
     frame(System::EXTERNAL).compose(&frame(system))
 }

@@ -5,7 +5,7 @@ use ncfix_base::units::MM_PER_INCH;
 use std::fmt::Write as _;
 /// mm in a length unit of the output.
 pub(super) fn output_unit_mm(channel: &Channel<'_>) -> f64 {
-    if channel.machine.control.output_inch == Some(true) { MM_PER_INCH } else { 1.0 }
+    if channel.settings.machine.control.output_inch == Some(true) { MM_PER_INCH } else { 1.0 }
 }
 
 /// Appends a word of a length, mm, in the unit of the output.

@@ -96,13 +96,13 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     if channel.modal.contour.compensates() || channel.modal.turning.is_some() {
         return Err(refused(span, "G53.1 under radius compensation or tool center point control".to_owned()));
     }
-    let kinematics = Kinematics::new(channel.machine);
+    let kinematics = Kinematics::new(channel.settings.machine);
     if kinematics.rotary_axes().next().is_none() {
         return Ok(());
     }
-    let unstated = |axis: &Axis| channel.machine.axis(*axis).is_some() && !channel.modal.known.contains(*axis);
+    let unstated = |axis: &Axis| channel.settings.machine.axis(*axis).is_some() && !channel.modal.known.contains(*axis);
     let unknown: AxisSet = AxisSet::XYZ.iter().chain(kinematics.rotary_axes()).filter(unstated).collect();
-    if channel.strict && !unknown.is_empty() {
+    if channel.settings.strict && !unknown.is_empty() {
         // The plane comes into force all the same, so that what follows is not refused for its lack.
         channel.outlet.warnings.push(unknown_places(span, unknown, "G90 G53 G0"));
         channel.modal.known = channel.modal.known.union(unknown);
@@ -118,7 +118,7 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
             return Err(fault(Code::BAD_SWIVEL, span, message, help));
         }
         ([Some(one), Some(other)], Some(sign @ (1.0 | 2.0))) => {
-            let axis = tilting_axis(&kinematics, channel.machine);
+            let axis = tilting_axis(&kinematics, channel.settings.machine);
             let is_first = axis.is_none_or(|axis| (one[axis] > other[axis]) == (sign == 1.0));
             if is_first { one } else { other }
         }
@@ -145,7 +145,7 @@ pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fa
     if channel.modal.transforms.stand().is_none_or(|stand| stand.tool_mm == tool_mm) {
         return Ok(());
     }
-    let kinematics = Kinematics::new(channel.machine);
+    let kinematics = Kinematics::new(channel.settings.machine);
     let below = channel.modal.below_transforms();
     let total = turned_frame(&kinematics, &below, &tilt, &channel.modal.command, &tool_mm)
         .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;

@@ -42,7 +42,8 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
     if turning.is_some() {
-        let kinematics = channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.machine)));
+        let kinematics =
+            channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.settings.machine)));
         let rotary = kinematics.rotary_axes().count();
         let can = (1..=2).contains(&rotary)
             && kinematics.command_on_workpiece(&channel.modal.command, &channel.standing.setup.tool_mm).is_some();
@@ -73,7 +74,7 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
 /// The coordinates of the tip are those that the work coordinate system has on the table when the control begins with them, be
 /// it in that block: they are the zero offset's where the table stands at zero (Fanuc parameter 19696, bit 5, as delivered).
 fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-    for &axis in channel.machine.topology.workpiece.iter().filter(|axis| axis.is_rotary()) {
+    for &axis in channel.settings.machine.topology.workpiece.iter().filter(|axis| axis.is_rotary()) {
         let (here, is_known) = (channel.modal.command[axis], channel.modal.known.contains(axis));
         let mut places = vec![here];
         if gathered.axes.contains(axis) {
@@ -85,7 +86,7 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
             target::check_stated(channel, axis, span)?;
         }
         // What is corrected already has the table where a correction put it.
-        let most = if channel.strict { SAME_ANGLE_RAD } else { CORRECTED_ANGLE_RAD };
+        let most = if channel.settings.strict { SAME_ANGLE_RAD } else { CORRECTED_ANGLE_RAD };
         let is_zero = |place: &f64| (place - (place / TAU).round() * TAU).abs() < most;
         if !places.iter().all(is_zero) {
             let message = format!("G43.4 while {axis}, which carries the workpiece, is not at machine zero");

@@ -45,7 +45,7 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
         let help = "keep ANG, or the second coordinate; with both it belongs behind a block with ANG alone";
         return Err(bad_value(angle.span, message, help));
     }
-    if let Some(axis) = plane.difference(channel.modal.known).iter().next().filter(|_| channel.strict) {
+    if let Some(axis) = plane.difference(channel.modal.known).iter().next().filter(|_| channel.settings.strict) {
         let message =
             format!("the end of this element depends on {axis}, and the program has not stated where that is");
         let help = "begin with an absolute position of this axis, or give --start";

@@ -9,7 +9,7 @@ use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::bad_value;
 use crate::exec::core::options::Options;
 use crate::exec::core::outlet::{HasOutlet, Outlet};
-use crate::exec::core::radius::Radius;
+use crate::exec::core::settings::Settings;
 use crate::exec::core::standing::Standing;
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeTable;
@@ -18,31 +18,36 @@ use ncfix_machine::snc::{BlockNumber, Kind, Origin};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
-    pub(super) machine: &'a Machine,
+    /// The machine, and what the caller has chosen.
+    pub(super) settings: Settings<'a>,
     pub(super) outlet: Outlet<'a>,
     pub(super) modal: Modal,
     pub(super) variables: Variables,
     pub(super) system: System,
     pub(super) codes: &'static CodeTable,
-    /// Whether the block has moved a geometry axis.
-    pub(super) has_moved: bool,
+    /// What the block at hand says and does.
+    pub(super) block: AtHand,
     pub(super) splines: Splines,
-    /// What the motion to come wants of the contour stage.
-    pub(super) corner: Option<Corner>,
-    /// FRC of a block without a transition of its own.
-    pub(super) corner_feed: Option<f64>,
-    pub(super) soft: Option<Soft>,
     /// A motion whose end the next one tells.
     pub(super) open_angle: Option<OpenAngle>,
-    pub(super) strict: bool,
-    /// Which radius G41 and G42 work with.
-    pub(super) radius: Radius,
     /// Frame, tool length and plane in force.
     pub(super) standing: Standing,
     /// Line of the first length or feed that was programmed before any unit code.
     pub(super) unitless: Option<u32>,
     pub(super) unit_stated: bool,
     pub(super) feed_warned: bool,
+}
+
+/// What the block at hand says and does.
+#[derive(Default)]
+pub(super) struct AtHand {
+    /// Whether the block has moved a geometry axis.
+    pub(super) has_moved: bool,
+    /// What the motion to come wants of the contour stage.
+    pub(super) corner: Option<Corner>,
+    /// FRC of a block without a transition of its own.
+    pub(super) corner_feed: Option<f64>,
+    pub(super) soft: Option<Soft>,
 }
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
@@ -54,20 +59,15 @@ impl<'a> HasOutlet<'a> for Channel<'a> {
 impl<'a> Channel<'a> {
     pub(super) fn new(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Self {
         Channel {
-            machine,
+            settings: Settings::new(machine, options),
             modal: Modal::new(options.start, machine),
             variables: Variables::new(machine, options.strict),
             system: System::new(options.strict, machine),
             outlet: Outlet::new(machine, options),
             splines: Splines::default(),
-            corner: None,
-            corner_feed: None,
-            soft: None,
+            block: AtHand::default(),
             open_angle: None,
             codes,
-            has_moved: false,
-            strict: options.strict,
-            radius: options.radius,
             standing: Standing { changed: true, ..Standing::default() },
             unitless: None,
             unit_stated: false,
@@ -78,7 +78,7 @@ impl<'a> Channel<'a> {
     /// A new block: its elements carry this origin and number.
     pub(super) fn begin_block(&mut self, origin: Origin, number: Option<BlockNumber>) {
         self.outlet.begin_block(origin, number);
-        self.has_moved = false;
+        self.block.has_moved = false;
     }
 
     /// Puts an element into the stream.

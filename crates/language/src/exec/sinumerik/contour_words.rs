@@ -101,7 +101,7 @@ pub(super) fn contour_words(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     }
     let words = gathered.contour.iter();
     if let Some((form, retracts)) = words.filter_map(|word| soft_form(word)).next() {
-        channel.soft = Some(soft_words(channel, gathered, form, retracts)?);
+        channel.block.soft = Some(soft_words(channel, gathered, form, retracts)?);
     }
     Ok(())
 }
@@ -109,7 +109,7 @@ pub(super) fn contour_words(channel: &mut Channel<'_>, gathered: &Gathered) -> R
 /// The radius of G41 and G42 is that of a cutting edge that the program has named.
 pub(super) fn check_edge(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) {
     let code = gathered.contour.iter().find(|word| matches!(**word, "G41" | "G42"));
-    let Some(code) = code.filter(|_| channel.strict && !channel.modal.edge_stated) else { return };
+    let Some(code) = code.filter(|_| channel.settings.strict && !channel.modal.edge_stated) else { return };
     let message = format!("{code} and no D: the radius is that of the tool of an earlier program");
     let help = "program T, M6 where the machine needs it, and D before it";
     channel.outlet.warnings.push(fault(Code::BAD_COMPENSATION, span, message, help));
@@ -151,8 +151,8 @@ fn soft_words(channel: &Channel<'_>, gathered: &Gathered, form: SoftForm, retrac
 
 /// The transition that a block wants behind itself.
 pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
-    channel.corner = None;
-    channel.corner_feed = None;
+    channel.block.corner = None;
+    channel.block.corner_feed = None;
     if gathered.addresses.is_empty() {
         return Ok(());
     }
@@ -176,8 +176,8 @@ pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
     }
     let feed = gathered.named(Named::Frc).map(|value| value.value.max(0.0) * feed_scale(channel));
     let feed = feed.unwrap_or(channel.modal.contour.corner_feed);
-    channel.corner_feed = found.is_none().then_some(feed);
-    channel.corner = found.map(|transition| Corner { transition, feed, is_modal: false });
+    channel.block.corner_feed = found.is_none().then_some(feed);
+    channel.block.corner = found.map(|transition| Corner { transition, feed, is_modal: false });
     Ok(())
 }
 
@@ -201,7 +201,7 @@ fn even_scale(channel: &Channel<'_>, value: &NamedValue) -> Result<f64, Fault> {
 
 /// What the motion of a block asks of the stage; `None` where it is what it is.
 pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
-    let (corner, soft) = (channel.corner.take(), channel.soft.take());
+    let (corner, soft) = (channel.block.corner.take(), channel.block.soft.take());
     let modal = channel.modal.contour;
     let is_open = channel.open_angle.is_some();
     if !is_open && corner.is_none() && soft.is_none() && modal.is_plain() && !channel.outlet.is_holding() {
@@ -212,7 +212,7 @@ pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
         let [abscissa, ..] = channel.modal.plane.axes();
         let scale = frame.linear().column(abscissa.slot()).norm();
         // FRC goes before FRCM, behind RNDM too.
-        let feed = channel.corner_feed.unwrap_or(modal.corner_feed);
+        let feed = channel.block.corner_feed.unwrap_or(modal.corner_feed);
         Corner { transition: Transition::Round(modal.round_mm * scale), feed, is_modal: true }
     });
     let beside = channel.modal.radius_mm + modal.allowance_mm + modal.radius_change_mm;
@@ -261,7 +261,7 @@ fn check_known(channel: &mut Channel<'_>, path: &Path, wish: &Wish) {
             "program the feed with G94 or G95",
         ));
     }
-    if channel.strict {
+    if channel.settings.strict {
         channel.outlet.warnings.extend(unstated(path, wish, channel.modal.plane));
     }
 }

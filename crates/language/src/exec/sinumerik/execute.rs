@@ -116,7 +116,7 @@ impl Execute for Sinumerik {
     }
 
     fn modal_call(run: &mut Interpreter<'_>, block: &Block) -> Result<bool, Fault> {
-        Ok(run.channel.has_moved && run.own.modal_call.is_some() && run.trigger(block))
+        Ok(run.channel.block.has_moved && run.own.modal_call.is_some() && run.trigger(block))
     }
 
     fn check_repetition(run: &Interpreter<'_>, span: Span) -> Result<(), Fault> {

@@ -21,9 +21,10 @@ pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(
         return Err(fault(Code::BAD_SWIVEL, *span, message, "end the swivel with CYCLE800() first"));
     }
     let order = setup::rotation_order(channel);
-    let parts = settable_number(name).and_then(|number| channel.system.frames.settable(channel.machine, number));
+    let parts =
+        settable_number(name).and_then(|number| channel.system.frames.settable(channel.settings.machine, number));
     let missing = parts.is_none();
-    if missing && channel.strict {
+    if missing && channel.settings.strict {
         return Err(frame_store::no_offset(name, *span));
     }
     if missing {
@@ -121,15 +122,15 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
     if matches!(statement.kind, FrameKind::Coarse | FrameKind::Fine) {
         shift_part(channel, statement, span)?;
     } else {
-        let added =
-            frame_store::frame_of(statement, channel.modal.plane, &channel.machine.control).ok_or_else(|| {
+        let added = frame_store::frame_of(statement, channel.modal.plane, &channel.settings.machine.control)
+            .ok_or_else(|| {
                 bad_value(
                     span,
                     "this statement makes no frame",
                     "scale by factors above 0, tilt by less than 90 degrees",
                 )
             })?;
-        let is_fine = channel.machine.control.fine_shift && statement.kind == FrameKind::Translate;
+        let is_fine = channel.settings.machine.control.fine_shift && statement.kind == FrameKind::Translate;
         if !statement.additive {
             channel.modal.fine = AxisVector::ZERO;
             channel.modal.programmable = added;
@@ -142,7 +143,7 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
     }
     setup::refresh_setup(channel);
     let frame = &channel.standing.setup.frame;
-    let machine = channel.machine;
+    let machine = channel.settings.machine;
     let lacking = AxisSet::XYZ.iter().find(|&axis| {
         let slot = axis.slot();
         let is_mixed = (0..3).any(|k| k != slot && frame.linear()[(slot, k)].abs() > 1e-12);
@@ -159,7 +160,7 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
 
 /// `G58`, `G59`: the two parts of the programmable shift, axis by axis.
 fn shift_part(channel: &mut Channel<'_>, statement: &FrameStatement, span: Span) -> Result<(), Fault> {
-    if !channel.machine.control.fine_shift {
+    if !channel.settings.machine.control.fine_shift {
         let message = "G58 and G59 need a control that keeps a fine part of its shifts";
         let help = "set control.fine_shift = true where it does (Sinumerik MD24000)";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));

@@ -51,7 +51,7 @@ pub(super) fn read_definitions(
     if !own.is_empty() {
         let mut program = program.clone();
         program.keep_whole();
-        let loaded = load(program, &channel.machine.control);
+        let loaded = load(program, &channel.settings.machine.control);
         own.into_iter().for_each(|blocks| define_globals(&loaded, channel, blocks));
     }
     for (name, bytes) in library.definitions() {
@@ -62,7 +62,7 @@ pub(super) fn read_definitions(
         program.keep_whole();
         sources.push(program.source.clone());
         let blocks = 0..program.blocks.len();
-        define_globals(&load(program, &channel.machine.control), channel, blocks);
+        define_globals(&load(program, &channel.settings.machine.control), channel, blocks);
     }
     macros
 }

@@ -35,7 +35,7 @@ pub(super) fn orient(channel: &mut Channel<'_>, gathered: &Gathered, path: &mut 
     let mut direction = match number {
         3 => values,
         _ => {
-            let angles = modal.transform.angles.unwrap_or(channel.machine.control.orientation_angles);
+            let angles = modal.transform.angles.unwrap_or(channel.settings.machine.control.orientation_angles);
             from_angles(angles, [values.x, values.y, values.z].map(f64::to_radians))
         }
     };

@@ -328,7 +328,7 @@ pub(super) fn opaque_statement(
     }
     if let Some(range) = arguments {
         text.push(b'(');
-        gatherer(loaded, channel, channel.machine).arguments(range, ValueUnit::None, &mut text)?;
+        gatherer(loaded, channel, channel.settings.machine).arguments(range, ValueUnit::None, &mut text)?;
         text.push(b')');
     }
     feed::feed_for_call(channel);
@@ -352,7 +352,7 @@ pub(super) fn check_diameter(channel: &mut Channel<'_>, gathered: &Gathered) -> 
     if let Some((diameter, span)) = gathered.diameter {
         channel.modal.diameter = diameter.then_some(span);
     }
-    let axis = channel.machine.control.transverse_axis;
+    let axis = channel.settings.machine.control.transverse_axis;
     let is_programmed = gathered.named.contains(axis) || gathered.center.get(axis.slot()).is_some_and(Option::is_some);
     if channel.modal.diameter.is_none() || !is_programmed {
         return Ok(());

@@ -94,7 +94,7 @@ pub(super) fn set_pole(
         PoleBase::Pole => modal.polar.pole(modal.plane, span)?,
         PoleBase::Position => {
             let unknown = [abscissa, ordinate].into_iter().find(|&axis| !modal.known.contains(axis));
-            if let Some(axis) = unknown.filter(|_| channel.strict) {
+            if let Some(axis) = unknown.filter(|_| channel.settings.strict) {
                 return Err(modal.unknown_start(span, axis));
             }
             let here = modal.setup().programmed(&modal.command);

@@ -18,7 +18,7 @@ use ncfix_machine::snc::{FrameKind, FrameStatement, FrameWords, Kind};
 
 /// Notes the codes that the machine file says are active at the start.
 pub(super) fn note_initial_codes(channel: &mut Channel<'_>) {
-    let machine = channel.machine;
+    let machine = channel.settings.machine;
     let rows = machine.control.initial_codes.iter().filter_map(|word| channel.codes.word(&word.to_ascii_uppercase()));
     for row in rows.filter(|row| row.effect == Effect::Keep && !NOT_MODAL.contains(&row.group)) {
         channel.modal.stated.set_code(row.group, row.name);

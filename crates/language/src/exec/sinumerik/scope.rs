@@ -12,7 +12,7 @@ pub(super) fn scope_of<'s>(loaded: &'s Loaded, channel: &'s Channel<'_>) -> Scop
         program: &loaded.program,
         variables: &channel.variables,
         modal: &channel.modal,
-        machine: channel.machine,
+        machine: channel.settings.machine,
         system: &channel.system,
     }
 }

@@ -26,5 +26,5 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) {
 
 /// In which order the angles of a rotation turn.
 pub(super) fn rotation_order(channel: &Channel<'_>) -> RotationOrder {
-    channel.machine.control.rotation_order
+    channel.settings.machine.control.rotation_order
 }

@@ -87,7 +87,7 @@ pub(super) fn push_path(channel: &mut Channel<'_>, path: Path, node: Option<Node
 /// Takes a block of a spline.
 fn spline(channel: &mut Channel<'_>, path: Path, element: Element, node: Node) -> Result<(), Fault> {
     let unknown = path.motion.named.difference(path.start_known).iter().next();
-    if let Some(axis) = unknown.filter(|_| channel.strict) {
+    if let Some(axis) = unknown.filter(|_| channel.settings.strict) {
         let message = format!("the program has not stated where {axis} is");
         let help = "begin with an absolute position of this axis, or give --start";
         return Err(fault(Code::UNKNOWN_START, path.span, message, help));
@@ -118,7 +118,7 @@ pub(super) fn note_direction(channel: &mut Channel<'_>, path: &Path) {
 /// Makes moves of the spline that is held; `next` is the motion behind it.
 pub(super) fn end_spline(channel: &mut Channel<'_>, next: Option<&Path>) -> Result<(), Fault> {
     let mut held = std::mem::take(&mut channel.splines.held);
-    let tolerance_mm = channel.machine.control.chord_tolerance_mm;
+    let tolerance_mm = channel.settings.machine.control.chord_tolerance_mm;
     let behind = next.and_then(|path| direction(path, [0.0, STEP]));
     let before = channel.splines.before;
     let mut blocks: Vec<(&mut Path, Node)> = held

@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
     check_swivelled(channel, span)?;
     let geometry = || LINEAR_AXES.into_iter().take(3).any(|axis| gathered.named.contains(axis));
-    channel.has_moved = gathered.named.is_empty() || geometry();
+    channel.block.has_moved = gathered.named.is_empty() || geometry();
     let setup = if let Some(word) = gathered.suppress {
         let bare = Arc::new(suppressed(channel, word));
         channel.push(Kind::Setup(Arc::clone(&bare)));
@@ -36,11 +36,11 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
     };
     contour_words::corner_words(channel, gathered)?;
     let context = MotionContext {
-        machine: channel.machine,
-        control: &channel.machine.control,
+        machine: channel.settings.machine,
+        control: &channel.settings.machine.control,
         setup: &setup,
         is_suppressed: gathered.suppress.is_some(),
-        strict: channel.strict,
+        strict: channel.settings.strict,
         span,
     };
     let modal_feed = channel.modal.feed;
@@ -80,7 +80,7 @@ pub(super) fn suppressed(channel: &Channel<'_>, word: &str) -> Setup {
 /// Refuses what a swivelled plane does not stand.
 pub(super) fn check_swivelled(channel: &Channel<'_>, span: Span) -> Result<(), Fault> {
     let Some(swivelled) = &channel.modal.swivelled else { return Ok(()) };
-    let turns_tool = channel.machine.topology.tool.iter().any(|axis| axis.is_rotary());
+    let turns_tool = channel.settings.machine.topology.tool.iter().any(|axis| axis.is_rotary());
     if turns_tool && swivelled.tool_mm != channel.modal.tool_mm() {
         let message = "the tool length changed in a swivelled plane, and the head turns";
         return Err(fault(Code::BAD_SWIVEL, span, message, "swivel again behind the tool change"));

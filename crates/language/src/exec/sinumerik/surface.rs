@@ -97,7 +97,7 @@ pub(super) fn direction_on_path(
     };
     let tangent = path.setup.frame.unapply_direction(tangent);
     let [lead, tilt] = surface.angles.map(|angle| angle.unwrap_or(0.0));
-    match on_surface(&tangent, &surface.normal, [lead, tilt], channel.machine.control.tilt_about) {
+    match on_surface(&tangent, &surface.normal, [lead, tilt], channel.settings.machine.control.tilt_about) {
         Some(direction) => Ok(Some((direction, span))),
         None => Err(bad_value(
             span,
@@ -129,7 +129,7 @@ fn check_only_direction(channel: &Channel<'_>, gathered: &Gathered, word: Option
 
 /// ORIPATH: from here on every motion ends in the direction that path and surface give.
 pub(super) fn follow_path(channel: &mut Channel<'_>) -> Result<(), Fault> {
-    if channel.machine.control.ori_path == OriPath::Path {
+    if channel.settings.machine.control.ori_path == OriPath::Path {
         let message = "ORIPATH that keeps the tool relative to the path within a block is not supported";
         let help = "control.oripath says that the control does so; program the directions with A3, B3, C3";
         return Err(fault(Code::NOT_SUPPORTED, channel.outlet.origin.span, message, help));

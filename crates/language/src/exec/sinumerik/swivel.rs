@@ -116,7 +116,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     if channel.modal.transform.turning().is_some() {
         return Err(save::refused(span, "under TRAORI the plane cannot be swivelled".to_owned()));
     }
-    let kinematics = Kinematics::new(channel.machine);
+    let kinematics = Kinematics::new(channel.settings.machine);
     retract(channel, request, &kinematics)?;
     if request.is_reset {
         channel.modal.swivelled = None;
@@ -141,7 +141,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
         }
         let all = AxisSet::XYZ.iter().chain(kinematics.rotary_axes());
         let unknown: AxisSet = all.filter(|&axis| !is_stated(channel, axis)).collect();
-        if channel.strict && !unknown.is_empty() {
+        if channel.settings.strict && !unknown.is_empty() {
             // The plane comes into force all the same, so that one cause is not found again in every block behind it.
             channel.outlet.warnings.push(unknown_places(span, unknown, "SUPA G0"));
             channel.modal.known = channel.modal.known.union(unknown);
@@ -165,7 +165,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     let statements = statements_of(&relative, setup::rotation_order(channel))
         .ok_or_else(|| save::refused(span, "the zero offset scales or mirrors".to_owned()))?;
     let frame = statements.iter().fold(Frame::identity(), |frame, statement| {
-        let added = super::frame_store::frame_of(statement, channel.modal.plane, &channel.machine.control);
+        let added = super::frame_store::frame_of(statement, channel.modal.plane, &channel.settings.machine.control);
         frame.compose(&added.unwrap_or_else(Frame::identity))
     });
     channel.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm }));
@@ -173,7 +173,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
 }
 
 fn is_stated(channel: &Channel<'_>, axis: Axis) -> bool {
-    channel.machine.axis(axis).is_none() || channel.modal.known.contains(axis)
+    channel.settings.machine.axis(axis).is_none() || channel.modal.known.contains(axis)
 }
 
 /// The angles of the rotary axes that put the tool on the plane.
@@ -192,8 +192,12 @@ fn choose(
         }
         [Some(one), None] | [None, Some(one)] => Ok(one),
         [Some(one), Some(other)] => {
-            let reference =
-                channel.machine.control.swivel_direction_axis.or_else(|| tilting_axis(kinematics, channel.machine));
+            let reference = channel
+                .settings
+                .machine
+                .control
+                .swivel_direction_axis
+                .or_else(|| tilting_axis(kinematics, channel.settings.machine));
             let Some(axis) = reference else { return Ok(one) };
             if (one[axis] - other[axis]).abs() < SAME_ANGLE {
                 return Ok(one);
@@ -208,13 +212,13 @@ fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector,
     let mut words = Gathered::new();
     for axis in kinematics.rotary_axes() {
         let (from, to) = (channel.modal.command[axis], turned[axis]);
-        let is_modulo = channel.machine.axis(axis).is_some_and(|data| data.modulo);
+        let is_modulo = channel.settings.machine.axis(axis).is_some_and(|data| data.modulo);
         let shown = (to.to_degrees() * PARTS).round() / PARTS;
         words.axes[axis] = if is_modulo { shown.rem_euclid(360.0) } else { shown };
         if let Some(way) = words.ways.get_mut(axis.dimension()).filter(|_| is_modulo) {
             *way = if to > from { Way::Positive } else { Way::Negative };
             // Which way half a turn leads is up to the control.
-            let increment = channel.machine.control.increment_rad.max(SAME_ANGLE);
+            let increment = channel.settings.machine.control.increment_rad.max(SAME_ANGLE);
             let step = (to - from).abs();
             if step <= increment || (step - std::f64::consts::PI).abs() <= increment {
                 *way = Way::Shortest;
@@ -262,7 +266,7 @@ fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics
     let axis_z = kinematics.direction(&channel.modal.command);
     let is_along_z = channel.modal.command.max_abs(&ROTARY_AXES) == 0.0 || axis_z[2].abs() > 1.0 - SAME_ROTATION;
     let is_known = request.retract == 1.0 || request.retract == 4.0 && is_along_z;
-    match channel.machine.control.swivel_retract_z_mm.filter(|_| is_known) {
+    match channel.settings.machine.control.swivel_retract_z_mm.filter(|_| is_known) {
         Some(z) => {
             go_to(Axis::Z, z);
             go(channel, words, span)

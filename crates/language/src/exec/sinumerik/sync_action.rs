@@ -47,12 +47,12 @@ pub(super) fn execute(
 ) -> Result<(), Fault> {
     let source = |span| loaded.program.source.slice(span);
     let number = std::str::from_utf8(source(id)).ok().and_then(|text| text.trim().parse().ok());
-    let is_allowed = channel.machine.control.allows_synchronised(number);
+    let is_allowed = channel.settings.machine.control.allows_synchronised(number);
     let help =
         "if this is right for the machine, put the ID into control.allow_synchronised of the machine file, or \"all\"";
     let refusal = |message: String| fault(Code::NOT_SUPPORTED, whole, message, help);
     if !is_allowed {
-        if let Some(word) = moving_word(&with_values(loaded, channel, actions)?, channel.machine.axis_set()) {
+        if let Some(word) = moving_word(&with_values(loaded, channel, actions)?, channel.settings.machine.axis_set()) {
             return Err(refusal(format!("a synchronised action that may move an axis ({word})")));
         }
         if let Some(word) = tokens(source(whole)).find_map(|token| of_block(&token)) {

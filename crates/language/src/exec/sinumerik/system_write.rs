@@ -90,7 +90,7 @@ fn assign_one(
     }
     if let Some((parameter, tool, edge)) = tool_parameter(name, &indices) {
         let Some(number) = value.number() else { return Err(needs_number(&key, span)) };
-        let machine = channel.machine;
+        let machine = channel.settings.machine;
         if !channel.system.tools.set_parameter(machine, parameter, tool, edge, number) {
             return Err(fault(
                 Code::BAD_INDEX,

@@ -96,7 +96,7 @@ pub(super) fn check_manner(channel: &mut Channel<'_>, path: &mut Path) -> Result
         "a transformation (TRAORI)"
     } else if channel.modal.contour.compensates() {
         "radius compensation"
-    } else if channel.corner.is_some() {
+    } else if channel.block.corner.is_some() {
         "a rounding or chamfer"
     } else if path.motion.manner == Manner::Positioning && !path.setup.frame.is_translation() {
         "a frame that turns, scales or mirrors"

@@ -14,7 +14,7 @@ use ncfix_machine::snc::{Kind, Word, WordValue};
 pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     let mut changed = None;
     if let Some((tool, span)) = gathered.tool.take() {
-        if channel.machine.control.tool_change == ToolChange::T {
+        if channel.settings.machine.control.tool_change == ToolChange::T {
             channel.modal.active = Some(tool.clone());
             changed = Some(span);
         } else {
@@ -22,14 +22,14 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
         }
         channel.push(Kind::Tool(tool));
     }
-    if gathered.tool_change && channel.machine.control.tool_change == ToolChange::M6 {
+    if gathered.tool_change && channel.settings.machine.control.tool_change == ToolChange::M6 {
         if let Some(selected) = &channel.modal.selected {
             channel.modal.active = Some(selected.clone());
         }
         changed = Some(channel.outlet.origin.span);
     }
     if changed.is_some() || gathered.tool_change {
-        channel.modal.edge = channel.machine.control.edge_after_tool_change;
+        channel.modal.edge = channel.settings.machine.control.edge_after_tool_change;
         channel.modal.edge_stated = true;
         channel.modal.forget_position();
     }
@@ -50,7 +50,7 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
 fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let is_off = channel.modal.edge == 0 || channel.modal.active == Some(WordValue::Number(0.0));
     let wear_mm = || active_wear_mm(channel);
-    let size = active_tool(channel).map(|tool| (tool.length_mm, channel.radius.of(tool.radius_mm, wear_mm())));
+    let size = active_tool(channel).map(|tool| (tool.length_mm, channel.settings.radius.of(tool.radius_mm, wear_mm())));
     (channel.modal.length_mm, channel.modal.radius_mm) = size.filter(|_| !is_off).unwrap_or_default();
     channel.modal.tool_assumed = !is_off && size.is_none();
     setup::refresh_setup(channel);
@@ -58,7 +58,7 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let lacking = LINEAR_AXES
         .into_iter()
         .take(3)
-        .find(|&axis| tool_mm[axis.slot()] != 0.0 && channel.machine.axis(axis).is_none());
+        .find(|&axis| tool_mm[axis.slot()] != 0.0 && channel.settings.machine.axis(axis).is_none());
     if let Some(axis) = lacking {
         let message = format!("the tool length lies along {axis}, which the machine lacks");
         return Err(fault(Code::NO_AXIS, span, message, "select another plane, or set control.tool_length_plane"));
@@ -84,7 +84,7 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
             "program T and M6 first",
         ),
     };
-    if channel.strict {
+    if channel.settings.strict {
         return Err(fault(Code::NO_TOOL, span, message, help));
     }
     channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
@@ -93,7 +93,7 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
 
 /// The edge in force; none for T0 and D0.
 pub(super) fn active_tool<'c>(channel: &'c Channel<'_>) -> Option<&'c Tool> {
-    channel.modal.tool_in(&channel.system.tools, channel.machine)
+    channel.modal.tool_in(&channel.system.tools, channel.settings.machine)
 }
 
 /// The wear in the radius of the edge in force, mm.
@@ -101,5 +101,5 @@ pub(super) fn active_wear_mm(channel: &Channel<'_>) -> f64 {
     let Some(tool) = active_tool(channel) else { return 0.0 };
     let place = (tool.number, tool.edge);
     let written = channel.system.tools.radius_wear().find(|(edge, _)| *edge == place).map(|(_, wear)| wear);
-    written.or_else(|| channel.machine.radius_wear_mm.get(&place).copied()).unwrap_or(0.0)
+    written.or_else(|| channel.settings.machine.radius_wear_mm.get(&place).copied()).unwrap_or(0.0)
 }

@@ -92,7 +92,8 @@ pub(super) fn transform(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
 
 /// Whether the machine can be transformed at all.
 fn check_kinematics(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
-    let kinematics = channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.machine)));
+    let kinematics =
+        channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.settings.machine)));
     let rotary = kinematics.rotary_axes().count();
     let can = (1..=2).contains(&rotary)
         && kinematics.command_on_workpiece(&channel.modal.command, &channel.standing.setup.tool_mm).is_some();
