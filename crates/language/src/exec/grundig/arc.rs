@@ -1,7 +1,9 @@
 //! Arcs and helices: center by I, J, K or polar (B3, L3), radius (R), sweep (B5), turns by the pitch.
 
+use super::modal::Modal;
 use super::step;
 use super::target;
+use ncfix_machine::machine::Machine;
 use std::f64::consts::TAU;
 
 use super::channel::Channel;
@@ -52,15 +54,15 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
         }
         return Ok(());
     }
-    target::check_plane_known(channel, gathered.span)?;
-    let here = target::here(channel);
+    target::check_plane_known(channel.settings.strict, &channel.modal, gathered.span)?;
+    let here = target::here(&channel.modal, &channel.standing);
     let start = [here[abscissa], here[ordinate]];
     // Without end words this is the start.
     let mut end = [target.to[abscissa], target.to[ordinate]];
     let has_end = !target.named.intersection(plane).is_empty();
     let mut target = target;
     if has_end {
-        end = closed_on_grid(channel, start, end, gathered.span)?;
+        end = closed_on_grid(channel.settings.machine, start, end, gathered.span)?;
         (target.to[abscissa], target.to[ordinate]) = (end[0], end[1]);
     }
     if let Some((radius, span)) = radius {
@@ -69,11 +71,11 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
             let message = "R beside a center, a sweep or a pitch";
             return Err(fault(Code::BAD_ARC, span, message, "keep one way to say which arc is meant"));
         }
-        let center = center_by_radius(channel, radius, span, start, end, clockwise)?;
+        let center = center_by_radius(channel.settings.machine, &channel.modal, radius, span, start, end, clockwise)?;
         let sweep_rad = sweep_between(start, end, center, clockwise);
         return circular(channel, Circle { clockwise, center, sweep_rad }, target.to, target.named.union(plane));
     }
-    let center = center(channel, words, polar, start, gathered.span)?;
+    let center = center(&channel.modal, words, polar, start, gathered.span)?;
     let depth = (target.to[applicate] - here[applicate]).abs();
     let turns = match pitch {
         None => None,
@@ -135,8 +137,8 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
 }
 
 /// The end of an arc; where the increment of the control makes it one with the start, it is the start.
-fn closed_on_grid(channel: &Channel<'_>, start: [f64; 2], end: [f64; 2], span: Span) -> Result<[f64; 2], Fault> {
-    match meeting(start, end, 1.0 / channel.settings.machine.control.grid[0]) {
+fn closed_on_grid(machine: &Machine, start: [f64; 2], end: [f64; 2], span: Span) -> Result<[f64; 2], Fault> {
+    match meeting(start, end, 1.0 / machine.control.grid[0]) {
         Meeting::Apart => Ok(end),
         Meeting::Same => Ok(start),
         Meeting::Unsure => Err(unsure(span, start, end, "the grid is control.increment_mm")),
@@ -145,16 +147,17 @@ fn closed_on_grid(channel: &Channel<'_>, start: [f64; 2], end: [f64; 2], span: S
 
 /// The center of an arc of a radius: at most half a turn, for a negative one more.
 fn center_by_radius(
-    channel: &Channel<'_>,
+    machine: &Machine,
+    modal: &Modal,
     radius: f64,
     span: Span,
     start: [f64; 2],
     end: [f64; 2],
     clockwise: bool,
 ) -> Result<[f64; 2], Fault> {
-    let control = &channel.settings.machine.control;
+    let control = &machine.control;
     let tolerance = |radius: f64| control.arc_tolerance_mm.max(control.arc_tolerance_ratio * radius);
-    center_of_radius(radius * channel.modal.scale(), start, end, clockwise, &tolerance).map_err(|found| {
+    center_of_radius(radius * modal.scale(), start, end, clockwise, &tolerance).map_err(|found| {
         let help = "correct R or the end point; a full circle needs its center";
         fault(Code::RADIUS_TOO_SMALL, span, found.message("R"), help)
     })
@@ -162,20 +165,20 @@ fn center_by_radius(
 
 /// The center by words of the axes, absolute or in G91 from the start, or by B3 and L3 from the pole.
 fn center(
-    channel: &Channel<'_>,
+    modal: &Modal,
     words: [Option<Found>; 2],
     polar: [Option<Found>; 2],
     start: [f64; 2],
     span: Span,
 ) -> Result<[f64; 2], Fault> {
-    let scale = channel.modal.scale();
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let scale = modal.scale();
+    let [abscissa, ordinate, _] = modal.plane.axes();
     if let [Some((angle, span)), Some((length, _))] = polar {
         if words.iter().any(Option::is_some) {
             let message = "the center of this arc is given in two ways";
             return Err(fault(Code::BAD_ARC, span, message, "keep I, J, K or B3= and L3="));
         }
-        let center = plus(&channel.modal.pole, &channel.modal.direction(angle), length * scale);
+        let center = plus(&modal.pole, &modal.direction(angle), length * scale);
         return Ok([center[abscissa], center[ordinate]]);
     }
     if let Some((_, span)) = polar.into_iter().flatten().next() {
@@ -189,9 +192,9 @@ fn center(
     let mut center = start;
     for ((place, word), axis) in center.iter_mut().zip(words).zip([abscissa, ordinate]) {
         match word {
-            Some((value, _)) if channel.modal.incremental => *place += value * scale,
+            Some((value, _)) if modal.incremental => *place += value * scale,
             Some((value, _)) => *place = value * scale,
-            None if channel.modal.incremental => {}
+            None if modal.incremental => {}
             None => {
                 let message = format!("the center of this arc has no coordinate along {axis}");
                 let help = "program both: absolute centers are not relative to the start";
@@ -204,14 +207,15 @@ fn center(
 
 /// A circular motion, one move a turn; other axes have their share of each.
 pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector, named: AxisSet) -> Result<(), Fault> {
-    step::check_feed(channel, channel.modal.feed, channel.outlet.origin.span)?;
+    let span = channel.outlet.origin.span;
+    step::check_feed(channel.settings.strict, &mut channel.feed_warned, &mut channel.outlet, channel.modal.feed, span)?;
     let turns = circle.sweep_rad / TAU;
     let mut whole = turns.floor();
     if turns - whole > 1.0 - NO_REST {
         whole += 1.0;
     }
     let has_rest = turns - whole > NO_REST;
-    let from = target::here(channel);
+    let from = target::here(&channel.modal, &channel.standing);
     let [abscissa, ordinate, _] = channel.modal.plane.axes();
     // Between 0 and the limit of turns.
     for turn in 1..=whole as u32 {
@@ -233,7 +237,7 @@ pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector
     let control = &machine.control;
     let [abscissa, ordinate, _] = plane.axes();
     let span = channel.outlet.origin.span;
-    let programmed = target::here(channel);
+    let programmed = target::here(&channel.modal, &channel.standing);
     let to = *to;
     step::elementary(channel, &to, named, false, channel.modal.feed, |[start, target]| {
         // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit.

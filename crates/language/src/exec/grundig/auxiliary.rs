@@ -1,35 +1,44 @@
 //! F, S, M functions, dwells.
 
+use super::channel::AtHand;
 use super::channel::Channel;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::outlet::HasOutlet;
+use crate::exec::core::outlet::Outlet;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Dwell, Kind, Word, WordValue};
 
 /// M functions that act behind the motion of their block.
 const BEHIND: &[u16] = &[0, 1, 2, 5, 9, 30];
 
 /// F and S; the F of a dwell, a cycle and a block are read there.
-pub(super) fn feed_and_speed(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+pub(super) fn feed_and_speed(
+    modal: &mut Modal,
+    block: &mut AtHand,
+    outlet: &mut Outlet<'_>,
+    gathered: &mut Gathered,
+) -> Result<(), Fault> {
     if let Some((feed, span)) = gathered.once(b'F', None)? {
         if feed < 0.0 {
             return Err(bad_value(span, "a feed below 0", "write a feed above 0"));
         }
-        channel.modal.feed = if channel.modal.inch { feed * MM_PER_INCH } else { feed };
-        channel.block.feed_named = true;
+        modal.feed = if modal.inch { feed * MM_PER_INCH } else { feed };
+        block.feed_named = true;
     } else {
-        channel.block.feed_named = false;
+        block.feed_named = false;
     }
     if let Some((speed, _)) = gathered.once(b'S', None)? {
-        channel.modal.speed = Some(speed);
-        channel.block.before.push(Word { letter: b'S', extension: None, value: WordValue::Number(speed) });
+        modal.speed = Some(speed);
+        block.before.push(Word { letter: b'S', extension: None, value: WordValue::Number(speed) });
     }
-    if gathered.functions.is_empty() && !channel.block.before.is_empty() {
-        let before = std::mem::take(&mut channel.block.before);
-        channel.outlet.push(Kind::Before(before));
+    if gathered.functions.is_empty() && !block.before.is_empty() {
+        let before = std::mem::take(&mut block.before);
+        outlet.push(Kind::Before(before));
     }
     Ok(())
 }
@@ -47,7 +56,7 @@ pub(super) fn functions(channel: &mut Channel<'_>, gathered: &mut Gathered) -> R
         match code.number {
             3 | 4 | 13 | 14 => channel.spindle = Some(if matches!(code.number, 3 | 13) { 3 } else { 4 }),
             5 | 30 | 2 => channel.spindle = None,
-            53 | 54 => head(channel, code.number, code.span)?,
+            53 | 54 => head(channel.settings.machine, code.number, code.span)?,
             _ => {}
         }
         if BEHIND.contains(&code.number) { behind.push(word) } else { channel.block.before.push(word) }
@@ -60,8 +69,8 @@ pub(super) fn functions(channel: &mut Channel<'_>, gathered: &mut Gathered) -> R
 }
 
 /// M53, M54: the head turns. The machine file describes one of its positions.
-pub(super) fn head(channel: &Channel<'_>, number: u16, span: Span) -> Result<(), Fault> {
-    if channel.settings.machine.control.grundig.head == Some(number) {
+pub(super) fn head(machine: &Machine, number: u16, span: Span) -> Result<(), Fault> {
+    if machine.control.grundig.head == Some(number) {
         return Ok(());
     }
     let message = format!("M{number} turns the head into a position that the machine file does not describe");
@@ -69,13 +78,13 @@ pub(super) fn head(channel: &Channel<'_>, number: u16, span: Span) -> Result<(),
     Err(fault(Code::NOT_SUPPORTED, span, message, help))
 }
 
-pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+pub(super) fn dwell(outlet: &mut Outlet<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
     let help = "write for example G4 X1.5";
     let dwell = match (gathered.once(b'X', None)?, gathered.once(b'D', None)?) {
         (Some((seconds, _)), None) if seconds >= 0.0 => Dwell::Seconds(seconds),
         (None, Some((turns, _))) if turns >= 0.0 => Dwell::Turns(turns),
         _ => return Err(bad_value(span, "G4 needs X with seconds or D with turns", help)),
     };
-    channel.outlet.push(Kind::Dwell(dwell));
+    outlet.push(Kind::Dwell(dwell));
     Ok(())
 }

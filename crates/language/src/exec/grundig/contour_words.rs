@@ -2,11 +2,13 @@
 
 use super::arc;
 use super::arc::{Circle, sweep_between};
+use super::channel::AtHand;
 use super::channel::Channel;
 use super::channel::Open;
 use super::cycles::Flat;
 use super::gathered::{Found, Gathered};
 use super::geometry::{Choice, Element, meet};
+use super::modal::Modal;
 use super::modal::{MotionKind, plus};
 use super::setup;
 use super::step;
@@ -14,9 +16,12 @@ use super::target;
 use super::target::Target;
 use crate::exec::core::contour::{Clearance, Corner, Soft, SoftForm, SoftSide, Transition};
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
+use crate::exec::core::standing::Standing;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
+use ncfix_machine::machine::Machine;
 
 /// Takes R1= and I1= of a motion: what stands between it and the next one.
 pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
@@ -25,13 +30,19 @@ pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -
         return Ok(());
     }
     let (round, chamfer) = (gathered.once(b'R', Some(1))?, gathered.once(b'I', Some(1))?);
-    channel.block.corner = transition(channel, round, chamfer)?;
+    channel.block.corner = transition(channel.settings.machine, &channel.modal, &channel.standing, round, chamfer)?;
     Ok(())
 }
 
 /// A rounding by its radius, or a chamfer by its distance from the corner.
-fn transition(channel: &Channel<'_>, round: Option<Found>, chamfer: Option<Found>) -> Result<Option<Corner>, Fault> {
-    let scale = channel.modal.scale() * plane_factor(channel);
+fn transition(
+    machine: &Machine,
+    modal: &Modal,
+    standing: &Standing,
+    round: Option<Found>,
+    chamfer: Option<Found>,
+) -> Result<Option<Corner>, Fault> {
+    let scale = modal.scale() * plane_factor(modal, standing);
     let size = |(value, span): Found| {
         if value > 0.0 {
             return Ok(value * scale);
@@ -44,9 +55,7 @@ fn transition(channel: &Channel<'_>, round: Option<Found>, chamfer: Option<Found
             return Err(bad_value(span, "a rounding and a chamfer at one corner", "keep one of them"));
         }
         (Some(round), None) => Transition::Round(size(round)?),
-        (None, Some(chamfer)) if channel.settings.machine.control.grundig.chamfer_is_length => {
-            Transition::ChamferLength(size(chamfer)?)
-        }
+        (None, Some(chamfer)) if machine.control.grundig.chamfer_is_length => Transition::ChamferLength(size(chamfer)?),
         (None, Some(chamfer)) => Transition::ChamferSetback(size(chamfer)?),
     };
     Ok(Some(Corner { transition, feed: 0.0, is_modal: false }))
@@ -57,10 +66,10 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
     if gathered.is_used_up() {
         return Ok(false);
     }
-    let Some((element, has_end)) = element_of(channel, gathered)? else {
+    let Some((element, has_end)) = element_of(&channel.modal, &channel.open, &channel.standing, gathered)? else {
         return match channel.open.take() {
             None => Ok(false),
-            Some(open) => Err(without_end(channel, &open)),
+            Some(open) => Err(without_end(&mut channel.outlet, &open)),
         };
     };
     let choice = match gathered.once(b'J', Some(1))? {
@@ -72,7 +81,7 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
     };
     if !has_end {
         if let Some(open) = channel.open.take() {
-            return Err(without_end(channel, &open));
+            return Err(without_end(&mut channel.outlet, &open));
         }
         begin_open(channel, element, choice, gathered.span)?;
         return Ok(true);
@@ -87,7 +96,7 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
     };
     let incremental = channel.modal.incremental;
     let target = target_of_plane(channel, gathered, incremental)?;
-    let end = target::flat(channel, &target.to);
+    let end = target::flat(&channel.modal, &target.to);
     let choice = if choice == Choice::Second { choice } else { open.choice };
     let found = meet(open.start, open.element, element, end, choice);
     let corner = match found {
@@ -99,16 +108,16 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
         }
     };
     let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
-    let mut place = target::here(channel);
-    target::set_flat(channel, &mut place, corner);
-    channel.modal.command = step::reach(channel, &place, plane);
+    let mut place = target::here(&channel.modal, &channel.standing);
+    target::set_flat(&channel.modal, &mut place, corner);
+    channel.modal.command = step::reach(&channel.modal, &channel.standing, &place, plane);
     channel.modal.known = channel.modal.known.union(plane);
-    let shown = setup::shown_axes(channel, plane, true);
+    let shown = setup::shown_axes(&channel.standing, plane, true);
     channel.outlet.close(Some(channel.modal.command), shown);
     match element {
         Element::Arc { center, clockwise } => {
             let sweep_rad = sweep_between(corner, end, center, clockwise);
-            let circle = Circle { clockwise, center: plane_coordinates(channel, center), sweep_rad };
+            let circle = Circle { clockwise, center: plane_coordinates(&channel.modal, center), sweep_rad };
             arc::circular(channel, circle, target.to, target.named.union(plane))?;
         }
         _ => step::straight(channel, target)?,
@@ -127,8 +136,13 @@ fn target_of_plane(channel: &mut Channel<'_>, gathered: &mut Gathered, increment
 }
 
 /// The element of a block and whether it has its end; `None` where the block needs no calculation.
-fn element_of(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Option<(Element, bool)>, Fault> {
-    let axes = channel.modal.plane.axes();
+fn element_of(
+    modal: &Modal,
+    open: &Option<Open>,
+    standing: &Standing,
+    gathered: &mut Gathered,
+) -> Result<Option<(Element, bool)>, Fault> {
+    let axes = modal.plane.axes();
     let words = |gathered: &Gathered| {
         let named = |axis: ncfix_base::geometry::Axis| {
             [None, Some(90), Some(91)].into_iter().any(|index| gathered.peek(axis.letter(), index).is_some())
@@ -139,7 +153,7 @@ fn element_of(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Opti
     let is_polar =
         [(b'B', 2), (b'L', 1)].into_iter().any(|(letter, index)| gathered.peek(letter, Some(index)).is_some());
     let has_end = ends == 2;
-    match channel.modal.motion {
+    match modal.motion {
         MotionKind::Rapid | MotionKind::Line => {
             if is_polar || ends == 1 {
                 return Ok(None);
@@ -160,40 +174,40 @@ fn element_of(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Opti
                 return Ok(None);
             };
             // With an end and nothing open before, it is an ordinary arc.
-            if ends == 1 || is_polar || (has_end && channel.open.is_none()) {
+            if ends == 1 || is_polar || (has_end && open.is_none()) {
                 return Ok(None);
             }
             for letter in letters {
                 gathered.take(letter, None);
             }
-            let here = target::here(channel);
-            let scale = channel.modal.scale();
-            let base = if channel.modal.incremental { [here[axes[0]], here[axes[1]]] } else { [0.0; 2] };
+            let here = target::here(modal, standing);
+            let scale = modal.scale();
+            let base = if modal.incremental { [here[axes[0]], here[axes[1]]] } else { [0.0; 2] };
             let mut center = here;
             center[axes[0]] = base[0] + first * scale;
             center[axes[1]] = base[1] + second * scale;
-            let clockwise = channel.modal.motion == MotionKind::Clockwise;
-            Ok(Some((Element::Arc { center: target::flat(channel, &center), clockwise }, has_end)))
+            let clockwise = modal.motion == MotionKind::Clockwise;
+            Ok(Some((Element::Arc { center: target::flat(modal, &center), clockwise }, has_end)))
         }
     }
 }
 
 /// Begins a motion whose end is not known.
 fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span: Span) -> Result<(), Fault> {
-    target::check_plane_known(channel, span)?;
+    target::check_plane_known(channel.settings.strict, &channel.modal, span)?;
     if !channel.standing.setup.frame.keeps_circles(channel.modal.plane) {
         let message = "intersections of G64 under unequal scale";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program the ends of the elements"));
     }
-    let start = target::flat(channel, &target::here(channel));
-    let to = target::here(channel);
+    let start = target::flat(&channel.modal, &target::here(&channel.modal, &channel.standing));
+    let to = target::here(&channel.modal, &channel.standing);
     channel.block.is_open = true;
     let feed = channel.modal.feed;
     let rapid = channel.modal.motion == MotionKind::Rapid;
     let done = match element {
         Element::Arc { center, clockwise } => {
-            step::check_feed(channel, feed, span)?;
-            let circle = Circle { clockwise, center: plane_coordinates(channel, center), sweep_rad: 0.0 };
+            step::check_feed(channel.settings.strict, &mut channel.feed_warned, &mut channel.outlet, feed, span)?;
+            let circle = Circle { clockwise, center: plane_coordinates(&channel.modal, center), sweep_rad: 0.0 };
             arc::one_arc(channel, circle, &to, AxisSet::EMPTY)
         }
         _ if rapid => step::rapid_line(channel, &to, AxisSet::EMPTY),
@@ -206,16 +220,16 @@ fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span:
 }
 
 /// How much the frame enlarges the plane.
-fn plane_factor(channel: &Channel<'_>) -> f64 {
-    let frame = &channel.standing.setup.frame;
+fn plane_factor(modal: &Modal, standing: &Standing) -> f64 {
+    let frame = &standing.setup.frame;
     if frame.is_translation() {
         return 1.0;
     }
-    frame.linear().column(channel.modal.plane.axes()[0].slot()).norm()
+    frame.linear().column(modal.plane.axes()[0].slot()).norm()
 }
 
-fn without_end(channel: &mut Channel<'_>, open: &Open) -> Fault {
-    channel.outlet.close(None, AxisSet::EMPTY);
+fn without_end(outlet: &mut Outlet<'_>, open: &Open) -> Fault {
+    outlet.close(None, AxisSet::EMPTY);
     bad_value(
         open.span,
         "this element has no end, and the next one does not tell where they meet",
@@ -226,16 +240,16 @@ fn without_end(channel: &mut Channel<'_>, open: &Open) -> Fault {
 /// Says what an element that still waits lacks.
 pub(super) fn end_open(channel: &mut Channel<'_>) {
     if let Some(open) = channel.open.take() {
-        let found = without_end(channel, &open);
+        let found = without_end(&mut channel.outlet, &open);
         channel.outlet.warnings.push(found);
     }
 }
 
 /// Abscissa and ordinate of the plane of a point of the flat one.
-fn plane_coordinates(channel: &Channel<'_>, flat: Flat) -> [f64; 2] {
+fn plane_coordinates(modal: &Modal, flat: Flat) -> [f64; 2] {
     let mut place = ncfix_base::geometry::AxisVector::ZERO;
-    target::set_flat(channel, &mut place, flat);
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    target::set_flat(modal, &mut place, flat);
+    let [abscissa, ordinate, _] = modal.plane.axes();
     [place[abscissa], place[ordinate]]
 }
 
@@ -245,14 +259,14 @@ pub(super) fn two_lines(channel: &mut Channel<'_>, gathered: &mut Gathered, span
     if channel.modal.incremental {
         return Err(fault(Code::NOT_SUPPORTED, span, "G11 behind G91", "program it behind G90"));
     }
-    target::check_plane_known(channel, span)?;
+    target::check_plane_known(channel.settings.strict, &channel.modal, span)?;
     channel.modal.motion = MotionKind::Line;
-    let start = target::here(channel);
-    let first = leg(channel, gathered, None)?;
-    let second = leg(channel, gathered, Some(1))?;
+    let start = target::here(&channel.modal, &channel.standing);
+    let first = leg(&channel.modal, gathered, None)?;
+    let second = leg(&channel.modal, gathered, Some(1))?;
     let corners = [(None, None), (Some(1), Some(1))].map(|(r, k)| (gathered.take(b'R', r), gathered.take(b'K', k)));
     let scale = channel.modal.scale();
-    let from = target::flat(channel, &start);
+    let from = target::flat(&channel.modal, &start);
     let middle = match (first.end(from, scale, channel), second) {
         (Some(middle), _) => middle,
         (None, Leg { angle: Some(b), place: [Some(_), Some(_)], .. }) => {
@@ -270,16 +284,16 @@ pub(super) fn two_lines(channel: &mut Channel<'_>, gathered: &mut Gathered, span
     };
     let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
     for (place, (round, chamfer)) in [middle, end].into_iter().zip(corners) {
-        channel.block.corner = transition(channel, round, chamfer)?;
+        channel.block.corner = transition(channel.settings.machine, &channel.modal, &channel.standing, round, chamfer)?;
         let mut to = start;
-        target::set_flat(channel, &mut to, place);
+        target::set_flat(&channel.modal, &mut to, place);
         step::feed_line(channel, &to, plane, channel.modal.feed)?;
     }
     Ok(())
 }
 
-fn leg(channel: &Channel<'_>, gathered: &mut Gathered, index: Option<u16>) -> Result<Leg, Fault> {
-    let [abscissa, ordinate] = flat_letters(channel);
+fn leg(modal: &Modal, gathered: &mut Gathered, index: Option<u16>) -> Result<Leg, Fault> {
+    let [abscissa, ordinate] = flat_letters(modal);
     Ok(Leg {
         place: [gathered.once(abscissa, index)?, gathered.once(ordinate, index)?].map(|word| word.map(|w| w.0)),
         angle: gathered.once(b'B', index)?.map(|word| word.0),
@@ -288,8 +302,8 @@ fn leg(channel: &Channel<'_>, gathered: &mut Gathered, index: Option<u16>) -> Re
 }
 
 /// The letters of the axes in which angles count.
-fn flat_letters(channel: &Channel<'_>) -> [u8; 2] {
-    match channel.modal.plane.number() {
+fn flat_letters(modal: &Modal) -> [u8; 2] {
+    match modal.plane.number() {
         17 => *b"XY",
         18 => *b"XZ",
         _ => *b"YZ",
@@ -298,7 +312,9 @@ fn flat_letters(channel: &Channel<'_>) -> [u8; 2] {
 
 /// `G61`, `G62`: onto the contour and off it along a tangent.
 pub(super) fn soft_words(
-    channel: &mut Channel<'_>,
+    modal: &Modal,
+    block: &mut AtHand,
+    outlet: &mut Outlet<'_>,
     gathered: &mut Gathered,
     retracts: bool,
     span: Span,
@@ -310,15 +326,15 @@ pub(super) fn soft_words(
         other => return Err(bad_value(span, format!("I2={other} is no form"), "write I2=0, 1 or 2")),
     };
     let size = match gathered.once(b'R', None)? {
-        Some((value, _)) if value > 0.0 => value * channel.modal.scale(),
+        Some((value, _)) if value > 0.0 => value * modal.scale(),
         _ => return Err(bad_value(span, "the approach needs R", "write its radius or length")),
     };
-    if !channel.modal.contour.compensates() && !retracts {
+    if !modal.contour.compensates() && !retracts {
         let message = "a tangential approach without radius compensation";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G41 or G42 in the block or before it"));
     }
     // One that still waits for its motion gets none.
-    end_soft(channel);
+    end_soft(block, outlet);
     let soft = Soft {
         form,
         retracts,
@@ -327,19 +343,19 @@ pub(super) fn soft_words(
         size_mm: size,
         clearance: Clearance::Above(0.0),
         infeed: 0.0,
-        feed_before: channel.modal.feed,
-        rapid_before: channel.modal.motion == MotionKind::Rapid,
+        feed_before: modal.feed,
+        rapid_before: modal.motion == MotionKind::Rapid,
     };
-    channel.block.soft = Some((soft, span));
+    block.soft = Some((soft, span));
     Ok(())
 }
 
 /// Says of G61 or G62 that still wait that nothing moves onto the contour or off it.
-pub(super) fn end_soft(channel: &mut Channel<'_>) {
-    if let Some((soft, span)) = channel.block.soft.take() {
+pub(super) fn end_soft(block: &mut AtHand, outlet: &mut Outlet<'_>) {
+    if let Some((soft, span)) = block.soft.take() {
         let message = if soft.retracts { "no motion follows this G62" } else { "no motion follows this G61" };
         let help = "write where it leads, for example G61 X0 Y0 R8";
-        channel.outlet.warnings.push(bad_value(span, message, help));
+        outlet.warnings.push(bad_value(span, message, help));
     }
 }
 
@@ -374,7 +390,7 @@ impl Leg {
         let given = self.given(from, scale, channel);
         let direction = |degrees: f64| {
             target::flat(
-                channel,
+                &channel.modal,
                 &plus(&ncfix_base::geometry::AxisVector::ZERO, &channel.modal.direction(degrees), 1.0),
             )
         };

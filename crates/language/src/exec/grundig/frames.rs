@@ -2,9 +2,11 @@
 //!
 //! `machine = T(G52) · T(G5x) · R(G5x) · T · R(G92, G93) · mirror and scale (G73) · programmed`, the innermost at the right.
 
+use super::modal::Modal;
 use super::setup;
 use super::shifts;
 use super::shifts::PALLET;
+use crate::exec::core::outlet::Outlet;
 
 use super::channel::Channel;
 use super::gathered::Gathered;
@@ -50,11 +52,11 @@ pub(super) fn frame_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) ->
 
 fn pallet(channel: &mut Channel<'_>, on: bool, span: Span) -> Result<(), Fault> {
     if on {
-        check_value(channel, PALLET, span)?;
+        check_value(channel.settings.strict, &mut channel.modal, &mut channel.outlet, PALLET, span)?;
     }
     channel.modal.frames.pallet = on;
     setup::refresh_setup(channel)?;
-    push_settable(channel, if on { "G52" } else { "G51" });
+    push_settable(&mut channel.outlet, if on { "G52" } else { "G51" });
     Ok(())
 }
 
@@ -75,7 +77,7 @@ fn settable(channel: &mut Channel<'_>, gathered: &mut Gathered, number: u16, spa
         && name.contains('I')
         && !motion
     {
-        let (values, named) = stored_words(channel, gathered)?;
+        let (values, named) = stored_words(&channel.modal, gathered)?;
         if !named.is_empty() || gathered.peek(b'B', Some(4)).is_some() {
             let angle = gathered.take(b'B', Some(4));
             let parts = channel.modal.frames.table.entry(name.clone()).or_default();
@@ -94,7 +96,7 @@ fn settable(channel: &mut Channel<'_>, gathered: &mut Gathered, number: u16, spa
         }
     }
     if let Some(name) = &name {
-        check_value(channel, name, span)?;
+        check_value(channel.settings.strict, &mut channel.modal, &mut channel.outlet, name, span)?;
     } else {
         channel.modal.frames.assumed = false;
     }
@@ -103,39 +105,39 @@ fn settable(channel: &mut Channel<'_>, gathered: &mut Gathered, number: u16, spa
         channel.modal.frames.cancel_programmed();
     }
     setup::refresh_setup(channel)?;
-    push_settable(channel, &text);
+    push_settable(&mut channel.outlet, &text);
     Ok(())
 }
 
 /// Values of axis words that go into a table, mm and rad.
-fn stored_words(channel: &Channel<'_>, gathered: &mut Gathered) -> Result<(AxisVector, AxisSet), Fault> {
+fn stored_words(modal: &Modal, gathered: &mut Gathered) -> Result<(AxisVector, AxisSet), Fault> {
     let (mut values, mut named) = (AxisVector::ZERO, AxisSet::EMPTY);
     for axis in AXES {
         if let Some((value, _)) = gathered.once(axis.letter(), None)? {
-            values[axis] = if axis.is_rotary() { value.to_radians() } else { value * channel.modal.scale() };
+            values[axis] = if axis.is_rotary() { value.to_radians() } else { value * modal.scale() };
             named.insert(axis);
         }
     }
     Ok((values, named))
 }
 
-fn push_settable(channel: &mut Channel<'_>, text: &str) {
-    channel.outlet.push(ncfix_machine::snc::Kind::Frame(FrameWords::Settable(text.to_owned())));
+fn push_settable(outlet: &mut Outlet<'_>, text: &str) {
+    outlet.push(ncfix_machine::snc::Kind::Frame(FrameWords::Settable(text.to_owned())));
 }
 
 /// Whether a stored offset has a value.
-fn check_value(channel: &mut Channel<'_>, name: &str, span: Span) -> Result<(), Fault> {
-    let missing = !channel.modal.frames.table.contains_key(name);
-    channel.modal.frames.assumed = missing;
+fn check_value(strict: bool, modal: &mut Modal, outlet: &mut Outlet<'_>, name: &str, span: Span) -> Result<(), Fault> {
+    let missing = !modal.frames.table.contains_key(name);
+    modal.frames.assumed = missing;
     if !missing {
         return Ok(());
     }
     let help = format!("add [zero_offset.\"{name}\"] there, or give the table of the control with --setup");
-    if channel.settings.strict {
+    if strict {
         return Err(fault(Code::NO_OFFSET, span, format!("{name} has no value in the machine file"), help));
     }
     let message = format!("{name} has no value in the machine file; zero is used");
-    channel.outlet.warnings.push(fault(Code::OFFSET_ASSUMED, span, message, help));
+    outlet.warnings.push(fault(Code::OFFSET_ASSUMED, span, message, help));
     Ok(())
 }
 
@@ -146,7 +148,7 @@ fn programmed_shift(
     additive: bool,
     span: Span,
 ) -> Result<(), Fault> {
-    let (mut values, mut named) = stored_words(channel, gathered)?;
+    let (mut values, mut named) = stored_words(&channel.modal, gathered)?;
     if let Some((angle, span)) = gathered.take(b'B', Some(2)) {
         let Some((length, _)) = gathered.take(b'L', Some(2)) else {
             return Err(bad_value(span, "B2= without L2=", "write angle and length of the shift"));
@@ -234,7 +236,7 @@ pub(super) fn table_access(
     };
     let name = entry_name(entry).ok_or_else(|| bad_value(at, format!("N1={entry} is no zero offset"), help))?;
     if !writes {
-        check_value(channel, &name, span)?;
+        check_value(channel.settings.strict, &mut channel.modal, &mut channel.outlet, &name, span)?;
     }
     let mut text = format!("G150 N1={entry}");
     for axis in AXES {

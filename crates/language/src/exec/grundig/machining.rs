@@ -6,10 +6,12 @@ use super::channel::Channel;
 use super::cycles::{self, At, Cycle, CycleFault, CycleWords, Feed, Step};
 use super::defined::Defined;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use super::step;
 use super::target;
 use super::target::Target;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, AxisVector};
 use ncfix_base::source::Span;
@@ -137,7 +139,7 @@ fn at_positions(
     span: Span,
 ) -> Result<(), Fault> {
     let rotation = pocket_angle(gathered, defined);
-    let points = target::points(channel, gathered)?;
+    let points = target::points(&channel.modal, gathered)?;
     let target = position(channel, gathered)?;
     if points.is_empty() {
         if target.named.is_empty() {
@@ -169,12 +171,12 @@ fn on_circle(channel: &mut Channel<'_>, gathered: &mut Gathered, defined: &Defin
         return Err(bad_value(span, "G77 needs the number of holes J", "write for example J6"));
     };
     let center = position(channel, gathered)?;
-    let places = cycles::bolt_circle(target::flat(channel, &center.to), radius * scale, first, last, count)
+    let places = cycles::bolt_circle(target::flat(&channel.modal, &center.to), radius * scale, first, last, count)
         .map_err(|found| cycle_fault(found, span))?;
     let [abscissa, ordinate, _] = channel.modal.plane.axes();
     for flat in places {
         let mut place = center;
-        target::set_flat(channel, &mut place.to, flat);
+        target::set_flat(&channel.modal, &mut place.to, flat);
         place.named.insert(abscissa);
         place.named.insert(ordinate);
         run_cycle(channel, defined, &place, rotation)?;
@@ -206,18 +208,18 @@ fn position(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Target
 fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotation_rad: f64) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
     let [.., applicate] = channel.modal.plane.axes();
-    target::check_known(channel, applicate, span)?;
+    target::check_known(channel.settings.strict, &channel.modal, applicate, span)?;
     let extra: AxisSet = place.named.difference(AxisSet::XYZ);
     if !extra.is_empty() {
-        let mut to = target::here(channel);
+        let mut to = target::here(&channel.modal, &channel.standing);
         extra.iter().for_each(|axis| to[axis] = place.to[axis]);
         step::rapid_line(channel, &to, extra)?;
     }
     let settings = &channel.settings.machine.control.grundig;
     let at = At {
-        point: target::flat(channel, &place.to),
+        point: target::flat(&channel.modal, &place.to),
         surface: place.to[applicate],
-        height: target::here(channel)[applicate],
+        height: target::here(&channel.modal, &channel.standing)[applicate],
         rotation_rad,
         tool_radius_mm: channel.modal.tool.whole_radius_mm(),
         peck_clearance_mm: settings.peck_clearance_mm,
@@ -230,7 +232,7 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
         let message = "the cycles of this block make more than 100 000 moves";
         return Err(fault(Code::CYCLE_ALARM, span, message, "check infeeds, pecks and the number of positions"));
     }
-    let cutting = cutting_feed(channel, defined, span)?;
+    let cutting = cutting_feed(&channel.modal, defined, span)?;
     let plunging = defined.words.get(b'F', 2).unwrap_or(cutting);
     for step in steps {
         channel.modal.feed = cutting;
@@ -240,14 +242,14 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
 }
 
 /// The feed of a cycle where it is carried out: that of a pitch belongs to the speed and the feed mode there.
-fn cutting_feed(channel: &Channel<'_>, defined: &Defined, span: Span) -> Result<f64, Fault> {
-    let per_turn = channel.modal.per_turn;
+fn cutting_feed(modal: &Modal, defined: &Defined, span: Span) -> Result<f64, Fault> {
+    let per_turn = modal.per_turn;
     if let Some(pitch) = defined.pitch {
         if per_turn {
             return Ok(pitch);
         }
-        return match channel.modal.speed {
-            Some(speed) if speed > 0.0 && !channel.modal.constant_cutting_speed => Ok(pitch * speed),
+        return match modal.speed {
+            Some(speed) if speed > 0.0 && !modal.constant_cutting_speed => Ok(pitch * speed),
             _ => {
                 let message = "G84 with the pitch J needs the speed S in turns per minute";
                 Err(fault(Code::CYCLE_ALARM, span, message, "program S before, and G97 where G96 is in force"))
@@ -260,24 +262,26 @@ fn cutting_feed(channel: &Channel<'_>, defined: &Defined, span: Span) -> Result<
         let message = format!("the cycle was defined with its feed under {then}, and is carried out under {now}");
         return Err(fault(Code::CYCLE_ALARM, span, message, "define it again behind the feed mode"));
     }
-    Ok(defined.feed.unwrap_or(channel.modal.feed))
+    Ok(defined.feed.unwrap_or(modal.feed))
 }
 
 fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(), Fault> {
     let axes = channel.modal.plane.axes();
     match step {
         Step::Rapid { plane, height } | Step::Line { plane, height, .. } => {
-            let here = target::here(channel);
+            let here = target::here(&channel.modal, &channel.standing);
             let (mut to, mut named) = (here, AxisSet::EMPTY);
             if let Some(flat) = plane {
-                target::set_flat(channel, &mut to, flat);
+                target::set_flat(&channel.modal, &mut to, flat);
                 axes.into_iter().take(2).for_each(|axis| named.insert(axis));
             }
             if let Some(height) = height {
                 to[axes[2]] = height;
                 named.insert(axes[2]);
             }
-            if step::has_place(channel, named) && named.iter().all(|axis| (to[axis] - here[axis]).abs() < STILL) {
+            if step::has_place(channel.settings.strict, channel.settings.rapid_order, &channel.modal, named)
+                && named.iter().all(|axis| (to[axis] - here[axis]).abs() < STILL)
+            {
                 return Ok(());
             }
             match step {
@@ -289,12 +293,12 @@ fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(),
             }
         }
         Step::Arc { end, center, clockwise } => {
-            let mut to = target::here(channel);
-            let start = target::flat(channel, &to);
-            target::set_flat(channel, &mut to, end);
+            let mut to = target::here(&channel.modal, &channel.standing);
+            let start = target::flat(&channel.modal, &to);
+            target::set_flat(&channel.modal, &mut to, end);
             let sweep_rad = super::arc::sweep_between(start, end, center, clockwise);
             let mut middle = AxisVector::ZERO;
-            target::set_flat(channel, &mut middle, center);
+            target::set_flat(&channel.modal, &mut middle, center);
             let circle = Circle { clockwise, center: [middle[axes[0]], middle[axes[1]]], sweep_rad };
             arc::circular(channel, circle, to, axes.into_iter().take(2).collect())
         }
@@ -304,27 +308,27 @@ fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(),
             Ok(())
         }
         Step::Reverse => {
-            let turning = turning(channel)?;
-            spindle_word(channel, 7 - turning);
+            let turning = turning(&channel.spindle, &channel.outlet)?;
+            spindle_word(&mut channel.outlet, 7 - turning);
             Ok(())
         }
         Step::Stop => {
-            spindle_word(channel, 5);
+            spindle_word(&mut channel.outlet, 5);
             Ok(())
         }
         Step::Resume => {
-            let turning = turning(channel)?;
-            spindle_word(channel, turning);
+            let turning = turning(&channel.spindle, &channel.outlet)?;
+            spindle_word(&mut channel.outlet, turning);
             Ok(())
         }
     }
 }
 
 /// M3 or M4, whichever is in force.
-fn turning(channel: &Channel<'_>) -> Result<u16, Fault> {
-    channel.spindle.ok_or_else(|| {
+fn turning(spindle: &Option<u16>, outlet: &Outlet<'_>) -> Result<u16, Fault> {
+    spindle.ok_or_else(|| {
         step::block_fault(
-            channel,
+            outlet,
             Code::CYCLE_ALARM,
             "the cycle stops or reverses the spindle, and neither M3 nor M4 was programmed",
             "start the spindle before",
@@ -332,10 +336,10 @@ fn turning(channel: &Channel<'_>) -> Result<u16, Fault> {
     })
 }
 
-fn spindle_word(channel: &mut Channel<'_>, number: u16) {
+fn spindle_word(outlet: &mut Outlet<'_>, number: u16) {
     let value = WordValue::Number(f64::from(number));
-    channel.outlet.begin_line();
-    channel.outlet.push(Kind::Before(vec![Word { letter: b'M', extension: None, value }]));
+    outlet.begin_line();
+    outlet.push(Kind::Before(vec![Word { letter: b'M', extension: None, value }]));
 }
 
 fn cycle_fault(found: CycleFault, span: Span) -> Fault {

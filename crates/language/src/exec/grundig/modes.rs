@@ -2,12 +2,15 @@
 
 use super::channel::Channel;
 use super::gathered::{Gathered, name};
+use super::modal::Modal;
 use super::modal::MotionKind;
 use super::setup;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Plane};
 use ncfix_base::source::Span;
+use ncfix_dialect::CodeTable;
 use ncfix_dialect::{CodeEntry, Effect};
 use ncfix_machine::snc::Kind;
 
@@ -15,26 +18,31 @@ use ncfix_machine::snc::Kind;
 const KEPT: &[(u16, &str)] = &[(25, "G25"), (26, "G26"), (27, "G27"), (94, "G94"), (95, "G95")];
 
 /// Codes that no position depends on: those of the screen are left out with their words, others passed on with theirs.
-pub(super) fn passed_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) {
+pub(super) fn passed_codes(
+    codes: &'static CodeTable,
+    modal: &mut Modal,
+    outlet: &mut Outlet<'_>,
+    gathered: &mut Gathered,
+) {
     let mut at = 0;
     while let Some(&code) = gathered.codes.get(at) {
         let is_passed = |entry: &&CodeEntry| {
             matches!(entry.effect, Effect::Display | Effect::Keep) && KEPT.iter().all(|kept| kept.0 != code.number)
         };
-        let Some(entry) = channel.codes.g(usize::from(code.number)).filter(is_passed) else {
+        let Some(entry) = codes.g(usize::from(code.number)).filter(is_passed) else {
             at += 1;
             continue;
         };
         gathered.codes.remove(at);
         if let 96 | 97 = code.number {
-            channel.modal.constant_cutting_speed = code.number == 96;
+            modal.constant_cutting_speed = code.number == 96;
         }
         let mut text = format!("G{}", code.number);
         for item in gathered.take_used_by(entry) {
             text.push_str(&format!(" {}{}", name(item.letter, item.index), item.value));
         }
         if entry.effect == Effect::Keep {
-            channel.outlet.push(Kind::Verbatim(text.into_bytes()));
+            outlet.push(Kind::Verbatim(text.into_bytes()));
         }
     }
 }
@@ -92,44 +100,55 @@ pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) ->
     // The cylinder is never developed here.
     gathered.take_code(180);
     if let Some(span) = gathered.take_code(28) {
-        positioning_words(channel, gathered, span)?;
+        positioning_words(&mut channel.modal, &mut channel.outlet, gathered, span)?;
     }
     Ok(())
 }
 
 /// G74: axes go at rapid to a place of the machine that only the control knows, or that is none of the program's coordinates. The
 /// block is passed on; where the axes are is unknown behind it.
-pub(super) fn reference(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-    if channel.modal.contour.compensates() {
+pub(super) fn reference(
+    codes: &'static CodeTable,
+    modal: &mut Modal,
+    outlet: &mut Outlet<'_>,
+    gathered: &mut Gathered,
+    span: Span,
+) -> Result<(), Fault> {
+    if modal.contour.compensates() {
         let message = "G74 while radius compensation is on";
         return Err(fault(Code::BAD_COMPENSATION, span, message, "program G40 with a motion in the plane before it"));
     }
     let mut text = "G74".to_owned();
     let mut lost = AxisSet::EMPTY;
-    let words = channel.codes.g(74).map(|entry| gathered.take_used_by(entry)).unwrap_or_default();
+    let words = codes.g(74).map(|entry| gathered.take_used_by(entry)).unwrap_or_default();
     for item in words {
         let axis = Axis::from_letter(item.letter);
         axis.into_iter().for_each(|axis| lost.insert(axis));
         let is_length = item.index.is_none() && axis.is_some_and(|axis| !axis.is_rotary());
-        let value = if is_length { item.value * channel.modal.scale() } else { item.value };
+        let value = if is_length { item.value * modal.scale() } else { item.value };
         text.push_str(&format!(" {}{}", name(item.letter, item.index), (value * 1e9).round() / 1e9));
     }
     if lost.is_empty() {
         return Err(bad_value(span, "G74 names no axis", "write for example G74 Z-1 L1"));
     }
-    channel.modal.known = channel.modal.known.difference(lost);
-    channel.outlet.push(Kind::Verbatim(text.into_bytes()));
-    channel.outlet.push(Kind::Lost(lost));
+    modal.known = modal.known.difference(lost);
+    outlet.push(Kind::Verbatim(text.into_bytes()));
+    outlet.push(Kind::Lost(lost));
     Ok(())
 }
 
 /// G28: what belongs to positioning, passed on with its values.
-fn positioning_words(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+fn positioning_words(
+    modal: &mut Modal,
+    outlet: &mut Outlet<'_>,
+    gathered: &mut Gathered,
+    span: Span,
+) -> Result<(), Fault> {
     let mut text = "G28".to_owned();
     for index in 1..=9 {
         let Some((value, at)) = gathered.once(b'I', Some(index))? else { continue };
         if index == 5 {
-            channel.modal.positioning_logic = match value {
+            modal.positioning_logic = match value {
                 0.0 => true,
                 1.0 => false,
                 _ => return Err(bad_value(at, format!("I5={value} is neither 0 nor 1"), "write I5=0 or I5=1")),
@@ -140,6 +159,6 @@ fn positioning_words(channel: &mut Channel<'_>, gathered: &mut Gathered, span: S
     if text.len() == 3 {
         return Err(bad_value(span, "G28 needs at least one of I3= to I7=", "write for example G28 I5=1"));
     }
-    channel.outlet.push(Kind::Verbatim(text.into_bytes()));
+    outlet.push(Kind::Verbatim(text.into_bytes()));
     Ok(())
 }

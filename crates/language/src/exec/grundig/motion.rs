@@ -2,6 +2,7 @@
 
 use super::arc;
 use super::contour_words;
+use super::modal::Modal;
 use super::step;
 use super::target;
 
@@ -15,7 +16,7 @@ use ncfix_machine::snc::Kind;
 
 /// The motion of a block, if it has one.
 pub(super) fn motion_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
-    let block_feed = block_feed(channel, gathered)?;
+    let block_feed = block_feed(&channel.modal, gathered)?;
     let modal_feed = channel.modal.feed;
     if let Some(feed) = block_feed {
         channel.modal.feed = feed;
@@ -29,12 +30,12 @@ pub(super) fn motion_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -
 }
 
 /// `F6=`: the feed of this block only.
-fn block_feed(channel: &Channel<'_>, gathered: &mut Gathered) -> Result<Option<f64>, Fault> {
+fn block_feed(modal: &Modal, gathered: &mut Gathered) -> Result<Option<f64>, Fault> {
     let Some((feed, span)) = gathered.once(b'F', Some(6))? else { return Ok(None) };
     if feed <= 0.0 {
         return Err(bad_value(span, "a feed must be above 0", "correct F6="));
     }
-    Ok(Some(feed * channel.modal.scale()))
+    Ok(Some(feed * modal.scale()))
 }
 
 fn motion(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
@@ -44,7 +45,7 @@ fn motion(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Faul
             return Ok(());
         }
     }
-    let points = target::points(channel, gathered)?;
+    let points = target::points(&channel.modal, gathered)?;
     let is_arc = matches!(channel.modal.motion, MotionKind::Clockwise | MotionKind::CounterClockwise);
     let incremental = channel.modal.incremental;
     let target = target::target(channel, gathered, incremental)?;
@@ -73,7 +74,7 @@ fn motion(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Faul
         }
         to.named = to.named.union(point.named);
         // What the block does not name stays where the motion before has led.
-        let here = target::here(channel);
+        let here = target::here(&channel.modal, &channel.standing);
         for axis in [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C] {
             if !to.named.contains(axis) {
                 to.to[axis] = here[axis];

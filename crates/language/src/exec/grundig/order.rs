@@ -13,6 +13,7 @@ use super::tool;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::outlet::HasOutlet;
 use ncfix_base::diagnostic::Code;
+use ncfix_dialect::CodeTable;
 use ncfix_machine::snc::Kind;
 
 /// G codes that say what a block does with its words, beside the cycles; one of them a block.
@@ -32,39 +33,46 @@ pub(super) fn execute(
             // A tool that is got ready: its change comes in a block of its own.
             tool::tool(channel, gathered)?;
         }
-        auxiliary::feed_and_speed(channel, gathered)?;
+        auxiliary::feed_and_speed(&mut channel.modal, &mut channel.block, &mut channel.outlet, gathered)?;
         channel.comment(comment);
         motion::motion_words(channel, gathered)?;
         return gathered.check_all_used();
     }
-    check_codes(channel, gathered)?;
-    modes::passed_codes(channel, gathered);
+    check_codes(channel.codes, gathered)?;
+    modes::passed_codes(channel.codes, &mut channel.modal, &mut channel.outlet, gathered);
     modes::modal_codes(channel, gathered)?;
     frames::frame_codes(channel, gathered)?;
     tool::tool(channel, gathered)?;
-    tool::compensation_codes(channel, gathered)?;
-    check_supported(channel, gathered)?;
-    auxiliary::feed_and_speed(channel, gathered)?;
+    tool::compensation_codes(channel.settings.strict, &mut channel.modal, gathered)?;
+    check_supported(channel.codes, gathered)?;
+    auxiliary::feed_and_speed(&mut channel.modal, &mut channel.block, &mut channel.outlet, gathered)?;
     let behind = auxiliary::functions(channel, gathered)?;
     channel.comment(comment);
     if let Some(span) = gathered.take_code(4) {
-        auxiliary::dwell(channel, gathered, span)?;
+        auxiliary::dwell(&mut channel.outlet, gathered, span)?;
     } else if let Some(span) = gathered.take_code(149) {
         frames::table_access(channel, gathered, false, span)?;
     } else if let Some(span) = gathered.take_code(150) {
         frames::table_access(channel, gathered, true, span)?;
     } else if let Some(span) = gathered.take_code(74) {
-        modes::reference(channel, gathered, span)?;
+        modes::reference(channel.codes, &mut channel.modal, &mut channel.outlet, gathered, span)?;
     } else if let Some(span) = gathered.take_code(78) {
         target::define_point(channel, gathered, span)?;
     } else if let Some(span) = gathered.take_code(9) {
-        target::set_pole(channel, gathered, span)?;
+        target::set_pole(&mut channel.modal, gathered, span)?;
     } else if let Some(span) = gathered.take_code(11) {
         contour_words::two_lines(channel, gathered, span)?;
     } else if !machining::cycle_codes(channel, gathered)? {
         for (number, retracts) in [(61, false), (62, true)] {
             if let Some(span) = gathered.take_code(number) {
-                contour_words::soft_words(channel, gathered, retracts, span)?;
+                contour_words::soft_words(
+                    &channel.modal,
+                    &mut channel.block,
+                    &mut channel.outlet,
+                    gathered,
+                    retracts,
+                    span,
+                )?;
             }
         }
         motion::motion_words(channel, gathered)?;
@@ -80,21 +88,21 @@ pub(super) fn execute(
 }
 
 /// A code that nothing carries out is said before what its words would mean to the motion in force.
-pub(super) fn check_supported(channel: &Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn check_supported(codes: &'static CodeTable, gathered: &Gathered) -> Result<(), Fault> {
     let is_left = |number: u16| !ACTIONS.contains(&number) && super::cycles::find(number).is_none();
     let Some(code) = gathered.codes.iter().find(|code| is_left(code.number)) else { return Ok(()) };
-    let known = channel.codes.g(usize::from(code.number)).map_or("no known code", |entry| entry.meaning);
+    let known = codes.g(usize::from(code.number)).map_or("no known code", |entry| entry.meaning);
     let message = format!("G{} ({known}) is not supported", code.number);
     let help = "the program cannot be corrected with it; program what it does directly";
     Err(fault(Code::NOT_SUPPORTED, code.span, message, help))
 }
 
 /// Two codes of one group in a block exclude each other.
-pub(super) fn check_codes(channel: &Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn check_codes(codes: &'static CodeTable, gathered: &Gathered) -> Result<(), Fault> {
     if gathered.codes.len() < 2 {
         return Ok(());
     }
-    let group = |number: u16| channel.codes.g(usize::from(number)).map_or(0, |entry| entry.group);
+    let group = |number: u16| codes.g(usize::from(number)).map_or(0, |entry| entry.group);
     for (index, code) in gathered.codes.iter().enumerate() {
         let own = group(code.number);
         let clash = gathered
@@ -113,6 +121,6 @@ pub(super) fn check_codes(channel: &Channel<'_>, gathered: &Gathered) -> Result<
 /// Ends what is held back.
 pub(super) fn finish(channel: &mut Channel<'_>, has_errors: bool) {
     contour_words::end_open(channel);
-    contour_words::end_soft(channel);
+    contour_words::end_soft(&mut channel.block, &mut channel.outlet);
     channel.outlet.end(has_errors);
 }

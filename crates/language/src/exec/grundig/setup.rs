@@ -4,6 +4,8 @@ use super::channel::Channel;
 use crate::exec::core::fault::{Fault, bad_value};
 use crate::exec::core::options::Options;
 use crate::exec::core::outlet::HasOutlet;
+use crate::exec::core::outlet::Outlet;
+use crate::exec::core::standing::Standing;
 use crate::exec::core::standing::{known_behind, lengthened};
 use ncfix_base::geometry::{AxisSet, Frame, Vector};
 use ncfix_dialect::CodeTable;
@@ -48,15 +50,15 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
 }
 
 /// Tells the output what holds from here on, where that has changed.
-pub(super) fn show_setup(channel: &mut Channel<'_>) {
-    if std::mem::take(&mut channel.standing.changed) {
-        channel.outlet.push(Kind::Setup(Arc::clone(&channel.standing.shown)));
+pub(super) fn show_setup(standing: &mut Standing, outlet: &mut Outlet<'_>) {
+    if std::mem::take(&mut standing.changed) {
+        outlet.push(Kind::Setup(Arc::clone(&standing.shown)));
     }
 }
 
 /// Axes of the program as axes of the output.
-pub(super) fn shown_axes(channel: &Channel<'_>, axes: AxisSet, moving: bool) -> AxisSet {
-    let (own, shown): (&Frame, &Frame) = (&channel.standing.setup.frame, &channel.standing.shown.frame);
+pub(super) fn shown_axes(standing: &Standing, axes: AxisSet, moving: bool) -> AxisSet {
+    let (own, shown): (&Frame, &Frame) = (&standing.setup.frame, &standing.shown.frame);
     if own.is_translation() && shown.is_translation() {
         return axes;
     }

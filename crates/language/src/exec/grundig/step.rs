@@ -1,6 +1,8 @@
 //! Straight motions, and what each becomes on its way to the outlet.
 
 use super::channel::Channel;
+use super::channel::ToolMemory;
+use super::modal::Modal;
 use super::modal::MotionKind;
 use super::setup;
 use super::target;
@@ -13,8 +15,11 @@ use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::bad_value;
 use crate::exec::core::fault::fault;
 use crate::exec::core::options::RapidOrder;
+use crate::exec::core::outlet::Outlet;
 use crate::exec::core::path::Path;
 use crate::exec::core::path::Shape;
+use crate::exec::core::radius::Radius;
+use crate::exec::core::standing::Standing;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 use ncfix_base::geometry::AxisSet;
@@ -47,10 +52,12 @@ pub(super) fn rapid(channel: &mut Channel<'_>, target: Target) -> Result<(), Fau
     let Target { to, named } = target;
     let [.., applicate] = channel.modal.plane.axes();
     let others = named.difference([applicate].into_iter().collect());
-    let here = target::here(channel);
+    let here = target::here(&channel.modal, &channel.standing);
     let is_moving = |axis: Axis| (to[axis] - here[axis]).abs() > ALONG;
-    let is_split =
-        may_split(channel, named) && named.contains(applicate) && is_moving(applicate) && others.iter().any(is_moving);
+    let is_split = may_split(channel.settings.strict, channel.settings.rapid_order, &channel.modal, named)
+        && named.contains(applicate)
+        && is_moving(applicate)
+        && others.iter().any(is_moving);
     if !is_split {
         return rapid_line(channel, &to, named);
     }
@@ -70,7 +77,8 @@ pub(super) fn rapid_line(channel: &mut Channel<'_>, to: &AxisVector, named: Axis
 
 /// One straight line with feed.
 pub(super) fn feed_line(channel: &mut Channel<'_>, to: &AxisVector, named: AxisSet, feed: f64) -> Result<(), Fault> {
-    check_feed(channel, feed, channel.outlet.origin.span)?;
+    let span = channel.outlet.origin.span;
+    check_feed(channel.settings.strict, &mut channel.feed_warned, &mut channel.outlet, feed, span)?;
     elementary(channel, to, named, false, feed, |_| Ok(Shape::Line))
 }
 
@@ -85,20 +93,22 @@ pub(super) fn elementary(
 ) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
     let start = channel.modal.command;
-    let target = reach(channel, to, named);
+    let target = reach(&channel.modal, &channel.standing, to, named);
     if let Some(axis) = AXES_OF_MOTION.into_iter().find(|&axis| target[axis].is_nan() || target[axis].abs() > 1e9) {
         return Err(bad_value(span, format!("{axis} would move to {}", target[axis]), "check the values"));
     }
     let basis = PlaneBasis::behind(&channel.standing.setup.frame, channel.modal.plane)
         .ok_or_else(|| bad_value(span, "the frame squeezes the working plane flat", "check G73"))?;
-    let start_known = setup::shown_axes(channel, channel.modal.known, false);
+    let start_known = setup::shown_axes(&channel.standing, channel.modal.known, false);
     // What follows begins where the block leads, also where its way is faulty.
     let found = shape([&start, &target]);
     channel.modal.command = target;
     channel.modal.known = channel.modal.known.union(named);
     let shape = found?;
-    let (moving, stated) =
-        (setup::shown_axes(channel, named, true), setup::shown_axes(channel, channel.modal.known, false));
+    let (moving, stated) = (
+        setup::shown_axes(&channel.standing, named, true),
+        setup::shown_axes(&channel.standing, channel.modal.known, false),
+    );
     // A turned axis moves two of the output: where the other one stands decides where both end.
     if let Some(axis) = moving.difference(stated).iter().next().filter(|_| channel.settings.strict) {
         let message = format!("where {axis} goes depends on an axis that the program has not stated yet");
@@ -108,7 +118,7 @@ pub(super) fn elementary(
     if std::mem::replace(&mut channel.block.has_moved, true) {
         channel.outlet.begin_line();
     }
-    setup::show_setup(channel);
+    setup::show_setup(&mut channel.standing, &mut channel.outlet);
     let motion = Move {
         rapid,
         arc: None,
@@ -140,7 +150,12 @@ pub(super) fn put(channel: &mut Channel<'_>, path: Path) {
     if channel.outlet.keeps_wear && contour.compensates() {
         contour.shown = Shown::of(&path.basis, &channel.standing.shown.frame, channel.modal.plane);
     }
-    let wish = Wish::of(contour, radius_mm(channel), path.span, channel.outlet.origin.file);
+    let wish = Wish::of(
+        contour,
+        radius_mm(channel.settings.radius, &channel.modal, &channel.memory),
+        path.span,
+        channel.outlet.origin.file,
+    );
     let wish = Wish { corner, soft, ..wish };
     if channel.settings.strict {
         channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.plane));
@@ -156,22 +171,22 @@ pub(super) fn put(channel: &mut Channel<'_>, path: Path) {
 }
 
 /// Axis commands of programmed positions; those of axes that nothing names keep their last bit where the frame only shifts.
-pub(super) fn reach(channel: &Channel<'_>, to: &AxisVector, named: AxisSet) -> AxisVector {
-    let frame = &channel.standing.setup.frame;
+pub(super) fn reach(modal: &Modal, standing: &Standing, to: &AxisVector, named: AxisSet) -> AxisVector {
+    let frame = &standing.setup.frame;
     if !frame.is_translation() {
-        return channel.standing.setup.command(to);
+        return standing.setup.command(to);
     }
-    let mut target = channel.modal.command;
+    let mut target = modal.command;
     for axis in named.iter() {
-        let tool = if axis.slot() < 3 { channel.standing.setup.tool_mm[axis.slot()] } else { 0.0 };
+        let tool = if axis.slot() < 3 { standing.setup.tool_mm[axis.slot()] } else { 0.0 };
         target[axis] = to[axis] + frame.shift(axis) - tool;
     }
     target
 }
 
 /// A finding at the block.
-pub(super) fn block_fault(channel: &Channel<'_>, code: Code, message: impl Into<String>, help: &str) -> Fault {
-    let span: Span = channel.outlet.origin.span;
+pub(super) fn block_fault(outlet: &Outlet<'_>, code: Code, message: impl Into<String>, help: &str) -> Fault {
+    let span: Span = outlet.origin.span;
     fault(code, span, message, help)
 }
 
@@ -179,35 +194,41 @@ pub(super) fn block_fault(channel: &Channel<'_>, code: Code, message: impl Into<
 pub(super) const AXES_OF_MOTION: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 
 /// Whether it is stated, or may be assumed, where these axes stand.
-pub(super) fn has_place(channel: &Channel<'_>, axes: AxisSet) -> bool {
-    let may_assume = !channel.settings.strict && channel.settings.rapid_order != RapidOrder::Stated;
-    may_assume || axes.difference(channel.modal.known).is_empty()
+pub(super) fn has_place(strict: bool, rapid_order: RapidOrder, modal: &Modal, axes: AxisSet) -> bool {
+    let may_assume = !strict && rapid_order != RapidOrder::Stated;
+    may_assume || axes.difference(modal.known).is_empty()
 }
 
 /// Whether a rapid move of these axes may be taken apart. Where it does not know where it starts, the control itself puts the motions
 /// of the block in order.
-pub(super) fn may_split(channel: &Channel<'_>, axes: AxisSet) -> bool {
-    channel.modal.positioning_logic && channel.settings.rapid_order != RapidOrder::None && has_place(channel, axes)
+pub(super) fn may_split(strict: bool, rapid_order: RapidOrder, modal: &Modal, axes: AxisSet) -> bool {
+    modal.positioning_logic && rapid_order != RapidOrder::None && has_place(strict, rapid_order, modal, axes)
 }
 
 /// Whether a motion needs a feed and has none.
-pub(super) fn check_feed(channel: &mut Channel<'_>, feed: f64, span: Span) -> Result<(), Fault> {
+pub(super) fn check_feed(
+    strict: bool,
+    feed_warned: &mut bool,
+    outlet: &mut Outlet<'_>,
+    feed: f64,
+    span: Span,
+) -> Result<(), Fault> {
     if feed > 0.0 {
         return Ok(());
     }
     let (message, help) = ("a feed motion, and no F was programmed yet", "program F before it or in it");
-    if channel.settings.strict {
+    if strict {
         return Err(fault(Code::MISSING_FEED, span, message, help));
     }
-    if !std::mem::replace(&mut channel.feed_warned, true) {
-        channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, help));
+    if !std::mem::replace(feed_warned, true) {
+        outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, help));
     }
     Ok(())
 }
 
 /// The radius that G41 and G42 work with, mm.
-pub(super) fn radius_mm(channel: &Channel<'_>) -> f64 {
-    let tool = &channel.modal.tool;
-    let wear = tool.number.and_then(|number| channel.memory.radius_wear.get(&place(number)));
-    channel.settings.radius.of(tool.whole_radius_mm(), wear.copied().unwrap_or(0.0))
+pub(super) fn radius_mm(radius: Radius, modal: &Modal, memory: &ToolMemory) -> f64 {
+    let tool = &modal.tool;
+    let wear = tool.number.and_then(|number| memory.radius_wear.get(&place(number)));
+    radius.of(tool.whole_radius_mm(), wear.copied().unwrap_or(0.0))
 }

@@ -3,8 +3,10 @@
 //! Each line holds one entry as words: `T5 L120.5 R6 L4=0 R4=-0.02`, `G54 X100 Y50 Z0` or `G54 I3 …` or `N54 …`, `E10=5`, `P1 X20 Y30`.
 //! Words that say nothing of positions are passed over. Lengths are mm.
 
-use super::channel::Channel;
+use super::channel::ToolMemory;
+use super::expression::Parameters;
 use super::frames::entry_name;
+use super::modal::Modal;
 use super::modal::Point;
 use super::tool::place;
 use crate::syntax::words::{self, Address, Block, PartKind, Program, Value};
@@ -163,16 +165,16 @@ pub(in crate::exec) fn apply(
 }
 
 /// Takes tables of the control that stand beside the program.
-pub(super) fn take_tables(channel: &mut Channel<'_>, tables: Tables) {
-    channel.memory.radius_wear.extend(tables.radius_wear);
-    channel.modal.frames.table.extend(tables.offsets);
+pub(super) fn take_tables(modal: &mut Modal, memory: &mut ToolMemory, parameters: &mut Parameters, tables: Tables) {
+    memory.radius_wear.extend(tables.radius_wear);
+    modal.frames.table.extend(tables.offsets);
     for tool in tables.tools {
-        channel.memory.tools.retain(|known| (known.number, known.edge) != (tool.number, tool.edge));
-        channel.memory.tools.push(tool);
+        memory.tools.retain(|known| (known.number, known.edge) != (tool.number, tool.edge));
+        memory.tools.push(tool);
     }
     for (number, value) in tables.parameters {
         // A number that is none is said where the program uses it.
-        let _ = channel.parameters.set(number, value, Span::default());
+        let _ = parameters.set(number, value, Span::default());
     }
-    channel.modal.points.extend(tables.points);
+    modal.points.extend(tables.points);
 }

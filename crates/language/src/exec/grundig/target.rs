@@ -3,9 +3,11 @@
 use super::channel::Channel;
 use super::cycles::Flat;
 use super::gathered::{Found, Gathered};
+use super::modal::Modal;
 use super::modal::{Point, plus};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::rollover;
+use crate::exec::core::standing::Standing;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Plane;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
@@ -26,18 +28,18 @@ pub(super) struct Target {
 }
 
 /// The present position as programmed.
-pub(super) fn here(channel: &Channel<'_>) -> AxisVector {
-    channel.standing.setup.programmed(&channel.modal.command)
+pub(super) fn here(modal: &Modal, standing: &Standing) -> AxisVector {
+    standing.setup.programmed(&modal.command)
 }
 
 /// mm or rad of a word of an axis.
-fn value_of(channel: &Channel<'_>, axis: Axis, value: f64) -> f64 {
-    if axis.is_rotary() { channel.modal.frames.sign(axis) * value.to_radians() } else { value * channel.modal.scale() }
+fn value_of(modal: &Modal, axis: Axis, value: f64) -> f64 {
+    if axis.is_rotary() { modal.frames.sign(axis) * value.to_radians() } else { value * modal.scale() }
 }
 
 /// The words of a target. `incremental` stands for G91.
 pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, incremental: bool) -> Result<Target, Fault> {
-    let here = here(channel);
+    let here = here(&channel.modal, &channel.standing);
     let mut out = Target { to: here, named: AxisSet::EMPTY };
     for axis in AXES {
         let words = [
@@ -55,9 +57,9 @@ pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, increme
             let message = format!("the machine has no axis {axis}");
             return Err(fault(Code::NO_AXIS, span, message, "check the program, or the topology of the machine"));
         }
-        let own = value_of(channel, axis, value);
+        let own = value_of(&channel.modal, axis, value);
         if is_relative {
-            check_known(channel, axis, span)?;
+            check_known(channel.settings.strict, &channel.modal, axis, span)?;
         }
         out.to[axis] = if is_relative {
             here[axis] + own
@@ -67,13 +69,13 @@ pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, increme
         };
         out.named.insert(axis);
     }
-    polar(channel, gathered, &here, &mut out)?;
+    polar(channel.settings.strict, &channel.modal, gathered, &here, &mut out)?;
     Ok(out)
 }
 
 /// What is relative needs a place to start from.
-pub(super) fn check_known(channel: &Channel<'_>, axis: Axis, span: Span) -> Result<(), Fault> {
-    if !channel.settings.strict || channel.modal.known.contains(axis) {
+pub(super) fn check_known(strict: bool, modal: &Modal, axis: Axis, span: Span) -> Result<(), Fault> {
+    if !strict || modal.known.contains(axis) {
         return Ok(());
     }
     let message = format!("the program has not stated where {axis} is");
@@ -82,33 +84,39 @@ pub(super) fn check_known(channel: &Channel<'_>, axis: Axis, span: Span) -> Resu
 }
 
 /// Both axes of the plane.
-pub(super) fn check_plane_known(channel: &Channel<'_>, span: Span) -> Result<(), Fault> {
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
-    check_known(channel, abscissa, span)?;
-    check_known(channel, ordinate, span)
+pub(super) fn check_plane_known(strict: bool, modal: &Modal, span: Span) -> Result<(), Fault> {
+    let [abscissa, ordinate, _] = modal.plane.axes();
+    check_known(strict, modal, abscissa, span)?;
+    check_known(strict, modal, ordinate, span)
 }
 
 /// `B1= L1=` from here, `B2= L2=` from the pole, or one coordinate and `B1=`.
-fn polar(channel: &mut Channel<'_>, gathered: &mut Gathered, here: &AxisVector, out: &mut Target) -> Result<(), Fault> {
+fn polar(
+    strict: bool,
+    modal: &Modal,
+    gathered: &mut Gathered,
+    here: &AxisVector,
+    out: &mut Target,
+) -> Result<(), Fault> {
     for index in [1, 2] {
         let (angle, length) = (gathered.once(b'B', Some(index))?, gathered.once(b'L', Some(index))?);
         let Some((_, span)) = angle.or(length) else { continue };
         if index == 1 {
-            check_plane_known(channel, span)?;
+            check_plane_known(strict, modal, span)?;
         }
         let place = match (angle, length) {
             (Some((angle, _)), Some((length, _))) => {
-                let base = if index == 1 { here } else { &channel.modal.pole };
-                let way = channel.modal.direction(angle);
-                plus(base, &way, length * channel.modal.scale())
+                let base = if index == 1 { here } else { &modal.pole };
+                let way = modal.direction(angle);
+                plus(base, &way, length * modal.scale())
             }
-            (Some(angle), None) if index == 1 => mixed(channel, angle, here, out)?,
+            (Some(angle), None) if index == 1 => mixed(modal, angle, here, out)?,
             _ => {
                 let message = format!("B{index}= and L{index}= only mean a position together");
                 return Err(fault(Code::BAD_POLAR, span, message, "program both in the block"));
             }
         };
-        let [abscissa, ordinate, _] = channel.modal.plane.axes();
+        let [abscissa, ordinate, _] = modal.plane.axes();
         let is_taken = |axis: Axis| out.named.contains(axis);
         if length.is_some() && (is_taken(abscissa) || is_taken(ordinate)) {
             let message = "a polar position and an axis of the plane in one block";
@@ -123,8 +131,8 @@ fn polar(channel: &mut Channel<'_>, gathered: &mut Gathered, here: &AxisVector, 
 }
 
 /// One coordinate of the plane and the direction of the way there.
-fn mixed(channel: &Channel<'_>, (degrees, span): Found, here: &AxisVector, out: &Target) -> Result<AxisVector, Fault> {
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+fn mixed(modal: &Modal, (degrees, span): Found, here: &AxisVector, out: &Target) -> Result<AxisVector, Fault> {
+    let [abscissa, ordinate, _] = modal.plane.axes();
     let given = match [abscissa, ordinate].map(|axis| out.named.contains(axis)) {
         [true, false] => abscissa,
         [false, true] => ordinate,
@@ -133,7 +141,7 @@ fn mixed(channel: &Channel<'_>, (degrees, span): Found, here: &AxisVector, out: 
             return Err(fault(Code::BAD_POLAR, span, message, "program L1=, or one coordinate"));
         }
     };
-    let way = channel.modal.direction(degrees);
+    let way = modal.direction(degrees);
     let distance = (out.to[given] - here[given]) / way[given];
     if way[given].abs() < ACROSS || distance < 0.0 {
         let message = format!("the direction B1={degrees} does not lead to this {given}");
@@ -145,11 +153,11 @@ fn mixed(channel: &Channel<'_>, (degrees, span): Found, here: &AxisVector, out: 
 }
 
 /// The points that a block names, in their order.
-pub(super) fn points(channel: &Channel<'_>, gathered: &mut Gathered) -> Result<Vec<Point>, Fault> {
+pub(super) fn points(modal: &Modal, gathered: &mut Gathered) -> Result<Vec<Point>, Fault> {
     let mut points = Vec::new();
     for item in gathered.take_all(b'P') {
         let number = point_number((item.value, item.span))?;
-        let Some(point) = channel.modal.points.get(&number) else {
+        let Some(point) = modal.points.get(&number) else {
             let message = format!("point P{number} has not been stored");
             return Err(fault(Code::BAD_INDEX, item.span, message, "define it with G78 before"));
         };
@@ -170,22 +178,22 @@ pub(super) fn define_point(channel: &mut Channel<'_>, gathered: &mut Gathered, s
 }
 
 /// `G9`: sets the pole absolutely, by polar coordinates from zero (B2, L2), or from the old pole (B1, L1).
-pub(super) fn set_pole(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-    let scale = channel.modal.scale();
-    for (index, base) in [(1, channel.modal.pole), (2, AxisVector::ZERO)] {
+pub(super) fn set_pole(modal: &mut Modal, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+    let scale = modal.scale();
+    for (index, base) in [(1, modal.pole), (2, AxisVector::ZERO)] {
         if let (Some((angle, _)), Some((length, _))) =
             (gathered.take(b'B', Some(index)), gathered.take(b'L', Some(index)))
         {
-            let way = channel.modal.direction(angle);
-            channel.modal.pole = plus(&base, &way, length * scale);
+            let way = modal.direction(angle);
+            modal.pole = plus(&base, &way, length * scale);
             return Ok(());
         }
     }
     let mut is_set = false;
-    for axis in channel.modal.plane.axes().into_iter().take(2) {
+    for axis in modal.plane.axes().into_iter().take(2) {
         if let Some((value, _)) = gathered.once(axis.letter(), None)? {
-            let base = if channel.modal.incremental { channel.modal.pole[axis] } else { 0.0 };
-            channel.modal.pole[axis] = base + value * scale;
+            let base = if modal.incremental { modal.pole[axis] } else { 0.0 };
+            modal.pole[axis] = base + value * scale;
             is_set = true;
         }
     }
@@ -201,8 +209,8 @@ fn point_number((value, span): Found) -> Result<u32, Fault> {
 }
 
 /// Coordinates of the plane as angles count in it: in G18 X and −Z.
-pub(super) fn flat(channel: &Channel<'_>, position: &AxisVector) -> Flat {
-    match channel.modal.plane {
+pub(super) fn flat(modal: &Modal, position: &AxisVector) -> Flat {
+    match modal.plane {
         Plane::XY => [position[Axis::X], position[Axis::Y]],
         Plane::ZX => [position[Axis::X], -position[Axis::Z]],
         Plane::YZ => [position[Axis::Y], position[Axis::Z]],
@@ -210,8 +218,8 @@ pub(super) fn flat(channel: &Channel<'_>, position: &AxisVector) -> Flat {
 }
 
 /// Sets them.
-pub(super) fn set_flat(channel: &Channel<'_>, position: &mut AxisVector, [first, second]: Flat) {
-    match channel.modal.plane {
+pub(super) fn set_flat(modal: &Modal, position: &mut AxisVector, [first, second]: Flat) {
+    match modal.plane {
         Plane::XY => (position[Axis::X], position[Axis::Y]) = (first, second),
         Plane::ZX => (position[Axis::X], position[Axis::Z]) = (first, -second),
         Plane::YZ => (position[Axis::Y], position[Axis::Z]) = (first, second),

@@ -2,6 +2,7 @@
 
 use super::channel::Channel;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use super::setup;
 use crate::exec::core::contour::{FeedAt, Reach, Side};
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -100,37 +101,37 @@ fn allowances(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) ->
 }
 
 /// G40 to G44, and F1= for the feed on arcs beside them.
-pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
+pub(super) fn compensation_codes(strict: bool, modal: &mut Modal, gathered: &mut Gathered) -> Result<(), Fault> {
     for (number, side) in [(40, Side::Off), (41, Side::Left), (42, Side::Right)] {
         let Some(span) = gathered.take_code(number) else { continue };
-        let contour = &mut channel.modal.contour;
+        let contour = &mut modal.contour;
         contour.reach = Reach::End;
         contour.side = side;
         if side == Side::Off {
             continue;
         }
         contour.activation += 1;
-        if channel.modal.tool.selected.is_none() && channel.settings.strict {
+        if modal.tool.selected.is_none() && strict {
             return Err(no_tool(number, span));
         }
-        if channel.modal.tool.assumed && channel.settings.strict {
+        if modal.tool.assumed && strict {
             let message = "the radius of the tool has no value in the machine file";
             return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry there"));
         }
     }
     for (number, reach) in [(43, Reach::To), (44, Reach::Past)] {
         let Some(span) = gathered.take_code(number) else { continue };
-        if channel.modal.contour.compensates() {
+        if modal.contour.compensates() {
             let message = format!("G{number} while the radius is compensated");
             return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
         }
-        if channel.modal.tool.selected.is_none() && channel.settings.strict {
+        if modal.tool.selected.is_none() && strict {
             return Err(no_tool(number, span));
         }
-        channel.modal.contour.reach = reach;
+        modal.contour.reach = reach;
     }
     if let Some((value, span)) = gathered.once(b'F', Some(1))? {
-        channel.modal.contour.feed_at = match value {
+        modal.contour.feed_at = match value {
             0.0 => FeedAt::Center,
             1.0 => FeedAt::InnerContour,
             2.0 => FeedAt::Contour,

@@ -2,8 +2,12 @@
 
 use super::direction;
 use super::measure;
+use super::modal::Modal;
 use super::step;
 use super::target;
+use crate::exec::core::standing::Standing;
+use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
@@ -46,18 +50,26 @@ pub(super) fn arc(
         }
     }
     let (clockwise, span) = (code == 20, gathered.span);
-    let end = if channel.is_rs274() { end } else { closed_on_grid(channel, end, span)? };
-    let target = step::reach(channel, &setup, named, &end, gathered.span)?;
-    let turns = turns(channel, gathered)?;
+    let end = if channel.is_rs274() {
+        end
+    } else {
+        closed_on_grid(channel.settings.machine, &channel.modal, &channel.standing, end, span)?
+    };
+    let target = step::reach(&channel.modal, &setup, named, &end, gathered.span)?;
+    let turns = turns(channel.language, gathered)?;
     // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit; else as programmed.
     let is_shifted = setup.frame.is_translation();
-    let (from, to) = if is_shifted { (channel.modal.command, target) } else { (target::here(channel), end) };
+    let (from, to) = if is_shifted {
+        (channel.modal.command, target)
+    } else {
+        (target::here(&channel.modal, &channel.standing), end)
+    };
     let (s, e) = ([from[abscissa], from[ordinate]], [to[abscissa], to[ordinate]]);
     let center_letters = [abscissa, ordinate].map(|axis| b"IJK"[axis.slot()]);
     let across = b"IJK"[applicate.slot()];
     let has_center = gathered.has_any(&center_letters);
     let radius = measure::length(channel, gathered, b'R')?;
-    let has_across = !direction::has_directions(channel);
+    let has_across = !direction::has_directions(&channel.modal);
     if let Some(value) = gathered.raw(across).filter(|&value| has_across && (value != 0.0 || channel.is_rs274())) {
         let message =
             format!("{}{value} lies outside the working plane G{}", char::from(across), channel.modal.plane.number());
@@ -67,7 +79,7 @@ pub(super) fn arc(
         let message = "the center of this arc is given in two ways";
         return Err(fault(Code::BAD_ARC, gathered.span_of(b'R'), message, "keep either R or I, J, K"));
     }
-    let tolerance = arc_tolerance(channel);
+    let tolerance = arc_tolerance(channel.settings.machine, channel.language, &channel.modal);
     let center = if let Some(radius) = radius {
         // On a Fanuc R goes before the center words.
         gathered.use_up(&center_letters);
@@ -93,9 +105,9 @@ pub(super) fn arc(
         && channel.is_rs274()
         && closes_in_linuxcnc(s, e, *center)
     {
-        let (here, mut end) = (target::here(channel), end);
+        let (here, mut end) = (target::here(&channel.modal, &channel.standing), end);
         (end[abscissa], end[ordinate]) = (here[abscissa], here[ordinate]);
-        target = step::reach(channel, &setup, named, &end, span)?;
+        target = step::reach(&channel.modal, &setup, named, &end, span)?;
         to = if is_shifted { target } else { end };
     }
     let arc = center.and_then(|center| {
@@ -139,11 +151,17 @@ pub(super) fn arc(
 }
 
 /// The end of an arc of a Fanuc; where its increment makes it one with the start, it is the start.
-fn closed_on_grid(channel: &Channel<'_>, mut end: AxisVector, span: Span) -> Result<AxisVector, Fault> {
-    let here = target::here(channel);
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+fn closed_on_grid(
+    machine: &Machine,
+    modal: &Modal,
+    standing: &Standing,
+    mut end: AxisVector,
+    span: Span,
+) -> Result<AxisVector, Fault> {
+    let here = target::here(modal, standing);
+    let [abscissa, ordinate, _] = modal.plane.axes();
     let (start, to) = ([here[abscissa], here[ordinate]], [end[abscissa], end[ordinate]]);
-    match meeting(start, to, measure::increments_per_length(channel) / channel.modal.scale()) {
+    match meeting(start, to, measure::increments_per_length(machine, modal) / modal.scale()) {
         Meeting::Apart => {}
         Meeting::Same => (end[abscissa], end[ordinate]) = (start[0], start[1]),
         Meeting::Unsure => return Err(unsure(span, start, to, "the grid is that of control.increment_system")),
@@ -178,8 +196,8 @@ fn center(
 }
 
 /// Full turns beyond the arc itself: one less than P (RS274/NGC).
-fn turns(channel: &Channel<'_>, gathered: &Gathered) -> Result<u32, Fault> {
-    if !channel.is_rs274() {
+fn turns(language: Language, gathered: &Gathered) -> Result<u32, Fault> {
+    if language != Language::Rs274 {
         return Ok(0);
     }
     match gathered.raw(b'P').map(|turns| (turns, turns.round())) {
@@ -195,10 +213,10 @@ fn turns(channel: &Channel<'_>, gathered: &Gathered) -> Result<u32, Fault> {
 }
 
 /// How far an arc's end may be off its circle, by its radius.
-fn arc_tolerance(channel: &Channel<'_>) -> impl Fn(f64) -> f64 + use<> {
-    let control = &channel.settings.machine.control;
-    let (length, share, most) = if channel.is_rs274() {
-        let length = if channel.modal.inch { SPIRAL_INCH_MM } else { SPIRAL_MM };
+fn arc_tolerance(machine: &Machine, language: Language, modal: &Modal) -> impl Fn(f64) -> f64 + use<> {
+    let control = &machine.control;
+    let (length, share, most) = if language == Language::Rs274 {
+        let length = if modal.inch { SPIRAL_INCH_MM } else { SPIRAL_MM };
         (length, SPIRAL_SHARE, length * SPIRAL_MOST)
     } else {
         (control.arc_tolerance_mm, control.arc_tolerance_ratio, f64::INFINITY)

@@ -1,9 +1,13 @@
 //! M codes.
 
+use super::channel::Cycles;
 use super::forbidden;
+use super::modal::Modal;
 use super::modes;
 use super::state;
 use super::text;
+use crate::exec::core::outlet::Outlet;
+use ncfix_dialect::Language;
 use std::fmt::Write as _;
 
 use super::channel::Channel;
@@ -116,7 +120,7 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
             channel.block.after.push(word(number));
         }
         0 | 1 | 5 | 9 => {
-            note_spindle(channel, number);
+            note_spindle(&mut channel.modal, &mut channel.cycles, number);
             channel.block.after.push(word(number));
         }
         6 => {
@@ -126,10 +130,10 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
                 return Err(fault(Code::BAD_COMPENSATION, span, message, help));
             }
             channel.block.before.push(word(number));
-            change_tool(channel);
+            change_tool(channel.language, &mut channel.modal);
         }
         _ => {
-            note_spindle(channel, number);
+            note_spindle(&mut channel.modal, &mut channel.cycles, number);
             channel.block.before.push(word(number));
         }
     }
@@ -145,41 +149,41 @@ pub(super) fn lose_by_functions(channel: &mut Channel<'_>, gathered: &Gathered) 
 }
 
 /// The tool that was selected comes into the spindle; a tool change may have moved the axes.
-fn change_tool(channel: &mut Channel<'_>) {
-    channel.modal.active = channel.modal.selected.or(channel.modal.active);
-    channel.modal.forget(AxisSet::ALL);
-    if channel.is_rs274() {
-        channel.modal.spindle = 5;
+fn change_tool(language: Language, modal: &mut Modal) {
+    modal.active = modal.selected.or(modal.active);
+    modal.forget(AxisSet::ALL);
+    if language == Language::Rs274 {
+        modal.spindle = 5;
     }
 }
 
 /// LinuxCNC asks where the machine is behind M6 and M61. Behind G40 that is beside the contour until a motion has
 /// left it, and then axes which that motion does not name stay there.
-fn look_where_axes_are(channel: &mut Channel<'_>, gathered: &Gathered) {
-    if channel.modal.contour.compensates() || gathered.has_any(b"XYZABC") {
+fn look_where_axes_are(modal: &mut Modal, outlet: &mut Outlet<'_>, gathered: &Gathered) {
+    if modal.contour.compensates() || gathered.has_any(b"XYZABC") {
         return;
     }
-    if let Some(place) = channel.outlet.settle() {
-        channel.modal.command = place;
+    if let Some(place) = outlet.settle() {
+        modal.command = place;
     }
 }
 
-fn note_spindle(channel: &mut Channel<'_>, number: u32) {
+fn note_spindle(modal: &mut Modal, cycles: &mut Cycles, number: u32) {
     match number {
-        3 => channel.modal.spindle = 3,
-        4 => channel.modal.spindle = 4,
-        5 | 19 => channel.modal.spindle = 5,
-        7 => channel.modal.coolant[0] = true,
-        8 => channel.modal.coolant[1] = true,
-        9 => channel.modal.coolant = [false; 2],
-        29 => channel.cycles.is_rigid = true,
+        3 => modal.spindle = 3,
+        4 => modal.spindle = 4,
+        5 | 19 => modal.spindle = 5,
+        7 => modal.coolant[0] = true,
+        8 => modal.coolant[1] = true,
+        9 => modal.coolant = [false; 2],
+        29 => cycles.is_rigid = true,
         _ => {}
     }
 }
 
 /// M48 to M53, which a saved state brings back.
-fn note_override(channel: &mut Channel<'_>, gathered: &Gathered, number: u32) {
-    let [feed, speed, adaptive, stop] = &mut channel.modal.overrides;
+fn note_override(modal: &mut Modal, gathered: &Gathered, number: u32) {
+    let [feed, speed, adaptive, stop] = &mut modal.overrides;
     let is_on = gathered.raw(b'P').is_none_or(|value| value != 0.0);
     match number {
         48 | 49 => (*feed, *speed) = (number == 48, number == 48),
@@ -201,14 +205,14 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
         }
         0 | 1 | 60 => channel.block.after.push(word(number)),
         6 => {
-            forbidden::no_compensation(channel, span, "M6")?;
+            forbidden::no_compensation(channel.language, &channel.modal, span, "M6")?;
             if channel.modal.selected.is_none() {
                 let message = "M6, and no tool was selected with T";
                 return Err(bad_value(span, message, "program T before it or in its block"));
             }
             channel.block.before.push(word(number));
-            look_where_axes_are(channel, gathered);
-            change_tool(channel);
+            look_where_axes_are(&mut channel.modal, &mut channel.outlet, gathered);
+            change_tool(channel.language, &mut channel.modal);
         }
         61 => {
             let tool = gathered.raw(b'Q').map(|value| whole(value, gathered.span_of(b'Q'), "Q")).transpose()?;
@@ -217,12 +221,12 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
             };
             channel.modal.active = Some(tool);
             channel.modal.selected = Some(tool);
-            look_where_axes_are(channel, gathered);
+            look_where_axes_are(&mut channel.modal, &mut channel.outlet, gathered);
             m_with_words(channel, gathered, number, b"Q");
         }
-        70 => state::save_state(channel, false),
-        73 => state::save_state(channel, true),
-        71 => state::drop_state(channel),
+        70 => state::save_state(&channel.modal, &mut channel.saved, false),
+        73 => state::save_state(&channel.modal, &mut channel.saved, true),
+        71 => state::drop_state(&mut channel.saved),
         72 => state::restore_state(channel, span)?,
         100..=199 => {
             let message = format!("M{number} runs a program of the control, and what it does is not known here");
@@ -240,13 +244,13 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
         }
         _ => match RS274_WORDS.iter().find(|(known, _)| *known == number) {
             Some((_, letters)) => {
-                note_spindle(channel, number);
-                note_override(channel, gathered, number);
+                note_spindle(&mut channel.modal, &mut channel.cycles, number);
+                note_override(&mut channel.modal, gathered, number);
                 m_with_words(channel, gathered, number, letters);
             }
             None => {
-                note_spindle(channel, number);
-                note_override(channel, gathered, number);
+                note_spindle(&mut channel.modal, &mut channel.cycles, number);
+                note_override(&mut channel.modal, gathered, number);
                 let spindle = gathered.raw(b'$').filter(|_| matches!(number, 3..=5));
                 match spindle {
                     Some(_) => m_with_words(channel, gathered, number, b"$"),
@@ -275,10 +279,10 @@ fn m_with_words(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, let
 }
 
 /// Appends a word as it was written.
-pub(super) fn append_plain(channel: &Channel<'_>, text: &mut String, letter: u8, value: f64, is_unpointed: bool) {
+pub(super) fn append_plain(language: Language, text: &mut String, letter: u8, value: f64, is_unpointed: bool) {
     if is_unpointed {
         let _ = write!(text, " {}{value}", char::from(letter));
     } else {
-        text::append(channel, text, letter, value);
+        text::append(language, text, letter, value);
     }
 }

@@ -56,7 +56,7 @@ impl Interpreter<'_> {
     /// Variables of a level that begins.
     fn enter(&mut self, call: &Call) {
         if self.channel.language == Language::Rs274 {
-            state::enter_level(&mut self.channel);
+            state::enter_level(&mut self.channel.saved);
         }
         let variables = &mut self.channel.variables;
         match call.kind {

@@ -89,7 +89,8 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
 fn leaving_direction(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<Option<[f64; 2]>, Fault> {
     let [abscissa, ordinate, _] = channel.modal.plane.axes();
     let letters = [abscissa, ordinate].map(|axis| b"IJK"[axis.slot()]);
-    let is_straight = matches!(modes::motion_of(channel, gathered), Some(0 | 10));
+    let is_straight =
+        matches!(modes::motion_of(channel.language, &channel.modal, &channel.cycles, gathered), Some(0 | 10));
     if !is_straight || !gathered.has_any(&letters) {
         return Ok(None);
     }
@@ -122,7 +123,7 @@ fn radius_of(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<f64, 
     if number == 0 {
         return Ok(0.0);
     }
-    if let Some(offset) = target::tool_offset(channel, number) {
+    if let Some(offset) = target::tool_offset(channel.settings.machine, &channel.written, number) {
         return Ok(channel.settings.radius.of(offset.radius_mm + offset.radius_wear_mm, offset.radius_wear_mm));
     }
     let message = format!("offset {number} has no radius in the machine file");

@@ -1,12 +1,16 @@
 //! A block in a canned cycle: collects its words, asks [`super::drill`] what is to be done, and puts that into the stream.
 
+use super::channel::Cycles;
 use super::feed;
 use super::measure;
+use super::modal::Modal;
 use super::modes;
 use super::one_axis;
 use super::spline;
 use super::step;
 use super::target;
+use crate::exec::core::standing::Standing;
+use ncfix_machine::machine::Machine;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
@@ -43,7 +47,7 @@ pub(super) fn note_motion(channel: &mut Channel<'_>, code: u16) {
     if before == code || is_cycle(code, channel.is_rs274()) {
         return;
     }
-    spline::drop_curve(channel, code);
+    spline::drop_curve(&mut channel.special, code);
     modes::leave_exact_stops(channel, false);
     channel.cycles.line = code;
     channel.cycles.is_rigid = false;
@@ -59,12 +63,18 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     let span = if span == Span::default() { gathered.span } else { span };
     check_cycle(channel, gathered, code, span)?;
     let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
-    let here = target::here(channel);
+    let here = target::here(&channel.modal, &channel.standing);
     let bottom = word_of(channel, gathered, applicate)?;
     let mut words = [word_of(channel, gathered, abscissa)?, word_of(channel, gathered, ordinate)?];
     if channel.special.polar.is_some() {
         // The second word is an angle.
-        words[1] = measure::angle(channel, gathered, ordinate.letter())?;
+        words[1] = measure::angle(
+            channel.settings.machine,
+            channel.language,
+            &mut channel.warned,
+            gathered,
+            ordinate.letter(),
+        )?;
     }
     let named: AxisSet = gathered.axes.intersection([abscissa, ordinate].into_iter().collect());
     if let Some((others, values)) = one_axis::other_axes(channel, gathered, named)? {
@@ -73,22 +83,25 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
             *word = Some(values[axis]);
         }
     }
-    let polar_words = [measure::length(channel, gathered, b'@')?, measure::angle(channel, gathered, b'^')?];
+    let polar_words = [
+        measure::length(channel, gathered, b'@')?,
+        measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, b'^')?,
+    ];
     let is_polar = polar_words.iter().any(Option::is_some);
     let incremental = channel.modal.incremental;
     for (axis, word) in [abscissa, ordinate].into_iter().zip(words) {
         if incremental || word.is_none() {
-            target::check_stated(channel, axis, gathered.span)?;
+            target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span)?;
         }
     }
-    target::check_stated(channel, applicate, gathered.span)?;
+    target::check_stated(channel.settings.strict, &channel.modal, applicate, gathered.span)?;
     let mut others = gathered.axes.difference([abscissa, ordinate, applicate].into_iter().collect());
     let mut end = here;
     for axis in others.iter() {
         let value = target::axis_value(channel, gathered, axis)?;
         end[axis] = match incremental {
             true => value + here[axis],
-            false => target::absolute(channel, gathered, axis, value, here[axis])?,
+            false => target::absolute(channel.settings.machine, &channel.modal, gathered, axis, value, here[axis])?,
         };
     }
     let call = call(
@@ -125,7 +138,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     if actions.is_empty() {
         return Ok(());
     }
-    if is_tapping(code) && modes::code_of_motion(channel, gathered) == Some(code) {
+    if is_tapping(code) && modes::code_of_motion(channel.language, &channel.cycles, gathered) == Some(code) {
         let message = "tapping becomes feed moves with the spindle reversed between them";
         let help = "the tap needs a chuck that gives way; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
@@ -171,7 +184,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
 fn brought(channel: &mut Channel<'_>, axis: Axis, place: &AxisVector, span: Span) -> Result<(), Fault> {
     let setup = Shared::clone(&channel.standing.setup);
     let named: AxisSet = [axis].into_iter().collect();
-    channel.modal.command = step::reach(channel, &setup, named, place, span)?;
+    channel.modal.command = step::reach(&channel.modal, &setup, named, place, span)?;
     if channel.settings.strict {
         let lost = channel.modal.forget(named);
         channel.push(Kind::Lost(lost));
@@ -201,13 +214,13 @@ fn call(
 ) -> Result<Call, Fault> {
     let is_rs274 = channel.is_rs274();
     let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
-    let dwell_s = feed::dwell_of_p(channel, gathered, &name_of(code))?;
+    let dwell_s = feed::dwell_of_p(channel.language, gathered, &name_of(code))?;
     if let Some(seconds) = dwell_s.filter(|seconds| *seconds < 0.0) {
         let message = format!("a dwell of {seconds} s");
         return Err(bad_value(gathered.span_of(b'P'), message, "write P without a sign"));
     }
     if !is_rs274 && gathered.has(b'K') {
-        check_count(channel, gathered, code)?;
+        check_count(channel.settings.machine, gathered, code)?;
     }
     let mut repeats = None;
     for letter in if is_rs274 { &b"L"[..] } else { &b"KL"[..] } {
@@ -248,14 +261,16 @@ fn call(
             _ => Turn::Off,
         },
         clearance: clearance / growth,
-        aside: iso.orient_shift.map(|(axis, sign)| direction_of(channel, axis, sign * growth)),
+        aside: iso
+            .orient_shift
+            .map(|(axis, sign)| direction_of(&channel.modal, &channel.standing, axis, sign * growth)),
     })
 }
 
 /// A direction of the machine in the program's plane.
-fn direction_of(channel: &Channel<'_>, axis: Axis, sign: f64) -> [f64; 2] {
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
-    let direction = channel.standing.setup.frame.unapply_direction(Vector::ith(axis.dimension(), sign));
+fn direction_of(modal: &Modal, standing: &Standing, axis: Axis, sign: f64) -> [f64; 2] {
+    let [abscissa, ordinate, _] = modal.plane.axes();
+    let direction = standing.setup.frame.unapply_direction(Vector::ith(axis.dimension(), sign));
     [abscissa, ordinate].map(|axis| direction.get(axis.slot()).copied().unwrap_or_default())
 }
 
@@ -288,14 +303,14 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
         return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17, or program the motions one by one"));
     }
     if is_tapping(code) && channel.settings.strict && !channel.is_rs274() {
-        check_rigid(channel, code, &name, span)?;
+        check_rigid(channel.settings.machine, &channel.cycles, code, &name, span)?;
     }
     Ok(())
 }
 
 /// K of a peck cycle is a depth on a Haas, with G91 too.
-fn check_count(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-    if !matches!(code, 730 | 830) || channel.settings.machine.control.iso.reads_as_fanuc {
+fn check_count(machine: &Machine, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+    if !matches!(code, 730 | 830) || machine.control.iso.reads_as_fanuc {
         return Ok(());
     }
     let name = name_of(code);
@@ -305,9 +320,9 @@ fn check_count(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<
 }
 
 /// Refuses tapping that keeps spindle and axis in step, or may do so.
-fn check_rigid(channel: &Channel<'_>, code: u16, name: &str, span: Span) -> Result<(), Fault> {
-    let rigid = channel.settings.machine.control.iso.rigid_tapping;
-    let is_rigid = channel.cycles.is_rigid || matches!(code, 842 | 843) || rigid == Some(true);
+fn check_rigid(machine: &Machine, cycles: &Cycles, code: u16, name: &str, span: Span) -> Result<(), Fault> {
+    let rigid = machine.control.iso.rigid_tapping;
+    let is_rigid = cycles.is_rigid || matches!(code, 842 | 843) || rigid == Some(true);
     if is_rigid {
         let message = format!("{name} taps rigidly: single motions do not keep spindle and axis together");
         let help = "leave the tapping to a program that is not corrected";

@@ -2,9 +2,11 @@
 
 use super::forbidden;
 use super::measure;
+use super::modal::Modal;
 use super::offsets;
 use super::target;
 use super::text;
+use ncfix_dialect::Language;
 
 use super::channel::Channel;
 use super::channel::ToolOffset;
@@ -24,9 +26,11 @@ pub(super) fn set_data(channel: &mut Channel<'_>, gathered: &Gathered) -> Result
     let number = p.map(f64::round).filter(|number| (0.0..=9999.0).contains(number)).map(|number| number as u32);
     let l = l.map_or(-1, |l| l.round() as i64);
     match (l, number) {
-        (2, number) => set_offset(channel, gathered, System(system_number(channel, number, span)?), span),
+        (2, number) => {
+            set_offset(channel, gathered, System(system_number(channel.language, &channel.modal, number, span)?), span)
+        }
         (20, number) if channel.is_rs274() => {
-            set_offset(channel, gathered, System(system_number(channel, number, span)?), span)
+            set_offset(channel, gathered, System(system_number(channel.language, &channel.modal, number, span)?), span)
         }
         (20, Some(number @ 1..=300)) => set_offset(channel, gathered, System(System::ADDITIONAL + number as u16), span),
         (1 | 10 | 11, Some(number)) if channel.is_rs274() => set_tool(channel, gathered, l, number, span),
@@ -43,23 +47,23 @@ pub(super) fn set_data(channel: &mut Channel<'_>, gathered: &Gathered) -> Result
 }
 
 /// The system that P of G10 L2 means.
-fn system_number(channel: &Channel<'_>, number: Option<u32>, span: Span) -> Result<u16, Fault> {
-    let most = if channel.is_rs274() { 9 } else { 6 };
+fn system_number(language: Language, modal: &Modal, number: Option<u32>, span: Span) -> Result<u16, Fault> {
+    let most = if language == Language::Rs274 { 9 } else { 6 };
     match number {
         // 0 is the system in force, of a Fanuc the offset of all systems.
-        Some(0) if channel.is_rs274() => Ok(channel.modal.system.0),
+        Some(0) if language == Language::Rs274 => Ok(modal.system.0),
         Some(number) if number <= most => Ok(number as u16),
-        None if !channel.is_rs274() => Ok(channel.modal.system.0),
+        None if language != Language::Rs274 => Ok(modal.system.0),
         _ => Err(bad_value(span, format!("G10 needs P from 0 to {most}"), "P1 is G54")),
     }
 }
 
 fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, span: Span) -> Result<(), Fault> {
     if system == channel.modal.system {
-        forbidden::no_compensation(channel, span, "G10")?;
+        forbidden::no_compensation(channel.language, &channel.modal, span, "G10")?;
     }
     let is_relative = channel.is_rs274() && gathered.raw(b'L').is_some_and(|l| l.round() == 20.0);
-    let known = target::offset_of(channel, system);
+    let known = target::offset_of(channel.settings.machine, &channel.written, system);
     let mut parts = known.unwrap_or_default();
     if let Some(angle) = gathered.raw(b'R').filter(|_| channel.is_rs274() && !is_relative) {
         parts.rotation[2] = angle.to_radians();
@@ -103,17 +107,18 @@ fn place_here(
     parts: &mut FrameParts,
 ) -> Result<(), Fault> {
     let order = channel.settings.machine.control.rotation_order;
-    let mut wanted = target::frame_of(channel, system).unapply(&target::tip(channel));
+    let mut wanted = target::frame_of(channel.settings.machine, &channel.written, system)
+        .unapply(&target::tip(&channel.modal, &channel.standing));
     let shift = channel.modal.shift;
     wanted = wanted - shift;
     for axis in gathered.axes.iter() {
-        target::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+        target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
         wanted[axis] = target::axis_value(channel, gathered, axis)?;
     }
     // What the rotation makes of the wanted position, taken off where the tip is.
     let turned = FrameParts { translation: AxisVector::ZERO, ..*parts };
     let Some(turned) = turned.frame(order) else { return Ok(()) };
-    let place = target::tip(channel) - turned.apply(&(wanted + shift));
+    let place = target::tip(&channel.modal, &channel.standing) - turned.apply(&(wanted + shift));
     let touched = if turned.is_translation() { gathered.axes } else { gathered.axes.union(AxisSet::XYZ) };
     for axis in touched.iter() {
         parts.translation[axis] = place[axis];
@@ -128,25 +133,26 @@ fn say_offset(channel: &mut Channel<'_>, system: System, parts: &FrameParts, nam
     };
     for axis in named.iter() {
         let value = parts.shift()[axis];
-        let shown = if axis.is_rotary() { value.to_degrees() } else { value / text::output_unit_mm(channel) };
-        text::append(channel, &mut text, axis.letter(), shown);
+        let shown =
+            if axis.is_rotary() { value.to_degrees() } else { value / text::output_unit_mm(channel.settings.machine) };
+        text::append(channel.language, &mut text, axis.letter(), shown);
     }
     if with_angle {
-        text::append(channel, &mut text, b'R', parts.rotation[2].to_degrees());
+        text::append(channel.language, &mut text, b'R', parts.rotation[2].to_degrees());
     }
     channel.push(Kind::Verbatim(text.into_bytes()));
 }
 
 /// `G10 L1`, `L10`, `L11` of RS274/NGC: length and radius of a tool.
 fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32, span: Span) -> Result<(), Fault> {
-    let mut offset = target::tool_offset(channel, number).unwrap_or_default();
+    let mut offset = target::tool_offset(channel.settings.machine, &channel.written, number).unwrap_or_default();
     let mut text = format!("G10 L1 P{number}");
     // Where the tip would be without length, in the coordinates that L10 and L11 mean.
     let mut bare = channel.modal.command;
     if l == 10 {
         bare = channel.modal.frame().unapply(&bare);
     } else if l == 11 {
-        bare = target::frame_of(channel, System(9)).unapply(&bare);
+        bare = target::frame_of(channel.settings.machine, &channel.written, System(9)).unapply(&bare);
     }
     for axis in gathered.axes.iter() {
         if !AxisSet::XYZ.contains(axis) {
@@ -157,19 +163,19 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
         let length = if l == 1 {
             value
         } else {
-            target::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+            target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
             bare[axis] - value
         };
         offset.length_mm[axis.slot()] = length;
-        text::append_length(channel, &mut text, axis.letter(), length);
+        text::append_length(channel.settings.machine, channel.language, &mut text, axis.letter(), length);
     }
     if let Some(radius) = measure::length(channel, gathered, b'R')? {
         offset.radius_mm = radius;
-        text::append_length(channel, &mut text, b'R', radius);
+        text::append_length(channel.settings.machine, channel.language, &mut text, b'R', radius);
     }
     for letter in *b"IJQ" {
         if let Some(value) = gathered.raw(letter) {
-            text::append(channel, &mut text, letter, value);
+            text::append(channel.language, &mut text, letter, value);
         }
     }
     if gathered.axes.is_empty() && !gathered.has_any(b"RIJQ") {
@@ -193,7 +199,7 @@ fn set_tool_value(
     let Some(value) = measure::length(channel, gathered, b'R')? else {
         return Err(bad_value(span, "G10 needs R with the value", "write for example G10 L10 P1 R100."));
     };
-    let known = target::tool_offset(channel, number);
+    let known = target::tool_offset(channel.settings.machine, &channel.written, number);
     if known.is_none() && channel.settings.strict && (channel.modal.incremental || matches!(l, 11 | 13)) {
         let message = format!("offset {number} is changed in part, and has no value in the machine file");
         return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
@@ -210,7 +216,7 @@ fn set_tool_value(
     let value = *place;
     channel.written.tools.insert(number, ToolOffset { is_stated: true, ..offset });
     let mut text = format!("G10 L{l} P{number}");
-    text::append_length(channel, &mut text, b'R', value);
+    text::append_length(channel.settings.machine, channel.language, &mut text, b'R', value);
     channel.push(Kind::Verbatim(text.into_bytes()));
     Ok(())
 }

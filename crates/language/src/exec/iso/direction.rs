@@ -1,5 +1,7 @@
 //! Directions of the tool of G43.5: I J K at the end of a block become positions of the rotary axes.
 
+use super::modal::Modal;
+use ncfix_machine::machine::Machine;
 use std::f64::consts::TAU;
 
 use super::channel::Channel;
@@ -19,17 +21,18 @@ const BY_DIRECTION: u16 = 435;
 const LETTERS: &[u8; 3] = b"IJK";
 
 /// Whether blocks give the direction of the tool.
-pub(super) fn has_directions(channel: &Channel<'_>) -> bool {
-    channel.modal.length_code == BY_DIRECTION && channel.modal.turning.is_some()
+pub(super) fn has_directions(modal: &Modal) -> bool {
+    modal.length_code == BY_DIRECTION && modal.turning.is_some()
 }
 
 /// The direction at the end of a motion of the code `motion`, in tenths; components that it does not name are zero.
 pub(super) fn tool_direction(
-    channel: &Channel<'_>,
+    machine: &Machine,
+    modal: &Modal,
     gathered: &Gathered,
     motion: u16,
 ) -> Result<Option<(Vector, Span)>, Fault> {
-    if !has_directions(channel) {
+    if !has_directions(modal) {
         return Ok(None);
     }
     if let Some(axis) = gathered.axes.iter().find(|axis| axis.is_rotary()) {
@@ -56,7 +59,7 @@ pub(super) fn tool_direction(
             return Err(fault(Code::NOT_SUPPORTED, span, message, "use G0, G1, G2 or G3 under G43.5"));
         }
     }
-    let on_table = channel.settings.machine.topology.workpiece.iter().any(|axis| axis.is_rotary());
+    let on_table = machine.topology.workpiece.iter().any(|axis| axis.is_rotary());
     if on_table && gathered.code(super::codes::Group::Length) == Some(BY_DIRECTION) {
         let message = "a direction of the tool in the block of G43.5, on a machine with a rotary axis in its table";
         return Err(fault(Code::BAD_WORD_VALUE, span, message, "give it in a block behind that"));

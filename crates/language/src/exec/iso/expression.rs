@@ -42,7 +42,7 @@ impl Scope<'_, '_> {
     /// What a length without a decimal point counts, in units of the program, where such numbers count increments.
     pub(super) fn increment(&self) -> Option<f64> {
         let counts = self.channel.settings.machine.control.iso.decimal_point == Some(DecimalPoint::Increment);
-        counts.then(|| 1.0 / measure::increments_per_length(&self.channel))
+        counts.then(|| 1.0 / measure::increments_per_length(self.channel.settings.machine, &self.channel.modal))
     }
 
     /// The value of an expression; `None` is null.

@@ -1,10 +1,14 @@
 //! Feed, speed, tool word, dwell, path control.
 
 use super::auxiliary;
+use super::channel::AtHand;
 use super::forbidden;
 use super::measure;
+use super::modal::Modal;
 use super::modes;
 use super::text;
+use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
 use std::fmt::Write as _;
 
 use super::channel::Channel;
@@ -67,18 +71,23 @@ pub(super) fn feed_mode(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     Ok(())
 }
 
-pub(super) fn feed(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn feed(modal: &mut Modal, gathered: &Gathered) -> Result<(), Fault> {
     let Some(value) = gathered.raw(b'F') else { return Ok(()) };
     if value.is_nan() || value < 0.0 {
         let message = "a feed must not be negative";
         return Err(bad_value(gathered.span_of(b'F'), message, "program F with a positive value"));
     }
-    let scale = if channel.modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { channel.modal.scale() };
-    channel.modal.feed = value * scale;
+    let scale = if modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { modal.scale() };
+    modal.feed = value * scale;
     Ok(())
 }
 
-pub(super) fn speed(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn speed(
+    machine: &Machine,
+    modal: &mut Modal,
+    block: &mut AtHand,
+    gathered: &Gathered,
+) -> Result<(), Fault> {
     let Some(value) = gathered.raw(b'S') else { return Ok(()) };
     if value < 0.0 {
         let message = "a speed must not be negative";
@@ -86,12 +95,12 @@ pub(super) fn speed(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
     }
     // A cutting speed is in feet per minute where lengths are in inches.
     let in_meters = |inch: bool| if inch { METERS_PER_FOOT } else { 1.0 };
-    let (own, output) = (channel.modal.inch, channel.settings.machine.control.output_inch == Some(true));
-    let is_other = channel.modal.spindle_mode == 960 && own != output;
-    channel.modal.speed = Some(value);
-    channel.modal.speed_word = if is_other { to_places(value * in_meters(own) / in_meters(output)) } else { value };
-    let value = WordValue::Number(channel.modal.speed_word);
-    channel.block.before.push(Word { letter: b'S', extension: None, value });
+    let (own, output) = (modal.inch, machine.control.output_inch == Some(true));
+    let is_other = modal.spindle_mode == 960 && own != output;
+    modal.speed = Some(value);
+    modal.speed_word = if is_other { to_places(value * in_meters(own) / in_meters(output)) } else { value };
+    let value = WordValue::Number(modal.speed_word);
+    block.before.push(Word { letter: b'S', extension: None, value });
     Ok(())
 }
 
@@ -104,9 +113,9 @@ pub(super) fn tool_word(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
 }
 
 /// P of a dwell or of a cycle, s: RS274/NGC counts seconds and a Fanuc milliseconds, wherever the number comes from.
-pub(super) fn dwell_of_p(channel: &Channel<'_>, gathered: &Gathered, name: &str) -> Result<Option<f64>, Fault> {
+pub(super) fn dwell_of_p(language: Language, gathered: &Gathered, name: &str) -> Result<Option<f64>, Fault> {
     let Some(value) = gathered.raw(b'P') else { return Ok(None) };
-    if channel.is_rs274() {
+    if language == Language::Rs274 {
         return Ok(Some(value));
     }
     if gathered.is_pointed(b'P') {
@@ -128,7 +137,7 @@ pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
     let span = gathered.code_span(Group::Action);
     let letter = if channel.is_rs274() { None } else { [b'X', b'U'].into_iter().find(|&letter| gathered.has(letter)) };
     let seconds = match (gathered.raw(b'P'), letter) {
-        (Some(_), None) => dwell_of_p(channel, gathered, "G4")?.unwrap_or_default(),
+        (Some(_), None) => dwell_of_p(channel.language, gathered, "G4")?.unwrap_or_default(),
         (None, Some(letter)) => {
             let value = gathered.raw(letter).unwrap_or_default();
             // Without a point the value counts milliseconds, whatever the unit of lengths.
@@ -156,7 +165,12 @@ pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
 pub(super) fn path_control(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Control) else { return Ok(()) };
     if channel.is_rs274() {
-        forbidden::no_compensation(channel, gathered.code_span(Group::Control), "another path control mode")?;
+        forbidden::no_compensation(
+            channel.language,
+            &channel.modal,
+            gathered.code_span(Group::Control),
+            "another path control mode",
+        )?;
     }
     modes::leave_exact_stops(channel, true);
     channel.modal.path_control = (code, None, None);
@@ -164,11 +178,11 @@ pub(super) fn path_control(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
         let mut text = "G64".to_owned();
         let (p, q) = (measure::length(channel, gathered, b'P')?, measure::length(channel, gathered, b'Q')?);
         channel.modal.path_control = (code, p, q);
-        let unit_mm = text::output_unit_mm(channel);
+        let unit_mm = text::output_unit_mm(channel.settings.machine);
         let (p, q) = (p.map(|length| length / unit_mm), q.map(|length| length / unit_mm));
         for (letter, value) in [(b'P', p), (b'Q', q), (b'R', gathered.raw(b'R'))] {
             if let Some(value) = value {
-                text::append(channel, &mut text, letter, value);
+                text::append(channel.language, &mut text, letter, value);
             }
         }
         channel.push(Kind::Verbatim(text.into_bytes()));
@@ -211,9 +225,9 @@ pub(super) fn passed_on(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         }
         let value = if is_length { measure::length(channel, gathered, letter)? } else { gathered.raw(letter) };
         if let Some(value) = value {
-            let value = if is_length { value / text::output_unit_mm(channel) } else { value };
+            let value = if is_length { value / text::output_unit_mm(channel.settings.machine) } else { value };
             let is_count = gathered.is_unpointed(letter) && !is_length;
-            auxiliary::append_plain(channel, &mut text, letter, value, is_count);
+            auxiliary::append_plain(channel.language, &mut text, letter, value, is_count);
         }
     }
     channel.push(Kind::Verbatim(text.into_bytes()));

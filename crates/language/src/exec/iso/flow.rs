@@ -109,7 +109,7 @@ fn execute(
     block: &Block,
     words: &[Word],
 ) -> Result<Action, Fault> {
-    let requested = request(channel, level, words);
+    let requested = request(channel.settings.machine, channel.language, level, words);
     let has_assignments = words.iter().any(is_assignment);
     if has_assignments && channel.language == Language::Fanuc {
         check_beside(words, channel.language)?;

@@ -2,14 +2,18 @@
 //! tool center point control, in polar coordinates. `docs/states.md` has the table.
 
 use super::channel::Channel;
+use super::channel::Special;
 use super::codes::{Group, name_of};
 use super::gathered::Gathered;
+use super::modal::Modal;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::geometry::Plane;
 use ncfix_base::source::Span;
+use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
 
 /// What a code of a block does that a state may forbid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,10 +43,10 @@ pub(super) fn check_state(channel: &Channel<'_>, gathered: &Gathered) -> Result<
         return Ok(());
     }
     for found in found(gathered) {
-        within_transforms(channel, gathered, &found)?;
-        within_compensation(channel, gathered, &found)?;
-        within_tip_control(channel, gathered, &found)?;
-        within_polar(channel, gathered, &found)?;
+        within_transforms(channel.settings.machine, &channel.modal, gathered, &found)?;
+        within_compensation(&channel.modal, gathered, &found)?;
+        within_tip_control(&channel.modal, gathered, &found)?;
+        within_polar(&channel.modal, &channel.special, gathered, &found)?;
     }
     Ok(())
 }
@@ -68,15 +72,19 @@ fn found(gathered: &Gathered) -> Vec<Found> {
 
 /// Operator's manual, "coordinate system rotation", "scaling" and "programmable mirror image": neither the plane nor G27 to G30, nor
 /// G52 to G59 and G92 (alarm 144 where the plane is another one).
-fn within_transforms(channel: &Channel<'_>, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
-    let Some((what, end, group)) = transform_within(channel, gathered) else { return Ok(()) };
-    let is_tilted = channel.modal.transforms.tilt().is_some();
+fn within_transforms(
+    machine: &Machine,
+    modal: &Modal,
+    gathered: &Gathered,
+    (kind, name, span): &Found,
+) -> Result<(), Fault> {
+    let Some((what, end, group)) = transform_within(modal, gathered) else { return Ok(()) };
+    let is_tilted = modal.transforms.tilt().is_some();
     // The machine's own places do not turn with a tilted plane, and its plane is chosen within it.
     let is_free = is_tilted && *kind != Kind::Origin;
     // `G17 G68 X0 Y0 R30.`: the plane of the turn that begins here.
-    let begins =
-        *kind == Kind::Plane && gathered.code(group).is_some() && plane_of(channel, gathered) == channel.modal.plane;
-    if is_free || begins || channel.settings.machine.control.iso.codes_within_rotation {
+    let begins = *kind == Kind::Plane && gathered.code(group).is_some() && plane_of(modal, gathered) == modal.plane;
+    if is_free || begins || machine.control.iso.codes_within_rotation {
         return Ok(());
     }
     let message = format!("{name} while {what}: a Fanuc forbids it, and where the tool would go is not defined");
@@ -85,8 +93,8 @@ fn within_transforms(channel: &Channel<'_>, gathered: &Gathered, (kind, name, sp
 }
 
 /// The rotation, scaling or mirror in force that the block does not end, what ends it, and its group.
-fn transform_within(channel: &Channel<'_>, gathered: &Gathered) -> Option<(&'static str, &'static str, Group)> {
-    let transforms = &channel.modal.transforms;
+fn transform_within(modal: &Modal, gathered: &Gathered) -> Option<(&'static str, &'static str, Group)> {
+    let transforms = &modal.transforms;
     let ends = |group: Group, code: u16| gathered.code(group) == Some(code);
     [
         (transforms.tilt().is_some(), Group::Rotation, 690, "the working plane is tilted (G68.2)", "G69"),
@@ -101,10 +109,8 @@ fn transform_within(channel: &Channel<'_>, gathered: &Gathered) -> Option<(&'sta
 
 /// Operator's manual, "cutter compensation": another plane is alarm 037; what the other codes do with the offset vector is a
 /// matter of parameters (5003, 5008), and the tool moves by the radius in any case.
-fn within_compensation(channel: &Channel<'_>, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
-    if !channel.modal.contour.compensates()
-        || *kind == Kind::Plane && plane_of(channel, gathered) == channel.modal.plane
-    {
+fn within_compensation(modal: &Modal, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
+    if !modal.contour.compensates() || *kind == Kind::Plane && plane_of(modal, gathered) == modal.plane {
         return Ok(());
     }
     let why = match kind {
@@ -118,9 +124,9 @@ fn within_compensation(channel: &Channel<'_>, gathered: &Gathered, (kind, name, 
 }
 
 /// Places of the machine are none of the tip: whether the control follows the tool on the way there is its own matter.
-fn within_tip_control(channel: &Channel<'_>, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
+fn within_tip_control(modal: &Modal, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
     let ends = gathered.code(Group::Length) == Some(490);
-    if channel.modal.turning.is_none() || ends || *kind != Kind::Machine {
+    if modal.turning.is_none() || ends || *kind != Kind::Machine {
         return Ok(());
     }
     let message = format!("{name} while the tool center point is controlled (G43.4)");
@@ -129,16 +135,21 @@ fn within_tip_control(channel: &Channel<'_>, gathered: &Gathered, (kind, name, s
 
 /// Which axis has the radius and which the angle follows the plane. Words of G52, G53, G92 and G10 are no polar words; of G27 to G30
 /// no manual says it.
-fn within_polar(channel: &Channel<'_>, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
-    if channel.special.polar.is_none() || gathered.code(Group::Polar).is_some() {
+fn within_polar(
+    modal: &Modal,
+    special: &Special,
+    gathered: &Gathered,
+    (kind, name, span): &Found,
+) -> Result<(), Fault> {
+    if special.polar.is_none() || gathered.code(Group::Polar).is_some() {
         return Ok(());
     }
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
-    let has_words = [abscissa, ordinate].into_iter().any(|axis| {
-        gathered.axes.contains(axis) && !(channel.modal.incremental && gathered.raw(axis.letter()) == Some(0.0))
-    });
+    let [abscissa, ordinate, _] = modal.plane.axes();
+    let has_words = [abscissa, ordinate]
+        .into_iter()
+        .any(|axis| gathered.axes.contains(axis) && !(modal.incremental && gathered.raw(axis.letter()) == Some(0.0)));
     let is_forbidden = match kind {
-        Kind::Plane => plane_of(channel, gathered) != channel.modal.plane,
+        Kind::Plane => plane_of(modal, gathered) != modal.plane,
         Kind::Machine => name != "G53" && has_words,
         Kind::Origin => false,
     };
@@ -149,20 +160,26 @@ fn within_polar(channel: &Channel<'_>, gathered: &Gathered, (kind, name, span): 
     Err(fault(Code::FORBIDDEN_STATE, *span, message, "end them with G15 first"))
 }
 
-fn plane_of(channel: &Channel<'_>, gathered: &Gathered) -> Plane {
+fn plane_of(modal: &Modal, gathered: &Gathered) -> Plane {
     let number = gathered.code(Group::Plane).and_then(|code| u8::try_from(code / 10).ok());
-    number.and_then(Plane::from_number).unwrap_or(channel.modal.plane)
+    number.and_then(Plane::from_number).unwrap_or(modal.plane)
 }
 
 /// The same for a zero offset in force that is written as a variable.
-pub(super) fn check_offset_write(channel: &Channel<'_>, number: u32, span: Span) -> Result<(), Fault> {
-    if channel.is_rs274() {
+pub(super) fn check_offset_write(
+    machine: &Machine,
+    language: Language,
+    modal: &Modal,
+    number: u32,
+    span: Span,
+) -> Result<(), Fault> {
+    if language == Language::Rs274 {
         return Ok(());
     }
     let gathered = Gathered::default();
     let found = (Kind::Origin, format!("#{number}"), span);
-    within_transforms(channel, &gathered, &found)?;
-    within_compensation(channel, &gathered, &found)
+    within_transforms(machine, modal, &gathered, &found)?;
+    within_compensation(modal, &gathered, &found)
 }
 
 /// Refuses motions in a tilted plane that are not what the control would do.
@@ -195,8 +212,8 @@ pub(super) fn refused_with(span: Span, message: &str, help: &str) -> Fault {
 }
 
 /// Refuses what does not go together with radius compensation.
-pub(super) fn no_compensation(channel: &Channel<'_>, span: Span, what: &str) -> Result<(), Fault> {
-    if !channel.modal.contour.compensates() || !channel.is_rs274() {
+pub(super) fn no_compensation(language: Language, modal: &Modal, span: Span, what: &str) -> Result<(), Fault> {
+    if !modal.contour.compensates() || language != Language::Rs274 {
         return Ok(());
     }
     let message = format!("{what} while radius compensation is on");

@@ -66,8 +66,10 @@ pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) 
 fn grid_scope<'s, 'a>(scope: &Scope<'s, 'a>, letter: u8, inch: bool) -> Scope<'s, 'a> {
     let grid = match letter {
         _ if scope.channel.is_rs274() => None,
-        b'A' | b'B' | b'C' | b'a' => Some(measure::increments_per_degree(scope.channel)),
-        b'I'..=b'K' | b'Q' | b'R' | b'U'..=b'Z' | b'c' | b'r' => Some(measure::increments_per(scope.channel, inch)),
+        b'A' | b'B' | b'C' | b'a' => Some(measure::increments_per_degree(scope.channel.settings.machine)),
+        b'I'..=b'K' | b'Q' | b'R' | b'U'..=b'Z' | b'c' | b'r' => {
+            Some(measure::increments_per(scope.channel.settings.machine, inch))
+        }
         _ => None,
     };
     Scope { grid, ..*scope }

@@ -7,10 +7,13 @@ use super::gathered::Gathered;
 use super::step;
 use super::step::Step;
 use super::target;
+use super::variables::Variables;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet};
 use ncfix_base::source::Span;
+use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Manner};
 
 /// First parameter of the position of G28, then of G30; one for each axis X Y Z A B C U V W.
@@ -19,7 +22,7 @@ const PARAMETERS: [u32; 2] = [5161, 5181];
 /// `G28`, `G30`: rapid by way of the point named to the reference point, the axes named or all of them.
 pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Action);
-    forbidden::no_compensation(channel, span, &name_of(code))?;
+    forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
     let is_second = code == 300;
     let point = match gathered.raw(b'P').filter(|_| is_second && !channel.is_rs274()) {
         None => 1 + u8::from(is_second),
@@ -31,10 +34,14 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     for axis in gathered.axes.iter() {
         stays &= target::axis_value(channel, gathered, axis)? == 0.0;
     }
-    let (through, named) = if stays { (target::here(channel), gathered.axes) } else { step::end(channel, gathered)? };
+    let (through, named) = if stays {
+        (target::here(&channel.modal, &channel.standing), gathered.axes)
+    } else {
+        step::end(channel, gathered)?
+    };
     // Directly after G40 the tool of LinuxCNC is beside the place where the program is, and goes there first.
     let is_beside = channel.is_rs274() && channel.outlet.is_holding();
-    if !named.is_empty() && (through != target::here(channel) || is_beside) {
+    if !named.is_empty() && (through != target::here(&channel.modal, &channel.standing) || is_beside) {
         step::step(channel, Step::straight(gathered, true, through, named))?;
         channel.outlet.begin_line();
     }
@@ -45,7 +52,7 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     }
     let mut end = channel.modal.command;
     for axis in homed.iter() {
-        end[axis] = reference(channel, point, axis, span)?;
+        end[axis] = reference(channel.settings.machine, channel.language, &channel.variables, point, axis, span)?;
     }
     let manner = Manner::Reference;
     let step = Step { feed_named: false, manner, ..Step::straight(gathered, true, end, homed) };
@@ -53,13 +60,20 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
 }
 
 /// Where a reference point of an axis is, mm or rad.
-fn reference(channel: &Channel<'_>, point: u8, axis: Axis, span: Span) -> Result<f64, Fault> {
-    if channel.is_rs274() {
+fn reference(
+    machine: &Machine,
+    language: Language,
+    variables: &Variables,
+    point: u8,
+    axis: Axis,
+    span: Span,
+) -> Result<f64, Fault> {
+    if language == Language::Rs274 {
         let first = PARAMETERS.get(usize::from(point) - 1).copied().unwrap_or_default();
-        let value = channel.variables.get(first + number_of(axis)).unwrap_or_default();
+        let value = variables.get(first + number_of(axis)).unwrap_or_default();
         return Ok(if axis.is_rotary() { value.to_radians() } else { value });
     }
-    let points = &channel.settings.machine.control.iso.reference_points;
+    let points = &machine.control.iso.reference_points;
     match points.get(&(point, axis)) {
         Some(&value) => Ok(value),
         // The first one is usually where the machine's zero is.
@@ -75,7 +89,7 @@ fn reference(channel: &Channel<'_>, point: u8, axis: Axis, span: Span) -> Result
 
 /// `G28.1`, `G30.1`: the present position becomes the reference point.
 pub(super) fn save_home(channel: &mut Channel<'_>, code: u16, span: Span) -> Result<(), Fault> {
-    forbidden::no_compensation(channel, span, &name_of(code))?;
+    forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
     if let Some(axis) = AxisSet::XYZ.iter().find(|&axis| channel.settings.strict && !channel.modal.known.contains(axis))
     {
         return Err(target::unknown_start(span, axis));

@@ -5,6 +5,7 @@ use super::codes::{Group, name_of};
 use super::forbidden;
 use super::gathered::Gathered;
 use super::measure::whole;
+use super::modal::Modal;
 use super::setup;
 use super::target;
 use super::text;
@@ -14,17 +15,19 @@ use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Vector};
 use ncfix_base::source::Span;
+use ncfix_dialect::Language;
 use ncfix_machine::machine::LengthAxis;
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
 /// Executes the code of length compensation. Whether it took the axis words, so that the block has no motion.
 pub(super) fn length_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
     let code = gathered.code(Group::Length);
-    let Some(code) = code.or_else(|| again(channel, gathered)) else { return Ok(false) };
+    let Some(code) = code.or_else(|| again(channel.language, &channel.modal, gathered)) else { return Ok(false) };
     let span =
         if gathered.code(Group::Length).is_some() { gathered.code_span(Group::Length) } else { gathered.span_of(b'H') };
     if channel.is_rs274() {
-        forbidden::no_compensation(channel, span, &name_of(code))?;
+        forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
         rs274_length(channel, gathered, code, span)
     } else {
         fanuc_length(channel, gathered, code, span)?;
@@ -33,9 +36,10 @@ pub(super) fn length_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
 }
 
 /// H alone changes the offset while compensation is on (Fanuc).
-fn again(channel: &Channel<'_>, gathered: &Gathered) -> Option<u16> {
-    let code = channel.modal.length_code;
-    (!channel.is_rs274() && code != 490 && gathered.has(b'H') && gathered.code(Group::Action).is_none()).then_some(code)
+fn again(language: Language, modal: &Modal, gathered: &Gathered) -> Option<u16> {
+    let code = modal.length_code;
+    (language != Language::Rs274 && code != 490 && gathered.has(b'H') && gathered.code(Group::Action).is_none())
+        .then_some(code)
 }
 
 fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<bool, Fault> {
@@ -49,14 +53,14 @@ fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
                 None => channel.modal.active.unwrap_or(0),
             };
             if gathered.has(b'H') {
-                text::append(channel, &mut text, b'H', f64::from(number));
+                text::append(channel.language, &mut text, b'H', f64::from(number));
             }
             (length, assumed) = table_length(channel, number, span)?;
             channel.modal.h = number;
         }
         432 if gathered.has(b'H') => {
             let number = whole(gathered.raw(b'H').unwrap_or(0.0), gathered.span_of(b'H'), "H")?;
-            text::append(channel, &mut text, b'H', f64::from(number));
+            text::append(channel.language, &mut text, b'H', f64::from(number));
             let (more, is_assumed) = table_length(channel, number, span)?;
             length += more;
             assumed = is_assumed;
@@ -72,7 +76,7 @@ fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
                 let value = target::axis_value(channel, gathered, axis)?;
                 let place = &mut length[axis.slot()];
                 *place = if code == 431 { value } else { *place + value };
-                text::append_length(channel, &mut text, axis.letter(), value);
+                text::append_length(channel.settings.machine, channel.language, &mut text, axis.letter(), value);
             }
         }
         _ => {}
@@ -88,7 +92,7 @@ fn table_length(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(V
     if number == 0 {
         return Ok((Vector::zeros(), false));
     }
-    if let Some(offset) = target::tool_offset(channel, number) {
+    if let Some(offset) = target::tool_offset(channel.settings.machine, &channel.written, number) {
         let wear = Vector::new(0.0, 0.0, offset.length_wear_mm);
         return Ok((offset.length_mm + wear, false));
     }
@@ -121,15 +125,22 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
         }
         if size != 0.0 || length != Vector::zeros() {
             let is_along_tool = matches!(code, 434 | 435);
-            let axis = if is_along_tool { Axis::Z } else { length_axis(channel, gathered, span)? };
+            let axis = if is_along_tool {
+                Axis::Z
+            } else {
+                length_axis(channel.settings.machine, &channel.modal, gathered, span)?
+            };
             length[axis.slot()] = size;
         }
     }
     if channel.modal.transforms.turns(&length) {
         return Err(setup::turned_length(span));
     }
-    let (was_turning, tool_mm, axes) =
-        (channel.modal.turning.is_some(), channel.standing.setup.tool_mm, tip::axis_command(channel));
+    let (was_turning, tool_mm, axes) = (
+        channel.modal.turning.is_some(),
+        channel.standing.setup.tool_mm,
+        tip::axis_command(&channel.modal, &channel.standing, &channel.outlet),
+    );
     tip::switch_tip(channel, code, gathered, span)?;
     channel.modal.length_code = code;
     setup::put_length(channel, length, assumed);
@@ -137,7 +148,7 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
         tilt::stand_anew(channel, span)?;
     }
     if was_turning || channel.modal.turning.is_some() {
-        tip::forget_moved_tip(channel, &axes, &tool_mm);
+        tip::forget_moved_tip(&mut channel.modal, &channel.standing, &mut channel.outlet, &axes, &tool_mm);
     }
     match code {
         430 => channel.push(Kind::Keep("G43")),
@@ -154,11 +165,11 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
 }
 
 /// The axis along which a Fanuc compensates (parameter 5001).
-fn length_axis(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result<Axis, Fault> {
-    match channel.settings.machine.control.iso.length_axis {
+fn length_axis(machine: &Machine, modal: &Modal, gathered: &Gathered, span: Span) -> Result<Axis, Fault> {
+    match machine.control.iso.length_axis {
         LengthAxis::Z => Ok(Axis::Z),
         LengthAxis::Plane => {
-            let [.., applicate] = channel.modal.plane.axes();
+            let [.., applicate] = modal.plane.axes();
             Ok(applicate)
         }
         LengthAxis::Programmed => {
@@ -166,7 +177,7 @@ fn length_axis(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result
             match (named.next(), named.next()) {
                 (Some(axis), None) => Ok(axis),
                 (None, _) => {
-                    let has_length = |axis: &Axis| channel.modal.length_mm[axis.slot()] != 0.0;
+                    let has_length = |axis: &Axis| modal.length_mm[axis.slot()] != 0.0;
                     let mut in_force = AxisSet::XYZ.iter().filter(has_length);
                     match (in_force.next(), in_force.next()) {
                         (Some(_), Some(_)) => Err(unclear_axis(span)),

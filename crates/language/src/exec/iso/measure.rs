@@ -1,13 +1,17 @@
 //! Lengths and angles of words: what a number counts, and the grid on which it lies.
 
 use super::channel::Channel;
+use super::channel::Warned;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use crate::exec::core::fault::bad_value;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::grid::on_grid;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
+use ncfix_dialect::Language;
 use ncfix_machine::machine::DecimalPoint;
+use ncfix_machine::machine::Machine;
 
 /// A length word, mm.
 pub(super) fn length(channel: &mut Channel<'_>, gathered: &Gathered, letter: u8) -> Result<Option<f64>, Fault> {
@@ -16,8 +20,9 @@ pub(super) fn length(channel: &mut Channel<'_>, gathered: &Gathered, letter: u8)
     if channel.is_rs274() || value == 0.0 {
         return Ok(Some(value * scale));
     }
-    let per_unit = increments_per_length(channel);
-    if gathered.is_unpointed(letter) && has_increments(channel, gathered, letter)? {
+    let per_unit = increments_per_length(channel.settings.machine, &channel.modal);
+    if gathered.is_unpointed(letter) && has_increments(channel.settings.machine, &mut channel.warned, gathered, letter)?
+    {
         return Ok(Some(value / per_unit * scale));
     }
     // Leads of threads are finer.
@@ -26,40 +31,46 @@ pub(super) fn length(channel: &mut Channel<'_>, gathered: &Gathered, letter: u8)
 }
 
 /// An angle word, rad.
-pub(super) fn angle(channel: &mut Channel<'_>, gathered: &Gathered, letter: u8) -> Result<Option<f64>, Fault> {
+pub(super) fn angle(
+    machine: &Machine,
+    language: Language,
+    warned: &mut Warned,
+    gathered: &Gathered,
+    letter: u8,
+) -> Result<Option<f64>, Fault> {
     let Some(value) = gathered.raw(letter) else { return Ok(None) };
-    if channel.is_rs274() || value == 0.0 {
+    if language == Language::Rs274 || value == 0.0 {
         return Ok(Some(value.to_radians()));
     }
-    let per_degree = increments_per_degree(channel);
-    if gathered.is_unpointed(letter) && has_increments(channel, gathered, letter)? {
+    let per_degree = increments_per_degree(machine);
+    if gathered.is_unpointed(letter) && has_increments(machine, warned, gathered, letter)? {
         return Ok(Some((value / per_degree).to_radians()));
     }
     Ok(Some(on_grid(value, per_degree).to_radians()))
 }
 
 /// Increments of a Fanuc in a length unit of the program.
-pub(super) fn increments_per_length(channel: &Channel<'_>) -> f64 {
-    increments_per(channel, channel.modal.inch)
+pub(super) fn increments_per_length(machine: &Machine, modal: &Modal) -> f64 {
+    increments_per(machine, modal.inch)
 }
 
 /// Increments of a Fanuc in a degree.
-pub(super) fn increments_per_degree(channel: &Channel<'_>) -> f64 {
-    channel.settings.machine.control.iso.increment_system.per_unit()
+pub(super) fn increments_per_degree(machine: &Machine) -> f64 {
+    machine.control.iso.increment_system.per_unit()
 }
 
 /// Increments of a Fanuc in an inch or a millimeter.
-pub(super) fn increments_per(channel: &Channel<'_>, inch: bool) -> f64 {
-    channel.settings.machine.control.iso.increment_system.per_unit() * if inch { 10.0 } else { 1.0 }
+pub(super) fn increments_per(machine: &Machine, inch: bool) -> f64 {
+    machine.control.iso.increment_system.per_unit() * if inch { 10.0 } else { 1.0 }
 }
 
 /// Whether a number without a decimal point counts increments. Where the machine file does not say it, this is a finding: a
 /// factor of a thousand is not guessed.
-fn has_increments(channel: &mut Channel<'_>, gathered: &Gathered, letter: u8) -> Result<bool, Fault> {
-    if let Some(point) = channel.settings.machine.control.iso.decimal_point {
+fn has_increments(machine: &Machine, warned: &mut Warned, gathered: &Gathered, letter: u8) -> Result<bool, Fault> {
+    if let Some(point) = machine.control.iso.decimal_point {
         return Ok(point == DecimalPoint::Increment);
     }
-    if std::mem::replace(&mut channel.warned.point, true) {
+    if std::mem::replace(&mut warned.point, true) {
         return Ok(false);
     }
     let message =

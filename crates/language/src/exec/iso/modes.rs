@@ -1,16 +1,20 @@
 //! Modal codes: plane, units, dimensions.
 
 use super::channel::Channel;
+use super::channel::Cycles;
 use super::codes::G80;
 use super::codes::Group;
 use super::direction;
 use super::forbidden;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use super::setup;
 use super::text;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Plane;
+use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::Kind;
 
 pub(super) fn plane(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
@@ -18,7 +22,12 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
     let Some(plane) = u8::try_from(code / 10).ok().and_then(Plane::from_number) else { return Ok(()) };
     if plane != channel.modal.plane {
         if channel.is_rs274() {
-            forbidden::no_compensation(channel, gathered.code_span(Group::Plane), "another plane")?;
+            forbidden::no_compensation(
+                channel.language,
+                &channel.modal,
+                gathered.code_span(Group::Plane),
+                "another plane",
+            )?;
         }
         channel.modal.plane = plane;
         setup::refresh_setup(channel);
@@ -31,11 +40,16 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
     Ok(())
 }
 
-pub(super) fn units(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn units(
+    machine: &Machine,
+    language: Language,
+    modal: &mut Modal,
+    gathered: &Gathered,
+) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Units) else { return Ok(()) };
-    channel.modal.inch = code == 200;
-    match channel.settings.machine.control.output_inch {
-        Some(inch) if inch != channel.modal.inch && !channel.is_rs274() => {
+    modal.inch = code == 200;
+    match machine.control.output_inch {
+        Some(inch) if inch != modal.inch && language != Language::Rs274 => {
             let message = "the program is in inches in one part and in millimeters in another";
             let help = "correct them as two programs: what the control keeps in tool and zero offsets follows the unit in force";
             Err(fault(Code::MIXED_UNITS, gathered.code_span(Group::Units), message, help))
@@ -44,30 +58,30 @@ pub(super) fn units(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
     }
 }
 
-pub(super) fn distance(channel: &mut Channel<'_>, gathered: &Gathered) {
+pub(super) fn distance(modal: &mut Modal, gathered: &Gathered) {
     if let Some(code) = gathered.code(Group::Distance) {
-        channel.modal.incremental = code == 910;
+        modal.incremental = code == 910;
     }
     if let Some(code) = gathered.code(Group::ArcDistance) {
-        channel.modal.arc_absolute = code == 901;
+        modal.arc_absolute = code == 901;
     }
 }
 
-pub(super) fn retract(channel: &mut Channel<'_>, gathered: &Gathered) {
+pub(super) fn retract(modal: &mut Modal, gathered: &Gathered) {
     if let Some(code) = gathered.code(Group::Retract) {
-        channel.modal.to_r_plane = code == 990;
+        modal.to_r_plane = code == 990;
     }
 }
 
 /// The code of motion of a block, in tenths. A Fanuc ends its cycles with any other motion, and G80 brings back what was in force
 /// before them.
-pub(super) fn code_of_motion(channel: &Channel<'_>, gathered: &Gathered) -> Option<u16> {
+pub(super) fn code_of_motion(language: Language, cycles: &Cycles, gathered: &Gathered) -> Option<u16> {
     let code = gathered.code(Group::Motion);
-    if channel.is_rs274() {
+    if language == Language::Rs274 {
         return code;
     }
     code.or_else(|| match gathered.code(Group::Cycle) {
-        Some(G80) => Some(channel.cycles.line),
+        Some(G80) => Some(cycles.line),
         cycle => cycle,
     })
 }
@@ -84,7 +98,7 @@ pub(super) fn leave_exact_stops(channel: &mut Channel<'_>, is_named: bool) {
             let mut text = "G64".to_owned();
             for (letter, value) in [(b'P', p), (b'Q', q)] {
                 if let Some(value) = value {
-                    text::append_length(channel, &mut text, letter, value);
+                    text::append_length(channel.settings.machine, channel.language, &mut text, letter, value);
                 }
             }
             channel.push(Kind::Verbatim(text.into_bytes()));
@@ -93,11 +107,11 @@ pub(super) fn leave_exact_stops(channel: &mut Channel<'_>, is_named: bool) {
 }
 
 /// The kind of motion of a block that names a code of motion or has words for the one in force.
-pub(super) fn motion_of(channel: &Channel<'_>, gathered: &Gathered) -> Option<u16> {
-    if let Some(code) = code_of_motion(channel, gathered) {
+pub(super) fn motion_of(language: Language, modal: &Modal, cycles: &Cycles, gathered: &Gathered) -> Option<u16> {
+    if let Some(code) = code_of_motion(language, cycles, gathered) {
         return Some(code);
     }
-    let is_arc = matches!(channel.modal.motion, 20 | 30) || direction::has_directions(channel);
+    let is_arc = matches!(modal.motion, 20 | 30) || direction::has_directions(modal);
     let moves = !gathered.axes.is_empty() || gathered.has_any(b"@^") || is_arc && gathered.has_any(b"IJKR");
-    moves.then_some(channel.modal.motion)
+    moves.then_some(modal.motion)
 }

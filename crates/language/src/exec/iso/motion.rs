@@ -26,7 +26,7 @@ pub(super) fn motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
     if let Some(span) = gathered.machine_frame {
         return machine_motion(channel, gathered, code, span);
     }
-    channel.block.direction = direction::tool_direction(channel, gathered, code)?;
+    channel.block.direction = direction::tool_direction(channel.settings.machine, &channel.modal, gathered, code)?;
     let done = way(channel, gathered, code);
     channel.block.direction = None;
     done
@@ -58,12 +58,12 @@ fn machine_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, spa
         // A Fanuc ignores it; a motion that somebody has programmed does not vanish.
         return Err(fault(Code::BAD_WORD_VALUE, span, "G53 under G91", "program G90 in the block"));
     }
-    forbidden::no_compensation(channel, span, "G53")?;
+    forbidden::no_compensation(channel.language, &channel.modal, span, "G53")?;
     let here = channel.modal.command;
     let mut end = here;
     for axis in gathered.axes.iter() {
         let value = target::axis_value(channel, gathered, axis)?;
-        end[axis] = target::absolute(channel, gathered, axis, value, here[axis])?;
+        end[axis] = target::absolute(channel.settings.machine, &channel.modal, gathered, axis, value, here[axis])?;
     }
     step::machine_step(channel, Step::straight(gathered, code == 0, end, gathered.axes))
 }

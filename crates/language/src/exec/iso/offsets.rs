@@ -17,10 +17,12 @@ use ncfix_machine::snc::{FrameWords, Kind};
 /// Puts the zero offset in force, without a word to the output.
 pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let (system, order) = (channel.modal.system, channel.settings.machine.control.rotation_order);
-    let parts = target::offset_of(channel, system);
+    let parts = target::offset_of(channel.settings.machine, &channel.written, system);
     channel.modal.offset_assumed = parts.is_none();
     let own = parts.unwrap_or_default().frame(order);
-    let external = target::offset_of(channel, System::EXTERNAL).unwrap_or_default().frame(order);
+    let external = target::offset_of(channel.settings.machine, &channel.written, System::EXTERNAL)
+        .unwrap_or_default()
+        .frame(order);
     let (Some(own), Some(external)) = (own, external) else {
         let message = format!("the frame of {} cannot be undone", system.words());
         return Err(fault(Code::NOT_COMPUTABLE, span, message, "check its factors"));
@@ -49,7 +51,7 @@ pub(super) fn check_offset(channel: &mut Channel<'_>, span: Span) {
 pub(super) fn coordinates(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Coordinates) else { return Ok(()) };
     let span = gathered.code_span(Group::Coordinates);
-    forbidden::no_compensation(channel, span, &name_of(code))?;
+    forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
     let is_additional = code == 541 || code == 540 && !channel.is_rs274() && p_is_of_offset(gathered);
     let system = if is_additional {
         match gathered.raw(b'P').map(f64::round).filter(|number| (1.0..=300.0).contains(number)) {
@@ -77,12 +79,12 @@ fn p_is_of_offset(gathered: &Gathered) -> bool {
 /// G52, G92 and what takes it back.
 pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Action);
-    forbidden::no_compensation(channel, span, &name_of(code))?;
+    forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
     if matches!(code, 520 | 920) && gathered.axes.is_empty() {
         let message = format!("{} without axis words", name_of(code));
         return Err(bad_value(span, message, "name the axes that it concerns"));
     }
-    let here = target::here(channel);
+    let here = target::here(&channel.modal, &channel.standing);
     match code {
         520 if channel.is_rs274() => {
             for axis in gathered.axes.iter() {
@@ -97,7 +99,7 @@ pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code:
         }
         920 => {
             for axis in gathered.axes.iter() {
-                target::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+                target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
                 let value = target::axis_value(channel, gathered, axis)?;
                 // The local shift of the axis is part of the position, and ends.
                 let local = std::mem::take(&mut channel.modal.local[axis]);
@@ -127,7 +129,7 @@ fn say_end(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) {
     }
     let mut text = name_of(code);
     for axis in named.iter() {
-        text::append(channel, &mut text, axis.letter(), 0.0);
+        text::append(channel.language, &mut text, axis.letter(), 0.0);
     }
     channel.push(Kind::Verbatim(text.into_bytes()));
 }
@@ -135,7 +137,7 @@ fn say_end(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) {
 /// G92.1, G92.2, G92.3 of RS274/NGC.
 pub(super) fn shift_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Shift) else { return Ok(()) };
-    forbidden::no_compensation(channel, gathered.code_span(Group::Shift), &name_of(code))?;
+    forbidden::no_compensation(channel.language, &channel.modal, gathered.code_span(Group::Shift), &name_of(code))?;
     if code == 923 {
         channel.modal.shift = channel.modal.stored_shift;
     } else {

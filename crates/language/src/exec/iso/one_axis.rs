@@ -5,10 +5,13 @@
 
 use super::channel::Channel;
 use super::channel::Doubt;
+use super::channel::Special;
 use super::frames::Transforms;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use super::target;
 use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::standing::Standing;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_base::source::Span;
@@ -18,29 +21,36 @@ use ncfix_machine::machine::OneAxis;
 const SAME_MM: f64 = 1e-6;
 
 /// Rotation, scaling or mirror have changed; `before` is what was in force, `here` where the tool was by it.
-pub(super) fn note_turn(channel: &mut Channel<'_>, before: &Transforms, here: &AxisVector, known: AxisSet) {
-    let now = target::here(channel);
-    let transforms = &channel.modal.transforms;
+pub(super) fn note_turn(
+    modal: &Modal,
+    special: &mut Special,
+    standing: &Standing,
+    before: &Transforms,
+    here: &AxisVector,
+    known: AxisSet,
+) {
+    let now = target::here(modal, standing);
+    let transforms = &modal.transforms;
     let is_in_space = before.is_in_space() || transforms.is_in_space();
-    let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
+    let plane: AxisSet = modal.plane.axes().into_iter().take(2).collect();
     let group = if is_in_space { AxisSet::XYZ } else { plane };
     let mut values = *here;
-    if let Some(old) = &channel.special.doubt {
+    if let Some(old) = &special.doubt {
         old.open.iter().for_each(|axis| values[axis] = old.values[axis]);
     }
     let is_tilted = before.tilt().is_some() || transforms.tilt().is_some();
     let differs = |axis: &Axis| known.contains(*axis) && (values[*axis] - now[*axis]).abs() > SAME_MM;
     let open: AxisSet = group.iter().filter(differs).collect();
     let has_ended = transforms.is_empty();
-    channel.special.doubt = (!is_tilted && !open.is_empty()).then_some(Doubt { values, open, group, has_ended });
+    special.doubt = (!is_tilted && !open.is_empty()).then_some(Doubt { values, open, group, has_ended });
 }
 
 /// The machine has gone to places of its own.
-pub(super) fn settle_axes(channel: &mut Channel<'_>, named: AxisSet) {
-    if let Some(doubt) = &mut channel.special.doubt {
+pub(super) fn settle_axes(special: &mut Special, named: AxisSet) {
+    if let Some(doubt) = &mut special.doubt {
         doubt.open = doubt.open.difference(named);
         if doubt.open.is_empty() {
-            channel.special.doubt = None;
+            special.doubt = None;
         }
     }
 }
@@ -90,7 +100,7 @@ pub(super) fn other_axes(
                 "{other} is not named in the first block behind a rotation, scaling or mirror: whether it moves is a \
                  parameter of the control ({other} {:.3} or {:.3})",
                 doubt.values[other],
-                target::here(channel)[other]
+                target::here(&channel.modal, &channel.standing)[other]
             );
             let help = format!(
                 "name {other} too, or say with control.one_axis_in_rotation what the control does (Fanuc parameter 11600, bit 5)"

@@ -75,7 +75,7 @@ impl Interpreter<'_> {
                 let message = format!("the argument #{number} of a program of the control cannot be passed on");
                 return Err(at(call.span, Code::NOT_SUPPORTED, message, "pass it with a letter of its own"));
             };
-            text::append(&self.channel, &mut text, letter, value);
+            text::append(self.channel.language, &mut text, letter, value);
         }
         Ok(text)
     }

@@ -12,6 +12,7 @@ use super::forbidden;
 use super::gathered::Gathered;
 use super::home;
 use super::length;
+use super::modal::Modal;
 use super::modes;
 use super::motion;
 use super::offsets;
@@ -28,7 +29,7 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
     channel.block.before.clear();
     channel.block.after.clear();
     channel.block.corner = None;
-    target::check_axes(channel, gathered)?;
+    target::check_axes(channel.language, channel.axes, gathered)?;
     let done = if channel.is_rs274() { execute_rs274(channel, gathered) } else { execute_fanuc(channel, gathered) };
     // Even where the block has a fault, the program ends where it says so.
     done?;
@@ -48,24 +49,29 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
 /// The order of RS274/NGC as LinuxCNC executes it.
 pub(super) fn execute_rs274(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     feed::feed_mode(channel, gathered)?;
-    feed::feed(channel, gathered)?;
-    feed::speed(channel, gathered)?;
+    feed::feed(&mut channel.modal, gathered)?;
+    feed::speed(channel.settings.machine, &mut channel.modal, &mut channel.block, gathered)?;
     feed::tool_word(channel, gathered)?;
     auxiliary::m_codes(channel, gathered)?;
     channel.flush_before();
     feed::dwell(channel, gathered)?;
     modes::plane(channel, gathered)?;
     special::lathe(gathered)?;
-    modes::units(channel, gathered)?;
+    modes::units(channel.settings.machine, channel.language, &mut channel.modal, gathered)?;
     compensation::compensation_codes(channel, gathered)?;
     let mut takes_axes = length::length_codes(channel, gathered)?;
     offsets::coordinates(channel, gathered)?;
     feed::path_control(channel, gathered)?;
-    modes::distance(channel, gathered);
+    modes::distance(&mut channel.modal, gathered);
     if gathered.code(Group::Retract).is_some() {
-        forbidden::no_compensation(channel, gathered.code_span(Group::Retract), "another retract mode")?;
+        forbidden::no_compensation(
+            channel.language,
+            &channel.modal,
+            gathered.code_span(Group::Retract),
+            "another retract mode",
+        )?;
     }
-    modes::retract(channel, gathered);
+    modes::retract(&mut channel.modal, gathered);
     takes_axes |= action(channel, gathered)?;
     offsets::shift_codes(channel, gathered)?;
     move_axes(channel, gathered, takes_axes)
@@ -74,21 +80,21 @@ pub(super) fn execute_rs274(channel: &mut Channel<'_>, gathered: &mut Gathered) 
 /// The order of a Fanuc: the modal codes of a block hold for all its words.
 pub(super) fn execute_fanuc(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     forbidden::check_state(channel, gathered)?;
-    modes::units(channel, gathered)?;
+    modes::units(channel.settings.machine, channel.language, &mut channel.modal, gathered)?;
     modes::plane(channel, gathered)?;
-    modes::distance(channel, gathered);
+    modes::distance(&mut channel.modal, gathered);
     feed::feed_mode(channel, gathered)?;
-    modes::retract(channel, gathered);
+    modes::retract(&mut channel.modal, gathered);
     let mut takes_axes = feed::passed_on(channel, gathered)?;
     feed::path_control(channel, gathered)?;
     if gathered.code(Group::Action) != Some(40) {
-        feed::feed(channel, gathered)?;
+        feed::feed(&mut channel.modal, gathered)?;
     }
     feed::tool_word(channel, gathered)?;
     compensation::compensation_codes(channel, gathered)?;
     offsets::coordinates(channel, gathered)?;
     takes_axes |= length::length_codes(channel, gathered)?;
-    feed::speed(channel, gathered)?;
+    feed::speed(channel.settings.machine, &mut channel.modal, &mut channel.block, gathered)?;
     auxiliary::m_codes(channel, gathered)?;
     channel.flush_before();
     feed::dwell(channel, gathered)?;
@@ -99,7 +105,11 @@ pub(super) fn execute_fanuc(channel: &mut Channel<'_>, gathered: &mut Gathered) 
 
 /// The motion of a block, and what acts behind it.
 pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_axes: bool) -> Result<(), Fault> {
-    let code = if takes_axes { modes::code_of_motion(channel, gathered) } else { modes::motion_of(channel, gathered) };
+    let code = if takes_axes {
+        modes::code_of_motion(channel.language, &channel.cycles, gathered)
+    } else {
+        modes::motion_of(channel.language, &channel.modal, &channel.cycles, gathered)
+    };
     let mut done = Ok(());
     if let Some(code) = code {
         if !takes_axes && code == G80 && !gathered.axes.is_empty() {
@@ -109,7 +119,7 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
             gathered.use_up(b"XYZABCUVW");
         } else {
             cycle::note_motion(channel, code);
-            let moves = !takes_axes && (code > 30 && code != G80 || has_way(channel, gathered, code));
+            let moves = !takes_axes && (code > 30 && code != G80 || has_way(&channel.modal, gathered, code));
             if moves {
                 done = motion::motion(channel, gathered, code);
             } else {
@@ -128,8 +138,8 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
 }
 
 /// Whether a block has words for a line or an arc.
-pub(super) fn has_way(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> bool {
-    let is_arc = matches!(code, 20 | 30) || direction::has_directions(channel);
+pub(super) fn has_way(modal: &Modal, gathered: &Gathered, code: u16) -> bool {
+    let is_arc = matches!(code, 20 | 30) || direction::has_directions(modal);
     !gathered.axes.is_empty() || gathered.has_any(b"@^") || is_arc && gathered.has_any(b"IJKR")
 }
 

@@ -1,11 +1,13 @@
 //! Parameters of RS274/NGC that stand for the state of the control: numbers from 5161 on, and the names that begin with an underscore.
 
 use super::channel::Channel;
+use super::modal::Modal;
 use super::system;
 use super::target;
 use super::variables::Missing;
 use super::zero_offset::System;
 use crate::exec::core::contour::Side;
+use crate::exec::core::standing::Standing;
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::snc::{FeedUnit, Kind};
 
@@ -35,7 +37,7 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
     let in_mm = |axis: Axis, value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
     Some(match number {
         5061..=5070 if channel.settings.strict && channel.variables.probed.is_some() => Err(Missing::OnlyMachine),
-        5021..=5029 => machine_of(channel, axis_of(5021)),
+        5021..=5029 => machine_of(channel.settings.strict, &channel.modal, &channel.standing, axis_of(5021)),
         5210 => {
             let is_applied = channel.modal.shift == channel.modal.stored_shift;
             Ok(truth(is_applied && channel.modal.shift != AxisVector::ZERO))
@@ -47,7 +49,7 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
         5220 => Ok(f64::from(channel.modal.system.0)),
         5221..=5390 => {
             let (system, place) = offset_place(number)?;
-            let parts = target::offset_of(channel, system);
+            let parts = target::offset_of(channel.settings.machine, &channel.written, system);
             match (parts, ORDER.get(place as usize)) {
                 (None, _) if channel.settings.strict => Err(Missing::OnlyMachine),
                 (None, _) => Ok(0.0),
@@ -56,17 +58,21 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
             }
         }
         5399 => Err(Missing::OnlyMachine),
-        5400 => tool_in_spindle(channel),
+        5400 => tool_in_spindle(channel.settings.strict, &channel.modal),
         5404..=5409 | 5411..=5413 => Ok(0.0),
         // What the table says of the tool in the spindle, whether it is in force or not.
-        5401..=5403 | 5410 => match channel.modal.active.and_then(|tool| target::tool_offset(channel, tool)) {
+        5401..=5403 | 5410 => match channel
+            .modal
+            .active
+            .and_then(|tool| target::tool_offset(channel.settings.machine, &channel.written, tool))
+        {
             Some(offset) if number == 5410 => Ok(2.0 * offset.radius_mm),
             Some(offset) => Ok(offset.length_mm[(number - 5401) as usize]),
             None if channel.settings.strict => Err(Missing::OnlyMachine),
             None => Ok(0.0),
         },
         5420..=5428 if channel.modal.contour.compensates() => Err(Missing::Compensated),
-        5420..=5428 => here_of(channel, axis_of(5420)),
+        5420..=5428 => here_of(channel.settings.strict, &channel.modal, &channel.standing, axis_of(5420)),
         _ => return None,
     })
 }
@@ -74,13 +80,13 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
 /// A probe has come to the end of its way without touching: that is what is taken where nothing must be known for certain.
 pub(super) fn note_probe(channel: &mut Channel<'_>) {
     let end = if channel.is_rs274() {
-        target::here(channel)
+        target::here(&channel.modal, &channel.standing)
     } else {
-        system::work_frame(channel).unapply(&target::tip(channel))
+        system::work_frame(&channel.modal).unapply(&target::tip(&channel.modal, &channel.standing))
     };
     let mut shown = end;
     for axis in ORDER {
-        shown[axis] = system::shown_value(channel, axis, end[axis]);
+        shown[axis] = system::shown_value(&channel.modal, axis, end[axis]);
     }
     channel.variables.probed = Some(shown);
     if channel.is_rs274() {
@@ -90,26 +96,26 @@ pub(super) fn note_probe(channel: &mut Channel<'_>) {
 }
 
 /// Which tool is in the spindle before the first M6, only the machine knows.
-fn tool_in_spindle(channel: &Channel<'_>) -> Result<f64, Missing> {
-    match channel.modal.active {
+fn tool_in_spindle(strict: bool, modal: &Modal) -> Result<f64, Missing> {
+    match modal.active {
         Some(tool) => Ok(f64::from(tool)),
-        None if channel.settings.strict => Err(Missing::OnlyMachine),
+        None if strict => Err(Missing::OnlyMachine),
         None => Ok(0.0),
     }
 }
 
 /// Where an axis is, as the program would say it.
-fn here_of(channel: &Channel<'_>, axis: Axis) -> Result<f64, Missing> {
-    if channel.settings.strict && !channel.modal.known.contains(axis) {
+fn here_of(strict: bool, modal: &Modal, standing: &Standing, axis: Axis) -> Result<f64, Missing> {
+    if strict && !modal.known.contains(axis) {
         return Err(Missing::Unstated);
     }
-    Ok(system::shown_value(channel, axis, target::here(channel)[axis]))
+    Ok(system::shown_value(modal, axis, target::here(modal, standing)[axis]))
 }
 
 /// A value that an assignment to a parameter of a zero offset changes. It takes effect when the program selects the offset.
 pub(super) fn write_parameter(channel: &mut Channel<'_>, number: u32, value: f64) -> bool {
     let Some((system, place)) = offset_place(number) else { return false };
-    let mut parts = target::offset_of(channel, system).unwrap_or_default();
+    let mut parts = target::offset_of(channel.settings.machine, &channel.written, system).unwrap_or_default();
     match ORDER.get(place as usize) {
         Some(&axis) => {
             parts.translation[axis] = if axis.is_rotary() { value.to_radians() } else { value };
@@ -128,10 +134,10 @@ pub(super) fn predefined_name(channel: &Channel<'_>, name: &str) -> Option<Resul
     let code = |tenths: u16| Ok(f64::from(tenths));
     let is = |holds: bool| Ok(truth(holds));
     if let Some(axis) = name.strip_prefix("_ABS_").and_then(one_axis) {
-        return Some(machine_of(channel, axis));
+        return Some(machine_of(channel.settings.strict, &channel.modal, &channel.standing, axis));
     }
     if let Some(axis) = name.strip_prefix('_').and_then(one_axis) {
-        return Some(here_of(channel, axis));
+        return Some(here_of(channel.settings.strict, &channel.modal, &channel.standing, axis));
     }
     Some(match name {
         "_VMAJOR" => Ok(VERSION),
@@ -168,7 +174,7 @@ pub(super) fn predefined_name(channel: &Channel<'_>, name: &str) -> Option<Resul
         "_FEED" if modal.feed_mode == FeedUnit::InverseTime => Ok(modal.feed),
         "_FEED" => Ok(modal.feed / modal.scale()),
         "_RPM" => Ok(modal.speed.unwrap_or(0.0).abs()),
-        "_CURRENT_TOOL" => tool_in_spindle(channel),
+        "_CURRENT_TOOL" => tool_in_spindle(channel.settings.strict, &channel.modal),
         "_SELECTED_TOOL" => Ok(modal.selected.map_or(-1.0, f64::from)),
         "_CURRENT_POCKET" | "_SELECTED_POCKET" => Err(Missing::OnlyMachine),
         "_VALUE" => Ok(channel.variables.returned.unwrap_or(0.0)),
@@ -179,11 +185,11 @@ pub(super) fn predefined_name(channel: &Channel<'_>, name: &str) -> Option<Resul
 }
 
 /// Where an axis of the machine is.
-fn machine_of(channel: &Channel<'_>, axis: Axis) -> Result<f64, Missing> {
-    if channel.settings.strict && !channel.modal.known.contains(axis) {
+fn machine_of(strict: bool, modal: &Modal, standing: &Standing, axis: Axis) -> Result<f64, Missing> {
+    if strict && !modal.known.contains(axis) {
         return Err(Missing::Unstated);
     }
-    Ok(system::shown_value(channel, axis, target::tip(channel)[axis]))
+    Ok(system::shown_value(modal, axis, target::tip(modal, standing)[axis]))
 }
 
 fn one_axis(text: &str) -> Option<Axis> {

@@ -2,7 +2,6 @@
 
 use super::arguments;
 use super::call::{Call, CallKind, Callee};
-use super::channel::Channel;
 use super::expression::Scope;
 use super::level::{Action, Level};
 use crate::exec::core::fault::{Fault, at, bad_value, fault};
@@ -10,6 +9,7 @@ use crate::syntax::words::{Address, Program, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
 
 /// Upper digits of P count the repetitions from here on.
 const SPLIT: u32 = 10_000;
@@ -38,9 +38,9 @@ pub(super) enum Request {
 }
 
 /// What the words of a block ask for; the first that asks for something counts.
-pub(super) fn request(channel: &Channel<'_>, level: &Level, words: &[Word]) -> Option<Request> {
-    let is_fanuc = channel.language == Language::Fanuc;
-    let codes = &channel.settings.machine.control.macros.codes;
+pub(super) fn request(machine: &Machine, language: Language, level: &Level, words: &[Word]) -> Option<Request> {
+    let is_fanuc = language == Language::Fanuc;
+    let codes = &machine.control.macros.codes;
     let may_map = is_fanuc && !codes.is_empty() && !level.own.is_of_code;
     words.iter().find_map(|word| {
         let Address::Letter(letter) = word.address else { return None };

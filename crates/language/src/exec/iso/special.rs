@@ -4,6 +4,7 @@ use super::channel::Channel;
 use super::codes::{Group, name_of};
 use super::gathered::Gathered;
 use super::measure;
+use super::modal::Modal;
 use super::polar::{self};
 use super::target;
 use crate::exec::core::contour::{Corner, Transition};
@@ -39,14 +40,17 @@ pub(super) fn polar_end(
     }
     let [abscissa, ordinate, _] = ncfix_base::geometry::Plane::XY.axes();
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-    let (radius, angle) = (measure::length(channel, gathered, b'@')?, measure::angle(channel, gathered, b'^')?);
+    let (radius, angle) = (
+        measure::length(channel, gathered, b'@')?,
+        measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, b'^')?,
+    );
     let span = gathered.span_of(if radius.is_some() { b'@' } else { b'^' });
     if !named.intersection(plane).is_empty() {
         return Err(bad_value(span, "X or Y beside polar coordinates", "write X and Y, or @ and ^"));
     }
     let incremental = channel.modal.incremental;
     if incremental || radius.is_none() || angle.is_none() {
-        check_plane_stated(channel, plane, span)?;
+        check_plane_stated(channel.settings.strict, &channel.modal, plane, span)?;
     }
     let Some([x, y]) = polar::rs274([here[abscissa], here[ordinate]], radius, angle, incremental) else {
         let message = "polar words at the zero, where there is no direction";
@@ -73,9 +77,10 @@ fn polar_axes(
     }
     let incremental = channel.modal.incremental;
     let radius = measure::length(channel, gathered, abscissa.letter())?;
-    let angle = measure::angle(channel, gathered, ordinate.letter())?;
+    let angle =
+        measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, ordinate.letter())?;
     if incremental || radius.is_none() || angle.is_none() {
-        check_plane_stated(channel, plane, gathered.span)?;
+        check_plane_stated(channel.settings.strict, &channel.modal, plane, gathered.span)?;
     }
     if let Some(polar) = &mut channel.special.polar {
         let [first, second] = polar.target([here[abscissa], here[ordinate]], radius, angle, incremental);
@@ -97,13 +102,14 @@ fn angle_word(
     let span = gathered.span_of(b'a');
     let [abscissa, ordinate, _] = channel.modal.plane.axes();
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-    let angle = measure::angle(channel, gathered, b'a')?.unwrap_or_default();
+    let angle = measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, b'a')?
+        .unwrap_or_default();
     let mut given = named.intersection(plane).iter();
     let (Some(axis), None) = (given.next(), given.next()) else {
         let message = ",A stands in a block with one coordinate of the plane; this one has none or both";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "give one coordinate of the end, or both and no ,A"));
     };
-    check_plane_stated(channel, plane, span)?;
+    check_plane_stated(channel.settings.strict, &channel.modal, plane, span)?;
     let (sin, cos) = angle.sin_cos();
     let (other, run, rise) = if axis == abscissa { (ordinate, cos, sin) } else { (abscissa, sin, cos) };
     let found = here[other] + (end[axis] - here[axis]) * rise / run;
@@ -117,8 +123,8 @@ fn angle_word(
 }
 
 /// What depends on where the plane's axes stand must not be corrected where the program has not stated it.
-pub(super) fn check_plane_stated(channel: &Channel<'_>, plane: AxisSet, span: Span) -> Result<(), Fault> {
-    plane.iter().try_for_each(|axis| target::check_stated(channel, axis, span))
+pub(super) fn check_plane_stated(strict: bool, modal: &Modal, plane: AxisSet, span: Span) -> Result<(), Fault> {
+    plane.iter().try_for_each(|axis| target::check_stated(strict, modal, axis, span))
 }
 
 /// What `,C` and `,R` ask of the end of the motion to come.

@@ -1,10 +1,13 @@
 //! G5, G5.1 and G5.2/G5.3 of RS274/NGC: curves of the XY plane.
 
+use super::channel::Special;
 use super::forbidden;
 use super::measure;
+use super::modal::Modal;
 use super::special;
 use super::step;
 use super::target;
+use ncfix_dialect::Language;
 use std::sync::Arc as Shared;
 
 use super::channel::Channel;
@@ -26,8 +29,8 @@ const MOST_ORDER: f64 = 2_000.0;
 
 /// `G5`, `G5.1`
 pub(super) fn spline(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-    check_curve(channel, gathered, code)?;
-    let here = target::here(channel);
+    check_curve(channel.settings.strict, channel.language, &channel.modal, gathered, code)?;
+    let here = target::here(&channel.modal, &channel.standing);
     let start = [here[Axis::X], here[Axis::Y]];
     let (end, _) = step::end(channel, gathered)?;
     let target = [end[Axis::X], end[Axis::Y]];
@@ -63,7 +66,7 @@ pub(super) fn spline(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
 
 /// `G5.2` and the blocks behind it: a control point.
 pub(super) fn nurbs_point(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
-    check_curve(channel, gathered, 52)?;
+    check_curve(channel.settings.strict, channel.language, &channel.modal, gathered, 52)?;
     let weight = gathered.raw(b'P');
     let order = gathered.raw(b'L');
     let has = [b'X', b'Y'].map(|letter| gathered.has(letter));
@@ -71,7 +74,7 @@ pub(super) fn nurbs_point(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
         return Err(bad_value(gathered.span, "G5.2 with one of X and Y", "write both"));
     }
     if channel.special.curve.control.is_empty() {
-        let here = target::here(channel);
+        let here = target::here(&channel.modal, &channel.standing);
         let weight = weight.filter(|_| !has[0]).unwrap_or(1.0);
         channel.special.curve.order = 3;
         channel.special.curve.control.push(Control { at: [here[Axis::X], here[Axis::Y]], weight });
@@ -114,15 +117,15 @@ pub(super) fn nurbs_end(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
 }
 
 /// A curve that another kind of motion comes into is none.
-pub(super) fn drop_curve(channel: &mut Channel<'_>, code: u16) {
+pub(super) fn drop_curve(special: &mut Special, code: u16) {
     if code != 52 {
-        channel.special.curve.control.clear();
+        special.curve.control.clear();
     }
 }
 
 /// Moves along a curve.
 fn along(channel: &mut Channel<'_>, curve: &Nurbs, gathered: &Gathered) -> Result<(), Fault> {
-    let here = target::here(channel);
+    let here = target::here(&channel.modal, &channel.standing);
     let setup = Shared::clone(&channel.standing.setup);
     let pieces = curve
         .pieces(channel.settings.machine.control.chord_tolerance_mm)
@@ -133,7 +136,7 @@ fn along(channel: &mut Channel<'_>, curve: &Nurbs, gathered: &Gathered) -> Resul
         let mut place = here;
         place[Axis::X] = x;
         place[Axis::Y] = y;
-        ends.push(step::reach(channel, &setup, named, &place, gathered.span)?);
+        ends.push(step::reach(&channel.modal, &setup, named, &place, gathered.span)?);
     }
     let target = ends.last().copied().unwrap_or(channel.modal.command);
     let (feed_named, span) = (gathered.has(b'F'), gathered.span);
@@ -141,10 +144,10 @@ fn along(channel: &mut Channel<'_>, curve: &Nurbs, gathered: &Gathered) -> Resul
     step::send(channel, step, target, Shape::Chords(ends), setup)
 }
 
-fn check_curve(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+fn check_curve(strict: bool, language: Language, modal: &Modal, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let (name, span) = (name_of(code), gathered.span);
-    forbidden::no_compensation(channel, span, &name)?;
-    if channel.modal.plane != Plane::XY {
+    forbidden::no_compensation(language, modal, span, &name)?;
+    if modal.plane != Plane::XY {
         let message = format!("{name} outside the XY plane");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17"));
     }
@@ -153,7 +156,7 @@ fn check_curve(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<
         let message = format!("{name} moves X and Y only");
         return Err(bad_value(gathered.span_of(axis.letter()), message, "move the axis in a block of its own"));
     }
-    special::check_plane_stated(channel, plane, span)
+    special::check_plane_stated(strict, modal, plane, span)
 }
 
 fn plus(place: [f64; 2], way: [f64; 2]) -> [f64; 2] {

@@ -12,23 +12,23 @@ use ncfix_base::source::Span;
 use ncfix_machine::snc::{FeedUnit, FrameWords, Kind, Word, WordValue};
 
 /// M70, and with `returns` M73.
-pub(super) fn save_state(channel: &mut Channel<'_>, returns: bool) {
-    let state = Box::new(SavedState { modal: channel.modal.clone(), returns });
-    if let Some(place) = channel.saved.last_mut() {
+pub(super) fn save_state(modal: &Modal, saved: &mut Vec<Option<Box<SavedState>>>, returns: bool) {
+    let state = Box::new(SavedState { modal: modal.clone(), returns });
+    if let Some(place) = saved.last_mut() {
         *place = Some(state);
     }
 }
 
 /// M71
-pub(super) fn drop_state(channel: &mut Channel<'_>) {
-    if let Some(place) = channel.saved.last_mut() {
+pub(super) fn drop_state(saved: &mut Vec<Option<Box<SavedState>>>) {
+    if let Some(place) = saved.last_mut() {
         *place = None;
     }
 }
 
 /// A subroutine begins.
-pub(super) fn enter_level(channel: &mut Channel<'_>) {
-    channel.saved.push(None);
+pub(super) fn enter_level(saved: &mut Vec<Option<Box<SavedState>>>) {
+    saved.push(None);
 }
 
 /// A subroutine ends.
@@ -95,7 +95,7 @@ fn bring_back(channel: &mut Channel<'_>, saved: &Modal) {
                 let mut text = "G64".to_owned();
                 for (letter, value) in [(b'P', p), (b'Q', q)] {
                     if let Some(value) = value {
-                        text::append_length(channel, &mut text, letter, value);
+                        text::append_length(channel.settings.machine, channel.language, &mut text, letter, value);
                     }
                 }
                 texts.push(text);
@@ -112,7 +112,7 @@ fn bring_back(channel: &mut Channel<'_>, saved: &Modal) {
         let mut text = if saved.length_code == 490 { "G49".to_owned() } else { "G43.1".to_owned() };
         if saved.length_code != 490 {
             for (letter, value) in b"XYZ".iter().zip(saved.length_mm.iter()) {
-                text::append_length(channel, &mut text, *letter, *value);
+                text::append_length(channel.settings.machine, channel.language, &mut text, *letter, *value);
             }
         }
         texts.push(text);

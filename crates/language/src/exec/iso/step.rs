@@ -5,6 +5,7 @@ use super::compensation;
 use super::direction;
 use super::forbidden;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use super::offsets;
 use super::one_axis;
 use super::special;
@@ -55,15 +56,15 @@ impl Step {
 
 /// The programmed end of a block, and the axes that it names.
 pub(super) fn end(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(AxisVector, AxisSet), Fault> {
-    let here = target::here(channel);
+    let here = target::here(&channel.modal, &channel.standing);
     let (mut end, mut named) = (here, gathered.axes);
     for axis in gathered.axes.iter() {
         let value = target::axis_value(channel, gathered, axis)?;
         if channel.modal.incremental {
-            target::check_stated(channel, axis, gathered.span_of(axis.letter()))?;
+            target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
             end[axis] += value;
         } else {
-            end[axis] = target::absolute(channel, gathered, axis, value, here[axis])?;
+            end[axis] = target::absolute(channel.settings.machine, &channel.modal, gathered, axis, value, here[axis])?;
         }
     }
     if let Some((others, values)) = one_axis::other_axes(channel, gathered, named)? {
@@ -77,7 +78,7 @@ pub(super) fn end(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(Axi
 /// A straight motion to a programmed position.
 pub(super) fn step(channel: &mut Channel<'_>, step: Step) -> Result<(), Fault> {
     let setup = Shared::clone(&channel.standing.setup);
-    let target = reach(channel, &setup, step.named, &step.end, step.span)?;
+    let target = reach(&channel.modal, &setup, step.named, &step.end, step.span)?;
     send(channel, step, target, Shape::Line, setup)
 }
 
@@ -89,13 +90,13 @@ pub(super) fn machine_step(channel: &mut Channel<'_>, step: Step) -> Result<(), 
     shift.set_xyz(tool_mm);
     let frame = Frame::translation(shift);
     let bare = Shared::new(Setup { frame, tool_mm, plane: channel.modal.plane, transform: None, assumed: false });
-    one_axis::settle_axes(channel, step.named);
+    one_axis::settle_axes(&mut channel.special, step.named);
     channel.push(Kind::Keep("G53"));
     channel.push(Kind::Setup(Shared::clone(&bare)));
     channel.standing.changed = true;
     let full = channel.standing.setup.frame;
     channel.modal.known = known_behind(channel.modal.known, &full, &bare.frame);
-    let target = reach(channel, &bare, step.named, &step.end, step.span);
+    let target = reach(&channel.modal, &bare, step.named, &step.end, step.span);
     let sent = target.and_then(|target| send(channel, step, target, Shape::Line, Shared::clone(&bare)));
     channel.modal.known = known_behind(channel.modal.known, &bare.frame, &full);
     sent
@@ -103,13 +104,13 @@ pub(super) fn machine_step(channel: &mut Channel<'_>, step: Step) -> Result<(), 
 
 /// Axis commands of programmed positions of the named axes.
 pub(super) fn reach(
-    channel: &Channel<'_>,
+    modal: &Modal,
     setup: &Setup,
     named: AxisSet,
     end: &AxisVector,
     span: Span,
 ) -> Result<AxisVector, Fault> {
-    let mut target = channel.modal.command;
+    let mut target = modal.command;
     if setup.frame.is_translation() {
         // Axis by axis, so that the command of an axis that the block does not name keeps its last bit.
         for axis in named.iter() {

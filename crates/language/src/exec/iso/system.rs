@@ -3,6 +3,7 @@
 use super::channel::Channel;
 use super::channel::ToolOffset;
 use super::forbidden;
+use super::modal::Modal;
 use super::offsets;
 use super::target;
 use super::text;
@@ -11,6 +12,7 @@ use super::zero_offset::System;
 use crate::exec::core::contour::Side;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::AxisSet;
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Frame};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{FeedUnit, Kind};
@@ -104,20 +106,20 @@ pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Opti
     match meaning {
         Meaning::Alarm | Meaning::Told | Meaning::Machine => Err(Missing::OnlyMachine),
         Meaning::Offset(system, place) => {
-            let axis = axis_at(channel, place).ok_or(Missing::Unknown)?;
-            match target::offset_of(channel, system) {
-                Some(parts) => Ok(Some(shown_value(channel, axis, parts.shift()[axis]))),
+            let axis = axis_at(channel.axes, place).ok_or(Missing::Unknown)?;
+            match target::offset_of(channel.settings.machine, &channel.written, system) {
+                Some(parts) => Ok(Some(shown_value(&channel.modal, axis, parts.shift()[axis]))),
                 None if system == System::EXTERNAL || !channel.settings.strict => Ok(Some(0.0)),
                 None => Err(Missing::OnlyMachine),
             }
         }
-        Meaning::Tool(number, part) => match target::tool_offset(channel, number) {
+        Meaning::Tool(number, part) => match target::tool_offset(channel.settings.machine, &channel.written, number) {
             Some(mut offset) => Ok(Some(*part_of(&mut offset, part) / channel.modal.scale())),
             None if channel.settings.strict => Err(Missing::OnlyMachine),
             None => Ok(Some(0.0)),
         },
         Meaning::Position(kind, place) => {
-            let axis = axis_at(channel, place).ok_or(Missing::Unknown)?;
+            let axis = axis_at(channel.axes, place).ok_or(Missing::Unknown)?;
             position(channel, kind, axis).map(Some)
         }
         Meaning::Modal(place) => modal_value(channel, place).map(Some).ok_or(Missing::OnlyMachine),
@@ -125,18 +127,18 @@ pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Opti
 }
 
 /// The axis of a place in the order of the control: X, Y, Z, then what else the machine has.
-fn axis_at(channel: &Channel<'_>, place: u32) -> Option<Axis> {
+fn axis_at(axes: AxisSet, place: u32) -> Option<Axis> {
     let place = place as usize;
     if place < 3 {
         return AXES.get(place).copied();
     }
     let rotary_first = [Axis::A, Axis::B, Axis::C, Axis::U, Axis::V, Axis::W];
-    rotary_first.into_iter().filter(|&axis| channel.axes.contains(axis)).nth(place - 3)
+    rotary_first.into_iter().filter(|&axis| axes.contains(axis)).nth(place - 3)
 }
 
 /// A value of an axis in the units of the program.
-pub(super) fn shown_value(channel: &Channel<'_>, axis: Axis, value: f64) -> f64 {
-    if axis.is_rotary() { value.to_degrees() } else { value / channel.modal.scale() }
+pub(super) fn shown_value(modal: &Modal, axis: Axis, value: f64) -> f64 {
+    if axis.is_rotary() { value.to_degrees() } else { value / modal.scale() }
 }
 
 fn position(channel: &Channel<'_>, position: Position, axis: Axis) -> Result<f64, Missing> {
@@ -156,17 +158,17 @@ fn position(channel: &Channel<'_>, position: Position, axis: Axis) -> Result<f64
         return Err(Missing::Compensated);
     }
     let values: AxisVector = match position {
-        Position::Programmed => work_frame(channel).unapply(&target::tip(channel)),
+        Position::Programmed => work_frame(&channel.modal).unapply(&target::tip(&channel.modal, &channel.standing)),
         Position::Machine => channel.modal.command,
-        Position::Gauge => work_frame(channel).unapply(&channel.modal.command),
+        Position::Gauge => work_frame(&channel.modal).unapply(&channel.modal.command),
         Position::Skip | Position::Length => AxisVector::ZERO,
     };
-    Ok(shown_value(channel, axis, values[axis]))
+    Ok(shown_value(&channel.modal, axis, values[axis]))
 }
 
 /// The workpiece coordinate system: zero offset and shifts, without what is nearer to the programmed values.
-pub(super) fn work_frame(channel: &Channel<'_>) -> Frame {
-    channel.modal.settable.compose(&Frame::translation(channel.modal.shift + channel.modal.local))
+pub(super) fn work_frame(modal: &Modal) -> Frame {
+    modal.settable.compose(&Frame::translation(modal.shift + modal.local))
 }
 
 /// The G code of a group, or the value of an address.
@@ -257,14 +259,14 @@ fn write_offset(
     value: f64,
     span: Span,
 ) -> Result<(), Fault> {
-    let Some(axis) = axis_at(channel, place) else {
+    let Some(axis) = axis_at(channel.axes, place) else {
         return Err(bad_value(span, format!("#{number} is of an axis that the machine lacks"), "check the number"));
     };
-    forbidden::no_compensation(channel, span, "a change of zero offsets")?;
+    forbidden::no_compensation(channel.language, &channel.modal, span, "a change of zero offsets")?;
     if system == channel.modal.system || system == System::EXTERNAL {
-        forbidden::check_offset_write(channel, number, span)?;
+        forbidden::check_offset_write(channel.settings.machine, channel.language, &channel.modal, number, span)?;
     }
-    let known = target::offset_of(channel, system);
+    let known = target::offset_of(channel.settings.machine, &channel.written, system);
     if known.is_none() && channel.settings.strict {
         let message = format!("{} is changed in part, and has no value in the machine file", system.words());
         return Err(fault(
@@ -279,7 +281,12 @@ fn write_offset(
     parts.translation[axis] = inside;
     parts.fine[axis] = 0.0;
     channel.written.offsets.insert(system, parts);
-    tell(channel, number, if axis.is_rotary() { value } else { inside / text::output_unit_mm(channel) }, "");
+    tell(
+        channel,
+        number,
+        if axis.is_rotary() { value } else { inside / text::output_unit_mm(channel.settings.machine) },
+        "",
+    );
     if system == channel.modal.system || system == System::EXTERNAL {
         offsets::load_offset(channel, span)?;
     }
@@ -294,7 +301,7 @@ fn write_tool(
     value: f64,
     span: Span,
 ) -> Result<(), Fault> {
-    let known = target::tool_offset(channel, tool);
+    let known = target::tool_offset(channel.settings.machine, &channel.written, tool);
     if known.is_none() && channel.settings.strict {
         let message = format!("offset {tool} is changed in part, and has no value in the machine file");
         return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
@@ -303,7 +310,7 @@ fn write_tool(
     let inside = value * channel.modal.scale();
     *part_of(&mut offset, part) = inside;
     channel.written.tools.insert(tool, ToolOffset { is_stated: true, ..offset });
-    tell(channel, number, inside / text::output_unit_mm(channel), "");
+    tell(channel, number, inside / text::output_unit_mm(channel.settings.machine), "");
     Ok(())
 }
 

@@ -2,24 +2,30 @@
 
 use super::channel::Channel;
 use super::channel::ToolOffset;
+use super::channel::Written;
 use super::codes::Group;
 use super::gathered::Gathered;
 use super::measure;
+use super::modal::Modal;
 use super::zero_offset::System;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::fault;
 use crate::exec::core::rollover;
+use crate::exec::core::standing::Standing;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
+use ncfix_base::geometry::AxisSet;
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::geometry::Frame;
 use ncfix_base::geometry::FrameParts;
 use ncfix_base::geometry::Vector;
 use ncfix_base::source::Span;
+use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
 /// Offsets of a number, as the program or the machine file set them.
-pub(super) fn tool_offset(channel: &Channel<'_>, number: u32) -> Option<ToolOffset> {
-    channel.written.tools.get(&number).copied().or_else(|| {
-        let tool = channel.settings.machine.tool(number, 1)?;
+pub(super) fn tool_offset(machine: &Machine, written: &Written, number: u32) -> Option<ToolOffset> {
+    written.tools.get(&number).copied().or_else(|| {
+        let tool = machine.tool(number, 1)?;
         let [first, second, third] = tool.length_mm;
         // Lengths 1, 2, 3 lie along Z, Y, X.
         let length_mm = Vector::new(third, second, first);
@@ -28,16 +34,16 @@ pub(super) fn tool_offset(channel: &Channel<'_>, number: u32) -> Option<ToolOffs
 }
 
 /// The tip of the tool as the control sees it, machine coordinates.
-pub(super) fn tip(channel: &Channel<'_>) -> AxisVector {
-    let mut tip = channel.modal.command;
-    tip.set_xyz(tip.xyz() + channel.standing.setup.tool_mm);
+pub(super) fn tip(modal: &Modal, standing: &Standing) -> AxisVector {
+    let mut tip = modal.command;
+    tip.set_xyz(tip.xyz() + standing.setup.tool_mm);
     tip
 }
 
 /// The value of an axis word, mm or rad.
 pub(super) fn axis_value(channel: &mut Channel<'_>, gathered: &Gathered, axis: Axis) -> Result<f64, Fault> {
     let value = if axis.is_rotary() {
-        measure::angle(channel, gathered, axis.letter())?
+        measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, axis.letter())?
     } else {
         measure::length(channel, gathered, axis.letter())?
     };
@@ -46,23 +52,24 @@ pub(super) fn axis_value(channel: &mut Channel<'_>, gathered: &Gathered, axis: A
 
 /// The position that an absolute word means, with its turns.
 pub(super) fn absolute(
-    channel: &Channel<'_>,
+    machine: &Machine,
+    modal: &Modal,
     gathered: &Gathered,
     axis: Axis,
     value: f64,
     here: f64,
 ) -> Result<f64, Fault> {
-    let here = Some(here).filter(|_| channel.modal.known.contains(axis));
-    rollover::position(channel.settings.machine, axis, value, here, gathered.span_of(axis.letter()))
+    let here = Some(here).filter(|_| modal.known.contains(axis));
+    rollover::position(machine, axis, value, here, gathered.span_of(axis.letter()))
 }
 
 /// Refuses axes that the machine lacks.
-pub(super) fn check_axes(channel: &Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
-    if gathered.code(Group::Action) == Some(40) && !channel.is_rs274() {
+pub(super) fn check_axes(language: Language, axes: AxisSet, gathered: &Gathered) -> Result<(), Fault> {
+    if gathered.code(Group::Action) == Some(40) && language != Language::Rs274 {
         // The time of a dwell is no position.
         return Ok(());
     }
-    match gathered.axes.difference(channel.axes).iter().next() {
+    match gathered.axes.difference(axes).iter().next() {
         None => Ok(()),
         Some(axis) => {
             let message = format!("the machine has no axis {axis}");
@@ -82,27 +89,28 @@ pub(super) fn unknown_start(span: Span, axis: Axis) -> Fault {
 }
 
 /// The value of a zero offset; `None` where neither program nor machine file give one.
-pub(super) fn offset_of(channel: &Channel<'_>, system: System) -> Option<FrameParts> {
-    let own = channel.written.offsets.get(&system).copied();
-    own.or_else(|| channel.settings.machine.zero_offsets.get(&system.words()).copied())
+pub(super) fn offset_of(machine: &Machine, written: &Written, system: System) -> Option<FrameParts> {
+    let own = written.offsets.get(&system).copied();
+    own.or_else(|| machine.zero_offsets.get(&system.words()).copied())
 }
 
 /// What depends on where an axis stands must not be corrected where the program has not stated it.
-pub(super) fn check_stated(channel: &Channel<'_>, axis: Axis, span: Span) -> Result<(), Fault> {
-    if channel.settings.strict && !channel.modal.known.contains(axis) {
+pub(super) fn check_stated(strict: bool, modal: &Modal, axis: Axis, span: Span) -> Result<(), Fault> {
+    if strict && !modal.known.contains(axis) {
         return Err(unknown_start(span, axis));
     }
     Ok(())
 }
 
 /// Where the channel is, as the program would say it.
-pub(super) fn here(channel: &Channel<'_>) -> AxisVector {
-    channel.standing.setup.programmed(&channel.modal.command)
+pub(super) fn here(modal: &Modal, standing: &Standing) -> AxisVector {
+    standing.setup.programmed(&modal.command)
 }
 
 /// The frame of a zero offset alone, that of all systems included.
-pub(super) fn frame_of(channel: &Channel<'_>, system: System) -> Frame {
-    let order = channel.settings.machine.control.rotation_order;
-    let frame = |system| offset_of(channel, system).unwrap_or_default().frame(order).unwrap_or_else(Frame::identity);
+pub(super) fn frame_of(machine: &Machine, written: &Written, system: System) -> Frame {
+    let order = machine.control.rotation_order;
+    let frame =
+        |system| offset_of(machine, written, system).unwrap_or_default().frame(order).unwrap_or_else(Frame::identity);
     frame(System::EXTERNAL).compose(&frame(system))
 }

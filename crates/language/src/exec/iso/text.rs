@@ -1,20 +1,21 @@
 //! Codes and lengths as the output writes them.
 
-use super::channel::Channel;
 use ncfix_base::units::MM_PER_INCH;
+use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
 use std::fmt::Write as _;
 /// mm in a length unit of the output.
-pub(super) fn output_unit_mm(channel: &Channel<'_>) -> f64 {
-    if channel.settings.machine.control.output_inch == Some(true) { MM_PER_INCH } else { 1.0 }
+pub(super) fn output_unit_mm(machine: &Machine) -> f64 {
+    if machine.control.output_inch == Some(true) { MM_PER_INCH } else { 1.0 }
 }
 
 /// Appends a word of a length, mm, in the unit of the output.
-pub(super) fn append_length(channel: &Channel<'_>, text: &mut String, letter: u8, value_mm: f64) {
-    append(channel, text, letter, value_mm / output_unit_mm(channel));
+pub(super) fn append_length(machine: &Machine, language: Language, text: &mut String, letter: u8, value_mm: f64) {
+    append(language, text, letter, value_mm / output_unit_mm(machine));
 }
 
 /// Appends a word of a value in the unit in which it is written.
-pub(super) fn append(channel: &Channel<'_>, text: &mut String, letter: u8, value: f64) {
+pub(super) fn append(language: Language, text: &mut String, letter: u8, value: f64) {
     let mut number = format!("{value:.5}");
     let kept = number.trim_end_matches('0').len();
     number.truncate(kept);
@@ -22,7 +23,7 @@ pub(super) fn append(channel: &Channel<'_>, text: &mut String, letter: u8, value
         "0.".clone_into(&mut number);
     }
     // A Fanuc takes a number without a point for increments.
-    if channel.is_rs274() {
+    if language == Language::Rs274 {
         number.truncate(number.trim_end_matches('.').len());
     }
     // Writing to a string cannot fail.

@@ -5,6 +5,7 @@ use super::codes::name_of;
 use super::cycles::threading::{Thread as Cut, moves};
 use super::gathered::Gathered;
 use super::measure;
+use super::modal::Modal;
 use super::special;
 use super::step;
 use super::step::Step;
@@ -12,11 +13,12 @@ use super::target;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Plane};
+use ncfix_dialect::Language;
 use ncfix_machine::snc::{Manner, Thread, ThreadCode};
 
 /// `G33`, `G33.1`
 pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-    check_thread(channel, gathered, code)?;
+    check_thread(channel.language, &channel.modal, gathered, code)?;
     let letter = if channel.is_rs274() { b'K' } else { b'F' };
     let lead = measure::length(channel, gathered, letter)?;
     let Some(lead) = lead.or((!channel.is_rs274()).then_some(channel.modal.feed)).filter(|lead| *lead > 0.0) else {
@@ -32,7 +34,7 @@ pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
         let message = "a faster way out of the hole (I) is not supported";
         return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'I'), message, "take I out"));
     }
-    let start = target::here(channel);
+    let start = target::here(&channel.modal, &channel.standing);
     let (end, named) = step::end(channel, gathered)?;
     let step = |code: ThreadCode, end| {
         let manner = Manner::Thread(Thread { code, lead: Some((letter, lead)), change: None });
@@ -42,7 +44,9 @@ pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
         return step::step(channel, step(ThreadCode::G33, end));
     }
     // The spindle turns back, and the tool is where it was.
-    named.iter().try_for_each(|axis| target::check_stated(channel, axis, gathered.span))?;
+    named
+        .iter()
+        .try_for_each(|axis| target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span))?;
     step::step(channel, step(ThreadCode::G331, end))?;
     channel.outlet.begin_line();
     step::step(channel, step(ThreadCode::G332, start))
@@ -50,13 +54,18 @@ pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
 
 /// `G76`: a thread in passes.
 pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
-    check_thread(channel, gathered, 760)?;
+    check_thread(channel.language, &channel.modal, gathered, 760)?;
     let span = gathered.span;
     if channel.modal.plane != Plane::ZX {
         let message = "G76 outside the XZ plane";
         return Err(bad_value(span, message, "select G18"));
     }
-    special::check_plane_stated(channel, [Axis::X, Axis::Z].into_iter().collect(), span)?;
+    special::check_plane_stated(
+        channel.settings.strict,
+        &channel.modal,
+        [Axis::X, Axis::Z].into_iter().collect(),
+        span,
+    )?;
     let mut needed = [0.0; 4];
     for (value, letter) in needed.iter_mut().zip(*b"PIJK") {
         let Some(found) = measure::length(channel, gathered, letter)? else {
@@ -66,7 +75,7 @@ pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         *value = found;
     }
     let [pitch, peak, first, depth] = needed;
-    let here = target::here(channel);
+    let here = target::here(&channel.modal, &channel.standing);
     let (end, _) = step::end(channel, gathered)?;
     let tapers = gathered.raw(b'L').unwrap_or(0.0);
     if !(0.0..=3.0).contains(&tapers) || tapers.fract() != 0.0 {
@@ -82,7 +91,8 @@ pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         first,
         depth,
         degression: gathered.raw(b'R').unwrap_or(1.0),
-        slide_rad: measure::angle(channel, gathered, b'Q')?.unwrap_or(0.0),
+        slide_rad: measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, b'Q')?
+            .unwrap_or(0.0),
         // A conversion that keeps within its type.
         springs: springs.max(0.0) as u32,
         taper: measure::length(channel, gathered, b'E')?.unwrap_or(0.0),
@@ -111,13 +121,13 @@ pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     Ok(())
 }
 
-fn check_thread(channel: &Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+fn check_thread(language: Language, modal: &Modal, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let (name, span) = (name_of(code), gathered.span);
-    if channel.modal.contour.compensates() || channel.modal.turning.is_some() {
+    if modal.contour.compensates() || modal.turning.is_some() {
         let message = format!("{name} under radius compensation or tool center point control");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "end it before the thread"));
     }
-    if channel.is_rs274() && !matches!(channel.modal.spindle, 3 | 4) {
+    if language == Language::Rs274 && !matches!(modal.spindle, 3 | 4) {
         let message = format!("{name}, and the spindle does not turn");
         return Err(bad_value(span, message, "start the spindle before it"));
     }

@@ -8,6 +8,7 @@ use super::codes::{Group, name_of};
 use super::forbidden;
 use super::gathered::Gathered;
 use super::measure;
+use super::modal::Modal;
 use super::setup;
 use super::step;
 use super::step::Step;
@@ -28,14 +29,15 @@ pub(super) fn tilt(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, sp
     for (value, letter) in origin.iter_mut().zip(*b"XYZ") {
         *value = measure::length(channel, gathered, letter)?.unwrap_or(0.0);
     }
-    let turn = measure::angle(channel, gathered, b'R')?;
+    let turn = measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, b'R')?;
     if turn.is_some() && form != 2.0 {
         return Err(refused(gathered.span_of(b'R'), format!("R with {} is not supported", name_of(code))));
     }
     let mut angles = [0.0; 3];
     if form != 3.0 {
         for (value, letter) in angles.iter_mut().zip(*b"IJK") {
-            *value = measure::angle(channel, gathered, letter)?.unwrap_or(0.0);
+            *value = measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, letter)?
+                .unwrap_or(0.0);
         }
     }
     let order = gathered.raw(b'Q');
@@ -72,14 +74,15 @@ pub(super) fn tilt(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, sp
         }
         _ => return Err(refused(span, format!("this form of {} is not supported", name_of(code)))),
     };
-    let (origin, rotation) = if code == 684 { upon_tilt(channel, place, rotation, span)? } else { (place, rotation) };
+    let (origin, rotation) =
+        if code == 684 { upon_tilt(&channel.modal, place, rotation, span)? } else { (place, rotation) };
     let done = channel.modal.transforms.set_tilt(origin, rotation);
     done.map_err(|within| refused(span, format!("{} within {within}", name_of(code))))
 }
 
 /// `G68.4`: upon the plane in force.
-fn upon_tilt(channel: &Channel<'_>, origin: Vector, rotation: Matrix, span: Span) -> Result<(Vector, Matrix), Fault> {
-    let Some(below) = channel.modal.transforms.tilt() else {
+fn upon_tilt(modal: &Modal, origin: Vector, rotation: Matrix, span: Span) -> Result<(Vector, Matrix), Fault> {
+    let Some(below) = modal.transforms.tilt() else {
         let message = "G68.4 without a tilted plane";
         return Err(bad_value(span, message, "begin with G68.2"));
     };
@@ -156,7 +159,7 @@ pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fa
 
 /// Turns the rotary axes at rapid; the linear ones stay.
 fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector, span: Span) -> Result<(), Fault> {
-    let mut end = target::here(channel);
+    let mut end = target::here(&channel.modal, &channel.standing);
     let frame = channel.standing.setup.frame;
     let mut named = AxisSet::EMPTY;
     for axis in kinematics.rotary_axes() {

@@ -3,7 +3,10 @@
 //! Under it the positions of the channel are those of the tip, fixed to the workpiece; [`crate::exec::core::five_axis`] makes axis commands
 //! of them.
 
+use super::modal::Modal;
 use super::target;
+use crate::exec::core::outlet::Outlet;
+use crate::exec::core::standing::Standing;
 use std::f64::consts::TAU;
 
 use super::channel::Channel;
@@ -83,7 +86,7 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
             let end = from + value;
             places = if is_known { vec![here, end] } else { vec![end] };
         } else {
-            target::check_stated(channel, axis, span)?;
+            target::check_stated(channel.settings.strict, &channel.modal, axis, span)?;
         }
         // What is corrected already has the table where a correction put it.
         let most = if channel.settings.strict { SAME_ANGLE_RAD } else { CORRECTED_ANGLE_RAD };
@@ -98,23 +101,28 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
 }
 
 /// Where the axes stand.
-pub(super) fn axis_command(channel: &Channel<'_>) -> AxisVector {
-    let turning = channel.modal.turning.and(channel.outlet.kinematics.as_deref());
-    let command =
-        turning.and_then(|chain| chain.command_on_workpiece(&channel.modal.command, &channel.standing.setup.tool_mm));
-    command.unwrap_or(channel.modal.command)
+pub(super) fn axis_command(modal: &Modal, standing: &Standing, outlet: &Outlet<'_>) -> AxisVector {
+    let turning = modal.turning.and(outlet.kinematics.as_deref());
+    let command = turning.and_then(|chain| chain.command_on_workpiece(&modal.command, &standing.setup.tool_mm));
+    command.unwrap_or(modal.command)
 }
 
 /// The tool length has changed while the axes stood at `axes`, before that `tool_mm`. Along a tool that is tilted this concerns
 /// other axes too: where the control has them is unknown until the program states it.
-pub(super) fn forget_moved_tip(channel: &mut Channel<'_>, axes: &AxisVector, tool_mm: &Vector) {
-    let Some(kinematics) = &channel.outlet.kinematics else { return };
+pub(super) fn forget_moved_tip(
+    modal: &mut Modal,
+    standing: &Standing,
+    outlet: &mut Outlet<'_>,
+    axes: &AxisVector,
+    tool_mm: &Vector,
+) {
+    let Some(kinematics) = &outlet.kinematics else { return };
     let before = kinematics.on_workpiece(axes, tool_mm);
-    let now = kinematics.on_workpiece(axes, &channel.standing.setup.tool_mm);
+    let now = kinematics.on_workpiece(axes, &standing.setup.tool_mm);
     for axis in AxisSet::XYZ.iter().filter(|&axis| (before[axis] - now[axis]).abs() > SAME_PLACE_MM) {
-        channel.modal.known.remove(axis);
+        modal.known.remove(axis);
     }
-    if channel.modal.turning.is_some() {
-        channel.modal.command = now;
+    if modal.turning.is_some() {
+        modal.command = now;
     }
 }

@@ -89,9 +89,9 @@ pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) ->
             let message = "a change of mirror, scaling, rotation or tilted plane within radius compensation";
             return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "end it with G40 first"));
         }
-        let (here, known) = (target::here(channel), channel.modal.known);
+        let (here, known) = (target::here(&channel.modal, &channel.standing), channel.modal.known);
         setup::refresh_setup(channel);
-        one_axis::note_turn(channel, &before, &here, known);
+        one_axis::note_turn(&channel.modal, &mut channel.special, &channel.standing, &before, &here, known);
     }
     Ok(took)
 }
@@ -141,7 +141,7 @@ fn end_mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fa
     }
     let mut text = "G50.1".to_owned();
     for (letter, _) in LETTERS.into_iter().zip(named).filter(|&(_, is_named)| is_named) {
-        text::append(channel, &mut text, letter, 0.0);
+        text::append(channel.language, &mut text, letter, 0.0);
     }
     channel.push(Kind::Verbatim(text.into_bytes()));
     let done = channel.modal.transforms.end_mirror(named);
@@ -167,9 +167,9 @@ fn scale(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     };
     for (axis, _) in AXES.into_iter().zip(center).filter(|(axis, word)| channel.axes.contains(*axis) && word.is_none())
     {
-        target::check_stated(channel, axis, span)?;
+        target::check_stated(channel.settings.strict, &channel.modal, axis, span)?;
     }
-    let here = target::here(channel);
+    let here = target::here(&channel.modal, &channel.standing);
     match channel.modal.transforms.set_scale(center, factors, &here) {
         Ok(true) => Ok(()),
         Ok(false) => Err(bad_value(span, "a factor of G51 is 0", "correct the factor")),
@@ -179,13 +179,14 @@ fn scale(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
 
 /// `G68 X Y R`, `G68 X Y Z I J K R`
 fn rotation(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-    let Some(angle) = measure::angle(channel, gathered, b'R')? else {
+    let Some(angle) = measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, b'R')?
+    else {
         return Err(bad_value(span, "G68 needs R with the angle", "write R in degrees"));
     };
-    let here = target::here(channel);
+    let here = target::here(&channel.modal, &channel.standing);
     let center = place_words(channel, gathered)?;
     if gathered.has_any(b"IJK") {
-        special::check_plane_stated(channel, missing(center), span)?;
+        special::check_plane_stated(channel.settings.strict, &channel.modal, missing(center), span)?;
         let direction = [b'I', b'J', b'K'].map(|letter| gathered.raw(letter).unwrap_or(0.0));
         let done = match channel.modal.transforms.set_rotation_about(center, direction, angle, &here) {
             Ok(true) => Ok(()),
@@ -205,7 +206,7 @@ fn rotation(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Resul
         return Err(bad_value(gathered.span_of(applicate.letter()), message, help));
     }
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-    special::check_plane_stated(channel, missing(center).intersection(plane), span)?;
+    special::check_plane_stated(channel.settings.strict, &channel.modal, missing(center).intersection(plane), span)?;
     let center = [abscissa, ordinate].map(|axis| center.get(axis.slot()).copied().flatten());
     let done = channel.modal.transforms.set_rotation(channel.modal.plane, center, angle, &here);
     allowed(done, 680, span)

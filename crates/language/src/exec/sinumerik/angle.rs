@@ -8,9 +8,12 @@ use super::channel;
 use super::channel::Channel;
 use super::channel::OpenAngle;
 use super::gathered::{Gathered, NamedValue};
+use super::modal::Modal;
 use super::modal::MotionKind;
 use crate::exec::core::contour::crossing;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
+use crate::exec::core::standing::Standing;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_base::source::Span;
@@ -28,11 +31,15 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
     let named = gathered.named.intersection(plane);
     if let Some(open) = open {
         let angle = angle.filter(|_| is_straight && named == plane);
-        let done = angle.map(|angle| close_angle(channel, gathered, &open, &angle)).transpose();
+        let done = angle
+            .map(|angle| {
+                close_angle(&mut channel.modal, &channel.standing, &mut channel.outlet, gathered, &open, &angle)
+            })
+            .transpose();
         return match done {
             Ok(Some(())) => Ok(()),
             other => {
-                end_open(channel, None, AxisSet::EMPTY);
+                end_open(&mut channel.outlet, None, AxisSet::EMPTY);
                 other.map(|_| ())?;
                 Err(channel::without_end(open.span))
             }
@@ -58,7 +65,7 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
         channel.open_angle = Some(OpenAngle { start, angle_rad, span });
         return Ok(());
     };
-    let given = programmed_end(channel, gathered, axis, &here);
+    let given = programmed_end(&channel.modal, gathered, axis, &here);
     let (sin, cos) = angle_rad.sin_cos();
     let (other, run, rise, from) =
         if axis == abscissa { (ordinate, cos, sin, start[1]) } else { (abscissa, sin, cos, start[0]) };
@@ -67,29 +74,31 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
         let message = format!("at {} degrees the line never reaches this {axis}", angle.value);
         return Err(bad_value(angle.span, message, "give the other coordinate, or correct the angle"));
     }
-    set_end(channel, gathered, other, end);
+    set_end(&channel.modal, gathered, other, end);
     Ok(())
 }
 
 /// The element behind a motion without end: both meet at the intersection.
 fn close_angle(
-    channel: &mut Channel<'_>,
+    modal: &mut Modal,
+    standing: &Standing,
+    outlet: &mut Outlet<'_>,
     gathered: &Gathered,
     open: &OpenAngle,
     angle: &NamedValue,
 ) -> Result<(), Fault> {
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.plane.axes();
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
     let is_incremental = |axis: Axis| {
-        gathered.as_incremental.contains(axis) || channel.modal.incremental && !gathered.as_absolute.contains(axis)
+        gathered.as_incremental.contains(axis) || modal.incremental && !gathered.as_absolute.contains(axis)
     };
     if is_incremental(abscissa) || is_incremental(ordinate) {
         let message =
             "the end of this element is incremental, and its start is its intersection with the element before";
         return Err(bad_value(angle.span, message, "program the end absolute"));
     }
-    let here = channel.standing.setup.programmed(&channel.modal.command);
-    let end = [programmed_end(channel, gathered, abscissa, &here), programmed_end(channel, gathered, ordinate, &here)];
+    let here = standing.setup.programmed(&modal.command);
+    let end = [programmed_end(modal, gathered, abscissa, &here), programmed_end(modal, gathered, ordinate, &here)];
     let Some(corner) = crossing((open.start, open.angle_rad), (end, angle.value.to_radians())) else {
         let message = "this element and the one before run in the same direction: they do not meet";
         return Err(bad_value(angle.span, message, "correct one of the angles"));
@@ -97,28 +106,28 @@ fn close_angle(
     let mut place = here;
     place[abscissa] = corner[0];
     place[ordinate] = corner[1];
-    channel.modal.command = channel.standing.setup.command(&place);
-    channel.modal.programmed[abscissa] = corner[0];
-    channel.modal.programmed[ordinate] = corner[1];
-    channel.modal.known = channel.modal.known.union(plane);
-    end_open(channel, Some(channel.modal.command), plane);
+    modal.command = standing.setup.command(&place);
+    modal.programmed[abscissa] = corner[0];
+    modal.programmed[ordinate] = corner[1];
+    modal.known = modal.known.union(plane);
+    end_open(outlet, Some(modal.command), plane);
     Ok(())
 }
 
-fn programmed_end(channel: &Channel<'_>, gathered: &Gathered, axis: Axis, here: &AxisVector) -> f64 {
-    let value = gathered.axes[axis] * channel.modal.scale();
+fn programmed_end(modal: &Modal, gathered: &Gathered, axis: Axis, here: &AxisVector) -> f64 {
+    let value = gathered.axes[axis] * modal.scale();
     let is_incremental =
-        gathered.as_incremental.contains(axis) || channel.modal.incremental && !gathered.as_absolute.contains(axis);
+        gathered.as_incremental.contains(axis) || modal.incremental && !gathered.as_absolute.contains(axis);
     if is_incremental { here[axis] + value } else { value }
 }
 
-fn set_end(channel: &Channel<'_>, gathered: &mut Gathered, axis: Axis, value: f64) {
-    gathered.axes[axis] = value / channel.modal.scale();
+fn set_end(modal: &Modal, gathered: &mut Gathered, axis: Axis, value: f64) {
+    gathered.axes[axis] = value / modal.scale();
     gathered.named.insert(axis);
     gathered.as_incremental.remove(axis);
     gathered.as_absolute.insert(axis);
 }
 
-fn end_open(channel: &mut Channel<'_>, end: Option<AxisVector>, axes: AxisSet) {
-    channel.outlet.close(end, axes);
+fn end_open(outlet: &mut Outlet<'_>, end: Option<AxisVector>, axes: AxisSet) {
+    outlet.close(end, axes);
 }

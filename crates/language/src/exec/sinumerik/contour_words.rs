@@ -1,14 +1,18 @@
 //! The words of contours: what a block changes for good, and what it asks for its own motion.
 
 use super::address::Named;
+use super::channel::AtHand;
 use super::channel::Channel;
 use super::gathered::{Gathered, NamedValue};
+use super::modal::Modal;
 use super::modal::MotionKind;
 use crate::exec::core::contour::{
     Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish, unstated,
 };
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
 use crate::exec::core::path::Path;
+use crate::exec::core::standing::Standing;
 use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -60,14 +64,19 @@ fn soft_form(word: &str) -> Option<(SoftForm, bool)> {
 }
 
 /// Carries out what a block says of contours, before its motion and before its G0, G1 and F act.
-pub(super) fn contour_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn contour_words(
+    modal: &mut Modal,
+    block: &mut AtHand,
+    outlet: &mut Outlet<'_>,
+    gathered: &Gathered,
+) -> Result<(), Fault> {
     if gathered.contour.is_empty() && gathered.addresses.is_empty() {
         return Ok(());
     }
     for word in &gathered.contour {
-        channel.modal.contour.set(word);
+        modal.contour.set(word);
     }
-    let (scale, feed_scale) = (channel.modal.scale(), feed_scale(channel));
+    let (scale, feed_scale) = (modal.scale(), feed_scale(modal));
     let not_negative = |value: &NamedValue, name: &str| {
         if value.value >= 0.0 && value.value <= 1e6 {
             return Ok(value.value);
@@ -75,10 +84,10 @@ pub(super) fn contour_words(channel: &mut Channel<'_>, gathered: &Gathered) -> R
         Err(bad_value(value.span, format!("{name}={} is not allowed", value.value), "write a value from 0"))
     };
     if let Some(value) = gathered.named(Named::Rndm) {
-        channel.modal.contour.round_mm = not_negative(value, "RNDM")? * scale;
+        modal.contour.round_mm = not_negative(value, "RNDM")? * scale;
     }
     if let Some(value) = gathered.named(Named::Frcm) {
-        channel.modal.contour.corner_feed = not_negative(value, "FRCM")? * feed_scale;
+        modal.contour.corner_feed = not_negative(value, "FRCM")? * feed_scale;
     }
     for (address, name) in [(Named::Offn, "OFFN"), (Named::Toffr, "TOFFR")] {
         let Some(value) = gathered.named(address) else { continue };
@@ -86,8 +95,8 @@ pub(super) fn contour_words(channel: &mut Channel<'_>, gathered: &Gathered) -> R
             return Err(bad_value(value.span, format!("{name}={} is not allowed", value.value), "correct the value"));
         }
         let place = match address {
-            Named::Offn => &mut channel.modal.contour.allowance_mm,
-            _ => &mut channel.modal.contour.radius_change_mm,
+            Named::Offn => &mut modal.contour.allowance_mm,
+            _ => &mut modal.contour.radius_change_mm,
         };
         *place = value.value * scale;
     }
@@ -101,26 +110,32 @@ pub(super) fn contour_words(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     }
     let words = gathered.contour.iter();
     if let Some((form, retracts)) = words.filter_map(|word| soft_form(word)).next() {
-        channel.block.soft = Some(soft_words(channel, gathered, form, retracts)?);
+        block.soft = Some(soft_words(modal, outlet, gathered, form, retracts)?);
     }
     Ok(())
 }
 
 /// The radius of G41 and G42 is that of a cutting edge that the program has named.
-pub(super) fn check_edge(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) {
+pub(super) fn check_edge(strict: bool, modal: &Modal, outlet: &mut Outlet<'_>, gathered: &Gathered, span: Span) {
     let code = gathered.contour.iter().find(|word| matches!(**word, "G41" | "G42"));
-    let Some(code) = code.filter(|_| channel.settings.strict && !channel.modal.edge_stated) else { return };
+    let Some(code) = code.filter(|_| strict && !modal.edge_stated) else { return };
     let message = format!("{code} and no D: the radius is that of the tool of an earlier program");
     let help = "program T, M6 where the machine needs it, and D before it";
-    channel.outlet.warnings.push(fault(Code::BAD_COMPENSATION, span, message, help));
+    outlet.warnings.push(fault(Code::BAD_COMPENSATION, span, message, help));
 }
 
-fn feed_scale(channel: &Channel<'_>) -> f64 {
-    if channel.modal.inch_feed { MM_PER_INCH } else { 1.0 }
+fn feed_scale(modal: &Modal) -> f64 {
+    if modal.inch_feed { MM_PER_INCH } else { 1.0 }
 }
 
-fn soft_words(channel: &Channel<'_>, gathered: &Gathered, form: SoftForm, retracts: bool) -> Result<Soft, Fault> {
-    let scale = channel.modal.scale();
+fn soft_words(
+    modal: &Modal,
+    outlet: &Outlet<'_>,
+    gathered: &Gathered,
+    form: SoftForm,
+    retracts: bool,
+) -> Result<Soft, Fault> {
+    let scale = modal.scale();
     if let Some(value) = gathered.named(Named::Disrp) {
         let message = "DISRP is not supported";
         return Err(fault(Code::NOT_SUPPORTED, value.span, message, "move to the retraction plane in a block before"));
@@ -128,7 +143,7 @@ fn soft_words(channel: &Channel<'_>, gathered: &Gathered, form: SoftForm, retrac
     let size = gathered.named(Named::Disr).map_or(0.0, |value| value.value);
     let least = if form == SoftForm::Line { 0.0 } else { 1e-6 };
     if !(size >= least && size <= 1e6) {
-        let span = gathered.named(Named::Disr).map_or(channel.outlet.origin.span, |value| value.span);
+        let span = gathered.named(Named::Disr).map_or(outlet.origin.span, |value| value.span);
         return Err(bad_value(span, format!("DISR={size} is not allowed here"), "write the radius or length"));
     }
     let clearance = match gathered.named(Named::Discl) {
@@ -139,24 +154,29 @@ fn soft_words(channel: &Channel<'_>, gathered: &Gathered, form: SoftForm, retrac
     Ok(Soft {
         form,
         retracts,
-        side: channel.modal.contour.soft_side,
-        in_plane: channel.modal.contour.soft_in_plane,
+        side: modal.contour.soft_side,
+        in_plane: modal.contour.soft_in_plane,
         size_mm: size * scale,
         clearance,
-        infeed: gathered.named(Named::Fad).map_or(0.0, |value| value.value.max(0.0) * feed_scale(channel)),
-        feed_before: channel.modal.feed,
-        rapid_before: channel.modal.motion == MotionKind::Rapid,
+        infeed: gathered.named(Named::Fad).map_or(0.0, |value| value.value.max(0.0) * feed_scale(modal)),
+        feed_before: modal.feed,
+        rapid_before: modal.motion == MotionKind::Rapid,
     })
 }
 
 /// The transition that a block wants behind itself.
-pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
-    channel.block.corner = None;
-    channel.block.corner_feed = None;
+pub(super) fn corner_words(
+    modal: &Modal,
+    block: &mut AtHand,
+    standing: &Standing,
+    gathered: &Gathered,
+) -> Result<(), Fault> {
+    block.corner = None;
+    block.corner_feed = None;
     if gathered.addresses.is_empty() {
         return Ok(());
     }
-    let scale = channel.modal.scale();
+    let scale = modal.scale();
     let mut found: Option<Transition> = None;
     for (address, name) in [(Named::Rnd, "RND"), (Named::Chf, "CHF"), (Named::Chr, "CHR")] {
         let Some(value) = gathered.named(address) else { continue };
@@ -167,27 +187,27 @@ pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
         if value.value == 0.0 {
             continue;
         }
-        let size = value.value * scale * even_scale(channel, value)?;
+        let size = value.value * scale * even_scale(modal, standing, value)?;
         found = Some(match address {
             Named::Rnd => Transition::Round(size),
             Named::Chf => Transition::ChamferLength(size),
             _ => Transition::ChamferSetback(size),
         });
     }
-    let feed = gathered.named(Named::Frc).map(|value| value.value.max(0.0) * feed_scale(channel));
-    let feed = feed.unwrap_or(channel.modal.contour.corner_feed);
-    channel.block.corner_feed = found.is_none().then_some(feed);
-    channel.block.corner = found.map(|transition| Corner { transition, feed, is_modal: false });
+    let feed = gathered.named(Named::Frc).map(|value| value.value.max(0.0) * feed_scale(modal));
+    let feed = feed.unwrap_or(modal.contour.corner_feed);
+    block.corner_feed = found.is_none().then_some(feed);
+    block.corner = found.map(|transition| Corner { transition, feed, is_modal: false });
     Ok(())
 }
 
 /// The factor by which the frame scales the plane.
-fn even_scale(channel: &Channel<'_>, value: &NamedValue) -> Result<f64, Fault> {
-    let frame = &channel.standing.setup.frame;
+fn even_scale(modal: &Modal, standing: &Standing, value: &NamedValue) -> Result<f64, Fault> {
+    let frame = &standing.setup.frame;
     if frame.is_translation() {
         return Ok(1.0);
     }
-    if !frame.keeps_circles(channel.modal.plane) {
+    if !frame.keeps_circles(modal.plane) {
         return Err(fault(
             Code::NOT_SUPPORTED,
             value.span,
@@ -195,7 +215,7 @@ fn even_scale(channel: &Channel<'_>, value: &NamedValue) -> Result<f64, Fault> {
             "scale both axes of the plane alike",
         ));
     }
-    let [abscissa, ..] = channel.modal.plane.axes();
+    let [abscissa, ..] = modal.plane.axes();
     Ok(frame.linear().column(abscissa.slot()).norm())
 }
 
@@ -236,7 +256,7 @@ pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
 
 /// Puts a motion into the stream through the contour stage.
 pub(super) fn pass_path(channel: &mut Channel<'_>, path: Path, element: Element, wish: Wish) {
-    check_known(channel, &path, &wish);
+    check_known(channel.settings.strict, &channel.modal, &mut channel.outlet, &path, &wish);
     let (tool, edge) = (&channel.modal.active, channel.modal.edge);
     channel.outlet.name_register(&wish, || match tool {
         Some(WordValue::Number(number)) => format!("D{edge} of T{number}"),
@@ -251,17 +271,12 @@ pub(super) fn pass_path(channel: &mut Channel<'_>, path: Path, element: Element,
 }
 
 /// What depends on places that the program has not stated must not be corrected.
-fn check_known(channel: &mut Channel<'_>, path: &Path, wish: &Wish) {
+fn check_known(strict: bool, modal: &Modal, outlet: &mut Outlet<'_>, path: &Path, wish: &Wish) {
     if path.motion.is_inverse_time() && wish.corner.is_some() {
         let message = "a rounding or chamfer with inverse-time feed (G93)";
-        channel.outlet.warnings.push(fault(
-            Code::NOT_SUPPORTED,
-            wish.span,
-            message,
-            "program the feed with G94 or G95",
-        ));
+        outlet.warnings.push(fault(Code::NOT_SUPPORTED, wish.span, message, "program the feed with G94 or G95"));
     }
-    if channel.settings.strict {
-        channel.outlet.warnings.extend(unstated(path, wish, channel.modal.plane));
+    if strict {
+        outlet.warnings.extend(unstated(path, wish, modal.plane));
     }
 }

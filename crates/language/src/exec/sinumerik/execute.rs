@@ -111,7 +111,7 @@ impl Execute for Sinumerik {
         let comment = loaded.take_comment(index, block);
         let section = loaded.program.sections.get(level.part).map_or(0..0, |section| section.blocks.clone());
         let action = flow::block(loaded, level, channel, block, index, section, comment, machine);
-        flow::note_looks(channel);
+        flow::note_looks(&channel.system, &mut channel.outlet);
         action
     }
 

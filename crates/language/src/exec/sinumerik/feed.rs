@@ -1,27 +1,28 @@
 //! F and S.
 
-use super::channel::Channel;
 use super::gathered::Gathered;
+use super::modal::Modal;
+use super::splines::Splines;
 use super::thread;
-use crate::exec::core::outlet::HasOutlet;
+use crate::exec::core::outlet::Outlet;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::snc::{FeedUnit, Word, WordValue};
 
 /// Before the call of a program of the control, which finds the feed of this one.
-pub(super) fn feed_for_call(channel: &mut Channel<'_>) {
-    if channel.modal.feed_unit != FeedUnit::InverseTime && !channel.splines.is_holding() {
-        channel.outlet.feed_for_call(channel.modal.feed);
+pub(super) fn feed_for_call(modal: &Modal, splines: &Splines, outlet: &mut Outlet<'_>) {
+    if modal.feed_unit != FeedUnit::InverseTime && !splines.is_holding() {
+        outlet.feed_for_call(modal.feed);
     }
 }
 
-pub(super) fn feed_and_speed(channel: &mut Channel<'_>, gathered: &mut Gathered) {
-    thread::lead_change(channel, gathered);
+pub(super) fn feed_and_speed(modal: &mut Modal, gathered: &mut Gathered) {
+    thread::lead_change(modal, gathered);
     if let Some((feed, _)) = gathered.feed {
-        let is_inch = channel.modal.inch_feed && channel.modal.feed_unit != FeedUnit::InverseTime;
-        channel.modal.feed = if is_inch { feed * MM_PER_INCH } else { feed };
+        let is_inch = modal.inch_feed && modal.feed_unit != FeedUnit::InverseTime;
+        modal.feed = if is_inch { feed * MM_PER_INCH } else { feed };
     }
     if let Some((speed, _)) = gathered.speed {
-        channel.modal.speed = Some(speed);
+        modal.speed = Some(speed);
         let word = Word { letter: b'S', extension: None, value: WordValue::Number(speed) };
         // Behind D, before M.
         let place = gathered.before.iter().take_while(|word| word.letter == b'D').count();

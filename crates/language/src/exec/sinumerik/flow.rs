@@ -1,6 +1,8 @@
 //! Control flow: what a block does to the order of execution.
 
+use super::control::System;
 use super::order;
+use crate::exec::core::outlet::Outlet;
 use std::ops::Range;
 
 use super::assign::{assign_value, assignments, define};
@@ -109,7 +111,7 @@ fn words(
     }
     let mut gathered = Gathered::new();
     gatherer(loaded, channel, machine).gather(block, &mut gathered)?;
-    note_looks(channel);
+    note_looks(&channel.system, &mut channel.outlet);
     if let Some(call) = gathered.call.take() {
         channel.comment(comment);
         return Ok(Action::Call(Asked::Word(call)));
@@ -182,9 +184,9 @@ fn return_target(
 }
 
 /// What the block has read of the main run ends the look-ahead of the blocks before it.
-pub(super) fn note_looks(channel: &mut Channel<'_>) {
-    if let Some(name) = channel.system.looked() {
-        channel.outlet.stop_look_ahead(name);
+pub(super) fn note_looks(system: &System, outlet: &mut Outlet<'_>) {
+    if let Some(name) = system.looked() {
+        outlet.stop_look_ahead(name);
     }
 }
 

@@ -1,17 +1,17 @@
 //! Statements that a Sinumerik does not take in the state that it is in. `docs/states.md` has the table.
 
-use super::channel::Channel;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
 /// Refuses what the state before the block does not allow.
-pub(super) fn check_state(channel: &Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-    if channel.modal.contour.compensates() {
+pub(super) fn check_state(modal: &Modal, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+    if modal.contour.compensates() {
         check_compensation(gathered, span)?;
     }
-    if channel.modal.transform.turning().is_some() && gathered.is_reference {
+    if modal.transform.turning().is_some() && gathered.is_reference {
         let message =
             "G74 or G75 under TRAORI: the control does not send the axes of a transformation to a point of the machine";
         return Err(fault(Code::FORBIDDEN_STATE, span, message, "end it with TRAFOOF first"));

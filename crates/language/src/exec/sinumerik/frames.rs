@@ -6,12 +6,14 @@ use super::frame_store;
 use super::frame_store::settable_number;
 use super::gathered;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use super::save;
 use super::setup;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, AxisVector, Frame};
 use ncfix_base::source::Span;
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{FrameKind, FrameStatement, FrameWords};
 
 pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
@@ -20,7 +22,7 @@ pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(
         let message = format!("{name} in a plane that CYCLE800 has swivelled");
         return Err(fault(Code::BAD_SWIVEL, *span, message, "end the swivel with CYCLE800() first"));
     }
-    let order = setup::rotation_order(channel);
+    let order = setup::rotation_order(channel.settings.machine);
     let parts =
         settable_number(name).and_then(|number| channel.system.frames.settable(channel.settings.machine, number));
     let missing = parts.is_none();
@@ -49,7 +51,7 @@ pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(
     channel.modal.settable = settable;
     channel.modal.base = base;
     channel.modal.offset_assumed = missing;
-    setup::refresh_setup(channel);
+    setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     save::push_frame(channel, FrameWords::Settable(name.clone()));
     Ok(())
 }
@@ -120,7 +122,7 @@ fn replace_swivelled(channel: &mut Channel<'_>, statement: &FrameStatement, span
 /// Puts a statement in force.
 fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: Span) -> Result<(), Fault> {
     if matches!(statement.kind, FrameKind::Coarse | FrameKind::Fine) {
-        shift_part(channel, statement, span)?;
+        shift_part(channel.settings.machine, &mut channel.modal, statement, span)?;
     } else {
         let added = frame_store::frame_of(statement, channel.modal.plane, &channel.settings.machine.control)
             .ok_or_else(|| {
@@ -141,7 +143,7 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
             channel.modal.programmable = channel.modal.programmable.compose(&added);
         }
     }
-    setup::refresh_setup(channel);
+    setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     let frame = &channel.standing.setup.frame;
     let machine = channel.settings.machine;
     let lacking = AxisSet::XYZ.iter().find(|&axis| {
@@ -159,27 +161,27 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
 }
 
 /// `G58`, `G59`: the two parts of the programmable shift, axis by axis.
-fn shift_part(channel: &mut Channel<'_>, statement: &FrameStatement, span: Span) -> Result<(), Fault> {
-    if !channel.settings.machine.control.fine_shift {
+fn shift_part(machine: &Machine, modal: &mut Modal, statement: &FrameStatement, span: Span) -> Result<(), Fault> {
+    if !machine.control.fine_shift {
         let message = "G58 and G59 need a control that keeps a fine part of its shifts";
         let help = "set control.fine_shift = true where it does (Sinumerik MD24000)";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
     }
-    if !channel.modal.programmable.is_translation() {
+    if !modal.programmable.is_translation() {
         let message = "G58 and G59 on a frame that is turned, scaled or mirrored are not supported";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program the shift with TRANS or ATRANS"));
     }
-    let mut offset = *channel.modal.programmable.offset();
+    let mut offset = *modal.programmable.offset();
     for axis in statement.named.iter() {
-        let (fine, value) = (channel.modal.fine[axis], statement.values[axis]);
+        let (fine, value) = (modal.fine[axis], statement.values[axis]);
         if statement.kind == FrameKind::Fine {
             offset[axis] += value - fine;
-            channel.modal.fine[axis] = value;
+            modal.fine[axis] = value;
         } else {
             offset[axis] = value + fine;
         }
     }
-    channel.modal.programmable = Frame::translation(offset);
+    modal.programmable = Frame::translation(offset);
     Ok(())
 }
 

@@ -51,7 +51,7 @@ pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
     {
         channel.modal.plane = plane;
         let stated = channel.modal.known.union(channel.modal.moved_by_plane);
-        setup::refresh_setup(channel);
+        setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
         channel.modal.moved_by_plane = stated.difference(channel.modal.known);
     }
     Ok(())

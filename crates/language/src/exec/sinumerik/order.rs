@@ -18,6 +18,7 @@ use super::tool;
 use super::transform;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::outlet::HasOutlet;
+use crate::exec::core::outlet::Outlet;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Kind, Word, WordValue};
@@ -29,22 +30,22 @@ pub(super) fn execute(
     comment: Option<Vec<u8>>,
     span: Span,
 ) -> Result<(), Fault> {
-    contour_words::contour_words(channel, gathered)?;
-    forbidden::check_state(channel, gathered, span)?;
+    contour_words::contour_words(&mut channel.modal, &mut channel.block, &mut channel.outlet, gathered)?;
+    forbidden::check_state(&channel.modal, gathered, span)?;
     modes::modal_codes(channel, gathered)?;
     for &word in &gathered.keep {
         save::keep(channel, word);
     }
     if gathered.is_complete {
-        feed::feed_for_call(channel);
+        feed::feed_for_call(&channel.modal, &channel.splines, &mut channel.outlet);
     }
     for text in std::mem::take(&mut gathered.verbatim) {
         channel.push(Kind::Verbatim(text));
     }
     channel.outlet.warnings.extend(gathered.warning.take());
-    pass::check_diameter(channel, gathered)?;
+    pass::check_diameter(channel.settings.machine, &mut channel.modal, gathered)?;
     transform::transform(channel, gathered)?;
-    surface::surface(channel, gathered)?;
+    surface::surface(&mut channel.modal, gathered)?;
     frames::offset(channel, gathered)?;
     if let Some(statement) = gathered.frame {
         frames::frame_statement(channel, gathered, statement)?;
@@ -58,18 +59,18 @@ pub(super) fn execute(
         return Ok(());
     }
     tool::tool(channel, gathered)?;
-    contour_words::check_edge(channel, gathered, span);
+    contour_words::check_edge(channel.settings.strict, &channel.modal, &mut channel.outlet, gathered, span);
     if let Some(at) = gathered.dwell {
         dwell::dwell(channel, gathered, at)?;
         channel.comment(comment);
         return Ok(());
     }
-    feed::feed_and_speed(channel, gathered);
+    feed::feed_and_speed(&mut channel.modal, gathered);
     if let Some(text) = gathered.message.take() {
         channel.push(Kind::Message(text));
     }
     let before = std::mem::take(&mut gathered.before);
-    if before.iter().chain(&gathered.after).any(|word| is_moved_by(channel, word)) {
+    if before.iter().chain(&gathered.after).any(|word| is_moved_by(&channel.outlet, word)) {
         gathered.lost = AxisSet::ALL;
     }
     if !before.is_empty() {
@@ -100,7 +101,7 @@ pub(super) fn execute(
 }
 
 /// Whether a word is an M function that moves axes by what the machine file says.
-pub(super) fn is_moved_by(channel: &Channel<'_>, word: &Word) -> bool {
+pub(super) fn is_moved_by(outlet: &Outlet<'_>, word: &Word) -> bool {
     let is_function = word.letter == b'M' && word.extension.is_none();
-    matches!(word.value, WordValue::Number(number) if is_function && channel.outlet.function_moves(number))
+    matches!(word.value, WordValue::Number(number) if is_function && outlet.function_moves(number))
 }

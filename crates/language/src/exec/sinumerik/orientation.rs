@@ -14,7 +14,8 @@ use ncfix_machine::machine::OrientationAngles;
 
 /// Adds the orientation of a block to its motion.
 pub(super) fn orient(channel: &mut Channel<'_>, gathered: &Gathered, path: &mut Path) -> Result<(), Fault> {
-    let on_path = surface::direction_on_path(channel, gathered, path)?;
+    let on_path =
+        surface::direction_on_path(channel.settings.machine, &channel.modal, &channel.outlet, gathered, path)?;
     let Some((number, values, span)) = on_path.map(|(values, span)| (3, values, span)).or_else(|| words(gathered))
     else {
         return Ok(());

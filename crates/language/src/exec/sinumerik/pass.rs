@@ -9,6 +9,7 @@ use super::functions::is_function;
 use super::gathered::Gathered;
 use super::gatherer::Gatherer;
 use super::level::Loaded;
+use super::modal::Modal;
 use super::names::{Meaning, is_indexed_letter};
 use super::scope::gatherer;
 use super::value::Value as ExecValue;
@@ -19,6 +20,7 @@ use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_dialect::{Treatment, ValueUnit};
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::Kind;
 
 /// Metric lengths and feeds are written to this many parts of a unit: without the noise of the conversion.
@@ -331,7 +333,7 @@ pub(super) fn opaque_statement(
         gatherer(loaded, channel, channel.settings.machine).arguments(range, ValueUnit::None, &mut text)?;
         text.push(b')');
     }
-    feed::feed_for_call(channel);
+    feed::feed_for_call(&channel.modal, &channel.splines, &mut channel.outlet);
     channel.push(Kind::Verbatim(text));
     if moves {
         channel.modal.forget_position();
@@ -341,20 +343,20 @@ pub(super) fn opaque_statement(
 }
 
 /// Refuses positions of the transverse axis while they are diameters, and cutting speeds in feet.
-pub(super) fn check_diameter(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
-    if let (Some((_, span)), true) = (gathered.speed, channel.modal.inch)
-        && matches!(channel.modal.stated.code(15), Some("G96" | "G961" | "G962"))
+pub(super) fn check_diameter(machine: &Machine, modal: &mut Modal, gathered: &Gathered) -> Result<(), Fault> {
+    if let (Some((_, span)), true) = (gathered.speed, modal.inch)
+        && matches!(modal.stated.code(15), Some("G96" | "G961" | "G962"))
     {
         // The output is metric, where the same number would be m/min.
         let message = "a cutting speed in feet per minute, which is not supported yet";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G71 or G710 and the cutting speed in m/min"));
     }
     if let Some((diameter, span)) = gathered.diameter {
-        channel.modal.diameter = diameter.then_some(span);
+        modal.diameter = diameter.then_some(span);
     }
-    let axis = channel.settings.machine.control.transverse_axis;
+    let axis = machine.control.transverse_axis;
     let is_programmed = gathered.named.contains(axis) || gathered.center.get(axis.slot()).is_some_and(Option::is_some);
-    if channel.modal.diameter.is_none() || !is_programmed {
+    if modal.diameter.is_none() || !is_programmed {
         return Ok(());
     }
     let message = format!("positions of {axis} are diameters here, which is not supported yet");

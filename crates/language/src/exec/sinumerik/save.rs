@@ -84,7 +84,7 @@ pub(super) fn restore(channel: &mut Channel<'_>, saved: Modal) {
             channel.push(Kind::Frame(FrameWords::Statement(statement)));
         }
     }
-    setup::refresh_setup(channel);
+    setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
 }
 
 /// Writes the swivelled plane anew, without programmable frame.
@@ -100,7 +100,7 @@ pub(super) fn restate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault
     let statements = channel.modal.swivelled.as_ref().map_or([none, nothing_on_top], |swivelled| swivelled.statements);
     channel.modal.programmable = Frame::identity();
     channel.modal.fine = AxisVector::ZERO;
-    setup::refresh_setup(channel);
+    setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     if channel.standing.setup.frame.linear().iter().any(|part| !part.is_finite()) {
         return Err(refused(span, "the swivelled plane makes no frame".to_owned()));
     }

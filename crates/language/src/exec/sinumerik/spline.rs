@@ -13,6 +13,7 @@ use super::modal::{Modal, MotionKind};
 use super::splines::Held;
 use super::splines::MOST_HELD;
 use super::splines::Node;
+use super::splines::Splines;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::{Path, Shape};
 use ncfix_base::diagnostic::Code;
@@ -73,7 +74,7 @@ pub(super) fn push_path(channel: &mut Channel<'_>, path: Path, node: Option<Node
         return spline(channel, path, element, node);
     }
     let ended = if channel.splines.is_holding() { end_spline(channel, Some(&path)) } else { Ok(()) };
-    note_direction(channel, &path);
+    note_direction(&channel.modal, &mut channel.splines, &path);
     match contour_words::wish(channel, &path) {
         None => channel.outlet.pass_plain(&path),
         Some(wish) => {
@@ -109,9 +110,9 @@ fn spline(channel: &mut Channel<'_>, path: Path, element: Element, node: Node) -
 }
 
 /// Notes the direction in which a motion ends that is no spline.
-pub(super) fn note_direction(channel: &mut Channel<'_>, path: &Path) {
-    if channel.modal.spline_ends[0] == End::Tangent {
-        channel.splines.before = direction(path, [1.0 - STEP, 1.0]);
+pub(super) fn note_direction(modal: &Modal, splines: &mut Splines, path: &Path) {
+    if modal.spline_ends[0] == End::Tangent {
+        splines.before = direction(path, [1.0 - STEP, 1.0]);
     }
 }
 
@@ -137,7 +138,7 @@ pub(super) fn end_spline(channel: &mut Channel<'_>, next: Option<&Path>) -> Resu
         match held {
             Held::Element(element) => channel.outlet.pass(element),
             Held::Path(path, element, _, wish) => {
-                note_direction(channel, &path);
+                note_direction(&channel.modal, &mut channel.splines, &path);
                 let wish = wish.map(|wish| *wish);
                 let wish = if wish.is_none() && channel.outlet.is_holding() {
                     contour_words::wish(channel, &path)

@@ -16,7 +16,7 @@ pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, codes: &'static
     if let Some(offset) = machine.zero_offsets.get(initial_zero_offset(machine)) {
         channel.modal.settable = offset.frame(order).unwrap_or_else(Frame::identity);
     }
-    setup::refresh_setup(&mut channel);
+    setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     save::note_initial_codes(&mut channel);
     channel.modal.programmed = channel.standing.setup.programmed(&channel.modal.command);
     channel

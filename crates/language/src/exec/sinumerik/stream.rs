@@ -4,6 +4,7 @@ use super::channel::Channel;
 use super::context::MotionContext;
 use super::contour_words;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use super::motion;
 use super::orientation;
 use super::rotary;
@@ -11,19 +12,21 @@ use super::spline;
 use super::thread;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::outlet::HasOutlet;
+use crate::exec::core::standing::Standing;
 use crate::exec::core::standing::known_behind;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Frame, LINEAR_AXES};
 use ncfix_base::source::Span;
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Manner, Setup};
 use std::sync::Arc;
 
 pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-    check_swivelled(channel, span)?;
+    check_swivelled(channel.settings.machine, &channel.modal, span)?;
     let geometry = || LINEAR_AXES.into_iter().take(3).any(|axis| gathered.named.contains(axis));
     channel.block.has_moved = gathered.named.is_empty() || geometry();
     let setup = if let Some(word) = gathered.suppress {
-        let bare = Arc::new(suppressed(channel, word));
+        let bare = Arc::new(suppressed(&channel.modal, &channel.standing, word));
         channel.push(Kind::Setup(Arc::clone(&bare)));
         channel.standing.changed = true;
         channel.modal.known = known_behind(channel.modal.known, &channel.standing.setup.frame, &bare.frame);
@@ -34,7 +37,7 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
         }
         Arc::clone(&channel.standing.setup)
     };
-    contour_words::corner_words(channel, gathered)?;
+    contour_words::corner_words(&channel.modal, &mut channel.block, &channel.standing, gathered)?;
     let context = MotionContext {
         machine: channel.settings.machine,
         control: &channel.settings.machine.control,
@@ -59,7 +62,7 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
         path.motion.feed_named |= gathered.block_feed.is_some();
     }
     channel.outlet.warnings.extend(rotary::either_way(&path.motion.ways, span));
-    thread::check_manner(channel, &mut path)?;
+    thread::check_manner(&channel.modal, &channel.block, &mut path)?;
     let step = &path.motion;
     let is_driven = matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven());
     if !step.rapid && !is_driven && step.feed <= 0.0 && !std::mem::replace(&mut channel.feed_warned, true) {
@@ -72,16 +75,16 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
 }
 
 /// What holds in a block with a word that suppresses frames: G53 leaves the base frame.
-pub(super) fn suppressed(channel: &Channel<'_>, word: &str) -> Setup {
-    let frame = if word == "G53" { channel.modal.base } else { Frame::identity() };
-    Setup { frame, ..(*channel.standing.setup).clone() }
+pub(super) fn suppressed(modal: &Modal, standing: &Standing, word: &str) -> Setup {
+    let frame = if word == "G53" { modal.base } else { Frame::identity() };
+    Setup { frame, ..(*standing.setup).clone() }
 }
 
 /// Refuses what a swivelled plane does not stand.
-pub(super) fn check_swivelled(channel: &Channel<'_>, span: Span) -> Result<(), Fault> {
-    let Some(swivelled) = &channel.modal.swivelled else { return Ok(()) };
-    let turns_tool = channel.settings.machine.topology.tool.iter().any(|axis| axis.is_rotary());
-    if turns_tool && swivelled.tool_mm != channel.modal.tool_mm() {
+pub(super) fn check_swivelled(machine: &Machine, modal: &Modal, span: Span) -> Result<(), Fault> {
+    let Some(swivelled) = &modal.swivelled else { return Ok(()) };
+    let turns_tool = machine.topology.tool.iter().any(|axis| axis.is_rotary());
+    if turns_tool && swivelled.tool_mm != modal.tool_mm() {
         let message = "the tool length changed in a swivelled plane, and the head turns";
         return Err(fault(Code::BAD_SWIVEL, span, message, "swivel again behind the tool change"));
     }

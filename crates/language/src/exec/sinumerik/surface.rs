@@ -4,22 +4,24 @@
 //! sideways. On the way there the tool follows a great circle, as with a direction that is programmed (Sinumerik MD21094, last digit 0).
 
 use super::address::Named;
-use super::channel::Channel;
 use super::gathered::{Gathered, NamedValue};
+use super::modal::Modal;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
 use crate::exec::core::path::{Path, Shape};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, Vector};
 use ncfix_base::source::Span;
+use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::{OriPath, TiltAbout};
 
 /// A normal and a path that are nearer to each other give no plane for LEAD (Sinumerik MD21084), rad.
 const NORMAL_ALONG_PATH_RAD: f64 = 0.052_36;
 
 /// Takes over the words of a block that say where the surface is and how the tool stands on it.
-pub(super) fn surface(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
-    let is_on = channel.modal.transform.turning().is_some();
-    let surface = &mut channel.modal.transform.surface;
+pub(super) fn surface(modal: &mut Modal, gathered: &Gathered) -> Result<(), Fault> {
+    let is_on = modal.transform.turning().is_some();
+    let surface = &mut modal.transform.surface;
     for value in &gathered.addresses {
         let slot = match value.address {
             Named::Lead => 0,
@@ -53,11 +55,13 @@ pub(super) fn surface(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<
 
 /// The direction at the end of a block that path and surface give, coordinates of the program, and the word that wants it.
 pub(super) fn direction_on_path(
-    channel: &Channel<'_>,
+    machine: &Machine,
+    modal: &Modal,
+    outlet: &Outlet<'_>,
     gathered: &Gathered,
     path: &Path,
 ) -> Result<Option<(Vector, Span)>, Fault> {
-    let transform = &channel.modal.transform;
+    let transform = &modal.transform;
     let surface = &transform.surface;
     let word = gathered.addresses.iter().find(|value| matches!(value.address, Named::Lead | Named::Tilt));
     if path.setup.transform.is_none() || !surface.follows_path && word.is_none() {
@@ -65,7 +69,7 @@ pub(super) fn direction_on_path(
     }
     let span = word.map_or(path.span, |word| word.span);
     let moves = path.start.xyz() != path.motion.target.xyz() || path.shape != Shape::Line;
-    check_only_direction(channel, gathered, word)?;
+    check_only_direction(outlet, gathered, word)?;
     if !moves {
         return match word {
             None => Ok(None),
@@ -89,7 +93,7 @@ pub(super) fn direction_on_path(
     let tangent = match &path.shape {
         // Chords tell the direction at the end of a curve only about.
         Shape::Chords(_) => None,
-        Shape::Line | Shape::Arc { .. } => channel.modal.tangent,
+        Shape::Line | Shape::Arc { .. } => modal.tangent,
     };
     let Some(tangent) = tangent else {
         let message = "LEAD and TILT with splines, polynomials and arcs in space are not supported";
@@ -97,7 +101,7 @@ pub(super) fn direction_on_path(
     };
     let tangent = path.setup.frame.unapply_direction(tangent);
     let [lead, tilt] = surface.angles.map(|angle| angle.unwrap_or(0.0));
-    match on_surface(&tangent, &surface.normal, [lead, tilt], channel.settings.machine.control.tilt_about) {
+    match on_surface(&tangent, &surface.normal, [lead, tilt], machine.control.tilt_about) {
         Some(direction) => Ok(Some((direction, span))),
         None => Err(bad_value(
             span,
@@ -108,9 +112,9 @@ pub(super) fn direction_on_path(
 }
 
 /// Whether nothing else in the block says where the tool points.
-fn check_only_direction(channel: &Channel<'_>, gathered: &Gathered, word: Option<&NamedValue>) -> Result<(), Fault> {
+fn check_only_direction(outlet: &Outlet<'_>, gathered: &Gathered, word: Option<&NamedValue>) -> Result<(), Fault> {
     let direct = gathered.addresses.iter().find(|value| matches!(value.address, Named::Orientation(2 | 3, _)));
-    let rotary = channel.outlet.kinematics.as_ref().and_then(|kinematics| {
+    let rotary = outlet.kinematics.as_ref().and_then(|kinematics| {
         let axis = kinematics.rotary_axes().find(|&axis| gathered.named.contains(axis))?;
         gathered.axis_spans.get(axis.slot()).copied()
     });
@@ -128,13 +132,13 @@ fn check_only_direction(channel: &Channel<'_>, gathered: &Gathered, word: Option
 }
 
 /// ORIPATH: from here on every motion ends in the direction that path and surface give.
-pub(super) fn follow_path(channel: &mut Channel<'_>) -> Result<(), Fault> {
-    if channel.settings.machine.control.ori_path == OriPath::Path {
+pub(super) fn follow_path(machine: &Machine, modal: &mut Modal, outlet: &mut Outlet<'_>) -> Result<(), Fault> {
+    if machine.control.ori_path == OriPath::Path {
         let message = "ORIPATH that keeps the tool relative to the path within a block is not supported";
         let help = "control.oripath says that the control does so; program the directions with A3, B3, C3";
-        return Err(fault(Code::NOT_SUPPORTED, channel.outlet.origin.span, message, help));
+        return Err(fault(Code::NOT_SUPPORTED, outlet.origin.span, message, help));
     }
-    channel.modal.transform.surface.follows_path = true;
+    modal.transform.surface.follows_path = true;
     Ok(())
 }
 

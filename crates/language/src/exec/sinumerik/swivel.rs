@@ -8,6 +8,7 @@
 use super::channel::Channel;
 use super::gathered::{Call, Gathered};
 use super::level::Interpreter;
+use super::modal::Modal;
 use super::modal::MotionKind;
 use super::modal::Swivelled;
 use super::order;
@@ -15,6 +16,7 @@ use super::save;
 use super::scope::scope_of;
 use super::setup;
 use super::value::Value;
+use ncfix_machine::machine::Machine;
 
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::tilted_plane::{tilting_axis, turned_frame, unknown_places, workpiece_normal};
@@ -140,14 +142,14 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
             ));
         }
         let all = AxisSet::XYZ.iter().chain(kinematics.rotary_axes());
-        let unknown: AxisSet = all.filter(|&axis| !is_stated(channel, axis)).collect();
+        let unknown: AxisSet = all.filter(|&axis| !is_stated(channel.settings.machine, &channel.modal, axis)).collect();
         if channel.settings.strict && !unknown.is_empty() {
             // The plane comes into force all the same, so that one cause is not found again in every block behind it.
             channel.outlet.warnings.push(unknown_places(span, unknown, "SUPA G0"));
             channel.modal.known = channel.modal.known.union(unknown);
         }
         let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
-        let turned = choose(channel, &kinematics, &normal, request)?;
+        let turned = choose(channel.settings.machine, &channel.modal, &kinematics, &normal, request)?;
         turn(channel, &kinematics, &turned, span)?;
         let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
             .ok_or_else(|| save::refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
@@ -162,7 +164,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     };
     let total = total.ok_or_else(|| save::refused(span, "the swivelled plane makes no frame".to_owned()))?;
     let relative = below.inverse().compose(&total);
-    let statements = statements_of(&relative, setup::rotation_order(channel))
+    let statements = statements_of(&relative, setup::rotation_order(channel.settings.machine))
         .ok_or_else(|| save::refused(span, "the zero offset scales or mirrors".to_owned()))?;
     let frame = statements.iter().fold(Frame::identity(), |frame, statement| {
         let added = super::frame_store::frame_of(statement, channel.modal.plane, &channel.settings.machine.control);
@@ -172,18 +174,19 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     save::restate(channel, span)
 }
 
-fn is_stated(channel: &Channel<'_>, axis: Axis) -> bool {
-    channel.settings.machine.axis(axis).is_none() || channel.modal.known.contains(axis)
+fn is_stated(machine: &Machine, modal: &Modal, axis: Axis) -> bool {
+    machine.axis(axis).is_none() || modal.known.contains(axis)
 }
 
 /// The angles of the rotary axes that put the tool on the plane.
 fn choose(
-    channel: &Channel<'_>,
+    machine: &Machine,
+    modal: &Modal,
     kinematics: &Kinematics,
     normal: &Vector,
     request: &Request,
 ) -> Result<AxisVector, Fault> {
-    let near = channel.modal.command;
+    let near = modal.command;
     let help = "check the angles of the plane and the travel of the rotary axes";
     match kinematics.orientations(normal, &near) {
         [None, None] => {
@@ -192,12 +195,7 @@ fn choose(
         }
         [Some(one), None] | [None, Some(one)] => Ok(one),
         [Some(one), Some(other)] => {
-            let reference = channel
-                .settings
-                .machine
-                .control
-                .swivel_direction_axis
-                .or_else(|| tilting_axis(kinematics, channel.settings.machine));
+            let reference = machine.control.swivel_direction_axis.or_else(|| tilting_axis(kinematics, machine));
             let Some(axis) = reference else { return Ok(one) };
             if (one[axis] - other[axis]).abs() < SAME_ANGLE {
                 return Ok(one);

@@ -131,7 +131,7 @@ fn assign_frame(
     span: Span,
 ) -> Result<(), Fault> {
     let scope = scope_of(loaded, channel);
-    let order = setup::rotation_order(channel);
+    let order = setup::rotation_order(channel.settings.machine);
     let parts = match (component, value) {
         (None, Value::Frame(parts)) => *parts,
         (Some((axis, component, _)), value) => {
@@ -198,7 +198,7 @@ fn assign_frame(
         FrameName::Programmable => channel.modal.stated.assign_programmable(&text),
         _ => {}
     }
-    setup::refresh_setup(channel);
+    setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     channel.push(Kind::Verbatim(text.into_bytes()));
     Ok(())
 }

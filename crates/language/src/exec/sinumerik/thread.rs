@@ -4,7 +4,7 @@
 //! passed on as it is. SF and its kin are passed on as words of their block.
 
 use super::address::Named;
-use super::channel::Channel;
+use super::channel::AtHand;
 use super::gathered::Gathered;
 use super::modal::{Modal, MotionKind};
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -72,14 +72,14 @@ pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<
 }
 
 /// F in a block with G34 or G35 is the change of the lead.
-pub(super) fn lead_change(channel: &Channel<'_>, gathered: &mut Gathered) {
-    if matches!(code(gathered, &channel.modal), Some(ThreadCode::G34 | ThreadCode::G35)) {
+pub(super) fn lead_change(modal: &Modal, gathered: &mut Gathered) {
+    if matches!(code(gathered, &modal), Some(ThreadCode::G34 | ThreadCode::G35)) {
         gathered.lead_change = gathered.feed.take().map(|(value, _)| value);
     }
 }
 
 /// Refuses threads and positioning axes where they cannot be followed, and takes the feed from what the spindle drives.
-pub(super) fn check_manner(channel: &mut Channel<'_>, path: &mut Path) -> Result<(), Fault> {
+pub(super) fn check_manner(modal: &Modal, block: &AtHand, path: &mut Path) -> Result<(), Fault> {
     let (what, help) = match path.motion.manner {
         Manner::Path | Manner::Reference | Manner::Probe(_) => return Ok(()),
         Manner::Thread(thread) => {
@@ -94,9 +94,9 @@ pub(super) fn check_manner(channel: &mut Channel<'_>, path: &mut Path) -> Result
     };
     let refusal = if path.setup.transform.is_some() {
         "a transformation (TRAORI)"
-    } else if channel.modal.contour.compensates() {
+    } else if modal.contour.compensates() {
         "radius compensation"
-    } else if channel.block.corner.is_some() {
+    } else if block.corner.is_some() {
         "a rounding or chamfer"
     } else if path.motion.manner == Manner::Positioning && !path.setup.frame.is_translation() {
         "a frame that turns, scales or mirrors"

@@ -53,7 +53,7 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let size = active_tool(channel).map(|tool| (tool.length_mm, channel.settings.radius.of(tool.radius_mm, wear_mm())));
     (channel.modal.length_mm, channel.modal.radius_mm) = size.filter(|_| !is_off).unwrap_or_default();
     channel.modal.tool_assumed = !is_off && size.is_none();
-    setup::refresh_setup(channel);
+    setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     let tool_mm = channel.standing.setup.tool_mm;
     let lacking = LINEAR_AXES
         .into_iter()

@@ -66,7 +66,7 @@ pub(super) fn transform(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
             _ => modal.turn(Turning::Vector),
         }
         if code == "ORIPATH" {
-            surface::follow_path(channel)?;
+            surface::follow_path(channel.settings.machine, &mut channel.modal, &mut channel.outlet)?;
         }
     }
     if let Some((name, span)) = words.switch {
@@ -86,7 +86,7 @@ pub(super) fn transform(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         channel.push(Kind::Keep(name));
         switch(channel, is_on);
     }
-    setup::refresh_setup(channel);
+    setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     Ok(())
 }
 
