@@ -8,6 +8,7 @@
 //! | what a family is made of | [`family`] |
 //! | frame, tool length and plane in force | [`standing`] |
 //! | radius compensation, roundings, chamfers | [`contour`] |
+//! | steps of cycles | [`step`] |
 //! | paths, and what the outlet makes of them | [`path`], [`outlet`], [`resolve`], [`five_axis`] |
 //! | findings, books, limits of a run | [`fault`], [`ledger`], [`options`], [`settings`] |
 //!
@@ -39,7 +40,7 @@
 //! | `RND`, `CHF`, `APPR`, `DEP` | `Wish::corner`, `Wish::soft`, as contour words of Grundig are |
 //! | cycle 7, 8, 10, 11, 26, `PLANE` | frames of the channel; [`standing::Standing`] puts what they add up to in force |
 //! | `CYCL DEF 200 …` | state: the parameters are Q; DEF-active cycles act at once |
-//! | `CYCL CALL`, `M99` | steps of the cycle, carried out at the position |
+//! | `CYCL CALL`, `M99` | [`step`]s of the cycle, carried out at the position |
 //! | `M89` | `modal_call`: there is one behind each block that has moved |
 //! | `TOOL CALL 5 Z S2500` | tool state of the channel; the axis chooses the plane |
 //!
@@ -75,6 +76,7 @@ pub(in crate::exec) mod rollover;
 pub(in crate::exec) mod sagitta;
 pub(in crate::exec) mod settings;
 pub(in crate::exec) mod standing;
+pub(in crate::exec) mod step;
 pub(in crate::exec) mod tilted_plane;
 #[cfg(test)]
 mod toy;

@@ -1,8 +1,8 @@
 //! The channel: executes the words of one block in their fixed order and puts elements into the stream.
 
-use super::cycles::Flat;
 use super::geometry::Choice;
 use super::geometry::Element;
+use crate::exec::core::step::Flat;
 use std::collections::BTreeMap;
 
 use super::expression::Parameters;

@@ -5,7 +5,6 @@ use super::arc::{Circle, sweep_between};
 use super::channel::AtHand;
 use super::channel::Channel;
 use super::channel::Open;
-use super::cycles::Flat;
 use super::gathered::{Found, Gathered};
 use super::geometry::{Choice, Element, meet};
 use super::modal::Modal;
@@ -18,6 +17,7 @@ use crate::exec::core::contour::{Clearance, Corner, Soft, SoftForm, SoftSide, Tr
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::outlet::Outlet;
 use crate::exec::core::standing::Standing;
+use crate::exec::core::step::Flat;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;

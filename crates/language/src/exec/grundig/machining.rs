@@ -3,7 +3,7 @@
 use super::arc;
 use super::arc::Circle;
 use super::channel::Channel;
-use super::cycles::{self, At, Cycle, CycleFault, CycleWords, Feed, Step};
+use super::cycles::{self, At, Cycle, CycleFault, CycleWords};
 use super::defined::Defined;
 use super::gathered::Gathered;
 use super::modal::Modal;
@@ -12,6 +12,7 @@ use super::target;
 use super::target::Target;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::outlet::Outlet;
+use crate::exec::core::step::{Feed, Step, Turn};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, AxisVector};
 use ncfix_base::source::Span;
@@ -307,20 +308,15 @@ fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(),
             channel.outlet.push(Kind::Dwell(Dwell::Seconds(seconds)));
             Ok(())
         }
-        Step::Reverse => {
-            let turning = turning(&channel.spindle, &channel.outlet)?;
-            spindle_word(&mut channel.outlet, 7 - turning);
+        Step::Spindle(turn) => {
+            // Only where it matters how it turned before.
+            let is_relative = matches!(turn, Turn::Reversed | Turn::Again);
+            let before = if is_relative { turning(&channel.spindle, &channel.outlet)? } else { 0 };
+            spindle_word(&mut channel.outlet, turn.m_code(before));
             Ok(())
         }
-        Step::Stop => {
-            spindle_word(&mut channel.outlet, 5);
-            Ok(())
-        }
-        Step::Resume => {
-            let turning = turning(&channel.spindle, &channel.outlet)?;
-            spindle_word(&mut channel.outlet, turning);
-            Ok(())
-        }
+        // No cycle of these controls has them.
+        Step::Stop | Step::Brought(_) => Ok(()),
     }
 }
 

@@ -1,13 +1,13 @@
 //! Where a block leads: Cartesian, incremental, polar and mixed words, points, the pole.
 
 use super::channel::Channel;
-use super::cycles::Flat;
 use super::gathered::{Found, Gathered};
 use super::modal::Modal;
 use super::modal::{Point, plus};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::rollover;
 use crate::exec::core::standing::Standing;
+use crate::exec::core::step::Flat;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Plane;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};

@@ -15,14 +15,14 @@ use std::sync::Arc as Shared;
 
 use super::channel::Channel;
 use super::codes::{G80, Group, name_of};
-use super::cycles::{HoleFault, Turn, rs274};
+use super::cycles::{HoleFault, rs274};
 use super::drill::Call;
 use super::gathered::Gathered;
 use super::measure::whole;
 use super::polar;
 use super::step::Step;
-use super::trip::{Action, Place};
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::step::{Place, Step as CycleStep, Turn};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_base::source::Span;
@@ -151,9 +151,12 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
             channel.outlet.begin_line();
         }
         let (rapid, to) = match action {
-            Action::Rapid(to) => (true, to),
-            Action::Feed(to) => (false, to),
-            Action::Brought(to) => {
+            CycleStep::Rapid { plane, height } | CycleStep::Line { plane, height, .. } => {
+                let plane = plane.unwrap_or([end[abscissa], end[ordinate]]);
+                let to = Place { plane, height: height.unwrap_or(end[applicate]) };
+                (matches!(action, CycleStep::Rapid { .. }), to)
+            }
+            CycleStep::Brought(to) => {
                 end[applicate] = to.height;
                 brought(channel, applicate, &end, gathered.span)?;
                 is_brought = true;
@@ -193,14 +196,15 @@ fn brought(channel: &mut Channel<'_>, axis: Axis, place: &AxisVector, span: Span
 }
 
 /// What a cycle does beside moving.
-fn aside(channel: &mut Channel<'_>, action: Action) {
-    let word = |number: u8| Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) };
+fn aside(channel: &mut Channel<'_>, action: CycleStep) {
+    let word = |number: u16| Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) };
+    let before = channel.modal.spindle;
     match action {
-        Action::Dwell(seconds) => channel.push(Kind::Dwell(Dwell::Seconds(seconds))),
-        Action::Spindle(Turn::Off) => channel.push(Kind::After(vec![word(5)])),
-        Action::Spindle(turn) => channel.push(Kind::Before(vec![word(turn.m_code())])),
-        Action::Stop => channel.push(Kind::After(vec![word(0)])),
-        Action::Rapid(_) | Action::Feed(_) | Action::Brought(_) => {}
+        CycleStep::Dwell(seconds) => channel.push(Kind::Dwell(Dwell::Seconds(seconds))),
+        CycleStep::Spindle(Turn::Off) => channel.push(Kind::After(vec![word(5)])),
+        CycleStep::Spindle(turn) => channel.push(Kind::Before(vec![word(turn.m_code(u16::from(before)))])),
+        CycleStep::Stop => channel.push(Kind::After(vec![word(0)])),
+        CycleStep::Rapid { .. } | CycleStep::Line { .. } | CycleStep::Arc { .. } | CycleStep::Brought(_) => {}
     }
 }
 

@@ -4,8 +4,9 @@
 //! cycle stay in force until it ends. LinuxCNC (user manual, "canned cycles"): it first goes up to R where it is below, words stay in force
 //! as long as the code is the same. Behind G91, R counts from the level at which the cycles began and Z from R.
 
-use super::cycles::{Hole, HoleFault, Step, Turn, fanuc, rs274};
-use super::trip::{Action, Place, Trip};
+use super::cycles::{Hole, HoleFault, HoleStep, fanuc, rs274};
+use super::trip::Trip;
+use crate::exec::core::step::{Place, Step, Turn};
 use ncfix_dialect::Language;
 
 /// Steps of one block at most.
@@ -93,7 +94,7 @@ impl Drill {
         language: Language,
         call: &Call,
         next: impl FnMut([f64; 2]) -> Result<[f64; 2], HoleFault>,
-        out: &mut Vec<Action>,
+        out: &mut Vec<Step>,
     ) -> Result<Place, HoleFault> {
         match language {
             Language::Rs274 => self.rs274(call, next, out),
@@ -105,7 +106,7 @@ impl Drill {
         &mut self,
         call: &Call,
         mut next: impl FnMut([f64; 2]) -> Result<[f64; 2], HoleFault>,
-        out: &mut Vec<Action>,
+        out: &mut Vec<Step>,
     ) -> Result<Place, HoleFault> {
         let level = |value: f64| Level { value, is_incremental: call.incremental };
         let initial = *self.initial.get_or_insert(call.from.height);
@@ -161,7 +162,7 @@ impl Drill {
         &mut self,
         call: &Call,
         mut next: impl FnMut([f64; 2]) -> Result<[f64; 2], HoleFault>,
-        out: &mut Vec<Action>,
+        out: &mut Vec<Step>,
     ) -> Result<Place, HoleFault> {
         let code = call.code;
         let is_same = self.code == Some(code);
@@ -216,7 +217,7 @@ impl Drill {
             }
             trip.hole(plane, &steps);
         }
-        self.is_drawn_out = matches!(steps.last(), Some(Step::DrawnOut(_)));
+        self.is_drawn_out = matches!(steps.last(), Some(HoleStep::DrawnOut(_)));
         self.code = Some(code);
         self.r = Some(level(r_word));
         self.bottom = Some(level(bottom_word));
@@ -230,7 +231,7 @@ fn fault(message: String, help: &'static str) -> HoleFault {
     HoleFault { message, help, is_unsupported: false }
 }
 
-fn limit(repeats: u32, steps: &[Step]) -> Result<(), HoleFault> {
+fn limit(repeats: u32, steps: &[HoleStep]) -> Result<(), HoleFault> {
     let count = u64::from(repeats).saturating_mul(steps.len() as u64 + 2);
     if count > MOST_STEPS as u64 {
         return Err(fault(format!("{repeats} repetitions of a cycle of {} steps", steps.len()), "correct the count"));
@@ -241,7 +242,6 @@ fn limit(repeats: u32, steps: &[Step]) -> Result<(), HoleFault> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Action::{Feed, Rapid};
 
     const CALL: Call = Call {
         code: 810,
@@ -261,15 +261,15 @@ mod tests {
     const WORDLESS: Call = Call { r: None, bottom: None, ..CALL };
 
     /// Holes at X10 and X20 from Z2 to Z-10, the way there from Z50.
-    fn two_holes() -> [Action; 7] {
+    fn two_holes() -> [Step; 7] {
         [
-            Rapid(at(10.0, 0.0, 50.0)),
-            Rapid(at(10.0, 0.0, 2.0)),
-            Feed(at(10.0, 0.0, -10.0)),
-            Rapid(at(10.0, 0.0, 2.0)),
-            Rapid(at(20.0, 0.0, 2.0)),
-            Feed(at(20.0, 0.0, -10.0)),
-            Rapid(at(20.0, 0.0, 2.0)),
+            Step::rapid(at(10.0, 0.0, 50.0)),
+            Step::rapid(at(10.0, 0.0, 2.0)),
+            Step::line(at(10.0, 0.0, -10.0)),
+            Step::rapid(at(10.0, 0.0, 2.0)),
+            Step::rapid(at(20.0, 0.0, 2.0)),
+            Step::line(at(20.0, 0.0, -10.0)),
+            Step::rapid(at(20.0, 0.0, 2.0)),
         ]
     }
 
@@ -289,7 +289,8 @@ mod tests {
         let last = Call { from: here, to_r: false, ..WORDLESS };
         let here = drill.run(Language::Fanuc, &last, to(30.0, 0.0), &mut out).unwrap();
         assert_eq!(here, at(30.0, 0.0, 50.0));
-        let third = [Rapid(at(30.0, 0.0, 2.0)), Feed(at(30.0, 0.0, -10.0)), Rapid(at(30.0, 0.0, 50.0))];
+        let third =
+            [Step::rapid(at(30.0, 0.0, 2.0)), Step::line(at(30.0, 0.0, -10.0)), Step::rapid(at(30.0, 0.0, 50.0))];
         assert_eq!(out, [&two_holes()[..], &third].concat());
         drill.end(Language::Fanuc);
         assert!(drill.run(Language::Fanuc, &Call { from: here, ..WORDLESS }, to(0.0, 0.0), &mut out).is_err());
@@ -315,14 +316,21 @@ mod tests {
         let (mut drill, mut out) = (Drill::default(), Vec::new());
         let call = Call { from: at(1.0, 0.0, 1.0), r: Some(3.0), bottom: Some(-5.0), to_r: false, ..CALL };
         let here = drill.run(Language::Rs274, &call, to(5.0, 0.0), &mut out).unwrap();
-        let wanted =
-            [Rapid(at(1.0, 0.0, 3.0)), Rapid(at(5.0, 0.0, 3.0)), Feed(at(5.0, 0.0, -5.0)), Rapid(at(5.0, 0.0, 3.0))];
+        let wanted = [
+            Step::rapid(at(1.0, 0.0, 3.0)),
+            Step::rapid(at(5.0, 0.0, 3.0)),
+            Step::line(at(5.0, 0.0, -5.0)),
+            Step::rapid(at(5.0, 0.0, 3.0)),
+        ];
         assert_eq!(out, wanted);
         // Another code needs its words anew; the same one does not.
         assert!(drill.run(Language::Rs274, &Call { code: 850, ..WORDLESS }, to(0.0, 0.0), &mut Vec::new()).is_err());
         out.clear();
         drill.run(Language::Rs274, &Call { from: here, ..WORDLESS }, to(6.0, 0.0), &mut out).unwrap();
-        assert_eq!(out, [Rapid(at(6.0, 0.0, 3.0)), Feed(at(6.0, 0.0, -5.0)), Rapid(at(6.0, 0.0, 3.0))]);
+        assert_eq!(
+            out,
+            [Step::rapid(at(6.0, 0.0, 3.0)), Step::line(at(6.0, 0.0, -5.0)), Step::rapid(at(6.0, 0.0, 3.0))]
+        );
     }
 
     #[test]
@@ -332,10 +340,10 @@ mod tests {
         out.clear();
         drill.run(Language::Rs274, &Call { from: here, to_r: false, ..WORDLESS }, to(30.0, 0.0), &mut out).unwrap();
         let wanted = [
-            Rapid(at(30.0, 0.0, 50.0)),
-            Rapid(at(30.0, 0.0, 2.0)),
-            Feed(at(30.0, 0.0, -10.0)),
-            Rapid(at(30.0, 0.0, 50.0)),
+            Step::rapid(at(30.0, 0.0, 50.0)),
+            Step::rapid(at(30.0, 0.0, 2.0)),
+            Step::line(at(30.0, 0.0, -10.0)),
+            Step::rapid(at(30.0, 0.0, 50.0)),
         ];
         assert_eq!(out, wanted);
     }

@@ -1,6 +1,6 @@
 //! What every cycle works with: its words, its place, the heights of a hole.
 
-use super::step::{Flat, Step};
+use crate::exec::core::step::{Flat, Step};
 
 /// The words with which a cycle was defined: lengths in mm, dwells in s, angles in degrees as programmed.
 #[derive(Clone, Debug, Default)]

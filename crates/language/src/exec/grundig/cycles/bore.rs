@@ -1,8 +1,8 @@
 //! G86: down with feed, dwell, spindle stop, out at rapid, and the spindle turns again.
 
 use super::basis::{At, CycleFault, CycleWords, Heights, dwell};
-use super::step::Feed;
-use super::step::Step;
+use crate::exec::core::step::Feed;
+use crate::exec::core::step::{Step, Turn};
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let heights = Heights::of(words, at)?;
@@ -10,8 +10,8 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
     heights.approach(at, &mut steps);
     steps.push(Step::to_height(heights.bottom, Feed::Cut));
     dwell(words, &mut steps);
-    steps.push(Step::Stop);
+    steps.push(Step::Spindle(Turn::Off));
     steps.push(Step::rapid_height(heights.retract));
-    steps.push(Step::Resume);
+    steps.push(Step::Spindle(Turn::Again));
     Ok(steps)
 }

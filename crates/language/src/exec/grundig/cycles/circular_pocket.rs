@@ -2,7 +2,7 @@
 
 use super::basis::{At, CycleFault, CycleWords, fault};
 use super::pocket::Pocket;
-use super::step::Step;
+use crate::exec::core::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let pocket = Pocket::new(words, at)?;

@@ -1,8 +1,8 @@
 //! G81: down with feed, dwell, out at rapid.
 
 use super::basis::{At, CycleFault, CycleWords, Heights, dwell};
-use super::step::Feed;
-use super::step::Step;
+use crate::exec::core::step::Feed;
+use crate::exec::core::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let heights = Heights::of(words, at)?;

@@ -14,12 +14,12 @@ mod pocket;
 mod ream;
 mod rectangular_pocket;
 mod slot;
-mod step;
 mod tap;
 
 pub(super) use basis::{At, CycleFault, CycleWords};
 pub(super) use pattern::bolt_circle;
-pub(super) use step::{Feed, Flat, Step};
+
+use crate::exec::core::step::Step;
 
 /// A cycle.
 pub(super) struct Cycle {

@@ -1,7 +1,7 @@
 //! G77: positions on a circle.
 
 use super::basis::{CycleFault, fault};
-use super::step::Flat;
+use crate::exec::core::step::Flat;
 
 /// More holes than this are a slip of the pen.
 const MOST_HOLES: f64 = 100_000.0;

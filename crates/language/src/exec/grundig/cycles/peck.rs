@@ -2,8 +2,8 @@
 //! done.
 
 use super::basis::{At, CycleFault, CycleWords, Heights, dwell, fault};
-use super::step::Feed;
-use super::step::Step;
+use crate::exec::core::step::Feed;
+use crate::exec::core::step::Step;
 
 /// More pecks than this are a slip of the pen.
 const MOST_PECKS: u32 = 10_000;

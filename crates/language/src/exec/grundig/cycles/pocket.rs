@@ -4,8 +4,8 @@
 //! other from inside outwards, so that the last one is the edge; climb milling (J1, the default) is counter-clockwise inside.
 
 use super::basis::{At, CycleFault, CycleWords, fault};
-use super::step::Step;
-use super::step::{Feed, Flat};
+use crate::exec::core::step::Step;
+use crate::exec::core::step::{Feed, Flat};
 
 /// Loops with sharp corners leave nothing between them up to this share of the tool diameter: (1 + √½) / 2.
 const WIDEST_SHARE: f64 = 0.85;

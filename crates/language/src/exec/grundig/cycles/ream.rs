@@ -1,8 +1,8 @@
 //! G85: down with feed, dwell, out to the first clearance with the feed of F2=, then at rapid.
 
 use super::basis::{At, CycleFault, CycleWords, Heights, dwell};
-use super::step::Feed;
-use super::step::Step;
+use crate::exec::core::step::Feed;
+use crate::exec::core::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let heights = Heights::of(words, at)?;

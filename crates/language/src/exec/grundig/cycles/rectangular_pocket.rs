@@ -2,8 +2,8 @@
 
 use super::basis::{At, CycleFault, CycleWords, fault};
 use super::pocket::Pocket;
-use super::step::Flat;
-use super::step::Step;
+use crate::exec::core::step::Flat;
+use crate::exec::core::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let pocket = Pocket::new(words, at)?;
@@ -61,8 +61,8 @@ fn around(pocket: &Pocket<'_>, half: Flat, rounding: f64, steps: &mut Vec<Step>)
 #[cfg(test)]
 mod tests {
     use super::super::basis::{At, CycleWords};
-    use super::super::step::Step;
     use super::*;
+    use crate::exec::core::step::Step;
 
     /// Largest distance of an uncut point inside from the cut region, and whether anything outside was cut, on a grid: the region is
     /// sampled by the tool's disc along the way.

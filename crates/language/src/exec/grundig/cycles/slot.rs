@@ -2,7 +2,7 @@
 
 use super::basis::{At, CycleFault, CycleWords, fault};
 use super::pocket::Pocket;
-use super::step::Step;
+use crate::exec::core::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let pocket = Pocket::new(words, at)?;
@@ -49,8 +49,8 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
 #[cfg(test)]
 mod tests {
     use super::super::basis::{At, CycleWords};
-    use super::super::step::Step;
     use super::*;
+    use crate::exec::core::step::Step;
 
     #[test]
     fn the_edge_touches_length_and_width() {

@@ -1,8 +1,8 @@
 //! G84: down with feed, dwell, the spindle reverses, out to the first clearance with feed, and the spindle turns again as before.
 
 use super::basis::{At, CycleFault, CycleWords, Heights, dwell};
-use super::step::Feed;
-use super::step::Step;
+use crate::exec::core::step::Feed;
+use crate::exec::core::step::{Step, Turn};
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let heights = Heights::of(words, at)?;
@@ -10,9 +10,9 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
     heights.approach(at, &mut steps);
     steps.push(Step::to_height(heights.bottom, Feed::Cut));
     dwell(words, &mut steps);
-    steps.push(Step::Reverse);
+    steps.push(Step::Spindle(Turn::Reversed));
     steps.push(Step::to_height(heights.clearance, Feed::Cut));
-    steps.push(Step::Resume);
+    steps.push(Step::Spindle(Turn::Again));
     if heights.retract > heights.clearance {
         steps.push(Step::rapid_height(heights.retract));
     }

@@ -5,18 +5,19 @@
 //! with the spindle oriented, in a direction that is a setting (parameter 5101 bits 4 and 5). In G88 the operator draws the tool out;
 //! here it goes out at rapid behind a program stop.
 
-use super::{Hole, HoleFault, Step, Turn, chip_breaking, deep_hole, wrong};
+use super::{Hole, HoleFault, HoleStep, chip_breaking, deep_hole, wrong};
+use crate::exec::core::step::Turn;
 
 /// What happens at a hole, from R on – for G87 from the initial level on.
-pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole) -> Result<Vec<Step>, HoleFault> {
+pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole) -> Result<Vec<HoleStep>, HoleFault> {
     let &Hole { r, bottom, clear, .. } = hole;
-    let out = Step::Rapid(clear);
-    let on = Step::Spindle(Turn::Clockwise);
+    let out = HoleStep::Rapid(clear);
+    let on = HoleStep::Spindle(Turn::Clockwise);
     let mut steps = Vec::new();
     match code {
-        810 => steps.extend([Step::Feed(bottom), out]),
+        810 => steps.extend([HoleStep::Feed(bottom), out]),
         820 => {
-            steps.push(Step::Feed(bottom));
+            steps.push(HoleStep::Feed(bottom));
             steps.extend(dwell(hole));
             steps.push(out);
         }
@@ -30,35 +31,41 @@ pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole) -> Result<Vec<Step>, H
                 return Err(HoleFault { is_unsupported: true, ..wrong(message, help) });
             }
             let sense = if matches!(code, 840 | 842) { Turn::Clockwise } else { Turn::CounterClockwise };
-            steps.push(Step::Feed(bottom));
+            steps.push(HoleStep::Feed(bottom));
             steps.extend(dwell(hole));
-            steps.extend([Step::Spindle(sense.reversed()), Step::Feed(r), Step::Spindle(sense), out]);
+            steps.extend([HoleStep::Spindle(sense.reversed()), HoleStep::Feed(r), HoleStep::Spindle(sense), out]);
         }
         760 => {
             let aside = aside(hole)?;
-            steps.push(Step::Feed(bottom));
+            steps.push(HoleStep::Feed(bottom));
             steps.extend(dwell(hole));
-            steps.extend([Step::Spindle(Turn::Oriented), Step::Aside(aside), out, Step::Aside([0.0; 2]), on]);
+            steps.extend([
+                HoleStep::Spindle(Turn::Oriented),
+                HoleStep::Aside(aside),
+                out,
+                HoleStep::Aside([0.0; 2]),
+                on,
+            ]);
         }
-        850 => steps.extend([Step::Feed(bottom), Step::Feed(r), out]),
-        860 => steps.extend([Step::Feed(bottom), Step::Spindle(Turn::Off), out, on]),
+        850 => steps.extend([HoleStep::Feed(bottom), HoleStep::Feed(r), out]),
+        860 => steps.extend([HoleStep::Feed(bottom), HoleStep::Spindle(Turn::Off), out, on]),
         870 => {
             let aside = aside(hole)?;
-            let oriented = Step::Spindle(Turn::Oriented);
-            steps.extend([oriented, Step::Aside(aside), Step::Rapid(r), Step::Aside([0.0; 2]), on]);
-            steps.push(Step::Feed(bottom));
+            let oriented = HoleStep::Spindle(Turn::Oriented);
+            steps.extend([oriented, HoleStep::Aside(aside), HoleStep::Rapid(r), HoleStep::Aside([0.0; 2]), on]);
+            steps.push(HoleStep::Feed(bottom));
             steps.extend(dwell(hole));
-            steps.extend([oriented, Step::Aside(aside), out, Step::Aside([0.0; 2]), on]);
+            steps.extend([oriented, HoleStep::Aside(aside), out, HoleStep::Aside([0.0; 2]), on]);
         }
         880 => {
-            steps.push(Step::Feed(bottom));
+            steps.push(HoleStep::Feed(bottom));
             steps.extend(dwell(hole));
-            steps.extend([Step::Spindle(Turn::Off), Step::Stop, out, on]);
+            steps.extend([HoleStep::Spindle(Turn::Off), HoleStep::Stop, out, on]);
         }
         890 => {
-            steps.push(Step::Feed(bottom));
+            steps.push(HoleStep::Feed(bottom));
             steps.extend(dwell(hole));
-            steps.extend([Step::Feed(r), out]);
+            steps.extend([HoleStep::Feed(r), out]);
         }
         _ => {
             let message = "this cycle is not supported";
@@ -68,8 +75,8 @@ pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole) -> Result<Vec<Step>, H
     Ok(steps)
 }
 
-fn dwell(hole: &Hole) -> Option<Step> {
-    hole.dwell_s.filter(|seconds| *seconds > 0.0).map(Step::Dwell)
+fn dwell(hole: &Hole) -> Option<HoleStep> {
+    hole.dwell_s.filter(|seconds| *seconds > 0.0).map(HoleStep::Dwell)
 }
 
 /// Where the oriented tool steps aside to; nowhere without Q.
@@ -88,7 +95,7 @@ fn aside(hole: &Hole) -> Result<[f64; 2], HoleFault> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Step::{Aside, Dwell, Feed, Rapid, Spindle};
+    use HoleStep::{Aside, Dwell, Feed, Rapid, Spindle};
 
     const HOLE: Hole = Hole {
         r: 2.0,
@@ -102,7 +109,7 @@ mod tests {
     };
 
     #[track_caller]
-    fn check(code: u16, hole: Hole, wanted: &[Step]) {
+    fn check(code: u16, hole: Hole, wanted: &[HoleStep]) {
         assert_eq!(steps(code, &hole).unwrap(), wanted, "{code}");
     }
 

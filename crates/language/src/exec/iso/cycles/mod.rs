@@ -6,12 +6,14 @@ pub(super) mod fanuc;
 pub(super) mod rs274;
 pub(super) mod threading;
 
+use crate::exec::core::step::Turn;
+
 /// Steps of one hole at most.
 const MOST_STEPS: usize = 100_000;
 
 /// One step at a hole. Heights are program coordinates along the tool axis, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Step {
+pub(super) enum HoleStep {
     /// At rapid along the tool axis.
     Rapid(f64),
     /// With feed along the tool axis.
@@ -26,40 +28,6 @@ pub(super) enum Step {
     Stop,
     /// The operator has drawn the tool out to this height.
     DrawnOut(f64),
-}
-
-/// What the spindle does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Turn {
-    /// M3
-    Clockwise,
-    /// M4
-    CounterClockwise,
-    /// M5
-    Off,
-    /// M19: stands at an angle.
-    Oriented,
-}
-
-impl Turn {
-    /// The other sense.
-    fn reversed(self) -> Turn {
-        match self {
-            Turn::Clockwise => Turn::CounterClockwise,
-            Turn::CounterClockwise => Turn::Clockwise,
-            other => other,
-        }
-    }
-
-    /// The number of the M code.
-    pub(super) fn m_code(self) -> u8 {
-        match self {
-            Turn::Clockwise => 3,
-            Turn::CounterClockwise => 4,
-            Turn::Off => 5,
-            Turn::Oriented => 19,
-        }
-    }
 }
 
 /// One hole: heights are program coordinates along the tool axis, mm.
@@ -120,32 +88,32 @@ fn depths(hole: &Hole) -> Result<Vec<f64>, HoleFault> {
 }
 
 /// In pecks that clear the hole: out to R and back to a clearance above the depth that is reached.
-fn deep_hole(hole: &Hole) -> Result<Vec<Step>, HoleFault> {
+fn deep_hole(hole: &Hole) -> Result<Vec<HoleStep>, HoleFault> {
     let depths = depths(hole)?;
     let towards = if hole.bottom < hole.r { -1.0 } else { 1.0 };
     let mut steps = Vec::with_capacity(3 * depths.len() + 1);
     for (place, depth) in depths.iter().enumerate() {
         if let Some(reached) = place.checked_sub(1).and_then(|last| depths.get(last)) {
-            steps.extend([Step::Rapid(hole.r), Step::Rapid(reached - towards * hole.clearance)]);
+            steps.extend([HoleStep::Rapid(hole.r), HoleStep::Rapid(reached - towards * hole.clearance)]);
         }
-        steps.push(Step::Feed(*depth));
+        steps.push(HoleStep::Feed(*depth));
     }
-    steps.push(Step::Rapid(hole.clear));
+    steps.push(HoleStep::Rapid(hole.clear));
     Ok(steps)
 }
 
 /// In pecks that break the chip: back by a clearance behind each.
-fn chip_breaking(hole: &Hole) -> Result<Vec<Step>, HoleFault> {
+fn chip_breaking(hole: &Hole) -> Result<Vec<HoleStep>, HoleFault> {
     let depths = depths(hole)?;
     let towards = if hole.bottom < hole.r { -1.0 } else { 1.0 };
     let mut steps = Vec::with_capacity(2 * depths.len() + 1);
     for (place, depth) in depths.iter().enumerate() {
         if let Some(reached) = place.checked_sub(1).and_then(|last| depths.get(last)) {
-            steps.push(Step::Rapid(reached - towards * hole.clearance));
+            steps.push(HoleStep::Rapid(reached - towards * hole.clearance));
         }
-        steps.push(Step::Feed(*depth));
+        steps.push(HoleStep::Feed(*depth));
     }
-    steps.push(Step::Rapid(hole.clear));
+    steps.push(HoleStep::Rapid(hole.clear));
     Ok(steps)
 }
 

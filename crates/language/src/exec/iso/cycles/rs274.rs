@@ -5,7 +5,8 @@
 //! again as it did. G88 leaves it to the operator to draw the tool out, and takes it for done. G85 goes back to R with feed, then on at
 //! rapid; G89 goes back with feed all the way.
 
-use super::{Hole, HoleFault, Step, Turn, chip_breaking, deep_hole, wrong};
+use super::{Hole, HoleFault, HoleStep, chip_breaking, deep_hole, wrong};
+use crate::exec::core::step::Turn;
 
 /// How far G73 draws back, and G83 stays away, mm.
 pub(in crate::exec::iso) const CLEARANCE_MM: f64 = 0.254;
@@ -16,35 +17,35 @@ pub(in crate::exec::iso) const WITH_DWELL: [u16; 4] = [820, 860, 880, 890];
 pub(in crate::exec::iso) const WITH_PECK: [u16; 2] = [730, 830];
 
 /// What happens at a hole, from R on; `spindle` is how it turns.
-pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole, spindle: Turn) -> Result<Vec<Step>, HoleFault> {
+pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole, spindle: Turn) -> Result<Vec<HoleStep>, HoleFault> {
     let &Hole { r, bottom, clear, .. } = hole;
-    let dwell = Step::Dwell(hole.dwell_s.unwrap_or(0.0));
-    let again = Step::Spindle(spindle);
-    let off = Step::Spindle(Turn::Off);
+    let dwell = HoleStep::Dwell(hole.dwell_s.unwrap_or(0.0));
+    let again = HoleStep::Spindle(spindle);
+    let off = HoleStep::Spindle(Turn::Off);
     Ok(match code {
-        810 => vec![Step::Feed(bottom), Step::Rapid(clear)],
-        820 => vec![Step::Feed(bottom), dwell, Step::Rapid(clear)],
+        810 => vec![HoleStep::Feed(bottom), HoleStep::Rapid(clear)],
+        820 => vec![HoleStep::Feed(bottom), dwell, HoleStep::Rapid(clear)],
         730 => chip_breaking(hole)?,
         830 => deep_hole(hole)?,
         740 | 840 => {
             let wanted = if code == 840 { Turn::Clockwise } else { Turn::CounterClockwise };
             if spindle != wanted {
-                let message = format!("it taps behind M{}, and the spindle does not turn this way", wanted.m_code());
+                let message = format!("it taps behind M{}, and the spindle does not turn this way", wanted.m_code(0));
                 return Err(wrong(message, "start the spindle before the cycle"));
             }
-            let back = Step::Spindle(spindle.reversed());
-            vec![Step::Feed(bottom), off, back, dwell, Step::Feed(clear), off, again]
+            let back = HoleStep::Spindle(spindle.reversed());
+            vec![HoleStep::Feed(bottom), off, back, dwell, HoleStep::Feed(clear), off, again]
         }
-        850 => vec![Step::Feed(bottom), Step::Feed(r), Step::Rapid(clear)],
+        850 => vec![HoleStep::Feed(bottom), HoleStep::Feed(r), HoleStep::Rapid(clear)],
         860 => {
             turns(spindle)?;
-            vec![Step::Feed(bottom), dwell, off, Step::Rapid(clear), again]
+            vec![HoleStep::Feed(bottom), dwell, off, HoleStep::Rapid(clear), again]
         }
         880 => {
             turns(spindle)?;
-            vec![Step::Feed(bottom), dwell, off, Step::Stop, again, Step::DrawnOut(clear)]
+            vec![HoleStep::Feed(bottom), dwell, off, HoleStep::Stop, again, HoleStep::DrawnOut(clear)]
         }
-        890 => vec![Step::Feed(bottom), dwell, Step::Feed(clear)],
+        890 => vec![HoleStep::Feed(bottom), dwell, HoleStep::Feed(clear)],
         _ => {
             let message = "this cycle is not supported";
             return Err(HoleFault { is_unsupported: true, ..wrong(message, "program its motions one by one") });
@@ -62,7 +63,7 @@ fn turns(spindle: Turn) -> Result<(), HoleFault> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Step::{DrawnOut, Dwell, Feed, Rapid, Spindle, Stop};
+    use HoleStep::{DrawnOut, Dwell, Feed, Rapid, Spindle, Stop};
 
     const HOLE: Hole = Hole {
         r: 2.0,
@@ -76,7 +77,7 @@ mod tests {
     };
 
     #[track_caller]
-    fn check(code: u16, spindle: Turn, wanted: &[Step]) {
+    fn check(code: u16, spindle: Turn, wanted: &[HoleStep]) {
         assert_eq!(steps(code, &HOLE, spindle).unwrap(), wanted, "{code}");
     }
 
