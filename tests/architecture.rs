@@ -1,7 +1,7 @@
 //! The house rules that a compiler does not check: who may know whom within a crate, what every file opens with, and that every
 //! register is complete.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -109,6 +109,174 @@ fn every_file_names_only_rooms_that_it_may_know() {
                 if rows.contains_key(named.as_str()) && named != room && !allowed.contains(&named.as_str()) {
                     faults.push(format!("{}: {room} must not know {named}", path.display()));
                 }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Rooms in which files import one another in a circle, and how many may do so in the largest one; in the others none does.
+const CIRCLES: &[(&str, &str, usize)] = &[
+    ("base", "geometry", 9),
+    ("base", "diagnostic", 2),
+    ("base", "csv", 2),
+    ("base", "numeric", 2),
+    ("dialect", "", 6),
+    ("dnc", "feed", 8),
+    ("dnc", "sense", 6),
+    ("dnc", "drip", 4),
+    ("language", "syntax", 12),
+    ("machine", "machine", 16),
+    ("machine", "snc", 4),
+    ("metrology", "measure", 12),
+    ("metrology", "calibrate", 12),
+    ("metrology", "diagnose", 45),
+    ("metrology", "decompose", 4),
+    ("model", "", 20),
+    ("path", "path", 30),
+    ("path", "review", 6),
+    ("report", "", 10),
+    ("tables", "tables", 10),
+];
+
+/// What the `use` lines of a file name, each path written out: `crate::a::{b, c::d}` is `crate::a::b` and `crate::a::c::d`.
+fn used_paths(text: &str) -> Vec<String> {
+    fn written_out(path: &str, out: &mut Vec<String>) {
+        let Some((before, list)) = path.split_once('{') else {
+            out.push(path.split(" as ").next().unwrap().trim().to_owned());
+            return;
+        };
+        let (mut depth, mut start) = (0, 0);
+        let list = &list[..list.rfind('}').unwrap()];
+        for (at, letter) in list.char_indices().chain([(list.len(), ',')]) {
+            match letter {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 0 => {
+                    let part = list[start..at].trim();
+                    if !part.is_empty() {
+                        written_out(&format!("{}{part}", before.trim()), out);
+                    }
+                    start = at + 1;
+                }
+                _ => {}
+            }
+        }
+    }
+    let mut out = Vec::new();
+    // Tests may look wherever they want.
+    let text = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        let Some(path) = line.strip_prefix("use ").or_else(|| {
+            let rest = line.strip_prefix("pub")?;
+            let rest = if rest.starts_with('(') { rest.split_once(')')?.1 } else { rest };
+            rest.strip_prefix(" use ")
+        }) else {
+            continue;
+        };
+        let mut path = path.to_owned();
+        while !path.contains(';') {
+            path.push_str(lines.next().unwrap().trim());
+        }
+        written_out(path.split(';').next().unwrap(), &mut out);
+    }
+    out
+}
+
+/// The files of a crate as modules, and the files that each one imports.
+fn imports(name: &str) -> BTreeMap<Vec<String>, BTreeSet<Vec<String>>> {
+    let inside = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("crates/{name}/src"));
+    let files: BTreeMap<Vec<String>, String> = below(&format!("crates/{name}/src"))
+        .into_iter()
+        .map(|(path, text)| {
+            let path = path.strip_prefix(&inside).unwrap().with_extension("");
+            let mut module: Vec<String> = path.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+            if module.last().is_some_and(|last| last == "mod" || last == "lib") {
+                module.pop();
+            }
+            (module, text)
+        })
+        .collect();
+    let resolve = |module: &[String], path: &str| {
+        let mut parts = path.split("::").peekable();
+        let mut at = module.to_vec();
+        match parts.peek().copied() {
+            Some("crate") => at.clear(),
+            Some("self") => {}
+            Some("super") => {
+                while parts.next_if_eq(&"super").is_some() {
+                    at.pop();
+                }
+            }
+            Some(first) => {
+                at.push(first.to_owned());
+                // A path that begins with neither is one of a crate, unless it is that of a module within this one.
+                if !files.contains_key(&at) {
+                    return None;
+                }
+                at.pop();
+            }
+            None => return None,
+        }
+        parts.next_if(|part| matches!(*part, "crate" | "self"));
+        for part in parts {
+            at.push(part.to_owned());
+            if !files.contains_key(&at) {
+                at.pop();
+                break;
+            }
+        }
+        Some(at)
+    };
+    let imported = |module: &Vec<String>, text: &str| {
+        used_paths(text).iter().filter_map(|path| resolve(module, path)).filter(|other| other != module).collect()
+    };
+    files.iter().map(|(module, text)| (module.clone(), imported(module, text))).collect()
+}
+
+/// Files that import one another, directly or by way of others, are read and changed together or not at all.
+#[test]
+fn no_files_of_a_room_import_one_another_in_a_circle() {
+    let mut faults = Vec::new();
+    for (name, rooms) in CRATES {
+        let imported = imports(name);
+        let reached = |from: &Vec<String>| {
+            let (mut seen, mut open) = (BTreeSet::new(), vec![from.clone()]);
+            while let Some(module) = open.pop() {
+                for next in imported.get(&module).into_iter().flatten() {
+                    if seen.insert(next.clone()) {
+                        open.push(next.clone());
+                    }
+                }
+            }
+            seen
+        };
+        let reaches: BTreeMap<&Vec<String>, BTreeSet<Vec<String>>> =
+            imported.keys().map(|module| (module, reached(module))).collect();
+        let mut largest: BTreeMap<&str, Vec<&Vec<String>>> = BTreeMap::new();
+        for (module, others) in &reaches {
+            let circle: Vec<&Vec<String>> = reaches
+                .keys()
+                .copied()
+                .filter(|other| others.contains(*other) && reaches[*other].contains(*module))
+                .collect();
+            let room = if rooms.is_empty() { "" } else { module.first().map_or("", String::as_str) };
+            let known = largest.entry(room).or_default();
+            if circle.len() > known.len() {
+                *known = circle;
+            }
+        }
+        for (room, circle) in largest {
+            let row = CIRCLES.iter().find(|row| (row.0, row.1) == (*name, room));
+            let most = row.map_or(0, |row| row.2);
+            if circle.len() > most {
+                let shown: Vec<String> = circle.iter().map(|module| module.join("::")).collect();
+                faults.push(format!(
+                    "{name}, {room}: {} files in a circle, at most {most}: {}",
+                    circle.len(),
+                    shown.join(", ")
+                ));
             }
         }
     }

@@ -3,12 +3,12 @@
 use std::fmt::Debug;
 use std::hash::Hash;
 
-use super::program::{Loaded, Text};
+use super::program::{LoadedFile, ProgramText};
 
 /// A family of languages.
 pub(in crate::exec) trait Family: Sized {
     /// A file as its grammar reads it.
-    type Program: Text;
+    type Program: ProgramText;
     /// What is worked out of a file once, when it is loaded.
     type Prepared;
     /// How a program is named where it is looked for.
@@ -28,7 +28,7 @@ pub(in crate::exec) trait Family: Sized {
 }
 
 /// A file of a family.
-pub(in crate::exec) type FileOf<F> = Loaded<<F as Family>::Program, <F as Family>::Prepared>;
+pub(in crate::exec) type FileOf<F> = LoadedFile<<F as Family>::Program, <F as Family>::Prepared>;
 
 /// A block of a family.
-pub(in crate::exec) type BlockOf<F> = <<F as Family>::Program as Text>::Block;
+pub(in crate::exec) type BlockOf<F> = <<F as Family>::Program as ProgramText>::Block;

@@ -8,10 +8,10 @@ use super::executor::Executor;
 use super::family::{BlockOf, Family, FileOf};
 use super::fault::Fault;
 use super::ledger::Ledger;
-use super::level::{Action, Level};
+use super::level::{AfterBlock, ProgramLevel};
 use super::library::Library;
 use super::outlet::HasOutlet;
-use super::program::{Statement, Text};
+use super::program::{ProgramText, Statement};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::source::{FileId, Source, Span};
 use ncfix_machine::machine::Machine;
@@ -25,65 +25,65 @@ pub(in crate::exec) trait Execute: Family {
     type Run;
 
     /// Reads a file that a call has named.
-    fn parse(run: &Interpreter<'_, Self>, source: &Source) -> (Self::Program, Vec<Diagnostic>);
+    fn parse(run: &Runner<'_, Self>, source: &Source) -> (Self::Program, Vec<Diagnostic>);
 
     /// The block behind the last one of a level.
-    fn end_of(channel: &Self::Channel<'_>, file: &FileOf<Self>, level: &Level<Self>) -> usize;
+    fn end_of(channel: &Self::Channel<'_>, file: &FileOf<Self>, level: &ProgramLevel<Self>) -> usize;
 
     /// A block is about to be executed: whose place its elements have, and what stands before them.
-    fn begin(run: &mut Interpreter<'_, Self>, block: &BlockOf<Self>, own: Origin);
+    fn begin(run: &mut Runner<'_, Self>, block: &BlockOf<Self>, own: Origin);
 
     /// Executes a block; `index` is its place.
-    fn block(run: &mut Interpreter<'_, Self>, block: &BlockOf<Self>, index: usize) -> Result<Action<Self>, Fault>;
+    fn block(run: &mut Runner<'_, Self>, block: &BlockOf<Self>, index: usize) -> Result<AfterBlock<Self>, Fault>;
 
     /// The program that is called behind a block that has moved; whether there is one, and its level has begun.
-    fn modal_call(_run: &mut Interpreter<'_, Self>, _block: &BlockOf<Self>) -> Result<bool, Fault> {
+    fn modal_call(_run: &mut Runner<'_, Self>, _block: &BlockOf<Self>) -> Result<bool, Fault> {
         Ok(false)
     }
 
     /// Refuses one repetition too many within others.
-    fn check_repetition(_run: &Interpreter<'_, Self>, _span: Span) -> Result<(), Fault> {
+    fn check_repetition(_run: &Runner<'_, Self>, _span: Span) -> Result<(), Fault> {
         Ok(())
     }
 
     /// A pass of a repetition begins.
-    fn begin_pass(_run: &mut Interpreter<'_, Self>, _pass: Self::Pass) -> Result<(), Fault> {
+    fn begin_pass(_run: &mut Runner<'_, Self>, _pass: Self::Pass) -> Result<(), Fault> {
         Ok(())
     }
 
     /// Begins a call.
-    fn call(run: &mut Interpreter<'_, Self>, call: Self::Call, block: &BlockOf<Self>) -> Result<(), Fault>;
+    fn call(run: &mut Runner<'_, Self>, call: Self::Call, block: &BlockOf<Self>) -> Result<(), Fault>;
 
     /// Goes back to a caller.
-    fn return_to(run: &mut Interpreter<'_, Self>, target: Self::Return, span: Span) -> Result<(), Fault>;
+    fn return_to(run: &mut Runner<'_, Self>, target: Self::Return, span: Span) -> Result<(), Fault>;
 
     /// A block has ended its program.
-    fn end_of_program(run: &mut Interpreter<'_, Self>, end: Self::End);
+    fn end_of_program(run: &mut Runner<'_, Self>, end: Self::End);
 
     /// The blocks of a level have come to their end.
-    fn end_of_blocks(run: &mut Interpreter<'_, Self>);
+    fn end_of_blocks(run: &mut Runner<'_, Self>);
 
     /// A block had a fault.
-    fn behind_fault(_run: &mut Interpreter<'_, Self>) {}
+    fn behind_fault(_run: &mut Runner<'_, Self>) {}
 
     /// A finding with the place that means something to the user.
-    fn as_seen_by_user(_run: &Interpreter<'_, Self>, finding: Diagnostic) -> Diagnostic {
+    fn as_seen_by_user(_run: &Runner<'_, Self>, finding: Diagnostic) -> Diagnostic {
         finding
     }
 
     /// Ends what is held back when no more blocks are executed; called once.
-    fn finish(run: &mut Interpreter<'_, Self>);
+    fn finish(run: &mut Runner<'_, Self>);
 }
 
 /// A running program.
-pub(in crate::exec) struct Interpreter<'a, F: Execute> {
+pub(in crate::exec) struct Runner<'a, F: Execute> {
     pub(in crate::exec) machine: &'a Machine,
     pub(in crate::exec) library: Box<dyn Library + 'a>,
     pub(in crate::exec) ledger: Ledger,
     /// The files of the run; the first one has the main program.
     pub(in crate::exec) programs: Vec<FileOf<F>>,
     /// The programs that run, that of the last call last.
-    pub(in crate::exec) levels: Vec<Level<F>>,
+    pub(in crate::exec) levels: Vec<ProgramLevel<F>>,
     pub(in crate::exec) channel: F::Channel<'a>,
     /// What its family keeps.
     pub(in crate::exec) own: F::Run,
@@ -91,17 +91,17 @@ pub(in crate::exec) struct Interpreter<'a, F: Execute> {
     found: HashMap<F::Name, Option<F::Entry>>,
 }
 
-impl<'a, F: Execute> Interpreter<'a, F> {
+impl<'a, F: Execute> Runner<'a, F> {
     /// Starts the main program, the level of which is given.
     pub(in crate::exec) fn start(
         machine: &'a Machine,
         library: Box<dyn Library + 'a>,
         ledger: Ledger,
         (channel, own): (F::Channel<'a>, F::Run),
-        (main, level): (FileOf<F>, Level<F>),
+        (main, level): (FileOf<F>, ProgramLevel<F>),
     ) -> Self {
         let (programs, levels) = (vec![main], vec![level]);
-        Interpreter { machine, library, ledger, programs, levels, channel, own, found: HashMap::new() }
+        Runner { machine, library, ledger, programs, levels, channel, own, found: HashMap::new() }
     }
 
     /// Executes one block.
@@ -127,7 +127,7 @@ impl<'a, F: Execute> Interpreter<'a, F> {
         {
             self.begin_pass(pass);
         }
-        let Interpreter { programs, levels, channel, .. } = self;
+        let Runner { programs, levels, channel, .. } = self;
         let Some(level) = levels.last_mut() else { return };
         let Some(loaded) = programs.get_mut(level.program) else { return };
         let index = level.next;
@@ -165,7 +165,7 @@ impl<'a, F: Execute> Interpreter<'a, F> {
     }
 
     /// What a block does to the order of execution waits for the modal call that it triggers.
-    fn behind_block(&mut self, action: Action<F>, block: &BlockOf<F>) -> Result<(), Fault> {
+    fn behind_block(&mut self, action: AfterBlock<F>, block: &BlockOf<F>) -> Result<(), Fault> {
         if !F::modal_call(self, block)? {
             return self.act(action, block);
         }
@@ -177,24 +177,24 @@ impl<'a, F: Execute> Interpreter<'a, F> {
     }
 
     /// Does what a block does to the order of execution.
-    pub(in crate::exec) fn act(&mut self, action: Action<F>, block: &BlockOf<F>) -> Result<(), Fault> {
+    pub(in crate::exec) fn act(&mut self, action: AfterBlock<F>, block: &BlockOf<F>) -> Result<(), Fault> {
         match action {
-            Action::Next => {}
-            Action::Jump(target) | Action::Goto(target) => {
+            AfterBlock::Next => {}
+            AfterBlock::Jump(target) | AfterBlock::Goto(target) => {
                 if let Some(level) = self.levels.last_mut() {
-                    level.go_to(target, matches!(action, Action::Goto(_)));
+                    level.go_to(target, matches!(action, AfterBlock::Goto(_)));
                 }
             }
-            Action::Repeat(section) => {
+            AfterBlock::Repeat(section) => {
                 F::check_repetition(self, block.span())?;
                 let begins = self.levels.last_mut().is_some_and(|level| level.repeat(section, level.next));
                 if begins {
                     F::begin_pass(self, section.pass)?;
                 }
             }
-            Action::Call(call) => F::call(self, call, block)?,
-            Action::Return(target) => F::return_to(self, target, block.span())?,
-            Action::End(end) => F::end_of_program(self, end),
+            AfterBlock::Call(call) => F::call(self, call, block)?,
+            AfterBlock::Return(target) => F::return_to(self, target, block.span())?,
+            AfterBlock::End(end) => F::end_of_program(self, end),
         }
         Ok(())
     }
@@ -261,7 +261,7 @@ impl<'a, F: Execute> Interpreter<'a, F> {
     }
 }
 
-impl<F: Execute> Executor for Interpreter<'_, F> {
+impl<F: Execute> Executor for Runner<'_, F> {
     fn ledger(&self) -> &Ledger {
         &self.ledger
     }

@@ -6,7 +6,7 @@ use super::family::{BlockOf, Family};
 
 /// What comes after a block.
 #[derive(Debug)]
-pub(in crate::exec) enum Action<F: Family> {
+pub(in crate::exec) enum AfterBlock<F: Family> {
     /// The next block.
     Next,
     /// This block, around the blocks of a control structure.
@@ -14,7 +14,7 @@ pub(in crate::exec) enum Action<F: Family> {
     /// This block, where the program jumps to it.
     Goto(usize),
     /// A section, so many times, and then the next block.
-    Repeat(Section<F::Pass>),
+    Repeat(RepeatedSection<F::Pass>),
     /// A program, and then the next block.
     Call(F::Call),
     /// Back to a caller.
@@ -23,16 +23,16 @@ pub(in crate::exec) enum Action<F: Family> {
     End(F::End),
 }
 
-impl<F: Family> Action<F> {
+impl<F: Family> AfterBlock<F> {
     /// Whether the order of the blocks is that of the text.
     pub(in crate::exec) fn is_next(&self) -> bool {
-        matches!(self, Action::Next)
+        matches!(self, AfterBlock::Next)
     }
 }
 
 /// Blocks of a program that are to be repeated.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::exec) struct Section<P> {
+pub(in crate::exec) struct RepeatedSection<P> {
     /// Its first and last block.
     pub(in crate::exec) first: usize,
     pub(in crate::exec) last: usize,
@@ -55,7 +55,7 @@ struct Repetition<P> {
 }
 
 /// A program that runs.
-pub(in crate::exec) struct Level<F: Family> {
+pub(in crate::exec) struct ProgramLevel<F: Family> {
     /// Its file.
     pub(in crate::exec) program: usize,
     /// Its part of the file.
@@ -67,16 +67,16 @@ pub(in crate::exec) struct Level<F: Family> {
     /// How many runs of this program are left, this one included.
     pub(in crate::exec) repeats: u32,
     /// What a block still does behind the modal call that it triggered.
-    pub(in crate::exec) pending: Option<Box<(Action<F>, BlockOf<F>)>>,
+    pub(in crate::exec) pending: Option<Box<(AfterBlock<F>, BlockOf<F>)>>,
     /// What its family keeps.
     pub(in crate::exec) own: F::Level,
     /// Sections that are being repeated, the innermost last.
     repetitions: Vec<Repetition<F::Pass>>,
 }
 
-impl<F: Family> Level<F> {
+impl<F: Family> ProgramLevel<F> {
     pub(in crate::exec) fn new(program: usize, part: usize, next: usize, calls: u32, own: F::Level) -> Self {
-        Level { program, part, next, calls, repeats: 1, pending: None, own, repetitions: Vec::new() }
+        ProgramLevel { program, part, next, calls, repeats: 1, pending: None, own, repetitions: Vec::new() }
     }
 
     /// Sections within one another that are being repeated.
@@ -85,8 +85,8 @@ impl<F: Family> Level<F> {
     }
 
     /// Begins to repeat a section, and goes on at `resume` behind it. Whether it has a pass.
-    pub(in crate::exec) fn repeat(&mut self, section: Section<F::Pass>, resume: usize) -> bool {
-        let Section { first, last, passes, pass } = section;
+    pub(in crate::exec) fn repeat(&mut self, section: RepeatedSection<F::Pass>, resume: usize) -> bool {
+        let RepeatedSection { first, last, passes, pass } = section;
         let Some(left) = passes.checked_sub(1) else { return false };
         self.repetitions.push(Repetition { first, last, left, resume, pass });
         self.next = first;

@@ -14,7 +14,7 @@
 //!
 //! # What a family brings
 //!
-//! 1. **A tree.** Its grammar lives in `syntax`; [`program::Text`] and [`program::Statement`] tell the core where blocks are, their lines,
+//! 1. **A tree.** Its grammar lives in `syntax`; [`program::ProgramText`] and [`program::Statement`] tell the core where blocks are, their lines,
 //!    numbers and skip levels.
 //! 2. **Types**, [`family::Family`]: what is worked out of a file once, what a call is, what a level keeps.
 //! 3. **A channel**: plain state and an [`outlet::Outlet`]. Gathering words, working out values, and executing a block in the order of
@@ -28,17 +28,17 @@
 //!
 //! | in the program | for the core |
 //! | --- | --- |
-//! | `CALL LBL 5` | `Action::Call`; `call` begins a level in the same file at the block of the label |
-//! | `LBL 0` | `Action::Return` where a call is open, else `Action::Next` |
-//! | `CALL LBL 5 REP 3` | `Action::Repeat` of the section from the label to the block before, three passes |
-//! | `FN 9: IF Q1 EQU Q2 GOTO LBL 7` | `Action::Goto`; labels are looked up once and kept in `Family::Prepared` |
-//! | `CALL PGM SUB` | `Action::Call`; `find_once` by name; the level keeps the QL of its caller, gives them back when it ends |
-//! | `M2`, `M30`, `END PGM` | `Action::End`, the latter by `end_of_blocks` |
+//! | `CALL LBL 5` | `AfterBlock::Call`; `call` begins a level in the same file at the block of the label |
+//! | `LBL 0` | `AfterBlock::Return` where a call is open, else `AfterBlock::Next` |
+//! | `CALL LBL 5 REP 3` | `AfterBlock::Repeat` of the section from the label to the block before, three passes |
+//! | `FN 9: IF Q1 EQU Q2 GOTO LBL 7` | `AfterBlock::Goto`; labels are looked up once and kept in `Family::Prepared` |
+//! | `CALL PGM SUB` | `AfterBlock::Call`; `find_once` by name; the level keeps the QL of its caller, gives them back when it ends |
+//! | `M2`, `M30`, `END PGM` | `AfterBlock::End`, the latter by `end_of_blocks` |
 //! | `Q1 = Q2 + SIN 30` | no business of the core: the channel keeps Q, QL, QR, QS |
 //! | `L X+10 IY+5 R0 FMAX M3` | words gathered, axis by axis absolute or incremental; `Shape::Line`, `ContourModal::side` of R0, RL, RR |
 //! | `CC`, `C`, `CR`, `CT` | the pole is state; `Shape::Arc`; `CT` takes the direction of the path before |
 //! | `RND`, `CHF`, `APPR`, `DEP` | `Wish::corner`, `Wish::soft`, as contour words of Grundig are |
-//! | cycle 7, 8, 10, 11, 26, `PLANE` | frames of the channel; [`standing::Standing`] puts what they add up to in force |
+//! | cycle 7, 8, 10, 11, 26, `PLANE` | frames of the channel; [`standing::InForce`] puts what they add up to in force |
 //! | `CYCL DEF 200 …` | state: the parameters are Q; DEF-active cycles act at once |
 //! | `CYCL CALL`, `M99` | [`step`]s of the cycle, carried out at the position |
 //! | `M89` | `modal_call`: there is one behind each block that has moved |
@@ -51,7 +51,7 @@
 //! Diameters are read by the gatherer of a family: inside there are radii. The working plane is ZX; nose radius compensation is radius
 //! compensation about a center that [`contour`] shifts by the vector of the tip. G71 to G73 and their kin read a contour between two
 //! blocks: those blocks are executed into a list of paths in place of the outlet, and the cycle makes its steps of them; execution goes
-//! on with `Action::Goto` behind the last. Threads are moves with `Manner::Thread`. Feed per turn and constant cutting speed are state
+//! on with `AfterBlock::Goto` behind the last. Threads are moves with `Manner::Thread`. Feed per turn and constant cutting speed are state
 //! that moves carry already.
 
 pub(in crate::exec) mod arc;

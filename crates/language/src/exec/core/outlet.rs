@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use super::contour::{Contour, Item, Moving, Wish};
+use super::contour::{ContourStage, Item, Moving, Wish};
 use super::fault::{Fault, fault};
 use super::options::Options;
 use super::path::{Path, Shape};
@@ -38,7 +38,7 @@ pub(in crate::exec) struct Outlet<'a> {
     pub(in crate::exec) warnings: Vec<Fault>,
     /// The block that is being executed.
     pub(in crate::exec) origin: Origin,
-    contour: Contour,
+    contour: ContourStage,
     released: Vec<Item>,
     number: Option<BlockNumber>,
     starts_block: bool,
@@ -60,7 +60,7 @@ impl<'a> Outlet<'a> {
             queue: VecDeque::with_capacity(16),
             warnings: Vec::new(),
             origin: Origin::default(),
-            contour: Contour::new(&machine.control, options.keeps_wear),
+            contour: ContourStage::new(&machine.control, options.keeps_wear),
             released: Vec::new(),
             number: None,
             starts_block: false,

@@ -21,7 +21,7 @@ pub(in crate::exec) trait Statement: Copy {
 }
 
 /// A file as a grammar has read it.
-pub(in crate::exec) trait Text {
+pub(in crate::exec) trait ProgramText {
     /// Its blocks.
     type Block: Statement;
 
@@ -39,7 +39,7 @@ pub(in crate::exec) trait Text {
 }
 
 /// A file, ready to run.
-pub(in crate::exec) struct Loaded<P, T> {
+pub(in crate::exec) struct LoadedFile<P, T> {
     pub(in crate::exec) program: P,
     /// What its family has worked out of it.
     pub(in crate::exec) own: T,
@@ -47,11 +47,11 @@ pub(in crate::exec) struct Loaded<P, T> {
     commented: Flags,
 }
 
-impl<P: Text, T> Loaded<P, T> {
+impl<P: ProgramText, T> LoadedFile<P, T> {
     /// Of a file, and what its family has worked out of it.
     pub(in crate::exec) fn with(program: P, own: T) -> Self {
         let commented = Flags::new(program.block_count());
-        Loaded { program, own, commented }
+        LoadedFile { program, own, commented }
     }
 
     /// Whether the comments of a block are to be passed on: the first time it is executed, a loop does not repeat them.
@@ -83,7 +83,7 @@ impl Statement for words::Block {
     }
 }
 
-impl Text for words::Program {
+impl ProgramText for words::Program {
     type Block = words::Block;
 
     fn source(&self) -> &Source {

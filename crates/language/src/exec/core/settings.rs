@@ -6,7 +6,7 @@ use ncfix_machine::machine::Machine;
 
 /// The machine, and what the caller has chosen.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::exec) struct Settings<'a> {
+pub(in crate::exec) struct RunSettings<'a> {
     pub(in crate::exec) machine: &'a Machine,
     /// Refuse what a correction must not assume.
     pub(in crate::exec) strict: bool,
@@ -16,9 +16,9 @@ pub(in crate::exec) struct Settings<'a> {
     pub(in crate::exec) rapid_order: RapidOrder,
 }
 
-impl<'a> Settings<'a> {
+impl<'a> RunSettings<'a> {
     pub(in crate::exec) fn new(machine: &'a Machine, options: &Options) -> Self {
         let &Options { strict, radius, rapid_order, .. } = options;
-        Settings { machine, strict, radius, rapid_order }
+        RunSettings { machine, strict, radius, rapid_order }
     }
 }

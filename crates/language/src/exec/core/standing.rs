@@ -8,7 +8,7 @@ use ncfix_machine::snc::Setup;
 
 /// What is in force.
 #[derive(Debug, Default)]
-pub(in crate::exec) struct Standing {
+pub(in crate::exec) struct InForce {
     /// All that lies between programmed positions and axis commands.
     pub(in crate::exec) setup: Arc<Setup>,
     /// The part of it that the output keeps; the same one where there is nothing else.

@@ -6,13 +6,13 @@ use super::family::Family;
 use super::fault::{Fault, fault};
 use super::interpreter::{self, Execute};
 use super::ledger::Ledger;
-use super::level::{self, Section};
+use super::level::{self, RepeatedSection};
 use super::library::NoLibrary;
 use super::options::Options;
 use super::outlet::{HasOutlet, Outlet};
 use super::path::{Path, Shape};
-use super::program::{Loaded, Statement, Text};
-use super::standing::Standing;
+use super::program::{LoadedFile, ProgramText, Statement};
+use super::standing::InForce;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, PlaneBasis};
 use ncfix_base::source::{FileId, Source, Span};
@@ -38,9 +38,9 @@ struct Program {
 }
 
 struct Toy;
-type Interpreter<'a> = interpreter::Interpreter<'a, Toy>;
-type Action = level::Action<Toy>;
-type Level = level::Level<Toy>;
+type Interpreter<'a> = interpreter::Runner<'a, Toy>;
+type Action = level::AfterBlock<Toy>;
+type Level = level::ProgramLevel<Toy>;
 
 impl Statement for Block {
     fn span(&self) -> Span {
@@ -60,7 +60,7 @@ impl Statement for Block {
     }
 }
 
-impl Text for Program {
+impl ProgramText for Program {
     type Block = Block;
 
     fn source(&self) -> &Source {
@@ -95,7 +95,7 @@ impl Family for Toy {
 /// The state: parameters, the shift, the depth of the cycle, the position; and the outlet.
 struct Channel<'a> {
     outlet: Outlet<'a>,
-    standing: Standing,
+    standing: InForce,
     parameters: [f64; 4],
     depth: Option<f64>,
     place: AxisVector,
@@ -145,7 +145,7 @@ impl Execute for Toy {
         (read(source), Vec::new())
     }
 
-    fn end_of(_: &Channel<'_>, file: &Loaded<Program, HashMap<u32, usize>>, _: &Level) -> usize {
+    fn end_of(_: &Channel<'_>, file: &LoadedFile<Program, HashMap<u32, usize>>, _: &Level) -> usize {
         file.program.blocks.len()
     }
 
@@ -177,7 +177,8 @@ impl Execute for Toy {
             "IFLESS" if channel.parameters[first as usize] < second => return target(third).map(Action::Goto),
             "CALL" => return target(first).map(Action::Call),
             "REP" => {
-                let section = Section { first: target(first)?, last: index - 1, passes: second as u64, pass: () };
+                let section =
+                    RepeatedSection { first: target(first)?, last: index - 1, passes: second as u64, pass: () };
                 return Ok(Action::Repeat(section));
             }
             "RET" => return Ok(Action::Return(())),
@@ -243,13 +244,13 @@ fn run(text: &str) -> (Vec<[f64; 3]>, Vec<Code>) {
     let labels = labels.map(|(index, block)| (block.numbers[0] as u32, index)).collect();
     let channel = Channel {
         outlet: Outlet::new(&machine, &options),
-        standing: Standing::default(),
+        standing: InForce::default(),
         parameters: [0.0; 4],
         depth: None,
         place: AxisVector::ZERO,
     };
     let ledger = Ledger::new(source, program.blocks.len(), &options);
-    let main = (Loaded::with(program, labels), Level::new(0, 0, 0, 0, ()));
+    let main = (LoadedFile::with(program, labels), Level::new(0, 0, 0, 0, ()));
     let mut running = Interpreter::start(&machine, Box::new(NoLibrary), ledger, (channel, ()), main);
     let (mut ends, mut found) = (Vec::new(), Vec::new());
     while let Some(item) = running.advance() {

@@ -1,11 +1,10 @@
 //! F, S, M functions, dwells.
 
-use super::channel::AtHand;
 use super::channel::Channel;
+use super::channel::GrundigAtHand;
 use super::gathered::Gathered;
 use super::modal::Modal;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::HasOutlet;
 use crate::exec::core::outlet::Outlet;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -19,7 +18,7 @@ const BEHIND: &[u16] = &[0, 1, 2, 5, 9, 30];
 /// F and S; the F of a dwell, a cycle and a block are read there.
 pub(super) fn feed_and_speed(
     modal: &mut Modal,
-    block: &mut AtHand,
+    block: &mut GrundigAtHand,
     outlet: &mut Outlet<'_>,
     gathered: &mut Gathered,
 ) -> Result<(), Fault> {

@@ -10,8 +10,8 @@ use super::modal::Modal;
 use crate::exec::core::contour::{Corner, Soft};
 use crate::exec::core::options::Options;
 use crate::exec::core::outlet::{HasOutlet, Outlet};
-use crate::exec::core::settings::Settings;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::settings::RunSettings;
+use crate::exec::core::standing::InForce;
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeTable;
 use ncfix_machine::machine::{Machine, Tool};
@@ -20,7 +20,7 @@ use ncfix_machine::snc::{Kind, Word};
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
     /// The machine, and what the caller has chosen.
-    pub(super) settings: Settings<'a>,
+    pub(super) settings: RunSettings<'a>,
     pub(super) outlet: Outlet<'a>,
     pub(super) modal: Modal,
     pub(super) parameters: Parameters,
@@ -28,9 +28,9 @@ pub(super) struct Channel<'a> {
     /// The tools of the control.
     pub(super) memory: ToolMemory,
     /// Frame, tool length and plane in force.
-    pub(super) standing: Standing,
+    pub(super) standing: InForce,
     /// What the block at hand says and does.
-    pub(super) block: AtHand,
+    pub(super) block: GrundigAtHand,
     /// M3 or M4 while the spindle turns.
     pub(super) spindle: Option<u16>,
     pub(super) feed_warned: bool,
@@ -48,7 +48,7 @@ pub(super) struct ToolMemory {
 
 /// What the block at hand says and does.
 #[derive(Default)]
-pub(super) struct AtHand {
+pub(super) struct GrundigAtHand {
     /// Whether the block has moved already.
     pub(super) has_moved: bool,
     /// Whether the block names F.
@@ -73,14 +73,14 @@ impl<'a> HasOutlet<'a> for Channel<'a> {
 impl<'a> Channel<'a> {
     pub(super) fn new(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Self {
         Channel {
-            settings: Settings::new(machine, options),
+            settings: RunSettings::new(machine, options),
             outlet: Outlet::new(machine, options),
             modal: Modal::new(options.start, machine),
             parameters: Parameters::new(machine),
             codes,
             memory: ToolMemory { tools: machine.tools.clone(), radius_wear: machine.radius_wear_mm.clone() },
-            standing: Standing { changed: true, ..Standing::default() },
-            block: AtHand::default(),
+            standing: InForce { changed: true, ..InForce::default() },
+            block: GrundigAtHand::default(),
             spindle: None,
             feed_warned: false,
             open: None,

@@ -2,8 +2,8 @@
 
 use super::arc;
 use super::arc::{Circle, sweep_between};
-use super::channel::AtHand;
 use super::channel::Channel;
+use super::channel::GrundigAtHand;
 use super::channel::Open;
 use super::gathered::{Found, Gathered};
 use super::geometry::{Choice, Element, meet};
@@ -16,7 +16,7 @@ use super::target::Target;
 use crate::exec::core::contour::{Clearance, Corner, Soft, SoftForm, SoftSide, Transition};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::outlet::Outlet;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use crate::exec::core::step::Flat;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
@@ -38,7 +38,7 @@ pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -
 fn transition(
     machine: &Machine,
     modal: &Modal,
-    standing: &Standing,
+    standing: &InForce,
     round: Option<Found>,
     chamfer: Option<Found>,
 ) -> Result<Option<Corner>, Fault> {
@@ -139,7 +139,7 @@ fn target_of_plane(channel: &mut Channel<'_>, gathered: &mut Gathered, increment
 fn element_of(
     modal: &Modal,
     open: &Option<Open>,
-    standing: &Standing,
+    standing: &InForce,
     gathered: &mut Gathered,
 ) -> Result<Option<(Element, bool)>, Fault> {
     let axes = modal.plane.axes();
@@ -220,7 +220,7 @@ fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span:
 }
 
 /// How much the frame enlarges the plane.
-fn plane_factor(modal: &Modal, standing: &Standing) -> f64 {
+fn plane_factor(modal: &Modal, standing: &InForce) -> f64 {
     let frame = &standing.setup.frame;
     if frame.is_translation() {
         return 1.0;
@@ -313,7 +313,7 @@ fn flat_letters(modal: &Modal) -> [u8; 2] {
 /// `G61`, `G62`: onto the contour and off it along a tangent.
 pub(super) fn soft_words(
     modal: &Modal,
-    block: &mut AtHand,
+    block: &mut GrundigAtHand,
     outlet: &mut Outlet<'_>,
     gathered: &mut Gathered,
     retracts: bool,
@@ -351,7 +351,7 @@ pub(super) fn soft_words(
 }
 
 /// Says of G61 or G62 that still wait that nothing moves onto the contour or off it.
-pub(super) fn end_soft(block: &mut AtHand, outlet: &mut Outlet<'_>) {
+pub(super) fn end_soft(block: &mut GrundigAtHand, outlet: &mut Outlet<'_>) {
     if let Some((soft, span)) = block.soft.take() {
         let message = if soft.retracts { "no motion follows this G62" } else { "no motion follows this G61" };
         let help = "write where it leads, for example G61 X0 Y0 R8";

@@ -4,7 +4,7 @@ use super::channel::Channel;
 use super::expression::Scope;
 use super::flow::FLOW_CODES;
 use super::gathered::Gathered;
-use super::level::{Action, Call, Grundig, Interpreter, Level, LevelKind, Loaded};
+use super::level::{Action, Grundig, Interpreter, Level, LevelKind, Loaded, MacroCall};
 use super::library::take_comment;
 use super::order;
 use super::setup;
@@ -82,7 +82,7 @@ impl Execute for Grundig {
         run.count_down(pass)
     }
 
-    fn call(run: &mut Interpreter<'_>, call: Call, block: &Block) -> Result<(), Fault> {
+    fn call(run: &mut Interpreter<'_>, call: MacroCall, block: &Block) -> Result<(), Fault> {
         run.enter(call, block)
     }
 

@@ -1,9 +1,9 @@
 //! What a block does to the order of execution: G14, G22, G23, G29, M30.
 
 use super::gathered::Gathered;
-use super::level::{Action, Call, Interpreter, Level, LevelKind};
+use super::level::{Action, Interpreter, Level, LevelKind, MacroCall};
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::level::Section;
+use crate::exec::core::level::RepeatedSection;
 use crate::syntax::words::{Block, PartKind};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -90,7 +90,7 @@ impl Interpreter<'_> {
             let message = "repetitions (G14) are nested too deeply";
             return Err(fault(Code::TOO_MANY_CALLS, span, message, "write some of the repetitions out"));
         }
-        Ok(Action::Repeat(Section { first, last, passes: left as u64, pass: counter }))
+        Ok(Action::Repeat(RepeatedSection { first, last, passes: left as u64, pass: counter }))
     }
 
     /// A further pass has begun: its parameter falls.
@@ -111,7 +111,7 @@ impl Interpreter<'_> {
             let message = format!("macros are nested more than {MOST_MACROS} deep");
             return Err(fault(Code::TOO_MANY_CALLS, span, message, "does a macro call itself?"));
         }
-        Ok(Action::Call(Call { kind: LevelKind::Macro, number, span }))
+        Ok(Action::Call(MacroCall { kind: LevelKind::Macro, number, span }))
     }
 
     /// `G23 N=9002`: a whole program, whose M30 leads back.
@@ -128,7 +128,7 @@ impl Interpreter<'_> {
             let message = "programs are nested too deeply";
             return Err(fault(Code::TOO_MANY_CALLS, span, message, "does a program call itself?"));
         }
-        Ok(Action::Call(Call { kind: LevelKind::Program, number, span }))
+        Ok(Action::Call(MacroCall { kind: LevelKind::Program, number, span }))
     }
 
     fn called(&self, gathered: &mut Gathered, span: Span) -> Result<u32, Fault> {
@@ -147,8 +147,8 @@ impl Interpreter<'_> {
     }
 
     /// Begins a call.
-    pub(super) fn enter(&mut self, call: Call, block: &Block) -> Result<(), Fault> {
-        let Call { kind, number, span } = call;
+    pub(super) fn enter(&mut self, call: MacroCall, block: &Block) -> Result<(), Fault> {
+        let MacroCall { kind, number, span } = call;
         let part_kind = if kind == LevelKind::Macro { PartKind::Macro } else { PartKind::Program };
         let Some((program, part)) = self.find(part_kind, number) else {
             let (what, ending) = if kind == LevelKind::Macro { ("macro", "MM") } else { ("program", "PM") };

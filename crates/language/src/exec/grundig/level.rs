@@ -12,11 +12,11 @@ use ncfix_base::source::Span;
 pub(super) struct Grundig;
 
 /// A running program.
-pub(super) type Interpreter<'a> = core::interpreter::Interpreter<'a, Grundig>;
+pub(super) type Interpreter<'a> = core::interpreter::Runner<'a, Grundig>;
 /// A program that is being executed.
-pub(super) type Level = core::level::Level<Grundig>;
+pub(super) type Level = core::level::ProgramLevel<Grundig>;
 /// What comes after a block.
-pub(super) type Action = core::level::Action<Grundig>;
+pub(super) type Action = core::level::AfterBlock<Grundig>;
 /// A file, ready to run.
 pub(super) type Loaded = core::family::FileOf<Grundig>;
 
@@ -33,7 +33,7 @@ pub(super) enum LevelKind {
 
 /// G22 and G23.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Call {
+pub(super) struct MacroCall {
     pub(super) kind: LevelKind,
     pub(super) number: u32,
     pub(super) span: Span,
@@ -46,7 +46,7 @@ impl Family for Grundig {
     type Name = (bool, u32);
     /// File and part.
     type Entry = (usize, usize);
-    type Call = Call;
+    type Call = MacroCall;
     type Return = Infallible;
     /// M30 or M2.
     type End = Option<u16>;

@@ -311,7 +311,7 @@ fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(),
         Step::Spindle(turn) => {
             // Only where it matters how it turned before.
             let is_relative = matches!(turn, Turn::Reversed | Turn::Again);
-            let before = if is_relative { turning(&channel.spindle, &channel.outlet)? } else { 0 };
+            let before = if is_relative { turning(channel.spindle, &channel.outlet)? } else { 0 };
             spindle_word(&mut channel.outlet, turn.m_code(before));
             Ok(())
         }
@@ -321,7 +321,7 @@ fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(),
 }
 
 /// M3 or M4, whichever is in force.
-fn turning(spindle: &Option<u16>, outlet: &Outlet<'_>) -> Result<u16, Fault> {
+fn turning(spindle: Option<u16>, outlet: &Outlet<'_>) -> Result<u16, Fault> {
     spindle.ok_or_else(|| {
         step::block_fault(
             outlet,

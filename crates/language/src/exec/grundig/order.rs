@@ -11,7 +11,6 @@ use super::motion;
 use super::target;
 use super::tool;
 use crate::exec::core::fault::{Fault, fault};
-use crate::exec::core::outlet::HasOutlet;
 use ncfix_base::diagnostic::Code;
 use ncfix_dialect::CodeTable;
 use ncfix_machine::snc::Kind;

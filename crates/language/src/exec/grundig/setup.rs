@@ -3,9 +3,8 @@
 use super::channel::Channel;
 use crate::exec::core::fault::{Fault, bad_value};
 use crate::exec::core::options::Options;
-use crate::exec::core::outlet::HasOutlet;
 use crate::exec::core::outlet::Outlet;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use crate::exec::core::standing::{known_behind, lengthened};
 use ncfix_base::geometry::{AxisSet, Frame, Vector};
 use ncfix_dialect::CodeTable;
@@ -50,14 +49,14 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
 }
 
 /// Tells the output what holds from here on, where that has changed.
-pub(super) fn show_setup(standing: &mut Standing, outlet: &mut Outlet<'_>) {
+pub(super) fn show_setup(standing: &mut InForce, outlet: &mut Outlet<'_>) {
     if std::mem::take(&mut standing.changed) {
         outlet.push(Kind::Setup(Arc::clone(&standing.shown)));
     }
 }
 
 /// Axes of the program as axes of the output.
-pub(super) fn shown_axes(standing: &Standing, axes: AxisSet, moving: bool) -> AxisSet {
+pub(super) fn shown_axes(standing: &InForce, axes: AxisSet, moving: bool) -> AxisSet {
     let (own, shown): (&Frame, &Frame) = (&standing.setup.frame, &standing.shown.frame);
     if own.is_translation() && shown.is_translation() {
         return axes;

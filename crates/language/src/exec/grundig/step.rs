@@ -19,7 +19,7 @@ use crate::exec::core::outlet::Outlet;
 use crate::exec::core::path::Path;
 use crate::exec::core::path::Shape;
 use crate::exec::core::radius::Radius;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 use ncfix_base::geometry::AxisSet;
@@ -171,7 +171,7 @@ pub(super) fn put(channel: &mut Channel<'_>, path: Path) {
 }
 
 /// Axis commands of programmed positions; those of axes that nothing names keep their last bit where the frame only shifts.
-pub(super) fn reach(modal: &Modal, standing: &Standing, to: &AxisVector, named: AxisSet) -> AxisVector {
+pub(super) fn reach(modal: &Modal, standing: &InForce, to: &AxisVector, named: AxisSet) -> AxisVector {
     let frame = &standing.setup.frame;
     if !frame.is_translation() {
         return standing.setup.command(to);

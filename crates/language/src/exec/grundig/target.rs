@@ -6,7 +6,7 @@ use super::modal::Modal;
 use super::modal::{Point, plus};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::rollover;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use crate::exec::core::step::Flat;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Plane;
@@ -28,7 +28,7 @@ pub(super) struct Target {
 }
 
 /// The present position as programmed.
-pub(super) fn here(modal: &Modal, standing: &Standing) -> AxisVector {
+pub(super) fn here(modal: &Modal, standing: &InForce) -> AxisVector {
     standing.setup.programmed(&modal.command)
 }
 

@@ -5,7 +5,7 @@ use super::measure;
 use super::modal::Modal;
 use super::step;
 use super::target;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 use std::sync::Arc as Shared;
@@ -154,7 +154,7 @@ pub(super) fn arc(
 fn closed_on_grid(
     machine: &Machine,
     modal: &Modal,
-    standing: &Standing,
+    standing: &InForce,
     mut end: AxisVector,
     span: Span,
 ) -> Result<AxisVector, Fault> {

@@ -15,8 +15,8 @@ use super::zero_offset::System;
 use crate::exec::core::contour::Corner;
 use crate::exec::core::options::Options;
 use crate::exec::core::outlet::{HasOutlet, Outlet};
-use crate::exec::core::settings::Settings;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::settings::RunSettings;
+use crate::exec::core::standing::InForce;
 use ncfix_base::geometry::{AxisSet, AxisVector, FrameParts, Vector};
 use ncfix_base::source::Span;
 use ncfix_dialect::{Dialect, Language};
@@ -26,23 +26,23 @@ use ncfix_machine::snc::{BlockNumber, Kind, Origin, Word};
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
     /// The machine, and what the caller has chosen.
-    pub(super) settings: Settings<'a>,
+    pub(super) settings: RunSettings<'a>,
     pub(super) language: Language,
     pub(super) axes: AxisSet,
     pub(super) outlet: Outlet<'a>,
     pub(super) modal: Modal,
     /// What the program has set in the control.
-    pub(super) written: Written,
+    pub(super) written: WrittenData,
     /// States that M70 and M73 have saved, one place per program level.
     pub(super) saved: Vec<Option<Box<SavedState>>>,
     /// What the block at hand says and does.
-    pub(super) block: AtHand,
+    pub(super) block: IsoAtHand,
     pub(super) variables: Variables,
     pub(super) loops: Passes,
     /// Calls of G66 in force, the last one the innermost.
     pub(super) modal_calls: Vec<Call>,
     /// Frame, tool length and plane in force.
-    pub(super) standing: Standing,
+    pub(super) standing: InForce,
     /// What was said already.
     pub(super) warned: Warned,
     pub(super) cycles: Cycles,
@@ -52,7 +52,7 @@ pub(super) struct Channel<'a> {
 
 /// What the program has set in the control.
 #[derive(Default)]
-pub(super) struct Written {
+pub(super) struct WrittenData {
     /// Zero offsets that the program has set.
     pub(super) offsets: BTreeMap<System, FrameParts>,
     /// Tool offsets that the program has set.
@@ -63,7 +63,7 @@ pub(super) struct Written {
 
 /// What the block at hand says and does.
 #[derive(Default)]
-pub(super) struct AtHand {
+pub(super) struct IsoAtHand {
     /// Whether the block has moved an axis.
     pub(super) has_moved: bool,
     /// Whether the block ends the program.
@@ -98,18 +98,18 @@ impl<'a> Channel<'a> {
     pub(super) fn new(machine: &'a Machine, options: &Options, dialect: &'static Dialect) -> Self {
         let language = dialect.language;
         Channel {
-            settings: Settings::new(machine, options),
+            settings: RunSettings::new(machine, options),
             language,
             axes: machine.axis_set(),
             outlet: Outlet::new(machine, options),
             modal: Modal::new(options.start, machine, language),
-            written: Written::default(),
+            written: WrittenData::default(),
             saved: vec![None],
-            block: AtHand::default(),
+            block: IsoAtHand::default(),
             variables: Variables::new(language, machine),
             loops: Passes::default(),
             modal_calls: Vec::new(),
-            standing: Standing { changed: true, ..Standing::default() },
+            standing: InForce { changed: true, ..InForce::default() },
             warned: Warned::default(),
             cycles: Cycles::default(),
             special: Special::default(),

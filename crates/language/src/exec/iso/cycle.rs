@@ -9,7 +9,7 @@ use super::one_axis;
 use super::spline;
 use super::step;
 use super::target;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use ncfix_machine::machine::Machine;
 use std::sync::Arc as Shared;
 
@@ -272,7 +272,7 @@ fn call(
 }
 
 /// A direction of the machine in the program's plane.
-fn direction_of(modal: &Modal, standing: &Standing, axis: Axis, sign: f64) -> [f64; 2] {
+fn direction_of(modal: &Modal, standing: &InForce, axis: Axis, sign: f64) -> [f64; 2] {
     let [abscissa, ordinate, _] = modal.plane.axes();
     let direction = standing.setup.frame.unapply_direction(Vector::ith(axis.dimension(), sign));
     [abscissa, ordinate].map(|axis| direction.get(axis.slot()).copied().unwrap_or_default())

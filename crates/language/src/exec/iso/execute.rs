@@ -14,7 +14,6 @@ use crate::exec::core::interpreter::Execute;
 use crate::exec::core::ledger::Ledger;
 use crate::exec::core::library::Library;
 use crate::exec::core::options::Options;
-use crate::exec::core::outlet::HasOutlet;
 use crate::exec::core::program::Statement;
 use crate::syntax::words::{self, Block, Comment, CommentKind, Program};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -26,7 +25,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Origin};
 
 /// What a run keeps beside the channel.
-pub(super) struct Run {
+pub(super) struct IsoRun {
     /// The part of the first file that is the main program.
     pub(super) main: usize,
     /// Which parts of the first file were entered.
@@ -72,13 +71,13 @@ pub(in crate::exec) fn start<'a>(
     [first, main].into_iter().for_each(|part| entered.iter_mut().skip(part).take(1).for_each(|place| *place = true));
     let loops = Loops::of(&program, &ledger);
     let level = Level::new(0, first, start, 0, Called::default());
-    let (state, main) = ((channel, Run { main, entered }), (Loaded::with(program, loops), level));
+    let (state, main) = ((channel, IsoRun { main, entered }), (Loaded::with(program, loops), level));
     Box::new(Interpreter::start(machine, library, ledger, state, main))
 }
 
 impl Execute for Iso {
     type Channel<'a> = Channel<'a>;
-    type Run = Run;
+    type Run = IsoRun;
 
     fn parse(run: &Interpreter<'_>, source: &Source) -> (Program, Vec<Diagnostic>) {
         words::parse(source, run.programs[0].program.dialect)
@@ -97,7 +96,7 @@ impl Execute for Iso {
     }
 
     fn block(run: &mut Interpreter<'_>, block: &Block, index: usize) -> Result<Action, Fault> {
-        let core::interpreter::Interpreter { programs, levels, channel, ledger, .. } = run;
+        let core::interpreter::Runner { programs, levels, channel, ledger, .. } = run;
         let Some(level) = levels.last() else { return Ok(Action::Next) };
         let Some(loaded) = programs.get_mut(level.program) else { return Ok(Action::Next) };
         let takes_all = !loaded.program.comments_of(block).is_empty() && loaded.takes_comments_of(index);

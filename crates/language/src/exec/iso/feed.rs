@@ -1,7 +1,7 @@
 //! Feed, speed, tool word, dwell, path control.
 
 use super::auxiliary;
-use super::channel::AtHand;
+use super::channel::IsoAtHand;
 use super::forbidden;
 use super::measure;
 use super::modal::Modal;
@@ -85,7 +85,7 @@ pub(super) fn feed(modal: &mut Modal, gathered: &Gathered) -> Result<(), Fault> 
 pub(super) fn speed(
     machine: &Machine,
     modal: &mut Modal,
-    block: &mut AtHand,
+    block: &mut IsoAtHand,
     gathered: &Gathered,
 ) -> Result<(), Fault> {
     let Some(value) = gathered.raw(b'S') else { return Ok(()) };

@@ -13,11 +13,11 @@ use crate::syntax::words::Program;
 pub(super) struct Iso;
 
 /// A running program.
-pub(super) type Interpreter<'a> = core::interpreter::Interpreter<'a, Iso>;
+pub(super) type Interpreter<'a> = core::interpreter::Runner<'a, Iso>;
 /// A program that is being executed.
-pub(super) type Level = core::level::Level<Iso>;
+pub(super) type Level = core::level::ProgramLevel<Iso>;
 /// What comes after a block.
-pub(super) type Action = core::level::Action<Iso>;
+pub(super) type Action = core::level::AfterBlock<Iso>;
 /// A program file, ready to run.
 pub(super) type Loaded = core::family::FileOf<Iso>;
 

@@ -11,7 +11,7 @@ use super::gathered::Gathered;
 use super::modal::Modal;
 use super::target;
 use crate::exec::core::fault::{Fault, fault};
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_base::source::Span;
@@ -24,7 +24,7 @@ const SAME_MM: f64 = 1e-6;
 pub(super) fn note_turn(
     modal: &Modal,
     special: &mut Special,
-    standing: &Standing,
+    standing: &InForce,
     before: &Transforms,
     here: &AxisVector,
     known: AxisSet,

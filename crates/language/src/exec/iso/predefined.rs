@@ -7,7 +7,7 @@ use super::target;
 use super::variables::Missing;
 use super::zero_offset::System;
 use crate::exec::core::contour::Side;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::snc::{FeedUnit, Kind};
 
@@ -105,7 +105,7 @@ fn tool_in_spindle(strict: bool, modal: &Modal) -> Result<f64, Missing> {
 }
 
 /// Where an axis is, as the program would say it.
-fn here_of(strict: bool, modal: &Modal, standing: &Standing, axis: Axis) -> Result<f64, Missing> {
+fn here_of(strict: bool, modal: &Modal, standing: &InForce, axis: Axis) -> Result<f64, Missing> {
     if strict && !modal.known.contains(axis) {
         return Err(Missing::Unstated);
     }
@@ -185,7 +185,7 @@ pub(super) fn predefined_name(channel: &Channel<'_>, name: &str) -> Option<Resul
 }
 
 /// Where an axis of the machine is.
-fn machine_of(strict: bool, modal: &Modal, standing: &Standing, axis: Axis) -> Result<f64, Missing> {
+fn machine_of(strict: bool, modal: &Modal, standing: &InForce, axis: Axis) -> Result<f64, Missing> {
     if strict && !modal.known.contains(axis) {
         return Err(Missing::Unstated);
     }

@@ -3,7 +3,6 @@
 use super::channel::Channel;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::fault;
-use crate::exec::core::outlet::HasOutlet;
 use crate::exec::core::standing::{keep_pose, known_behind, lengthened};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Vector;

@@ -2,7 +2,7 @@
 
 use super::channel::Channel;
 use super::channel::ToolOffset;
-use super::channel::Written;
+use super::channel::WrittenData;
 use super::codes::Group;
 use super::gathered::Gathered;
 use super::measure;
@@ -11,7 +11,7 @@ use super::zero_offset::System;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::fault;
 use crate::exec::core::rollover;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 use ncfix_base::geometry::AxisSet;
@@ -23,7 +23,7 @@ use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 /// Offsets of a number, as the program or the machine file set them.
-pub(super) fn tool_offset(machine: &Machine, written: &Written, number: u32) -> Option<ToolOffset> {
+pub(super) fn tool_offset(machine: &Machine, written: &WrittenData, number: u32) -> Option<ToolOffset> {
     written.tools.get(&number).copied().or_else(|| {
         let tool = machine.tool(number, 1)?;
         let [first, second, third] = tool.length_mm;
@@ -34,7 +34,7 @@ pub(super) fn tool_offset(machine: &Machine, written: &Written, number: u32) -> 
 }
 
 /// The tip of the tool as the control sees it, machine coordinates.
-pub(super) fn tip(modal: &Modal, standing: &Standing) -> AxisVector {
+pub(super) fn tip(modal: &Modal, standing: &InForce) -> AxisVector {
     let mut tip = modal.command;
     tip.set_xyz(tip.xyz() + standing.setup.tool_mm);
     tip
@@ -89,7 +89,7 @@ pub(super) fn unknown_start(span: Span, axis: Axis) -> Fault {
 }
 
 /// The value of a zero offset; `None` where neither program nor machine file give one.
-pub(super) fn offset_of(machine: &Machine, written: &Written, system: System) -> Option<FrameParts> {
+pub(super) fn offset_of(machine: &Machine, written: &WrittenData, system: System) -> Option<FrameParts> {
     let own = written.offsets.get(&system).copied();
     own.or_else(|| machine.zero_offsets.get(&system.words()).copied())
 }
@@ -103,12 +103,12 @@ pub(super) fn check_stated(strict: bool, modal: &Modal, axis: Axis, span: Span) 
 }
 
 /// Where the channel is, as the program would say it.
-pub(super) fn here(modal: &Modal, standing: &Standing) -> AxisVector {
+pub(super) fn here(modal: &Modal, standing: &InForce) -> AxisVector {
     standing.setup.programmed(&modal.command)
 }
 
 /// The frame of a zero offset alone, that of all systems included.
-pub(super) fn frame_of(machine: &Machine, written: &Written, system: System) -> Frame {
+pub(super) fn frame_of(machine: &Machine, written: &WrittenData, system: System) -> Frame {
     let order = machine.control.rotation_order;
     let frame =
         |system| offset_of(machine, written, system).unwrap_or_default().frame(order).unwrap_or_else(Frame::identity);

@@ -6,7 +6,7 @@
 use super::modal::Modal;
 use super::target;
 use crate::exec::core::outlet::Outlet;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use std::f64::consts::TAU;
 
 use super::channel::Channel;
@@ -101,7 +101,7 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
 }
 
 /// Where the axes stand.
-pub(super) fn axis_command(modal: &Modal, standing: &Standing, outlet: &Outlet<'_>) -> AxisVector {
+pub(super) fn axis_command(modal: &Modal, standing: &InForce, outlet: &Outlet<'_>) -> AxisVector {
     let turning = modal.turning.and(outlet.kinematics.as_deref());
     let command = turning.and_then(|chain| chain.command_on_workpiece(&modal.command, &standing.setup.tool_mm));
     command.unwrap_or(modal.command)
@@ -111,7 +111,7 @@ pub(super) fn axis_command(modal: &Modal, standing: &Standing, outlet: &Outlet<'
 /// other axes too: where the control has them is unknown until the program states it.
 pub(super) fn forget_moved_tip(
     modal: &mut Modal,
-    standing: &Standing,
+    standing: &InForce,
     outlet: &mut Outlet<'_>,
     axes: &AxisVector,
     tool_mm: &Vector,

@@ -13,7 +13,7 @@ use super::modal::MotionKind;
 use crate::exec::core::contour::crossing;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::outlet::Outlet;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_base::source::Span;
@@ -81,7 +81,7 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
 /// The element behind a motion without end: both meet at the intersection.
 fn close_angle(
     modal: &mut Modal,
-    standing: &Standing,
+    standing: &InForce,
     outlet: &mut Outlet<'_>,
     gathered: &Gathered,
     open: &OpenAngle,

@@ -4,7 +4,7 @@ use super::channel::Channel;
 use super::flow;
 use super::gathered::Call;
 use super::jump::{place_of, search, variable};
-use super::level::{Called, Entry, Interpreter, Level, Loaded, ReturnTarget};
+use super::level::{CalledWith, Entry, Interpreter, Level, Loaded, ReturnTarget};
 use super::parameters;
 use super::part::{COUNT_HELP, count_of};
 use super::pass::opaque_statement;
@@ -15,7 +15,7 @@ use super::value::Value;
 use super::variables::Locals;
 use super::{library, names};
 use crate::exec::core::fault::{Fault, fault};
-use crate::exec::core::level::Section;
+use crate::exec::core::level::RepeatedSection;
 use crate::syntax::sinumerik::{ArgumentRange, Block, CallKind, CallStatement, Callee, JumpTarget, Search};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -126,7 +126,7 @@ impl Interpreter<'_> {
         if name.is_none() {
             // A part of the running program sees its variables.
             if let Some(level) = self.levels.last_mut() {
-                level.repeat(Section { first, last, passes: u64::from(repeats), pass: () }, level.next);
+                level.repeat(RepeatedSection { first, last, passes: u64::from(repeats), pass: () }, level.next);
             }
             return Ok(());
         }
@@ -229,18 +229,18 @@ impl Interpreter<'_> {
         let refused = self.under_compensation(cycle, span);
         let loaded = &self.programs[program];
         let blocks = loaded.program.sections.get(section).map_or(0..0, |section| section.blocks.clone());
-        let own = Called {
+        let own = CalledWith {
             span,
             cycle,
             is_modal,
             within: part,
             saved: loaded.own.has_save(section).then(|| Box::new(self.channel.modal.clone())),
             callers_variables: self.channel.variables.exchange(Locals::default()),
-            ..Called::default()
+            ..CalledWith::default()
         };
         let mut level = Level::new(program, section, blocks.start, calls, own);
         if let Some((first, last)) = part {
-            level.repeat(Section { first, last, passes: 1, pass: () }, blocks.end);
+            level.repeat(RepeatedSection { first, last, passes: 1, pass: () }, blocks.end);
         }
         level.repeats = repeats;
         let bound = parameters::bind(loaded, &mut self.channel, loaded.parameters(section), &arguments);
@@ -292,7 +292,7 @@ impl Interpreter<'_> {
         let Some(level) = self.leave() else { return };
         if level.repeats > 1 {
             let Level { program, part: section, calls, repeats, own, .. } = level;
-            let Called { arguments, is_modal, within: part, span, .. } = own;
+            let CalledWith { arguments, is_modal, within: part, span, .. } = own;
             let file = self.channel.outlet.file();
             self.enter(Entry { program, section, arguments, repeats: repeats - 1, is_modal, part, span, file }, calls);
         }

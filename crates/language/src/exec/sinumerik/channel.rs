@@ -9,8 +9,8 @@ use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::bad_value;
 use crate::exec::core::options::Options;
 use crate::exec::core::outlet::{HasOutlet, Outlet};
-use crate::exec::core::settings::Settings;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::settings::RunSettings;
+use crate::exec::core::standing::InForce;
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeTable;
 use ncfix_machine::machine::Machine;
@@ -19,19 +19,19 @@ use ncfix_machine::snc::{BlockNumber, Kind, Origin};
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
     /// The machine, and what the caller has chosen.
-    pub(super) settings: Settings<'a>,
+    pub(super) settings: RunSettings<'a>,
     pub(super) outlet: Outlet<'a>,
     pub(super) modal: Modal,
     pub(super) variables: Variables,
     pub(super) system: System,
     pub(super) codes: &'static CodeTable,
     /// What the block at hand says and does.
-    pub(super) block: AtHand,
+    pub(super) block: SinumerikAtHand,
     pub(super) splines: Splines,
     /// A motion whose end the next one tells.
     pub(super) open_angle: Option<OpenAngle>,
     /// Frame, tool length and plane in force.
-    pub(super) standing: Standing,
+    pub(super) standing: InForce,
     /// Line of the first length or feed that was programmed before any unit code.
     pub(super) unitless: Option<u32>,
     pub(super) unit_stated: bool,
@@ -40,7 +40,7 @@ pub(super) struct Channel<'a> {
 
 /// What the block at hand says and does.
 #[derive(Default)]
-pub(super) struct AtHand {
+pub(super) struct SinumerikAtHand {
     /// Whether the block has moved a geometry axis.
     pub(super) has_moved: bool,
     /// What the motion to come wants of the contour stage.
@@ -59,16 +59,16 @@ impl<'a> HasOutlet<'a> for Channel<'a> {
 impl<'a> Channel<'a> {
     pub(super) fn new(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Self {
         Channel {
-            settings: Settings::new(machine, options),
+            settings: RunSettings::new(machine, options),
             modal: Modal::new(options.start, machine),
             variables: Variables::new(machine, options.strict),
             system: System::new(options.strict, machine),
             outlet: Outlet::new(machine, options),
             splines: Splines::default(),
-            block: AtHand::default(),
+            block: SinumerikAtHand::default(),
             open_angle: None,
             codes,
-            standing: Standing { changed: true, ..Standing::default() },
+            standing: InForce { changed: true, ..InForce::default() },
             unitless: None,
             unit_stated: false,
             feed_warned: false,

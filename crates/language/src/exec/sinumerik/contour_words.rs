@@ -1,8 +1,8 @@
 //! The words of contours: what a block changes for good, and what it asks for its own motion.
 
 use super::address::Named;
-use super::channel::AtHand;
 use super::channel::Channel;
+use super::channel::SinumerikAtHand;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::Modal;
 use super::modal::MotionKind;
@@ -12,7 +12,7 @@ use crate::exec::core::contour::{
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::outlet::Outlet;
 use crate::exec::core::path::Path;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -66,7 +66,7 @@ fn soft_form(word: &str) -> Option<(SoftForm, bool)> {
 /// Carries out what a block says of contours, before its motion and before its G0, G1 and F act.
 pub(super) fn contour_words(
     modal: &mut Modal,
-    block: &mut AtHand,
+    block: &mut SinumerikAtHand,
     outlet: &mut Outlet<'_>,
     gathered: &Gathered,
 ) -> Result<(), Fault> {
@@ -167,8 +167,8 @@ fn soft_words(
 /// The transition that a block wants behind itself.
 pub(super) fn corner_words(
     modal: &Modal,
-    block: &mut AtHand,
-    standing: &Standing,
+    block: &mut SinumerikAtHand,
+    standing: &InForce,
     gathered: &Gathered,
 ) -> Result<(), Fault> {
     block.corner = None;
@@ -202,7 +202,7 @@ pub(super) fn corner_words(
 }
 
 /// The factor by which the frame scales the plane.
-fn even_scale(modal: &Modal, standing: &Standing, value: &NamedValue) -> Result<f64, Fault> {
+fn even_scale(modal: &Modal, standing: &InForce, value: &NamedValue) -> Result<f64, Fault> {
     let frame = &standing.setup.frame;
     if frame.is_translation() {
         return Ok(1.0);

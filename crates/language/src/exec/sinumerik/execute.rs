@@ -6,7 +6,7 @@ use super::startup;
 use std::collections::HashMap;
 
 use super::channel::Channel;
-use super::level::{Action, Asked, Called, Entry, Interpreter, Level, Loaded, ReturnTarget, Sinumerik};
+use super::level::{Action, CallForm, CalledWith, Entry, Interpreter, Level, Loaded, ReturnTarget, Sinumerik};
 use super::library::read_definitions;
 use super::loaded::load;
 use super::parameters;
@@ -25,7 +25,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Origin};
 
 /// What a run keeps beside the channel.
-pub(super) struct Run {
+pub(super) struct SinumerikRun {
     /// Macros of the definition files, which hold in every program.
     pub(super) macros: Macros,
     /// Programs of the texts that EXECSTRING executed.
@@ -75,14 +75,14 @@ pub(in crate::exec) fn start<'a>(
     if let Err(found) = parameters::bind(&loaded, &mut channel, loaded.parameters(main), &[]) {
         ledger.findings.push_back(found.in_file(loaded.program.source.id()));
     }
-    let run = Run { macros, texts: HashMap::new(), modal_call: None };
-    let level = Level::new(0, main, start, 0, Called::default());
+    let run = SinumerikRun { macros, texts: HashMap::new(), modal_call: None };
+    let level = Level::new(0, main, start, 0, CalledWith::default());
     Box::new(Interpreter::start(machine, library, ledger, (channel, run), (loaded, level)))
 }
 
 impl Execute for Sinumerik {
     type Channel<'a> = Channel<'a>;
-    type Run = Run;
+    type Run = SinumerikRun;
 
     fn parse(run: &Interpreter<'_>, source: &Source) -> (Program, Vec<Diagnostic>) {
         sinumerik::parse_with(source, run.programs[0].program.dialect, &run.own.macros)
@@ -105,7 +105,7 @@ impl Execute for Sinumerik {
     }
 
     fn block(run: &mut Interpreter<'_>, block: &Block, index: usize) -> Result<Action, Fault> {
-        let core::interpreter::Interpreter { machine, programs, levels, channel, .. } = run;
+        let core::interpreter::Runner { machine, programs, levels, channel, .. } = run;
         let Some(level) = levels.last_mut() else { return Ok(Action::Next) };
         let loaded = &mut programs[level.program];
         let comment = loaded.take_comment(index, block);
@@ -123,10 +123,10 @@ impl Execute for Sinumerik {
         run.check_depth("the repetition", span)
     }
 
-    fn call(run: &mut Interpreter<'_>, call: Asked, block: &Block) -> Result<(), Fault> {
+    fn call(run: &mut Interpreter<'_>, call: CallForm, block: &Block) -> Result<(), Fault> {
         match call {
-            Asked::Word(call) => run.call(&call, block),
-            Asked::Statement(place) => {
+            CallForm::Word(call) => run.call(&call, block),
+            CallForm::Statement(place) => {
                 let program = run.levels.last().map_or(0, |level| level.program);
                 let statement = run.programs[program].program.calls[place as usize];
                 run.call_statement(&statement, block)

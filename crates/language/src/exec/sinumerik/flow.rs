@@ -9,12 +9,12 @@ use super::assign::{assign_value, assignments, define};
 use super::channel::Channel;
 use super::gathered::Gathered;
 use super::jump::jumps;
-use super::level::{Action, Asked, Level, Loaded, ReturnTarget};
+use super::level::{Action, CallForm, Level, Loaded, ReturnTarget};
 use super::scope::{gatherer, scope_of};
 use super::value::{Value as ExecValue, is_same};
 use super::{part, sync_action};
 use crate::exec::core::fault::{Fault, at};
-use crate::exec::core::level::Section;
+use crate::exec::core::level::RepeatedSection;
 use crate::syntax::sinumerik::{ArgumentRange, Block, Body};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::Machine;
@@ -81,11 +81,11 @@ pub(super) fn block(
             Action::Next
         }
         Body::Proc { .. } | Body::Declaration => Action::Next,
-        Body::Call(place) => Action::Call(Asked::Statement(place)),
+        Body::Call(place) => Action::Call(CallForm::Statement(place)),
         Body::RepeatPart(place) => {
             let passes = part::passes(loaded, channel, &loaded.program.repetitions[place as usize])?;
             let (first, last) = part::blocks_of(loaded, channel, place as usize, index, section)?;
-            Action::Repeat(Section { first, last, passes: u64::from(passes), pass: () })
+            Action::Repeat(RepeatedSection { first, last, passes: u64::from(passes), pass: () })
         }
         Body::Synchronised { whole, id, condition, actions } => {
             sync_action::execute(loaded, channel, [whole, id, condition, actions])?;
@@ -114,7 +114,7 @@ fn words(
     note_looks(&channel.system, &mut channel.outlet);
     if let Some(call) = gathered.call.take() {
         channel.comment(comment);
-        return Ok(Action::Call(Asked::Word(call)));
+        return Ok(Action::Call(CallForm::Word(call)));
     }
     let end = gathered.program_end;
     let target = gathered.is_return.then(|| return_target(loaded, channel, gathered.return_arguments)).transpose()?;

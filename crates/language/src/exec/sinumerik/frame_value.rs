@@ -260,12 +260,12 @@ pub(super) fn plane_axis(plane: Plane, number: usize) -> Option<Axis> {
 }
 
 /// Settable frames: G500, G54 to G57, G505 to G599.
-pub(super) const SETTABLE: i64 = 100;
+const SETTABLE: i64 = 100;
 
 /// A name, how many numbers select one of its frames, and the frame of a number.
-pub(super) type Row = (&'static str, i64, fn(i64) -> FrameName);
+type Row = (&'static str, i64, fn(i64) -> FrameName);
 
-pub(super) const NAMES: &[Row] = &[
+const NAMES: &[Row] = &[
     ("$P_UIFR", SETTABLE, FrameName::Settable),
     ("$P_NCBFR", BASES, FrameName::StoredBase),
     ("$P_CHBFR", BASES, |number| FrameName::StoredBase(number + BASES)),

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::argument::Argument;
 use super::cycles::Cycle;
 use super::gathered::Call;
-use super::loaded::Prepared;
+use super::loaded::Lookups;
 use super::modal::Modal;
 use super::variables::Locals;
 use crate::exec::core;
@@ -18,31 +18,31 @@ use ncfix_base::source::{FileId, Span};
 pub(super) struct Sinumerik;
 
 /// A running program.
-pub(super) type Interpreter<'a> = core::interpreter::Interpreter<'a, Sinumerik>;
+pub(super) type Interpreter<'a> = core::interpreter::Runner<'a, Sinumerik>;
 /// A program that is being executed.
-pub(super) type Level = core::level::Level<Sinumerik>;
+pub(super) type Level = core::level::ProgramLevel<Sinumerik>;
 /// What comes after a block.
-pub(super) type Action = core::level::Action<Sinumerik>;
+pub(super) type Action = core::level::AfterBlock<Sinumerik>;
 /// A program file, ready to run.
 pub(super) type Loaded = core::family::FileOf<Sinumerik>;
 
 impl Family for Sinumerik {
     type Program = Program;
-    type Prepared = Prepared;
+    type Prepared = Lookups;
     type Name = String;
     /// File and section.
     type Entry = (usize, usize);
-    type Call = Asked;
+    type Call = CallForm;
     type Return = ReturnTarget;
     /// The number of M2, M17 or M30, where there is one.
     type End = Option<u32>;
     type Pass = ();
-    type Level = Called;
+    type Level = CalledWith;
 }
 
 /// What calls a program.
 #[derive(Debug)]
-pub(super) enum Asked {
+pub(super) enum CallForm {
     /// A word: `NAME(…)`, `L10 P2`.
     Word(Call),
     /// CALL, MCALL …: a place among the call statements.
@@ -77,7 +77,7 @@ pub(super) struct Entry {
 
 /// How a program that runs was called, and what its caller gets back.
 #[derive(Default)]
-pub(super) struct Called {
+pub(super) struct CalledWith {
     /// What it was called with.
     pub(super) arguments: Vec<Argument>,
     /// Variables of the level that called this one.

@@ -4,14 +4,14 @@ use std::collections::HashMap;
 
 use super::names::{self, Meaning};
 use super::place::Place;
-use crate::exec::core::program::{Loaded, Statement, Text};
+use crate::exec::core::program::{LoadedFile, ProgramText, Statement};
 use crate::syntax::sinumerik::{Block, Body, Parameter, Program};
 use ncfix_base::source::{Source, Span};
 use ncfix_machine::machine::Control;
 use ncfix_machine::snc::BlockNumber;
 
 /// What is worked out of a file.
-pub(super) struct Prepared {
+pub(super) struct Lookups {
     /// What its names mean.
     pub(super) meanings: Vec<Meaning>,
     /// Targets of its jumps, where they were looked up already.
@@ -26,14 +26,14 @@ pub(super) struct Prepared {
     pub(super) built_in: Option<&'static str>,
 }
 
-impl Prepared {
+impl Lookups {
     pub(super) fn of(program: &Program, control: &Control) -> Self {
         let meanings = names::resolve(program, program.dialect, control);
         let targets = vec![None; program.jumps.len()];
         let parts = vec![None; program.repetitions.len()];
         let procs =
             program.sections.iter().map(|section| proc_of(program.blocks.there(section.blocks.clone()))).collect();
-        Prepared { meanings, targets, computed: HashMap::new(), parts, procs, built_in: None }
+        Lookups { meanings, targets, computed: HashMap::new(), parts, procs, built_in: None }
     }
 
     /// Whether a section's program has SAVE.
@@ -43,12 +43,12 @@ impl Prepared {
 }
 
 /// A file, ready to run.
-pub(super) fn load(program: Program, control: &Control) -> Loaded<Program, Prepared> {
-    let prepared = Prepared::of(&program, control);
-    Loaded::with(program, prepared)
+pub(super) fn load(program: Program, control: &Control) -> LoadedFile<Program, Lookups> {
+    let prepared = Lookups::of(&program, control);
+    LoadedFile::with(program, prepared)
 }
 
-impl Loaded<Program, Prepared> {
+impl LoadedFile<Program, Lookups> {
     /// Makes it a cycle of the control: its comments are nobody's, and SETAL in it is a finding.
     pub(super) fn become_built_in(&mut self, name: &'static str) {
         self.own.built_in = Some(name);
@@ -100,7 +100,7 @@ impl Statement for Block {
     }
 }
 
-impl Text for Program {
+impl ProgramText for Program {
     type Block = Block;
 
     fn source(&self) -> &Source {

@@ -5,7 +5,6 @@ use super::gathered::Gathered;
 use super::modal::unit_behind;
 use super::setup;
 use crate::exec::core::fault::{Fault, fault};
-use crate::exec::core::outlet::HasOutlet;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Plane;
 

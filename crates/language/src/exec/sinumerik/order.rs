@@ -17,7 +17,6 @@ use super::surface;
 use super::tool;
 use super::transform;
 use crate::exec::core::fault::Fault;
-use crate::exec::core::outlet::HasOutlet;
 use crate::exec::core::outlet::Outlet;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;

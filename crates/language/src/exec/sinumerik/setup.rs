@@ -2,7 +2,7 @@
 
 use super::modal::Modal;
 use crate::exec::core::outlet::Outlet;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use crate::exec::core::standing::{keep_pose, known_behind, lengthened};
 use ncfix_base::geometry::RotationOrder;
 use ncfix_base::geometry::{Axis, AxisSet};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Puts frame and tool in force. An axis along which the tool length changes is taken as unknown until the program states it
 /// again: how and when a control traverses the change is a setting of the control (Sinumerik SD42940, SD42442).
-pub(super) fn refresh_setup(modal: &mut Modal, standing: &mut Standing, outlet: &mut Outlet<'_>) {
+pub(super) fn refresh_setup(modal: &mut Modal, standing: &mut InForce, outlet: &mut Outlet<'_>) {
     let setup = modal.setup();
     keep_pose(&standing.setup, &setup, outlet.kinematics.as_deref(), &mut modal.command);
     let lost = lengthened(&standing.setup, &setup);

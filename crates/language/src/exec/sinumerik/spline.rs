@@ -10,7 +10,7 @@ use super::contour_words;
 use super::curve::End;
 use super::gathered::Gathered;
 use super::modal::{Modal, MotionKind};
-use super::splines::Held;
+use super::splines::HeldBlock;
 use super::splines::MOST_HELD;
 use super::splines::Node;
 use super::splines::Splines;
@@ -94,8 +94,8 @@ fn spline(channel: &mut Channel<'_>, path: Path, element: Element, node: Node) -
         return Err(fault(Code::UNKNOWN_START, path.span, message, help));
     }
     let other = channel.splines.held.iter().find_map(|held| match held {
-        Held::Path(_, _, first, _) => Some(first.kind != node.kind),
-        Held::Element(_) => None,
+        HeldBlock::Path(_, _, first, _) => Some(first.kind != node.kind),
+        HeldBlock::Element(_) => None,
     });
     let found = if other == Some(true) { end_spline(channel, Some(&path)) } else { Ok(()) };
     if channel.splines.held.len() >= MOST_HELD {
@@ -105,7 +105,7 @@ fn spline(channel: &mut Channel<'_>, path: Path, element: Element, node: Node) -
     }
     // What the contour wants of the block holds for it whatever comes before the spline is complete.
     let wish = contour_words::wish(channel, &path);
-    channel.splines.held.push(Held::Path(Box::new(path), element, node, wish.map(Box::new)));
+    channel.splines.held.push(HeldBlock::Path(Box::new(path), element, node, wish.map(Box::new)));
     found
 }
 
@@ -125,8 +125,8 @@ pub(super) fn end_spline(channel: &mut Channel<'_>, next: Option<&Path>) -> Resu
     let mut blocks: Vec<(&mut Path, Node)> = held
         .iter_mut()
         .filter_map(|held| match held {
-            Held::Path(path, _, node, _) => Some((&mut **path, *node)),
-            Held::Element(_) => None,
+            HeldBlock::Path(path, _, node, _) => Some((&mut **path, *node)),
+            HeldBlock::Element(_) => None,
         })
         .collect();
     match blocks.first().map(|(_, node)| node.kind) {
@@ -136,8 +136,8 @@ pub(super) fn end_spline(channel: &mut Channel<'_>, next: Option<&Path>) -> Resu
     }
     for held in held {
         match held {
-            Held::Element(element) => channel.outlet.pass(element),
-            Held::Path(path, element, _, wish) => {
+            HeldBlock::Element(element) => channel.outlet.pass(element),
+            HeldBlock::Path(path, element, _, wish) => {
                 note_direction(&channel.modal, &mut channel.splines, &path);
                 let wish = wish.map(|wish| *wish);
                 let wish = if wish.is_none() && channel.outlet.is_holding() {

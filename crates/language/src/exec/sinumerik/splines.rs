@@ -23,7 +23,7 @@ pub(super) struct Node {
 }
 
 #[derive(Debug)]
-pub(super) enum Held {
+pub(super) enum HeldBlock {
     Element(Element),
     Path(Box<Path>, Element, Node, Option<Box<Wish>>),
 }
@@ -31,7 +31,7 @@ pub(super) enum Held {
 /// The blocks of the spline that is not complete yet.
 #[derive(Debug, Default)]
 pub(super) struct Splines {
-    pub(super) held: Vec<Held>,
+    pub(super) held: Vec<HeldBlock>,
     /// Direction of the motion before it, where it matters.
     pub(super) before: Option<AxisVector>,
 }
@@ -48,7 +48,7 @@ impl Splines {
             self.held.clear();
             fault(Code::NOT_SUPPORTED, element.origin.span, message, "end it with G1 earlier")
         });
-        self.held.push(Held::Element(element));
+        self.held.push(HeldBlock::Element(element));
         found
     }
 }

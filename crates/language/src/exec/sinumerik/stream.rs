@@ -11,8 +11,7 @@ use super::rotary;
 use super::spline;
 use super::thread;
 use crate::exec::core::fault::{Fault, fault};
-use crate::exec::core::outlet::HasOutlet;
-use crate::exec::core::standing::Standing;
+use crate::exec::core::standing::InForce;
 use crate::exec::core::standing::known_behind;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Frame, LINEAR_AXES};
@@ -75,7 +74,7 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
 }
 
 /// What holds in a block with a word that suppresses frames: G53 leaves the base frame.
-pub(super) fn suppressed(modal: &Modal, standing: &Standing, word: &str) -> Setup {
+pub(super) fn suppressed(modal: &Modal, standing: &InForce, word: &str) -> Setup {
     let frame = if word == "G53" { modal.base } else { Frame::identity() };
     Setup { frame, ..(*standing.setup).clone() }
 }

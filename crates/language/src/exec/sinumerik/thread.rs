@@ -4,7 +4,7 @@
 //! passed on as it is. SF and its kin are passed on as words of their block.
 
 use super::address::Named;
-use super::channel::AtHand;
+use super::channel::SinumerikAtHand;
 use super::gathered::Gathered;
 use super::modal::{Modal, MotionKind};
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -79,7 +79,7 @@ pub(super) fn lead_change(modal: &Modal, gathered: &mut Gathered) {
 }
 
 /// Refuses threads and positioning axes where they cannot be followed, and takes the feed from what the spindle drives.
-pub(super) fn check_manner(modal: &Modal, block: &AtHand, path: &mut Path) -> Result<(), Fault> {
+pub(super) fn check_manner(modal: &Modal, block: &SinumerikAtHand, path: &mut Path) -> Result<(), Fault> {
     let (what, help) = match path.motion.manner {
         Manner::Path | Manner::Reference | Manner::Probe(_) => return Ok(()),
         Manner::Thread(thread) => {

@@ -2,13 +2,13 @@
 
 use super::curve::{Curve, Flat, add};
 use super::moving::{Item, Moving};
-use super::stage::{Contour, OpenLine};
+use super::stage::{ContourStage, OpenLine};
 use ncfix_base::geometry::{AxisSet, AxisVector};
 
 /// Items that may wait behind a motion without end.
 const MOST_WAITING: usize = 1000;
 
-impl Contour {
+impl ContourStage {
     pub(in crate::exec) fn open(&mut self, moving: Box<Moving>) {
         self.open = Some(OpenLine { moving, behind: Vec::new() });
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc as Shared;
 
-use super::{Contour, ContourModal, Item, Moving, Reach, Side, Wish};
+use super::{ContourModal, ContourStage, Item, Moving, Reach, Side, Wish};
 use crate::exec::core::path::{Path, Shape};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane, PlaneBasis};
 use ncfix_base::source::{FileId, Span};
@@ -25,7 +25,7 @@ impl Bench {
     }
 
     pub(super) fn run(&self, text: &str) -> (Vec<String>, Vec<String>) {
-        let mut stage = Contour::new(&self.control, false);
+        let mut stage = ContourStage::new(&self.control, false);
         let mut modal = self.modal;
         let mut place = position(self.start);
         let (mut motion, mut feed) = (1, 0.0);

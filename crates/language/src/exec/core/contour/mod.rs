@@ -34,7 +34,7 @@ mod wish;
 
 pub(in crate::exec) use angle::crossing;
 pub(in crate::exec) use moving::{Item, Moving};
-pub(in crate::exec) use stage::Contour;
+pub(in crate::exec) use stage::ContourStage;
 pub(in crate::exec) use unknown::unstated;
 pub(in crate::exec) use wish::{
     Approach, Clearance, ContourModal, Corner, FeedAt, Reach, Shown, Side, Soft, SoftForm, SoftSide, Transition, Wish,

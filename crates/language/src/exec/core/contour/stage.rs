@@ -10,7 +10,7 @@ use ncfix_machine::snc::Origin;
 
 /// The stage.
 #[derive(Debug)]
-pub(in crate::exec) struct Contour {
+pub(in crate::exec) struct ContourStage {
     pub(super) open: Option<OpenLine>,
     transitions: Transitions,
     compensation: Compensation,
@@ -19,10 +19,10 @@ pub(in crate::exec) struct Contour {
     pub(in crate::exec) findings: Vec<Fault>,
 }
 
-impl Contour {
+impl ContourStage {
     /// With `keeps_wear` motions that begin and end compensation are marked for the control.
-    pub(in crate::exec) fn new(control: &Control, keeps_wear: bool) -> Contour {
-        Contour {
+    pub(in crate::exec) fn new(control: &Control, keeps_wear: bool) -> ContourStage {
+        ContourStage {
             open: None,
             transitions: Transitions::default(),
             compensation: Compensation::new(control, keeps_wear),

@@ -61,14 +61,14 @@ pub(super) fn fault(message: impl Into<String>, help: &'static str) -> CycleFaul
 /// The heights of a drilling cycle: first clearance above the surface (Y), depth (Z, below it negative), and how far above the first
 /// clearance the tool retracts (B).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Heights {
+pub(super) struct HoleHeights {
     pub(super) clearance: f64,
     pub(super) bottom: f64,
     pub(super) retract: f64,
 }
 
-impl Heights {
-    pub(super) fn of(words: &CycleWords, at: &At) -> Result<Heights, CycleFault> {
+impl HoleHeights {
+    pub(super) fn of(words: &CycleWords, at: &At) -> Result<HoleHeights, CycleFault> {
         let clearance = at.surface + words.value(b'Y');
         let bottom = at.surface + words.value(b'Z');
         let retract = clearance + words.value(b'B');
@@ -78,7 +78,7 @@ impl Heights {
                 "Z is negative into the workpiece, Y and B are distances above it",
             ));
         }
-        Ok(Heights { clearance, bottom, retract })
+        Ok(HoleHeights { clearance, bottom, retract })
     }
 
     /// To the hole at the height at which the tool is – not below the first clearance –, then down to that.

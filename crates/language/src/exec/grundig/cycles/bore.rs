@@ -1,11 +1,11 @@
 //! G86: down with feed, dwell, spindle stop, out at rapid, and the spindle turns again.
 
-use super::basis::{At, CycleFault, CycleWords, Heights, dwell};
+use super::basis::{At, CycleFault, CycleWords, HoleHeights, dwell};
 use crate::exec::core::step::Feed;
 use crate::exec::core::step::{Step, Turn};
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
-    let heights = Heights::of(words, at)?;
+    let heights = HoleHeights::of(words, at)?;
     let mut steps = Vec::new();
     heights.approach(at, &mut steps);
     steps.push(Step::to_height(heights.bottom, Feed::Cut));

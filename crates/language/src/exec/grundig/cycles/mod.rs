@@ -66,7 +66,7 @@ mod tests {
         (cycle.steps)(&words(list), &at).unwrap()
     }
 
-    /// Heights of the steps, rapids marked.
+    /// HoleHeights of the steps, rapids marked.
     pub(super) fn heights(steps: &[Step]) -> Vec<(bool, f64)> {
         let of = |step: &Step| match step {
             Step::Rapid { height: Some(height), .. } => Some((true, *height)),

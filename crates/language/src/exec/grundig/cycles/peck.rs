@@ -1,7 +1,7 @@
 //! G83: in pecks of K, each shorter than the last by I, with a lift by J after each or a full retraction where J is 0 or K1= pecks are
 //! done.
 
-use super::basis::{At, CycleFault, CycleWords, Heights, dwell, fault};
+use super::basis::{At, CycleFault, CycleWords, HoleHeights, dwell, fault};
 use crate::exec::core::step::Feed;
 use crate::exec::core::step::Step;
 
@@ -11,7 +11,7 @@ const MOST_PECKS: u32 = 10_000;
 const HAIR_MM: f64 = 1e-6;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
-    let heights = Heights::of(words, at)?;
+    let heights = HoleHeights::of(words, at)?;
     let (first, less, lift) = (words.value(b'K'), words.value(b'I'), words.value(b'J'));
     if first <= 0.0 || less < 0.0 || lift < 0.0 {
         return Err(fault(

@@ -16,7 +16,7 @@ const MOST: f64 = 10_000.0;
 pub(super) struct Pocket<'a> {
     words: &'a CycleWords,
     at: &'a At,
-    /// Heights of the infeeds, the last is the bottom.
+    /// HoleHeights of the infeeds, the last is the bottom.
     pub(super) levels: Vec<f64>,
     clearance: f64,
     retract: f64,

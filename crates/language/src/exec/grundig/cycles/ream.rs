@@ -1,11 +1,11 @@
 //! G85: down with feed, dwell, out to the first clearance with the feed of F2=, then at rapid.
 
-use super::basis::{At, CycleFault, CycleWords, Heights, dwell};
+use super::basis::{At, CycleFault, CycleWords, HoleHeights, dwell};
 use crate::exec::core::step::Feed;
 use crate::exec::core::step::Step;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
-    let heights = Heights::of(words, at)?;
+    let heights = HoleHeights::of(words, at)?;
     let mut steps = Vec::new();
     heights.approach(at, &mut steps);
     steps.push(Step::to_height(heights.bottom, Feed::Cut));
