@@ -176,14 +176,14 @@ impl Scope<'_, '_> {
             Place::Variable | Place::System => {}
         }
         if self.channel.language == Language::Rs274 {
-            return match predefined::special_parameter(&self.channel, known) {
+            return match predefined::special_parameter(self.channel, known) {
                 None => Ok(self.channel.variables.get(known)),
                 Some(Ok(value)) => Ok(Some(value)),
                 Some(Err(missing)) => self.missing(missing, span).map(Some),
             };
         }
         match self.channel.variables.place(known) {
-            Place::System => match system::system_variable(&self.channel, known) {
+            Place::System => match system::system_variable(self.channel, known) {
                 Ok(value) => Ok(value),
                 Err(missing) => self.missing(missing, span).map(Some),
             },
@@ -221,7 +221,7 @@ impl Scope<'_, '_> {
     }
 
     fn predefined(&self, name: &str) -> Option<Result<f64, Missing>> {
-        if self.channel.language == Language::Rs274 { predefined::predefined_name(&self.channel, name) } else { None }
+        if self.channel.language == Language::Rs274 { predefined::predefined_name(self.channel, name) } else { None }
     }
 
     /// Whether a name, upper case, is one of the control's own.

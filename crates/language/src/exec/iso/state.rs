@@ -12,7 +12,7 @@ use ncfix_base::source::Span;
 use ncfix_machine::snc::{FeedUnit, FrameWords, Kind, Word, WordValue};
 
 /// M70, and with `returns` M73.
-pub(super) fn save_state(modal: &Modal, saved: &mut Vec<Option<Box<SavedState>>>, returns: bool) {
+pub(super) fn save_state(modal: &Modal, saved: &mut [Option<Box<SavedState>>], returns: bool) {
     let state = Box::new(SavedState { modal: modal.clone(), returns });
     if let Some(place) = saved.last_mut() {
         *place = Some(state);
@@ -20,7 +20,7 @@ pub(super) fn save_state(modal: &Modal, saved: &mut Vec<Option<Box<SavedState>>>
 }
 
 /// M71
-pub(super) fn drop_state(saved: &mut Vec<Option<Box<SavedState>>>) {
+pub(super) fn drop_state(saved: &mut [Option<Box<SavedState>>]) {
     if let Some(place) = saved.last_mut() {
         *place = None;
     }

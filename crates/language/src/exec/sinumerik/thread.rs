@@ -73,7 +73,7 @@ pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<
 
 /// F in a block with G34 or G35 is the change of the lead.
 pub(super) fn lead_change(modal: &Modal, gathered: &mut Gathered) {
-    if matches!(code(gathered, &modal), Some(ThreadCode::G34 | ThreadCode::G35)) {
+    if matches!(code(gathered, modal), Some(ThreadCode::G34 | ThreadCode::G35)) {
         gathered.lead_change = gathered.feed.take().map(|(value, _)| value);
     }
 }
