@@ -1,10 +1,12 @@
-//! What the parsers of all languages share: their input, the fault that one hands back, blanks.
+//! What the parsers of all languages share: their input, the fault that one hands back, blanks, and combinators over both.
 //!
-//! Inputs are the rest of one line; a place is told by how much of the line is left.
+//! Inputs are the rest of one line; a place is told by how much of the line is left. A parser that does not fit says so with an error, which another
+//! alternative may mend; a fault is final, and is what the person reads.
 
-use nom::IResult;
-use nom::bytes::complete::take_while;
+use nom::bytes::complete::{take_while, take_while1};
 use nom::error::{ErrorKind, ParseError};
+use nom::sequence::preceded;
+use nom::{IResult, Parser};
 
 use ncfix_base::diagnostic::Code;
 
@@ -50,6 +52,65 @@ pub(super) fn blanks(input: Input<'_>) -> Input<'_> {
         Some(&byte) if is_blank(byte) => skip_blanks(input),
         _ => input,
     }
+}
+
+/// Blanks, perhaps none, as a parser.
+#[inline]
+pub(super) fn blank(input: Input<'_>) -> Parsed<'_, ()> {
+    Ok((blanks(input), ()))
+}
+
+/// A parser behind blanks.
+#[inline]
+pub(super) fn behind_blanks<'a, T>(
+    parser: impl Parser<Input<'a>, Output = T, Error = Fault>,
+) -> impl Parser<Input<'a>, Output = T, Error = Fault> {
+    preceded(blank, parser)
+}
+
+/// One byte.
+#[inline]
+pub(super) fn byte<'a>(wanted: u8) -> impl Fn(Input<'a>) -> Parsed<'a, u8> {
+    one(move |found| found == wanted)
+}
+
+/// One byte of a kind.
+#[inline]
+pub(super) fn one<'a>(is_wanted: impl Fn(u8) -> bool) -> impl Fn(Input<'a>) -> Parsed<'a, u8> {
+    move |input| match input.split_first() {
+        Some((&found, rest)) if is_wanted(found) => Ok((rest, found)),
+        _ => no_match(input),
+    }
+}
+
+/// A parser that does not fit here.
+#[inline]
+pub(super) fn no_match<T>(input: Input<'_>) -> Parsed<'_, T> {
+    Err(nom::Err::Error(Fault::from_error_kind(input, ErrorKind::Verify)))
+}
+
+/// A parser without an alternative: where it does not fit, this fault is final. It begins where the parser begins.
+pub(super) fn required<'a, T>(
+    mut parser: impl Parser<Input<'a>, Output = T, Error = Fault>,
+    code: Code,
+    length: usize,
+    message: &'static str,
+) -> impl FnMut(Input<'a>) -> Parsed<'a, T> {
+    move |input| match parser.parse(input) {
+        Err(nom::Err::Error(_)) => fault(code, input, length, message),
+        found => found,
+    }
+}
+
+/// The end of a line, or of what stands before a comment.
+#[inline]
+pub(super) fn is_end(input: Input<'_>, comments: &[u8]) -> bool {
+    input.first().is_none_or(|byte| comments.contains(byte))
+}
+
+/// Letters, at least one.
+pub(super) fn letters(input: Input<'_>) -> Parsed<'_, &[u8]> {
+    take_while1(|byte: u8| byte.is_ascii_alphabetic())(input)
 }
 
 fn skip_blanks(input: Input<'_>) -> Input<'_> {

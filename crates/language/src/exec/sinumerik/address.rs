@@ -64,6 +64,8 @@ pub(super) fn extended(letter: u8, extension: u32) -> Option<Named> {
 
 impl Named {
     /// The address of a word with the treatment `read`, upper case.
+    ///
+    /// Productions `transition` and `orientation`, and the addresses of `compensation` and `soft`.
     pub(super) fn of(name: &str) -> Option<Named> {
         Some(match name {
             "CR" => Named::Cr,

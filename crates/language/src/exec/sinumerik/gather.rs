@@ -397,6 +397,8 @@ impl Gatherer<'_> {
 }
 
 /// Takes a word of the code table.
+///
+/// Productions `compensation` and `soft`, their codes.
 pub(super) fn gather_word(name: &'static str, out: &mut Gathered) {
     out.contour.push(name);
     if PASSED_ON.contains(&name) {

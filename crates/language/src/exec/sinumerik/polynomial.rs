@@ -22,6 +22,8 @@ const MOST_CHORDS: usize = 100_000;
 
 impl Gatherer<'_> {
     /// `PO[X]=(…)`, `PO[]=(…)`
+    ///
+    /// Production `polynomial`.
     pub(super) fn polynomial(&self, axes: &[Option<ExprId>], word: &Word, out: &mut Gathered) -> Result<(), Fault> {
         let values: Vec<f64> = match word.value {
             Value::Arguments(range) => {

@@ -15,6 +15,8 @@ use ncfix_dialect::ValueUnit;
 
 impl Gatherer<'_> {
     /// Takes `POS[…]=` and `POSA[…]=`; false where the word is another.
+    ///
+    /// Production `positioning`.
     pub(super) fn positioning(
         &self,
         left: ExprId,

@@ -28,6 +28,8 @@ impl Gatherer<'_> {
     }
 
     /// Reads a block with G74 or G75 from its beginning.
+    ///
+    /// Production `reference`.
     pub(super) fn reference(&self, block: &Block) -> Result<Gathered, Fault> {
         let mut out = Gathered::new();
         out.is_reference = true;

@@ -26,6 +26,8 @@ pub(super) fn code(gathered: &Gathered, modal: &Modal) -> Option<ThreadCode> {
 }
 
 /// The thread of a block with motion; `None` where it is another motion.
+///
+/// Production `thread`.
 pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<Option<Thread>, Fault> {
     let Some(code) = code(gathered, modal) else { return Ok(None) };
     let of_arc = [Named::Cr, Named::Turn, Named::Ar, Named::I1, Named::J1, Named::K1];

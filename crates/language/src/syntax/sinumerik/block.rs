@@ -1,8 +1,15 @@
 //! Blocks: splits the file into lines, sections and words, and goes on behind whatever cannot be read.
 
+use nom::Parser as _;
+use nom::combinator::{map, not, opt, peek};
+use nom::sequence::{preceded, terminated};
+
 use super::macros::{Macros, definition};
 use super::section::empty;
-use super::token::{Fault, Input, Parsed, blanks, fault, find_byte, identifier, is_blank, number, small_number};
+use super::token::{
+    Fault, Input, Parsed, behind_blanks, blank, blanks, byte, digits, fault, find_byte, identifier, is_blank, is_end,
+    number, one, required, small_number,
+};
 use super::tree::{Address, Block, BlockNumber, Body, Program, Value, Word};
 use crate::syntax::names::NameId;
 use crate::syntax::{MAX_FINDINGS, too_many_parts};
@@ -56,7 +63,7 @@ impl Parser {
         (self.program, self.findings)
     }
 
-    /// Reads all lines.
+    /// Production `file`: reads all lines.
     pub(super) fn run(&mut self) {
         let length = self.program.source.bytes().len();
         self.read((self.start(), 0), length);
@@ -192,47 +199,46 @@ impl Parser {
         }
     }
 
-    /// Number, skip, label, then a statement or words.
+    /// Production `block`: number, skip, label, then a statement or words.
     fn block<'a>(&mut self, mut input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
         loop {
             input = blanks(input);
-            input = match *input {
-                [b'/', ..] if draft.block.skip.is_none() => {
-                    let level = input.get(1).filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0');
-                    draft.block.skip = Some(level.unwrap_or(0));
-                    &input[if level.is_some() { 2 } else { 1 }..]
-                }
-                [b'N' | b'n' | b':', digit, ..] if digit.is_ascii_digit() && draft.block.number.is_none() => {
-                    let (rest, number) = small_number(&input[1..])?;
-                    draft.block.number = Some(BlockNumber { main: input[0] == b':', number });
+            input = match input.first() {
+                Some(b'/') if draft.block.skip.is_none() => {
+                    let (rest, level) = skip(input)?;
+                    draft.block.skip = Some(level);
                     rest
                 }
+                Some(b'N' | b'n' | b':') if draft.block.number.is_none() => match block_number(input) {
+                    Ok((rest, number)) => {
+                        draft.block.number = Some(number);
+                        rest
+                    }
+                    // A word.
+                    Err(nom::Err::Error(_)) => break,
+                    Err(fault) => return Err(fault),
+                },
                 _ => break,
             };
         }
-        match input.first() {
-            None => return Ok((input, ())),
-            Some(b';') => {
-                self.comment(input, draft);
-                return Ok((input, ()));
-            }
-            _ => {}
+        if is_end(input, b";") {
+            return self.end_of_statement(input, draft);
         }
         if starts_name(input)
-            && let Ok((rest, name)) = identifier(input)
+            && let Ok((rest, name)) = label(input)
         {
-            let behind = blanks(rest);
-            if behind.first() == Some(&b':') && behind.get(1) != Some(&b'=') {
-                draft.block.label = Some(self.intern(name));
-                input = blanks(&behind[1..]);
-            }
+            draft.block.label = Some(self.intern(name));
+            input = rest;
         }
-        if starts_name(input)
-            && let Some(result) = self.statement(input, draft)
-        {
-            let (rest, body) = result?;
-            draft.block.body = body;
-            return self.end_of_statement(rest, draft);
+        if starts_name(input) {
+            match self.statement(input, draft) {
+                Err(nom::Err::Error(_)) => {}
+                found => {
+                    let (rest, body) = found?;
+                    draft.block.body = body;
+                    return self.end_of_statement(rest, draft);
+                }
+            }
         }
         self.words(input, draft)
     }
@@ -255,20 +261,17 @@ impl Parser {
         }
     }
 
+    /// Production `comment`: from its `;` to the end of the line.
     pub(super) fn comment(&mut self, input: Input<'_>, draft: &mut Draft) {
         draft.block.comment = Span::new(self.offset(input), self.line_end);
     }
 
+    /// Production `words`.
     fn words<'a>(&mut self, mut input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
         loop {
             input = blanks(input);
-            match input.first() {
-                None => return Ok((input, ())),
-                Some(b';') => {
-                    self.comment(input, draft);
-                    return Ok((input, ()));
-                }
-                Some(_) => {}
+            if is_end(input, b";") {
+                return self.end_of_statement(input, draft);
             }
             draft.block.body = Body::Words;
             let (rest, word) = self.word(input, draft)?;
@@ -277,6 +280,7 @@ impl Parser {
         }
     }
 
+    /// Production `word`.
     fn word<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Word> {
         let start = self.offset(input);
         if !input[0].is_ascii_alphabetic() || starts_name(input) {
@@ -289,13 +293,12 @@ impl Parser {
         let rest = blanks(&input[1..]);
         let (rest, address, value) = match rest.first() {
             Some(b'0'..=b'9' | b'.' | b'-' | b'+') => {
-                let signed = matches!(rest[0], b'-' | b'+');
-                let (behind, number) = number(if signed { blanks(&rest[1..]) } else { rest })?;
-                let next = blanks(behind);
-                if !signed && number.is_integer && next.first() == Some(&b'=') && next.get(1) != Some(&b'=') {
-                    let (_, extension) = small_number(rest)?;
+                let is_signed = matches!(rest[0], b'-' | b'+');
+                let (behind, number) = number(if is_signed { blanks(&rest[1..]) } else { rest })?;
+                if !is_signed && number.is_integer && is_assigned(behind) {
+                    let (behind, extension) = terminated(small_number, assignment_sign).parse(rest)?;
                     draft.block.has_names |= letter == b'R';
-                    let (behind, value) = self.assigned_value(&next[1..])?;
+                    let (behind, value) = self.assigned_value(behind)?;
                     (behind, Address::Extended(letter, extension), value)
                 } else {
                     let value = if rest[0] == b'-' { -number.value } else { number.value };
@@ -303,7 +306,7 @@ impl Parser {
                 }
             }
             Some(b'=') => {
-                let (behind, value) = self.assigned_value(&rest[1..])?;
+                let (behind, value) = preceded(byte(b'='), |input| self.assigned_value(input)).parse(rest)?;
                 (behind, Address::Letter(letter), value)
             }
             Some(b'[') => return self.named_word(input, draft),
@@ -326,43 +329,65 @@ impl Parser {
         Ok((rest, Word { span: Span::new(start, self.offset(rest)), address, value }))
     }
 
-    /// `NAME`, `NAME=…`, `NAME[…]=…`, `NAME(…)`, `R[…]=…`, `$P_…=…`.
+    /// A word with a name, of production `word`: `NAME`, `NAME=…`, `NAME[…]=…`, `NAME(…)`, `R[…]=…`, `$P_…=…`.
+    ///
+    /// Productions `assignment`, `call` and `return`: a variable and a subprogram are words like any other here.
     fn named_word<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Word> {
         let start = self.offset(input);
-        let Ok((rest, name)) = identifier(input) else {
-            return fault(Code::UNEXPECTED, input, 1, "no word of this language begins like this");
-        };
+        let message = "no word of this language begins like this";
+        let (rest, name) = required(identifier, Code::UNEXPECTED, 1, message)(input)?;
         draft.block.has_names = true;
         let behind = blanks(rest);
         let (rest, address, value) = match behind.first() {
             Some(b'=') => {
                 let address = Address::Name(self.intern(name));
-                let (rest, value) = self.assigned_value(&behind[1..])?;
+                let (rest, value) = preceded(byte(b'='), |input| self.assigned_value(input)).parse(behind)?;
                 (rest, address, value)
             }
             Some(b'(') => {
                 let address = Address::Name(self.intern(name));
-                let (rest, range) = self.arguments(behind, b')')?;
-                (rest, address, Value::Arguments(range))
+                let (rest, value) = map(|input| self.arguments(input, b')'), Value::Arguments).parse(behind)?;
+                (rest, address, value)
             }
             Some(b'[') => {
                 let (rest, left) = self.left_side(input)?;
-                let equals = blanks(rest);
-                if equals.first() != Some(&b'=') {
-                    return fault(
-                        Code::MISSING_VALUE,
-                        input,
-                        name.len(),
-                        "this needs '=' and a value behind its index",
-                    );
-                }
-                let (rest, value) = self.assigned_value(&equals[1..])?;
+                let Ok((value, _)) = behind_blanks(byte(b'=')).parse(rest) else {
+                    let message = "this needs '=' and a value behind its index";
+                    return fault(Code::MISSING_VALUE, input, name.len(), message);
+                };
+                let (rest, value) = self.assigned_value(value)?;
                 (rest, Address::Indexed(left), value)
             }
             _ => (rest, Address::Name(self.intern(name)), Value::None),
         };
         Ok((rest, Word { span: Span::new(start, self.offset(rest)), address, value }))
     }
+}
+
+/// Production `skip`: `/` with its level, 0 where there is none.
+fn skip(input: Input<'_>) -> Parsed<'_, u8> {
+    let level = opt(one(|byte| byte.is_ascii_digit()));
+    map(preceded(byte(b'/'), level), |digit| digit.map_or(0, |digit| digit - b'0')).parse(input)
+}
+
+/// Production `number`: `N10`, `:10`.
+fn block_number(input: Input<'_>) -> Parsed<'_, BlockNumber> {
+    let start = terminated(one(|byte| matches!(byte, b'N' | b'n' | b':')), peek(one(|byte| byte.is_ascii_digit())));
+    map((start, small_number), |(first, number)| BlockNumber { main: first == b':', number }).parse(input)
+}
+
+/// Production `label`: a name and `:`.
+fn label(input: Input<'_>) -> Parsed<'_, &[u8]> {
+    terminated(identifier, (blank, byte(b':'), not(byte(b'=')), blank)).parse(input)
+}
+
+/// Whether the `=` of an assignment follows, which is no comparison.
+fn is_assigned(input: Input<'_>) -> bool {
+    blanks(input).first() == Some(&b'=') && assignment_sign(input).is_ok()
+}
+
+fn assignment_sign(input: Input<'_>) -> Parsed<'_, ()> {
+    (blank, byte(b'='), not(byte(b'='))).map(|_| ()).parse(input)
 }
 
 /// Two or more letters or underscores, or a `$`: a name, not an address letter.
@@ -376,8 +401,7 @@ fn starts_name(input: Input<'_>) -> bool {
 
 /// `L140(1)`: the name of a subprogram, not an address with a number.
 fn is_call_with_arguments(input: Input<'_>) -> bool {
-    let length = input[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
-    length > 0 && blanks(&input[1 + length..]).first() == Some(&b'(')
+    (one(|_| true), digits, blank, byte(b'(')).parse(input).is_ok()
 }
 
 fn help_for(code: Code) -> &'static str {

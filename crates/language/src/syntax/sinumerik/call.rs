@@ -1,10 +1,16 @@
 //! Parameters of subprograms, and the statements that call other programs.
 
-use super::block::{Draft, Parser};
+use nom::Parser as _;
+use nom::bytes::complete::{tag, take_while1};
+use nom::combinator::{cond, map, opt, peek, value};
+use nom::sequence::{preceded, terminated};
+
+use super::block::Parser;
 use super::definition::DefinitionType;
-use super::expression::keyword;
 use super::jump::JumpTarget;
-use super::token::{Input, Parsed, blanks, fault, identifier, is_blank};
+use super::token::{
+    Input, Parsed, behind_blanks, blank, blanks, byte, fault, identifier, is_blank, is_end, keyword, one, required,
+};
 use super::tree::{ArgumentRange, Body, ExprId};
 use crate::syntax::names::NameId;
 use ncfix_base::diagnostic::Code;
@@ -69,7 +75,8 @@ pub enum Callee {
 }
 
 impl Parser {
-    /// `MCALL [NAME [(…)]]`, `CALL …`, `PCALL …`, `EXTCALL …`, `CALLPATH(…)`; `word` is the keyword, `rest` what follows it.
+    /// Production `statement_call`: `MCALL [NAME [(…)]]`, `CALL …`, `PCALL …`, `EXTCALL …`, `CALLPATH(…)`; `word` is the keyword, `rest` what follows
+    /// it.
     pub(super) fn call_statement<'a>(&mut self, input: Input<'a>, word: &[u8], rest: Input<'a>) -> Parsed<'a, Body> {
         let kind = match word {
             b"MCALL" => CallKind::Modal,
@@ -78,26 +85,26 @@ impl Parser {
         };
         let at = blanks(rest);
         let (mut rest, callee) = match word {
-            b"MCALL" if matches!(at.first(), None | Some(b';')) => (at, None),
-            b"CALL" if keyword("BLOCK", at).is_some() => (at, None),
-            b"CALLPATH" if at.starts_with(b"()") => (&at[2..], None),
+            b"MCALL" if is_end(at, b";") => (at, None),
+            b"CALL" if keyword("BLOCK")(at).is_ok() => (at, None),
+            b"CALLPATH" if at.starts_with(b"()") => value(None, tag("()")).parse(at)?,
             b"MCALL" => self.name_of_program(at)?,
             b"PCALL" if at.first() != Some(&b'"') => self.path_of_program(at)?,
-            _ => self.expression(at).map(|(rest, id)| (rest, Some(Callee::Computed(id))))?,
+            _ => map(|input| self.expression(input), |id| Some(Callee::Computed(id))).parse(at)?,
         };
         let span = Span::new(self.offset(input), self.offset(rest));
         let mut arguments = None;
         if blanks(rest).first() == Some(&b'(') && matches!(word, b"MCALL" | b"PCALL") {
-            let (behind, range) = self.arguments(blanks(rest), b')')?;
-            (rest, arguments) = (behind, Some(range));
+            (rest, arguments) = map(|input| self.arguments(input, b')'), Some).parse(blanks(rest))?;
         }
         let mut part = None;
-        if let (b"CALL", Some(behind)) = (word, keyword("BLOCK", blanks(rest))) {
-            let (behind, first) = self.jump_target(blanks(behind))?;
-            let Some(behind) = keyword("TO", blanks(behind)) else {
-                return fault(Code::UNEXPECTED, blanks(behind), 1, "TO was expected behind the first label of BLOCK");
-            };
-            let (behind, last) = self.jump_target(blanks(behind))?;
+        if word == b"CALL"
+            && let Ok((behind, ())) = behind_blanks(keyword("BLOCK")).parse(rest)
+        {
+            let message = "TO was expected behind the first label of BLOCK";
+            let to = (blank, required(keyword("TO"), Code::UNEXPECTED, 1, message), blank);
+            let (behind, first) = preceded(blank, terminated(|input| self.jump_target(input), to)).parse(behind)?;
+            let (behind, last) = self.jump_target(behind)?;
             (rest, part) = (behind, Some((first, last)));
         }
         let (rest, repeats) = self.count(rest)?;
@@ -108,43 +115,31 @@ impl Parser {
 
     /// `NAME`, `L10`
     fn name_of_program<'a>(&mut self, at: Input<'a>) -> Parsed<'a, Option<Callee>> {
-        match identifier(at) {
-            Ok((rest, name)) => Ok((rest, Some(Callee::Name(self.intern(name))))),
-            Err(_) => fault(Code::UNEXPECTED, at, 1, "the name of a program was expected here"),
-        }
+        let name = required(identifier, Code::UNEXPECTED, 1, "the name of a program was expected here");
+        map(name, |name| Some(Callee::Name(self.intern(name)))).parse(at)
     }
 
-    /// `/_N_WKS_DIR/_N_X_WPD/NAME`: everything up to a blank or bracket.
+    /// Production `path`: `/_N_WKS_DIR/_N_X_WPD/NAME`, everything up to a blank or bracket.
     fn path_of_program<'a>(&mut self, at: Input<'a>) -> Parsed<'a, Option<Callee>> {
-        let length = at.iter().take_while(|&&byte| !is_blank(byte) && !b"(;".contains(&byte)).count();
-        if length == 0 {
-            return fault(Code::UNEXPECTED, at, 1, "the path of a program was expected here");
-        }
+        let path = take_while1(|byte| !is_blank(byte) && !b"(;".contains(&byte));
+        let (rest, path) = required(path, Code::UNEXPECTED, 1, "the path of a program was expected here")(at)?;
         let start = self.offset(at);
-        Ok((&at[length..], Some(Callee::Path(Span::new(start, start + length)))))
+        Ok((rest, Some(Callee::Path(Span::new(start, start + path.len())))))
     }
 
-    /// `P3`, `P 3`, `P=…`: how many times.
+    /// Production `count`: `P3`, `P 3`, `P=…`, how many times.
     pub(super) fn count<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Option<ExprId>> {
-        let at = blanks(input);
-        let Some(b'P' | b'p') = at.first() else { return Ok((input, None)) };
-        let behind = blanks(&at[1..]);
-        match behind.first() {
-            Some(b'=') => self.expression(&behind[1..]).map(|(rest, id)| (rest, Some(id))),
-            Some(byte) if byte.is_ascii_digit() => self.expression(behind).map(|(rest, id)| (rest, Some(id))),
-            _ => Ok((input, None)),
-        }
+        let letter = (blank, one(|byte| byte.eq_ignore_ascii_case(&b'P')), blank);
+        let start = (letter, peek(one(|byte| byte == b'=' || byte.is_ascii_digit())), opt(byte(b'=')));
+        opt(preceded(start, |input| self.expression(input))).parse(input)
     }
 
-    /// `PROC NAME[(parameters)] {attributes}`
-    pub(super) fn proc<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
-        let at = blanks(input);
-        let Ok((rest, name)) = identifier(at) else {
-            return fault(Code::UNEXPECTED, at, 1, "the name of the program was expected behind PROC");
-        };
-        let name = self.intern(name);
+    /// Production `proc`: `PROC NAME[(parameters)] {attributes}`
+    pub(super) fn proc<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Body> {
+        let message = "the name of the program was expected behind PROC";
+        let name = (blank, required(identifier, Code::UNEXPECTED, 1, message), blank);
+        let (mut rest, name) = map(name, |(_, name, _)| self.intern(name)).parse(input)?;
         let first = self.program.parameters.len();
-        let mut rest = blanks(rest);
         if rest.first() == Some(&b'(') {
             let open = rest;
             rest = blanks(&rest[1..]);
@@ -162,18 +157,11 @@ impl Parser {
         let mut save = false;
         loop {
             rest = blanks(rest);
-            match rest.first() {
-                None => break,
-                Some(b';') => {
-                    self.comment(rest, draft);
-                    rest = &rest[rest.len()..];
-                    break;
-                }
-                Some(_) => {}
+            if is_end(rest, b";") {
+                break;
             }
-            let Ok((behind, word)) = identifier(rest) else {
-                return fault(Code::UNEXPECTED, rest, 1, "an attribute such as SAVE or DISPLOF was expected here");
-            };
+            let message = "an attribute such as SAVE or DISPLOF was expected here";
+            let (behind, word) = required(identifier, Code::UNEXPECTED, 1, message)(rest)?;
             save |= word.eq_ignore_ascii_case(b"SAVE");
             rest = behind;
         }
@@ -182,45 +170,37 @@ impl Parser {
         Ok((rest, Body::Proc { name, start, count, save }))
     }
 
-    /// `[VAR] TYPE[length] NAME[dimensions] [= default]`
+    /// Production `parameter`: `[VAR] TYPE[length] NAME[dimensions] [= default]`
     fn parameter<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ()> {
-        let by_reference = keyword("VAR", input).is_some();
-        let at = blanks(keyword("VAR", input).unwrap_or(input));
-        let kind = identifier(at).ok().and_then(|(rest, word)| Some((rest, DefinitionType::from_word(word)?)));
-        let Some((rest, kind)) = kind else {
-            return fault(
-                Code::UNEXPECTED,
-                at,
-                1,
-                "a type was expected here: INT, REAL, BOOL, CHAR, STRING, AXIS or FRAME",
-            );
-        };
-        let mut rest = blanks(rest);
-        let mut length = None;
-        if kind == DefinitionType::String && rest.first() == Some(&b'[') {
-            let (behind, range) = self.arguments(rest, b']')?;
-            length = self.program.arguments_of(range).first().copied().flatten();
-            rest = blanks(behind);
-        }
-        let Ok((behind, name)) = identifier(rest) else {
-            return fault(Code::UNEXPECTED, rest, 1, "the name of a parameter was expected here");
-        };
-        let name = self.intern(name);
-        rest = blanks(behind);
-        let mut dimensions = 0;
-        if rest.first() == Some(&b'[') {
-            let (behind, range) = self.arguments(rest, b']')?;
-            dimensions = u8::try_from(self.program.arguments_of(range).len().max(1)).unwrap_or(u8::MAX);
-            rest = blanks(behind);
-        }
-        let mut default = None;
-        if rest.first() == Some(&b'=') {
-            let (behind, id) = self.expression(&rest[1..])?;
-            (rest, default) = (behind, Some(id));
-        }
+        let (at, by_reference) = terminated(opt(keyword("VAR")), blank).parse(input)?;
+        let message = "a type was expected here: INT, REAL, BOOL, CHAR, STRING, AXIS or FRAME";
+        let kind = required(DefinitionType::parse, Code::UNEXPECTED, 1, message);
+        let (rest, kind) = terminated(kind, blank).parse(at)?;
+        let (rest, length) = self.string_length(rest, kind)?;
+        let message = "the name of a parameter was expected here";
+        let name = terminated(required(identifier, Code::UNEXPECTED, 1, message), blank);
+        let (rest, name) = map(name, |name| self.intern(name)).parse(rest)?;
+        let (rest, range) = self.index(rest)?;
+        let dimensions = range.map_or(0, |range| self.program.arguments_of(range).len().max(1));
+        let dimensions = u8::try_from(dimensions).unwrap_or(u8::MAX);
+        let (rest, default) = opt(preceded(byte(b'='), |input| self.expression(input))).parse(rest)?;
         let span = Span::new(self.offset(input), self.offset(rest));
+        let by_reference = by_reference.is_some();
         let parameter = Parameter { span, by_reference, kind, length, name, dimensions, default };
         self.program.parameters.push(parameter);
         Ok((rest, ()))
+    }
+
+    /// `[5]` behind STRING, and blanks.
+    pub(super) fn string_length<'a>(&mut self, input: Input<'a>, kind: DefinitionType) -> Parsed<'a, Option<ExprId>> {
+        let (rest, range) = cond(kind == DefinitionType::String, |input| self.index(input)).parse(input)?;
+        let first = range.flatten().and_then(|range| self.program.arguments_of(range).first().copied().flatten());
+        Ok((rest, first))
+    }
+
+    /// `[…]` where one begins here, and blanks.
+    pub(super) fn index<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Option<ArgumentRange>> {
+        let arguments = preceded(peek(byte(b'[')), |input| self.arguments(input, b']'));
+        opt(terminated(arguments, blank)).parse(input)
     }
 }

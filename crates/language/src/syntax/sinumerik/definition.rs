@@ -1,7 +1,12 @@
 //! `DEF` blocks: modifiers, types, arrays, initial values.
 
+use nom::Parser as _;
+use nom::combinator::{cond, map_opt, opt};
+use nom::multi::many0_count;
+use nom::sequence::{preceded, terminated};
+
 use super::block::Parser;
-use super::token::{Input, Parsed, blanks, fault, identifier};
+use super::token::{Input, Parsed, blank, blanks, byte, fault, identifier, required};
 use super::tree::{ArgumentRange, Body, ExprId, Node};
 use crate::syntax::names::NameId;
 use ncfix_base::diagnostic::Code;
@@ -41,81 +46,72 @@ pub struct Definition {
 }
 
 impl Parser {
-    /// `DEF {modifier} TYPE {modifier} name [= value] {, name [= value]}`
+    /// Production `def`: `DEF {modifier} TYPE {modifier} name [= value] {, name [= value]}`
     pub(super) fn define<'a>(&mut self, input: Input<'a>, rest: Input<'a>) -> Parsed<'a, Body> {
+        const MESSAGE: &str = "a type was expected behind DEF: INT, REAL, BOOL, CHAR, STRING, AXIS or FRAME";
         let start = self.program.definitions.next();
         let mut rest = blanks(rest);
         let mut is_global = false;
         let kind = loop {
-            rest = self.modifiers(rest)?;
-            let Ok((behind, word)) = identifier(rest) else {
-                return fault(
-                    Code::UNEXPECTED,
-                    input,
-                    3,
-                    "a type was expected behind DEF: INT, REAL, BOOL, CHAR, STRING, AXIS or FRAME",
-                );
+            rest = self.modifiers(rest)?.0;
+            let Ok((behind, word)) = terminated(identifier, blank).parse(rest) else {
+                return fault(Code::UNEXPECTED, input, 3, MESSAGE);
             };
-            rest = blanks(behind);
+            rest = behind;
             match DefinitionType::from_word(word) {
                 Some(kind) => break kind,
-                None if word.eq_ignore_ascii_case(b"CHAN") || word.eq_ignore_ascii_case(b"NCK") => is_global = true,
-                None => {}
+                None => is_global |= word.eq_ignore_ascii_case(b"CHAN") || word.eq_ignore_ascii_case(b"NCK"),
             }
         };
-        let mut length = None;
-        if kind == DefinitionType::String && rest.first() == Some(&b'[') {
-            let (behind, range) = self.arguments(rest, b']')?;
-            length = self.program.arguments_of(range).first().copied().flatten();
-            rest = blanks(behind);
-        }
-        rest = self.modifiers(rest)?;
+        let (behind, length) = self.string_length(rest, kind)?;
+        let (mut rest, ()) = self.modifiers(behind)?;
         loop {
-            let at = blanks(rest);
-            let Ok((behind, name)) = identifier(at) else {
-                return fault(Code::UNEXPECTED, at, 1, "the name of a variable was expected here");
-            };
-            let id = self.intern(name);
-            let mut next = blanks(behind);
-            let mut dimensions = ArgumentRange::default();
-            if next.first() == Some(&b'[') {
-                let (behind, range) = self.arguments(next, b']')?;
-                dimensions = range;
-                next = blanks(behind);
-            }
-            next = self.modifiers(next)?;
-            let mut value = None;
-            if next.first() == Some(&b'=') {
-                let is_array = dimensions != ArgumentRange::default();
-                let (behind, id) = if is_array { self.value_list(&next[1..])? } else { self.expression(&next[1..])? };
-                value = Some(id);
-                next = blanks(behind);
-            }
-            let span = Span::new(self.offset(at), self.offset(at) + name.len());
-            self.program.definitions.push(Definition { span, kind, name: id, length, dimensions, is_global, value });
-            rest = next;
-            match rest.first() {
-                Some(b',') => rest = &rest[1..],
-                _ => break,
+            rest = self.declarator(rest, (kind, length, is_global))?.0;
+            match byte(b',')(rest) {
+                Ok((behind, _)) => rest = behind,
+                Err(_) => break,
             }
         }
         let count = u16::try_from(self.program.definitions.next() - start).unwrap_or(u16::MAX);
         Ok((rest, Body::Define { start: u32::try_from(start).unwrap_or(u32::MAX), count }))
     }
 
-    /// Skips modifiers, with the numbers that belong to them.
-    fn modifiers<'a>(&mut self, input: Input<'a>) -> Skipped<'a> {
-        let mut rest = blanks(input);
-        while let Ok((behind, word)) = identifier(rest) {
-            let upper = String::from_utf8_lossy(word).to_ascii_uppercase();
-            let Some(row) = words().find(&upper, WordPlace::Definition) else { break };
-            let behind = if row.arguments == "-" { behind } else { self.expression(behind)?.0 };
-            rest = blanks(behind);
-        }
-        Ok(rest)
+    /// Production `declarator`: a name, its dimensions and its initial value.
+    fn declarator<'a>(
+        &mut self,
+        input: Input<'a>,
+        (kind, length, is_global): (DefinitionType, Option<ExprId>, bool),
+    ) -> Parsed<'a, ()> {
+        let at = blanks(input);
+        let message = "the name of a variable was expected here";
+        let (rest, name) = terminated(required(identifier, Code::UNEXPECTED, 1, message), blank).parse(at)?;
+        let id = self.intern(name);
+        let (rest, dimensions) = self.index(rest)?;
+        let dimensions = dimensions.unwrap_or_default();
+        let (rest, ()) = self.modifiers(rest)?;
+        let is_array = dimensions != ArgumentRange::default();
+        let initial = |input| if is_array { self.value_list(input) } else { self.expression(input) };
+        let (rest, value) = opt(terminated(preceded(byte(b'='), initial), blank)).parse(rest)?;
+        let span = Span::new(self.offset(at), self.offset(at) + name.len());
+        self.program.definitions.push(Definition { span, kind, name: id, length, dimensions, is_global, value });
+        Ok((rest, ()))
     }
 
-    /// `(1,2,3)`, `SET(1,2)`, `REP(0)` or one expression.
+    /// Skips modifiers, with the numbers that belong to them.
+    fn modifiers<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ()> {
+        let modifiers = many0_count(preceded(blank, |input| self.modifier(input)));
+        terminated(modifiers, blank).map(|_| ()).parse(input)
+    }
+
+    /// Production `modifier` but for CHAN and NCK: access rights, physical unit, limits, which have a value, and others. They change no value.
+    fn modifier<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ()> {
+        let row =
+            |word: &[u8]| words().find(&String::from_utf8_lossy(word).to_ascii_uppercase(), WordPlace::Definition);
+        let (rest, row) = map_opt(identifier, row).parse(input)?;
+        cond(row.arguments != "-", |input| self.expression(input)).map(|_| ()).parse(rest)
+    }
+
+    /// Production `list`: `(1,2,3)`, `SET(1,2)`, `REP(0)` or one expression.
     pub(super) fn value_list<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         let at = blanks(input);
         if at.first() == Some(&b'(') {
@@ -127,10 +123,12 @@ impl Parser {
     }
 }
 
-/// The rest of the line, or a fault.
-type Skipped<'a> = Result<Input<'a>, nom::Err<super::token::Fault>>;
-
 impl DefinitionType {
+    /// Production `type`.
+    pub(super) fn parse(input: Input<'_>) -> Parsed<'_, DefinitionType> {
+        map_opt(identifier, DefinitionType::from_word).parse(input)
+    }
+
     /// The type that a word names.
     pub(super) fn from_word(word: &[u8]) -> Option<DefinitionType> {
         Some(match word.to_ascii_uppercase().as_slice() {

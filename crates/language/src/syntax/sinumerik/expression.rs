@@ -1,19 +1,24 @@
 //! Expressions with Sinumerik's precedence: comparisons bind weakest, so `R1==1 AND R2==2` reads `R1==(1 AND R2)==2`.
 
+use nom::Parser as _;
 use nom::branch::alt;
-use nom::bytes::complete::{tag, tag_no_case, take_while1};
-use nom::combinator::{map, value, verify};
+use nom::bytes::complete::{tag, take_till, take_while1};
+use nom::combinator::{map, map_opt, not, peek, value};
+use nom::sequence::{delimited, preceded, terminated};
 
 use super::block::Parser;
 use super::token::{
-    Fault, Input, Parsed, blanks, digits, fault, identifier, is_name_byte, number, small_number, string,
+    Input, Parsed, behind_blanks, blank, blanks, byte, digits, fault, identifier, is_name_byte, number, one, required,
+    small_number, string,
 };
-use super::tree::{ArgumentRange, DimensionFunction, Expr, ExprId, Node, Operator, UnaryOperator, Value};
+use super::tree::{ArgumentRange, BlockNumber, DimensionFunction, Expr, ExprId, Node, Operator, UnaryOperator, Value};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
 /// Brackets and signs may be nested this deep.
 const MAX_DEPTH: u32 = 64;
+
+const UNCLOSED: &str = "this bracket is not closed in the block";
 
 /// How strongly an operator binds: higher goes first, equal ones from left to right.
 fn strength(operator: Operator) -> u8 {
@@ -52,7 +57,7 @@ fn symbol_operator(input: Input<'_>) -> Parsed<'_, Operator> {
         value(Operator::Divide, tag("/")),
         value(Operator::Chain, tag(":")),
     ))
-    .parse_input(input)
+    .parse(input)
 }
 
 fn word_operator(input: Input<'_>) -> Parsed<'_, Operator> {
@@ -69,60 +74,50 @@ fn word_operator(input: Input<'_>) -> Parsed<'_, Operator> {
             _ => return None,
         })
     };
-    map(verify(take_while1(is_name_byte), move |name: &[u8]| named(name).is_some()), move |name: &[u8]| {
-        named(name).unwrap_or(Operator::Add)
-    })
-    .parse_input(input)
+    map_opt(take_while1(is_name_byte), named).parse(input)
 }
 
-/// Lets nom's parser values be called like functions, with our fault type fixed.
-trait ParseInput<'a, T> {
-    fn parse_input(self, input: Input<'a>) -> Parsed<'a, T>;
-}
-
-impl<'a, T, P: nom::Parser<Input<'a>, Output = T, Error = Fault>> ParseInput<'a, T> for P {
-    fn parse_input(mut self, input: Input<'a>) -> Parsed<'a, T> {
-        self.parse(input)
-    }
+/// Production `dimension`: the name of a function that says how a position is meant.
+fn dimension(input: Input<'_>) -> Parsed<'_, DimensionFunction> {
+    let function = |name: &[u8]| {
+        Some(match name.to_ascii_uppercase().as_slice() {
+            b"AC" => DimensionFunction::Absolute,
+            b"IC" => DimensionFunction::Incremental,
+            b"DC" => DimensionFunction::Shortest,
+            b"ACP" => DimensionFunction::Positive,
+            b"ACN" => DimensionFunction::Negative,
+            b"CAC" | b"CIC" | b"CDC" | b"CACP" | b"CACN" | b"QU" | b"DAC" | b"DIC" | b"RAC" | b"RIC" | b"GP" => {
+                DimensionFunction::Other
+            }
+            _ => return None,
+        })
+    };
+    map_opt(identifier, function).parse(input)
 }
 
 impl Parser {
-    /// The value behind `=`: an expression, or a dimension function around one.
+    /// Productions `value` and `list`, behind `=`: an expression, or a dimension function around one, or a list.
     pub(super) fn assigned_value<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Value> {
         let input = blanks(input);
-        if let Ok((rest, name)) = identifier(input) {
-            let function = match name.to_ascii_uppercase().as_slice() {
-                b"AC" => Some(DimensionFunction::Absolute),
-                b"IC" => Some(DimensionFunction::Incremental),
-                b"DC" => Some(DimensionFunction::Shortest),
-                b"ACP" => Some(DimensionFunction::Positive),
-                b"ACN" => Some(DimensionFunction::Negative),
-                b"CAC" | b"CIC" | b"CDC" | b"CACP" | b"CACN" | b"QU" | b"DAC" | b"DIC" | b"RAC" | b"RIC" | b"GP" => {
-                    Some(DimensionFunction::Other)
-                }
-                _ => None,
+        if let Ok((open, function)) = terminated(dimension, (blank, peek(byte(b'(')))).parse(input) {
+            let open = blanks(open);
+            let inner = delimited(byte(b'('), |input| self.expression(input), behind_blanks(byte(b')')));
+            return match map(inner, |inner| Value::Dimension(function, inner)).parse(open) {
+                Err(nom::Err::Error(_)) => fault(Code::UNCLOSED, open, 1, UNCLOSED),
+                found => found,
             };
-            if let (Some(function), Some(b'(')) = (function, blanks(rest).first()) {
-                let open = blanks(rest);
-                let (rest, inner) = self.expression(&open[1..])?;
-                return match blanks(rest).first() {
-                    Some(b')') => Ok((&blanks(rest)[1..], Value::Dimension(function, inner))),
-                    _ => fault(Code::UNCLOSED, open, 1, "this bracket is not closed in the block"),
-                };
-            }
         }
         match self.expression(input) {
             Ok((rest, id)) => Ok((rest, Value::Expr(id))),
             // A list, `(1,2,3)`, fails as an expression at its first comma.
             Err(_) if input.first() == Some(&b'(') && self.depth == 0 => {
-                let (rest, range) = self.arguments(input, b')')?;
-                Ok((rest, Value::Arguments(range)))
+                map(|input| self.arguments(input, b')'), Value::Arguments).parse(input)
             }
             Err(error) => Err(error),
         }
     }
 
-    /// A whole expression.
+    /// Productions `expr` and `frame`: a whole expression.
     pub(super) fn expression<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         self.depth += 1;
         let result = if self.depth > MAX_DEPTH {
@@ -134,7 +129,9 @@ impl Parser {
         result
     }
 
-    /// Operands joined by operators of at least the given strength.
+    /// Operands joined by operators of at least the given strength; the strength tells which production it is.
+    ///
+    /// Productions `concatenation`, `or`, `xor`, `and`, `bit_or`, `bit_xor`, `bit_and`, `sum` and `product`.
     fn binary<'a>(&mut self, input: Input<'a>, weakest: u8) -> Parsed<'a, ExprId> {
         let (mut rest, mut left) = self.operand(input)?;
         loop {
@@ -155,6 +152,7 @@ impl Parser {
         }
     }
 
+    /// Production `primary`, with the signs before it.
     fn operand<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         let input = blanks(input);
         let Some(&first) = input.first() else {
@@ -173,12 +171,8 @@ impl Parser {
             b'+' => self.unary(input, 1, UnaryOperator::Plus),
             b'-' => self.unary(input, 1, UnaryOperator::Minus),
             b'(' => {
-                let (rest, inner) = self.expression(&input[1..])?;
-                let rest = blanks(rest);
-                match rest.first() {
-                    Some(b')') => Ok((&rest[1..], inner)),
-                    _ => fault(Code::UNCLOSED, input, 1, "this bracket is not closed in the block"),
-                }
+                let inner = delimited(byte(b'('), |input| self.expression(input), behind_blanks(byte(b')')));
+                required(inner, Code::UNCLOSED, 1, UNCLOSED)(input)
             }
             b'"' => {
                 let (rest, text) = string(input)?;
@@ -193,6 +187,7 @@ impl Parser {
         }
     }
 
+    /// Production `unary`: a sign or NOT and its operand.
     fn unary<'a>(&mut self, input: Input<'a>, length: usize, operator: UnaryOperator) -> Parsed<'a, ExprId> {
         self.depth += 1;
         let result = if self.depth > MAX_DEPTH {
@@ -205,36 +200,30 @@ impl Parser {
         Ok((rest, self.push_between(input, rest, Node::Unary(operator, inner))))
     }
 
-    /// `'H1F'` or `'B101'`.
+    /// `'H1F'` or `'B101'`, of production `primary`.
     fn based_constant<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         const BAD: &str = "a constant in apostrophes reads 'H1F' or 'B101'";
-        let base = match input.get(1) {
-            Some(b'H' | b'h') => 16,
-            Some(b'B' | b'b') => 2,
-            _ => return fault(Code::BAD_NUMBER, input, 1, BAD),
-        };
-        let Some(length) = input[2..].iter().position(|&byte| byte == b'\'') else {
+        let base = alt((
+            value(16, one(|byte| byte.eq_ignore_ascii_case(&b'H'))),
+            value(2, one(|byte| byte.eq_ignore_ascii_case(&b'B'))),
+        ));
+        let (digits, base) = required(preceded(byte(b'\''), base), Code::BAD_NUMBER, 1, BAD)(input)?;
+        let Ok((rest, digits)) = terminated(take_till(|byte| byte == b'\''), byte(b'\'')).parse(digits) else {
             return fault(Code::UNCLOSED, input, 1, "this apostrophe is not closed in the block");
         };
-        let text = std::str::from_utf8(&input[2..2 + length]).unwrap_or_default();
+        let text = std::str::from_utf8(digits).unwrap_or_default();
         let Ok(value) = i64::from_str_radix(text, base) else {
-            return fault(Code::BAD_NUMBER, input, length + 3, BAD);
+            return fault(Code::BAD_NUMBER, input, digits.len() + 3, BAD);
         };
-        let rest = &input[length + 3..];
         Ok((rest, self.push_between(input, rest, Node::Integer(value))))
     }
 
-    /// Whatever begins with a name: constants, parameters, variables, calls, NOT.
+    /// Productions `variable`, `function`, `system`, `component` and `frame_term`, and the rest of `primary`: constants, parameters, variables, calls, NOT.
     fn named<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
-        if matches!(input, [b'R' | b'r', digit, ..] if digit.is_ascii_digit())
-            && let Ok((rest, index)) = small_number(&input[1..])
-            && rest.first() != Some(&b'_')
-        {
+        if let Ok((rest, index)) = r_parameter(input) {
             return Ok((rest, self.push_between(input, rest, Node::Parameter(index))));
         }
-        let Ok((rest, name)) = identifier(input) else {
-            return fault(Code::BAD_EXPRESSION, input, 1, "this is no operand");
-        };
+        let (rest, name) = required(identifier, Code::BAD_EXPRESSION, 1, "this is no operand")(input)?;
         let node = match name.to_ascii_uppercase().as_slice() {
             b"NOT" => return self.unary(input, name.len(), UnaryOperator::Not),
             b"B_NOT" => return self.unary(input, name.len(), UnaryOperator::BitNot),
@@ -260,12 +249,8 @@ impl Parser {
         let open = blanks(rest);
         match open.first() {
             Some(b'[') if name.eq_ignore_ascii_case(b"R") => {
-                let (rest, index) = self.expression(&open[1..])?;
-                let rest = blanks(rest);
-                if rest.first() != Some(&b']') {
-                    return fault(Code::UNCLOSED, open, 1, "this bracket is not closed in the block");
-                }
-                let rest = &rest[1..];
+                let index = delimited(byte(b'['), |input| self.expression(input), behind_blanks(byte(b']')));
+                let (rest, index) = required(index, Code::UNCLOSED, 1, UNCLOSED)(open)?;
                 Ok((rest, self.push_between(input, rest, Node::ParameterAt(index))))
             }
             Some(b'[') => {
@@ -280,7 +265,7 @@ impl Parser {
         }
     }
 
-    /// `(a,,b)` or `[a,b]`: the opening bracket is the first byte of the input; empty slots are `None`.
+    /// Production `arguments`: `(a,,b)` or `[a,b]`, the opening bracket is the first byte of the input; empty slots are `None`.
     pub(super) fn arguments<'a>(&mut self, input: Input<'a>, close: u8) -> Parsed<'a, ArgumentRange> {
         let mut list = Vec::new();
         let mut rest = blanks(&input[1..]);
@@ -304,7 +289,7 @@ impl Parser {
                 Some(_) => {
                     return fault(Code::BAD_EXPRESSION, rest, 1, "a ',' or the closing bracket was expected here");
                 }
-                None => return fault(Code::UNCLOSED, input, 1, "this bracket is not closed in the block"),
+                None => return fault(Code::UNCLOSED, input, 1, UNCLOSED),
             }
         }
         let range = ArgumentRange {
@@ -331,23 +316,16 @@ impl Parser {
     }
 }
 
-/// A keyword at the start of the input, not followed by more of a name.
-pub(super) fn keyword<'a>(word: &'static str, input: Input<'a>) -> Option<Input<'a>> {
-    let (rest, _) = tag_no_case::<_, _, Fault>(word)(input).ok()?;
-    (!rest.first().is_some_and(|&byte| is_name_byte(byte))).then_some(rest)
+/// A block number as the target of a jump, of production `target`: `N123`, `:123`.
+pub(super) fn target_number(input: Input<'_>) -> Parsed<'_, BlockNumber> {
+    let start = one(|byte| matches!(byte, b'N' | b'n' | b':'));
+    let behind = peek(terminated(digits, not(one(is_name_byte))));
+    map((terminated(start, behind), small_number), |(first, number)| BlockNumber { main: first == b':', number })
+        .parse(input)
 }
 
-/// `N123` or `:123` as a jump target.
-pub(super) fn target_number(input: Input<'_>) -> Option<(Input<'_>, bool, u32)> {
-    let main = match input.first()? {
-        b':' => true,
-        b'N' | b'n' => false,
-        _ => return None,
-    };
-    let (rest, _) = digits(&input[1..]).ok()?;
-    if rest.first().is_some_and(|&byte| is_name_byte(byte)) {
-        return None;
-    }
-    let (rest, value) = small_number(&input[1..]).ok()?;
-    Some((rest, main, value))
+/// `R5`, whose digits no more of a name follows.
+fn r_parameter(input: Input<'_>) -> Parsed<'_, u32> {
+    let letter = terminated(one(|byte| byte.eq_ignore_ascii_case(&b'R')), peek(one(|byte| byte.is_ascii_digit())));
+    delimited(letter, small_number, not(byte(b'_'))).parse(input)
 }

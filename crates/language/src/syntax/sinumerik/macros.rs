@@ -3,8 +3,13 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use nom::Parser as _;
+use nom::combinator::{opt, verify};
+use nom::sequence::{delimited, preceded};
+
 use super::block::{Draft, Parser};
-use super::token::{Fault, blanks, identifier, is_blank, is_name_byte};
+use super::statement::before_comment;
+use super::token::{Fault, Input, blank, digits, identifier, is_blank, is_name_byte, one};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
@@ -92,29 +97,18 @@ impl Parser {
     }
 }
 
-/// Name and text of a line `[N10] DEFINE NAME AS text [; comment]`.
+/// Production `macro`: name and text of a line `[N10] DEFINE NAME AS text [; comment]`.
 pub(super) fn definition(line: &[u8]) -> Option<(&[u8], &[u8])> {
-    let mut rest = blanks(line);
-    if let [b'N' | b'n', digit, ..] = *rest
-        && digit.is_ascii_digit()
-    {
-        let digits = rest[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
-        rest = blanks(&rest[1 + digits..]);
-    }
-    let keyword = |rest, word: &[u8]| {
-        let (rest, found) = identifier(rest).ok()?;
-        found.eq_ignore_ascii_case(word).then(|| blanks(rest))
-    };
-    let (rest, name) = identifier(keyword(rest, b"DEFINE")?).ok()?;
-    let text = keyword(blanks(rest), b"AS")?;
-    let mut in_text = false;
-    let end = text.iter().position(|&byte| {
-        in_text ^= byte == b'"';
-        byte == b';' && !in_text
-    });
-    let text = &text[..end.unwrap_or(text.len())];
+    let number = opt((one(|byte| byte.eq_ignore_ascii_case(&b'N')), digits, blank));
+    let name = delimited((whole("DEFINE"), blank), identifier, (blank, whole("AS"), blank));
+    let (_, (name, text)) = preceded((blank, number), (name, before_comment)).parse(line).ok()?;
     let length = text.len() - text.iter().rev().take_while(|&&byte| is_blank(byte)).count();
     Some((name, &text[..length]))
+}
+
+/// A name that is this word.
+fn whole<'a>(word: &'static str) -> impl nom::Parser<Input<'a>, Output = &'a [u8], Error = Fault> {
+    verify(identifier, move |name: &[u8]| name.eq_ignore_ascii_case(word.as_bytes()))
 }
 
 /// A line that is being expanded.

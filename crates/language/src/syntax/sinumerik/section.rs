@@ -43,7 +43,7 @@ impl Parser {
         }
     }
 
-    /// `%_N_NAME_MPF`, `%NAME_MPF` or a bare `%`.
+    /// Productions `section` and `header`: `%_N_NAME_MPF`, `%NAME_MPF` or a bare `%`.
     pub(super) fn open_section(&mut self, text: &[u8]) {
         let span = Span::new(self.offset(text), self.line_end);
         self.close_section();

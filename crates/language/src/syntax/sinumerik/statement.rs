@@ -1,92 +1,97 @@
 //! Statements that need a block of their own: control structures, jumps, DEF, PROC.
 
+use std::cell::Cell;
+
+use nom::Parser as _;
+use nom::branch::alt;
+use nom::bytes::complete::{tag, take_till};
+use nom::combinator::{map, rest as rest_of_line, value};
+use nom::sequence::preceded;
+
 use super::block::{Draft, Parser};
-use super::expression::{keyword, target_number};
+use super::expression::target_number;
 use super::jump::{Jump, JumpTarget, Repetition, Search};
 use super::macros::definition;
-use super::token::{Input, Parsed, blanks, fault, identifier};
-use super::tree::{BlockNumber, Body, ExprId};
+use super::token::{
+    Input, Parsed, behind_blanks, blank, blanks, byte, fault, identifier, is_end, keyword, no_match, required,
+};
+use super::tree::{Body, ExprId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::{WordPlace, words};
 
 impl Parser {
-    /// Reads a statement, or says that there is none at this place.
-    pub(super) fn statement<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Option<Parsed<'a, Body>> {
-        let (rest, name) = identifier(input).ok()?;
-        let simple = |body| Some(Ok((rest, body)));
+    /// Production `statement`, where one begins here: by its first word.
+    ///
+    /// Productions `loop`, `while` and `repeat`: the blocks that begin and end them; the two sides are connected later.
+    pub(super) fn statement<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
+        let (rest, name) = identifier(input)?;
         match name.to_ascii_uppercase().as_slice() {
-            b"ELSE" => simple(Body::Else),
-            b"ENDIF" => simple(Body::EndIf),
-            b"LOOP" => simple(Body::Loop),
-            b"ENDLOOP" => simple(Body::EndLoop),
-            b"ENDFOR" => simple(Body::EndFor),
-            b"ENDWHILE" => simple(Body::EndWhile),
-            b"IF" => Some(self.if_statement(input, rest)),
-            b"WHILE" => Some(self.expression(rest).map(|(rest, id)| (rest, Body::While(id)))),
-            b"UNTIL" => Some(self.expression(rest).map(|(rest, id)| (rest, Body::Until(id)))),
-            b"FOR" => Some(self.for_statement(rest)),
-            b"REPEAT" => Some(match blanks(rest).first() {
-                None | Some(b';') => Ok((rest, Body::Repeat)),
-                Some(_) => self.repetition(input, rest, false),
-            }),
-            b"REPEATB" => Some(self.repetition(input, rest, true)),
-            b"CASE" => Some(self.case(rest)),
-            word @ (b"MCALL" | b"CALL" | b"PCALL" | b"EXTCALL" | b"CALLPATH") => {
-                Some(self.call_statement(input, word, rest))
-            }
+            b"ELSE" => Ok((rest, Body::Else)),
+            b"ENDIF" => Ok((rest, Body::EndIf)),
+            b"LOOP" => Ok((rest, Body::Loop)),
+            b"ENDLOOP" => Ok((rest, Body::EndLoop)),
+            b"ENDFOR" => Ok((rest, Body::EndFor)),
+            b"ENDWHILE" => Ok((rest, Body::EndWhile)),
+            b"IF" => self.if_statement(input, rest),
+            b"WHILE" => map(|input| self.expression(input), Body::While).parse(rest),
+            b"UNTIL" => map(|input| self.expression(input), Body::Until).parse(rest),
+            b"FOR" => self.for_statement(rest),
+            b"REPEAT" if is_end(blanks(rest), b";") => Ok((rest, Body::Repeat)),
+            b"REPEAT" => self.repetition(input, rest, false),
+            b"REPEATB" => self.repetition(input, rest, true),
+            b"CASE" => self.case(rest),
+            word @ (b"MCALL" | b"CALL" | b"PCALL" | b"EXTCALL" | b"CALLPATH") => self.call_statement(input, word, rest),
             b"DEFINE" if definition(input).is_none() => {
-                Some(fault(Code::UNEXPECTED, input, 6, "a macro is written DEFINE NAME AS and its text"))
+                fault(Code::UNEXPECTED, input, 6, "a macro is written DEFINE NAME AS and its text")
             }
-            b"DEFINE" | b"REDEF" | b"EXTERN" => {
-                Some(self.skipped(rest, draft).map(|(rest, ())| (rest, Body::Declaration)))
-            }
-            b"GOTO" | b"GOTOF" | b"GOTOB" | b"GOTOC" | b"GOTOS" => Some(self.jumps(input, None)),
-            b"DEF" => Some(self.define(input, rest)),
-            b"ID" | b"IDS" | b"WHEN" | b"WHENEVER" | b"EVERY" | b"FROM" | b"DO" => {
-                Some(self.synchronised(input, draft))
-            }
-            b"PROC" => Some(self.proc(rest, draft)),
+            b"DEFINE" | b"REDEF" | b"EXTERN" => self.declaration(rest, draft),
+            b"GOTO" | b"GOTOF" | b"GOTOB" | b"GOTOC" | b"GOTOS" => self.jumps(input, None),
+            b"DEF" => self.define(input, rest),
+            b"ID" | b"IDS" | b"WHEN" | b"WHENEVER" | b"EVERY" | b"FROM" | b"DO" => self.synchronised(input, draft),
+            b"PROC" => self.proc(rest),
             // Known and not executed yet; the rest of the block is not read.
-            upper => {
-                let row = words().find(std::str::from_utf8(upper).ok()?, WordPlace::Statement);
-                row.is_some().then(|| self.unsupported(input, rest, draft))
-            }
+            upper => match std::str::from_utf8(upper).ok().and_then(|word| words().find(word, WordPlace::Statement)) {
+                Some(_) => self.unsupported(input, rest, draft),
+                None => no_match(input),
+            },
         }
+    }
+
+    /// Production `extern`: declarations and macros, whose text is read by [`definition`].
+    fn declaration<'a>(&mut self, rest: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
+        value(Body::Declaration, |input| self.skipped(input, draft)).parse(rest)
     }
 
     /// Takes the rest of the block as it is; the execution will say that it is not supported.
     fn unsupported<'a>(&mut self, input: Input<'a>, rest: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
         let span = Span::new(self.offset(input), self.offset(rest));
-        self.skipped(rest, draft).map(|(rest, ())| (rest, Body::Unsupported(span)))
+        value(Body::Unsupported(span), |input| self.skipped(input, draft)).parse(rest)
     }
 
     /// The rest of the block, of which only the comment is kept.
     fn skipped<'a>(&mut self, rest: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
-        let mut in_text = false;
-        let comment = rest.iter().position(|&byte| {
-            in_text ^= byte == b'"';
-            byte == b';' && !in_text
-        });
-        let end = &rest[comment.unwrap_or(rest.len())..];
-        if comment.is_some() {
-            self.comment(end, draft);
+        let (comment, _) = before_comment(rest)?;
+        if !comment.is_empty() {
+            self.comment(comment, draft);
         }
-        Ok((&rest[rest.len()..], ()))
+        map(rest_of_line, |_| ()).parse(comment)
     }
 
+    /// Production `if`: IF alone in its block, or in front of a jump.
     fn if_statement<'a>(&mut self, input: Input<'a>, rest: Input<'a>) -> Parsed<'a, Body> {
         let (rest, condition) = self.expression(rest)?;
-        match blanks(rest).first() {
-            None | Some(b';') => Ok((rest, Body::If(condition))),
-            Some(_) if starts_jump(blanks(rest)) => self.jumps(input, Some((rest, condition))),
-            Some(_) => {
-                fault(Code::UNEXPECTED, blanks(rest), 1, "GOTOF, GOTOB, GOTO or the end of the block was expected here")
-            }
+        let behind = blanks(rest);
+        if is_end(behind, b";") {
+            return Ok((rest, Body::If(condition)));
         }
+        if search(behind).is_ok() {
+            return self.jumps(input, Some((rest, condition)));
+        }
+        fault(Code::UNEXPECTED, behind, 1, "GOTOF, GOTOB, GOTO or the end of the block was expected here")
     }
 
-    /// `[IF condition] GOTOx target` once or more; a condition that was read already comes with what is behind it.
+    /// Production `jumps`: `[IF condition] GOTOx target` once or more; a condition that was read already comes with what is behind it.
     fn jumps<'a>(&mut self, input: Input<'a>, first: Option<(Input<'a>, ExprId)>) -> Parsed<'a, Body> {
         let start = self.program.jumps.len();
         let (mut rest, mut condition) = match first {
@@ -96,11 +101,9 @@ impl Parser {
         loop {
             rest = self.jump(blanks(rest), condition)?.0;
             let next = blanks(rest);
-            if let Some(behind) = keyword("IF", next) {
-                let (behind, id) = self.expression(behind)?;
-                condition = Some(id);
-                rest = behind;
-            } else if starts_jump(next) {
+            if let Ok((behind, ())) = keyword("IF")(next) {
+                (rest, condition) = map(|input| self.expression(input), Some).parse(behind)?;
+            } else if search(next).is_ok() {
                 condition = None;
             } else {
                 break;
@@ -110,59 +113,50 @@ impl Parser {
         Ok((rest, Body::Jumps { start: u32::try_from(start).unwrap_or(u32::MAX), count }))
     }
 
+    /// Production `goto`.
     fn jump<'a>(&mut self, input: Input<'a>, condition: Option<ExprId>) -> Parsed<'a, ()> {
-        let searches = [
-            ("GOTOF", Search::Forward),
-            ("GOTOB", Search::Backward),
-            ("GOTOC", Search::AroundIfAny),
-            ("GOTOS", Search::Start),
-            ("GOTO", Search::Around),
-        ];
-        let Some((rest, search)) = searches.iter().find_map(|&(word, search)| Some((keyword(word, input)?, search)))
-        else {
-            return fault(Code::UNEXPECTED, input, 1, "GOTOF, GOTOB or GOTO was expected here");
+        let (rest, search) = required(search, Code::UNEXPECTED, 1, "GOTOF, GOTOB or GOTO was expected here")(input)?;
+        let (rest, target) = match search {
+            Search::Start => (rest, JumpTarget::Start),
+            _ => preceded(blank, |input| self.jump_target(input)).parse(rest)?,
         };
-        let (rest, target) =
-            if search == Search::Start { (rest, JumpTarget::Start) } else { self.jump_target(blanks(rest))? };
         let span = Span::new(self.offset(input), self.offset(rest));
         self.program.jumps.push(Jump { span, condition, search, target });
         Ok((rest, ()))
     }
 
-    /// A label, a block number, or an expression that makes one of them.
+    /// Production `target`: a label, a block number, or an expression that makes one of them.
     pub(super) fn jump_target<'a>(&mut self, at: Input<'a>) -> Parsed<'a, JumpTarget> {
-        if let Some((rest, main, number)) = target_number(at) {
-            return Ok((rest, JumpTarget::Number(BlockNumber { main, number })));
+        if let Ok(number) = map(target_number, JumpTarget::Number).parse(at) {
+            return Ok(number);
         }
+        let is_computed = |rest| alt((behind_blanks(tag("<<")), tag("["))).parse(rest).is_ok();
         match identifier(at) {
-            Ok((rest, name)) if !blanks(rest).starts_with(b"<<") && !rest.starts_with(b"[") => {
-                Ok((rest, JumpTarget::Label(self.intern(name))))
-            }
+            Ok((rest, name)) if !is_computed(rest) => Ok((rest, JumpTarget::Label(self.intern(name)))),
             Err(_) if !at.first().is_some_and(|&byte| matches!(byte, b'"' | b'(' | b'<')) => {
                 fault(Code::UNEXPECTED, at, 1, "a label or block number was expected here")
             }
-            _ => self.expression(at).map(|(rest, id)| (rest, JumpTarget::Computed(id))),
+            _ => map(|input| self.expression(input), JumpTarget::Computed).parse(at),
         }
     }
 
-    /// `CASE expression OF {constant GOTOx target} [DEFAULT GOTOx target]`: jumps, each with its comparison.
+    /// Production `case`: `CASE expression OF {constant GOTOx target} [DEFAULT GOTOx target]`, jumps, each with its comparison.
     fn case<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Body> {
         let start = self.program.jumps.len();
         let (rest, selector) = self.expression(input)?;
-        let Some(mut rest) = keyword("OF", blanks(rest)) else {
-            return fault(Code::UNEXPECTED, blanks(rest), 1, "OF was expected behind the expression of CASE");
-        };
+        let message = "OF was expected behind the expression of CASE";
+        let (mut rest, ()) = behind_blanks(required(keyword("OF"), Code::UNEXPECTED, 1, message)).parse(rest)?;
         loop {
             rest = blanks(rest);
             let mut condition = None;
-            match keyword("DEFAULT", rest) {
-                Some(behind) => rest = behind,
-                None if matches!(rest.first(), None | Some(b';')) => break,
-                None => {
-                    let (behind, constant) = self.expression(rest)?;
-                    condition = Some(self.comparison(selector, constant));
-                    rest = behind;
-                }
+            if let Ok((behind, ())) = keyword("DEFAULT")(rest) {
+                rest = behind;
+            } else if is_end(rest, b";") {
+                break;
+            } else {
+                let (behind, constant) = self.expression(rest)?;
+                condition = Some(self.comparison(selector, constant));
+                rest = behind;
             }
             rest = self.jump(blanks(rest), condition)?.0;
         }
@@ -170,14 +164,13 @@ impl Parser {
         Ok((rest, Body::Jumps { start: u32::try_from(start).unwrap_or(u32::MAX), count }))
     }
 
-    /// `REPEAT label [label] [P=n]`, `REPEATB label [P=n]`
+    /// Production `part`: `REPEAT label [label] [P=n]`, `REPEATB label [P=n]`
     fn repetition<'a>(&mut self, input: Input<'a>, rest: Input<'a>, one_block: bool) -> Parsed<'a, Body> {
         let (mut rest, first) = self.jump_target(blanks(rest))?;
         let (mut behind, mut count) = self.count(rest)?;
         let mut last = None;
-        if count.is_none() && !one_block && !matches!(blanks(rest).first(), None | Some(b';')) {
-            let (next, target) = self.jump_target(blanks(rest))?;
-            (rest, last) = (next, Some(target));
+        if count.is_none() && !one_block && !is_end(blanks(rest), b";") {
+            (rest, last) = map(|input| self.jump_target(input), Some).parse(blanks(rest))?;
             (behind, count) = self.count(rest)?;
         }
         let span = Span::new(self.offset(input), self.offset(rest));
@@ -186,22 +179,34 @@ impl Parser {
         Ok((behind, Body::RepeatPart(place)))
     }
 
-    /// `FOR variable = from TO to`
+    /// Production `for`: `FOR variable = from TO to`
     fn for_statement<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Body> {
-        let (rest, variable) = self.left_side(blanks(input))?;
-        let rest = blanks(rest);
-        if rest.first() != Some(&b'=') {
-            return fault(Code::UNEXPECTED, rest, 1, "'=' was expected behind the variable of FOR");
-        }
-        let (rest, from) = self.expression(&rest[1..])?;
-        let Some(rest) = keyword("TO", blanks(rest)) else {
-            return fault(Code::UNEXPECTED, blanks(rest), 1, "TO was expected behind the start value of FOR");
-        };
-        let (rest, to) = self.expression(rest)?;
+        let (rest, variable) = preceded(blank, |input| self.left_side(input)).parse(input)?;
+        let equals = required(byte(b'='), Code::UNEXPECTED, 1, "'=' was expected behind the variable of FOR");
+        let (rest, from) = preceded((blank, equals), |input| self.expression(input)).parse(rest)?;
+        let to = required(keyword("TO"), Code::UNEXPECTED, 1, "TO was expected behind the start value of FOR");
+        let (rest, to) = preceded((blank, to), |input| self.expression(input)).parse(rest)?;
         Ok((rest, Body::For { variable, from, to }))
     }
 }
 
-fn starts_jump(input: Input<'_>) -> bool {
-    ["GOTOF", "GOTOB", "GOTOC", "GOTOS", "GOTO"].iter().any(|word| keyword(word, input).is_some())
+/// The word of a jump; GOTO, with which the others begin, last.
+fn search(input: Input<'_>) -> Parsed<'_, Search> {
+    alt((
+        value(Search::Forward, keyword("GOTOF")),
+        value(Search::Backward, keyword("GOTOB")),
+        value(Search::AroundIfAny, keyword("GOTOC")),
+        value(Search::Start, keyword("GOTOS")),
+        value(Search::Around, keyword("GOTO")),
+    ))
+    .parse(input)
+}
+
+/// What stands before the comment of a line; a `;` in a text begins none.
+pub(super) fn before_comment(input: Input<'_>) -> Parsed<'_, &[u8]> {
+    let in_text = Cell::new(false);
+    take_till(move |byte| {
+        in_text.set(in_text.get() ^ (byte == b'"'));
+        byte == b';' && !in_text.get()
+    })(input)
 }

@@ -10,7 +10,9 @@ use ncfix_base::source::Span;
 const SCANS: [&[u8]; 4] = [b"WHEN", b"WHENEVER", b"EVERY", b"FROM"];
 
 impl Parser {
-    /// Reads a synchronised action from its first word to the comment.
+    /// Production `synchronised`: a synchronised action from its first word to the comment.
+    ///
+    /// Its parts are found by their keywords outside of brackets and texts, not read: by a scanner, for they are no words of this language.
     pub(super) fn synchronised<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
         let (body, comment) = self.without_comment(input)?;
         if let Some(comment) = comment {

@@ -2,12 +2,17 @@
 //!
 //! Inputs are the rest of one line; a place is told by how much of the line is left.
 
-use nom::bytes::complete::{take_till, take_while1};
-use nom::error::{ErrorKind, ParseError};
+use nom::Parser;
+use nom::bytes::complete::{tag_no_case, take_till, take_while1};
+use nom::combinator::{not, peek};
+use nom::sequence::{delimited, preceded, terminated};
 
 use ncfix_base::diagnostic::Code;
 
-pub(super) use crate::syntax::token::{EXACT_POWERS, Fault, Input, Parsed, blanks, fault, find_byte, is_blank};
+pub(super) use crate::syntax::token::{
+    EXACT_POWERS, Fault, Input, Parsed, behind_blanks, blank, blanks, byte, fault, find_byte, is_blank, is_end,
+    no_match, one, required,
+};
 
 /// A letter, digit or underscore.
 pub(super) fn is_name_byte(byte: u8) -> bool {
@@ -16,11 +21,13 @@ pub(super) fn is_name_byte(byte: u8) -> bool {
 
 /// An identifier: letters, digits, underscores, `$` in front of system variables.
 pub(super) fn identifier(input: Input<'_>) -> Parsed<'_, &[u8]> {
-    let starts = input.first().is_some_and(|b| b.is_ascii_alphabetic() || *b == b'_' || *b == b'$');
-    if !starts {
-        return Err(nom::Err::Error(Fault::from_error_kind(input, ErrorKind::Alpha)));
-    }
-    take_while1(|byte| is_name_byte(byte) || byte == b'$')(input)
+    let start = one(|byte| byte.is_ascii_alphabetic() || byte == b'_' || byte == b'$');
+    preceded(peek(start), take_while1(|byte| is_name_byte(byte) || byte == b'$')).parse(input)
+}
+
+/// A keyword in either case, not followed by more of a name.
+pub(super) fn keyword<'a>(word: &'static str) -> impl Fn(Input<'a>) -> Parsed<'a, ()> {
+    move |input| terminated(tag_no_case(word), not(one(is_name_byte))).map(|_| ()).parse(input)
 }
 
 /// Digits.
@@ -40,11 +47,8 @@ pub(super) fn small_number(input: Input<'_>) -> Parsed<'_, u32> {
 
 /// The bytes between quotation marks.
 pub(super) fn string(input: Input<'_>) -> Parsed<'_, &[u8]> {
-    let (rest, text) = take_till(|byte| byte == b'"')(&input[1..])?;
-    match rest.first() {
-        Some(_) => Ok((&rest[1..], text)),
-        None => fault(Code::UNCLOSED, input, 1, "this quotation mark is not closed in the block"),
-    }
+    let quoted = delimited(byte(b'"'), take_till(|byte| byte == b'"'), byte(b'"'));
+    required(quoted, Code::UNCLOSED, 1, "this quotation mark is not closed in the block")(input)
 }
 
 /// A number as written.
@@ -58,7 +62,7 @@ pub(super) struct Number {
 /// Below 2⁵³ an integer is a double exactly.
 const EXACT_MANTISSA: u64 = 1 << 53;
 
-/// An unsigned number, `10`, `10.`, `.5`, `1.5EX-3`: correctly rounded.
+/// Production `number_value` without its sign: `10`, `10.`, `.5`, `1.5EX-3`: correctly rounded.
 ///
 /// Where mantissa and power of ten are both exact doubles, one multiplication or division rounds correctly (Clinger 1990);
 /// the standard library does the rest.
@@ -81,12 +85,7 @@ pub(super) fn number(input: Input<'_>) -> Parsed<'_, Number> {
         at += 1;
     }
     if digit_count == 0 {
-        return Err(nom::Err::Error(Fault {
-            code: Code::BAD_NUMBER,
-            left: input.len(),
-            length: at.max(1),
-            message: "a number was expected here",
-        }));
+        return fault(Code::BAD_NUMBER, input, at.max(1), "a number was expected here");
     }
     let decimals = point.map_or(0, |point| at - point - 1);
     exponent -= i32::try_from(decimals).unwrap_or(i32::MAX);

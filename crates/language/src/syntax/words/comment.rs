@@ -1,7 +1,13 @@
 //! Comments, and those of RS274/NGC that do something.
 
+use nom::Parser as _;
+use nom::branch::alt;
+use nom::bytes::complete::{tag_no_case, take_till};
+use nom::combinator::rest as rest_of_line;
+use nom::sequence::{delimited, preceded};
+
 use super::parser::Parser;
-use super::token::{Input, Parsed, blanks, fault};
+use super::token::{Fault, Input, Parsed, blanks, byte, fault, required};
 use super::tree::{Comment, CommentKind};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -20,22 +26,24 @@ const ACTIVE: &[(&str, CommentKind)] = &[
     ("PROBECLOSE", CommentKind::Probe),
 ];
 
+/// Production `comment` (fanuc, rs274, grundig): `(…)` or `;…`, the text within.
+fn comment(input: Input<'_>) -> Parsed<'_, &[u8]> {
+    alt((preceded(byte(b';'), rest_of_line), in_brackets)).parse(input)
+}
+
+fn in_brackets(input: Input<'_>) -> Parsed<'_, &[u8]> {
+    let brackets = delimited(byte(b'('), take_till(|byte| byte == b')'), byte(b')'));
+    let (rest, inner) = required(brackets, Code::UNCLOSED, 1, "this comment is not closed in the block")(input)?;
+    match inner.iter().position(|&byte| byte == b'(') {
+        Some(open) => fault(Code::UNEXPECTED, &input[1 + open..], 1, "a comment must not hold another one"),
+        None => Ok((rest, inner)),
+    }
+}
+
 impl Parser {
-    /// `(…)` or `;…`
+    /// A comment, which is kept.
     pub(super) fn comment<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ()> {
-        let (rest, inner) = if input.first() == Some(&b';') {
-            (&input[input.len()..], &input[1..])
-        } else {
-            let Some(length) = input.iter().position(|&byte| byte == b')') else {
-                return fault(Code::UNCLOSED, input, 1, "this comment is not closed in the block");
-            };
-            let inner = &input[1..length];
-            if let Some(open) = inner.iter().position(|&byte| byte == b'(') {
-                let left = &input[1 + open..];
-                return fault(Code::UNEXPECTED, left, 1, "a comment must not hold another one");
-            }
-            (&input[length + 1..], inner)
-        };
+        let (rest, inner) = comment(input)?;
         let start = self.offset(input);
         let inner_start = start + 1;
         let inner_end = inner_start + inner.len();
@@ -46,10 +54,10 @@ impl Parser {
         };
         if self.language == Language::Rs274 && input.first() == Some(&b'(') {
             let text = blanks(inner);
-            let begins = |word: &str| text.get(..word.len()).is_some_and(|t| t.eq_ignore_ascii_case(word.as_bytes()));
-            if let Some(&(word, kind)) = ACTIVE.iter().find(|(word, _)| begins(word)) {
+            let behind = |word: &'static str| tag_no_case::<_, _, Fault>(word)(text).ok().map(|(behind, _)| behind);
+            if let Some((behind, kind)) = ACTIVE.iter().find_map(|&(word, kind)| Some((behind(word)?, kind))) {
                 comment.kind = kind;
-                comment.text = Span::new(inner_end - text.len() + word.len(), inner_end);
+                comment.text = Span::new(inner_end - behind.len(), inner_end);
             }
         }
         self.program.comments.push(comment);

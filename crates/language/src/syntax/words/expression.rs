@@ -1,8 +1,13 @@
 //! Expressions of the word languages: one climber of precedences, whose operators and functions the language chooses.
 
+use nom::Parser as _;
+use nom::branch::alt;
+use nom::combinator::{map, opt, peek};
+use nom::sequence::{preceded, terminated};
+
 use super::node::{Expr, ExprId, Function, Node, Operator, UnaryOperator};
 use super::parser::Parser;
-use super::token::{Input, Parsed, angled, blanks, fault, number, one_of, small_number};
+use super::token::{Input, Parsed, angled, behind_blanks, blanks, byte, fault, letters, number, one_of, small_number};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
@@ -112,7 +117,7 @@ fn strength(operator: Operator, language: Language) -> u8 {
 }
 
 impl Parser {
-    /// A whole expression: operands joined by operators.
+    /// Productions `expression` (fanuc, rs274) and `relation` (grundig): operands joined by operators.
     pub(super) fn expression<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         self.deeper(input, |parser| parser.binary(input, 0))
     }
@@ -129,25 +134,27 @@ impl Parser {
     }
 
     /// The operator at the start of the input.
-    pub(super) fn operator<'a>(&self, input: Input<'a>) -> Option<(Input<'a>, Operator)> {
+    pub(super) fn operator<'a>(&self, input: Input<'a>) -> Parsed<'a, Operator> {
         match self.language {
-            Language::Grundig => one_of(GRUNDIG_OPERATORS, input),
-            Language::Rs274 => one_of(POWER, input).or_else(|| one_of(FANUC_OPERATORS, input)),
-            _ => one_of(FANUC_OPERATORS, input),
+            Language::Grundig => one_of(GRUNDIG_OPERATORS)(input),
+            Language::Rs274 => alt((one_of(POWER), one_of(FANUC_OPERATORS))).parse(input),
+            _ => one_of(FANUC_OPERATORS)(input),
         }
     }
 
-    /// Operands joined by operators of at least the given strength.
+    /// Operands joined by operators of at least the given strength; the strength tells which production it is.
+    ///
+    /// Productions `sum` and `product` (fanuc, rs274, grundig), `comparison` (rs274, grundig), `conjunction` (grundig), `power` (rs274, grundig).
     fn binary<'a>(&mut self, input: Input<'a>, weakest: u8) -> Parsed<'a, ExprId> {
         let (mut rest, mut left) = self.operand(input)?;
         let mut compared = false;
         loop {
             let at = blanks(rest);
-            let found =
-                self.operator(at).map(|(behind, operator)| (behind, operator, strength(operator, self.language)));
-            let Some((behind, operator, strength)) = found.filter(|found| found.2 >= weakest) else {
+            let Ok((behind, operator)) = self.operator(at) else { return Ok((rest, left)) };
+            let strength = strength(operator, self.language);
+            if strength < weakest {
                 return Ok((rest, left));
-            };
+            }
             if strength == COMPARISON && self.language == Language::Fanuc {
                 // The bits of AND would be taken before the second comparison, which nobody means.
                 if compared {
@@ -165,6 +172,8 @@ impl Parser {
     }
 
     /// One operand: a number, a parameter, a function, a bracket, with any sign.
+    ///
+    /// Productions `factor` (fanuc, grundig) and `operand` (grundig).
     pub(super) fn operand<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         let input = blanks(input);
         match input.first() {
@@ -208,18 +217,12 @@ impl Parser {
         }
     }
 
-    /// `#5`, `#[…]`, `##5`, `#<name>`: the first byte of the input is `#`.
+    /// Productions `variable` (fanuc) and `parameter` (rs274): `#5`, `#[…]`, `##5`, `#<name>`: the first byte of the input is `#`.
     pub(super) fn parameter<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         let behind = blanks(&input[1..]);
         let (rest, node) = match behind.first() {
-            Some(b'0'..=b'9') => {
-                let (rest, number) = small_number(behind, self.is_spaced())?;
-                (rest, Node::Parameter(number))
-            }
-            Some(b'<') => {
-                let (rest, name) = angled(behind)?;
-                (rest, Node::Named(self.intern(name)))
-            }
+            Some(b'0'..=b'9') => map(|input| small_number(input, self.is_spaced()), Node::Parameter).parse(behind)?,
+            Some(b'<') => map(angled, |name| Node::Named(self.intern(name))).parse(behind)?,
             Some(&byte)
                 if b"#[".contains(&byte) || (byte.is_ascii_alphabetic() && self.language == Language::Rs274) =>
             {
@@ -238,27 +241,21 @@ impl Parser {
         Ok((rest, self.push_between(input, rest, node)))
     }
 
-    /// `E5`, `E(…)`.
+    /// Production `parameter` (grundig): `E5`, `E(…)`.
     fn e_parameter<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         let behind = &input[1..];
         let (rest, node) = match behind.first() {
-            Some(b'(') => {
-                let (rest, inner) = self.bracket(behind, b')')?;
-                (rest, Node::ParameterAt(inner))
-            }
-            Some(b'0'..=b'9') => {
-                let (rest, number) = small_number(behind, false)?;
-                (rest, Node::Parameter(number))
-            }
+            Some(b'(') => map(|input| self.bracket(input, b')'), Node::ParameterAt).parse(behind)?,
+            Some(b'0'..=b'9') => map(|input| small_number(input, false), Node::Parameter).parse(behind)?,
             _ => return fault(Code::BAD_EXPRESSION, input, 1, "behind E stands the number of a parameter"),
         };
         Ok((rest, self.push_between(input, rest, node)))
     }
 
-    /// `SIN[…]`, `ATAN[…]/[…]`, `POW[…,…]`, `sin(…)`, `pi`.
+    /// Productions `call` (fanuc, rs274) and `function` (grundig): `SIN[…]`, `ATAN[…]/[…]`, `POW[…,…]`, `sin(…)`, `pi`.
     fn function<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
-        let length = input.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
-        let (word, rest) = input.split_at(length);
+        let (rest, word) = letters(input)?;
+        let length = word.len();
         if self.language == Language::Grundig {
             if word.eq_ignore_ascii_case(b"PI") {
                 let node = Node::Number(std::f64::consts::PI);
@@ -273,17 +270,17 @@ impl Parser {
         };
         let (open, close) = if self.language == Language::Grundig { (b'(', b')') } else { (b'[', b']') };
         let bracket = blanks(rest);
-        if bracket.first() != Some(&open) {
+        let Ok((inside, _)) = byte(open)(bracket) else {
             return fault(Code::BAD_EXPRESSION, input, length, "the value of a function stands in brackets");
-        }
-        let (rest, first) = self.expression(&bracket[1..])?;
+        };
+        let (rest, first) = self.expression(inside)?;
         let (rest, second) = match blanks(rest) {
             [byte, rest @ ..] if *byte == close => (rest, None),
             [b',', rest @ ..] if matches!(function, Function::Atan | Function::Pow | Function::Prm) => {
-                let (rest, second) = self.expression(rest)?;
-                match blanks(rest) {
-                    [byte, rest @ ..] if *byte == close => (rest, Some(second)),
-                    _ => return fault(Code::UNCLOSED, bracket, 1, UNCLOSED),
+                let closed = terminated(|input| self.expression(input), behind_blanks(byte(close)));
+                match map(closed, Some).parse(rest) {
+                    Err(nom::Err::Error(_)) => return fault(Code::UNCLOSED, bracket, 1, UNCLOSED),
+                    found => found?,
                 }
             }
             [] => return fault(Code::UNCLOSED, bracket, 1, UNCLOSED),
@@ -291,12 +288,12 @@ impl Parser {
                 return fault(Code::BAD_EXPRESSION, other, 1, "an operator or the closing bracket was expected here");
             }
         };
-        let (rest, second) = match (function, second, blanks(rest)) {
-            (Function::Atan, None, [b'/', behind @ ..]) if blanks(behind).first() == Some(&b'[') => {
-                let (rest, second) = self.bracket(blanks(behind), b']')?;
-                (rest, Some(second))
+        let (rest, second) = match (function, second) {
+            (Function::Atan, None) => {
+                let over = (behind_blanks(byte(b'/')), behind_blanks(peek(byte(b'['))));
+                opt(preceded(over, |input| self.bracket(input, b']'))).parse(rest)?
             }
-            (_, second, _) => (rest, second),
+            (_, second) => (rest, second),
         };
         let needs_two = function == Function::Pow || (function == Function::Atan && self.language == Language::Rs274);
         if needs_two && second.is_none() {

@@ -1,7 +1,12 @@
 //! Where programs begin and end in a file: `%`, `O1234 (NAME)`, `%PM9001` and the line `N9001` behind it.
 
+use nom::Parser as _;
+use nom::bytes::complete::take_while_m_n;
+use nom::combinator::{map, opt, verify};
+use nom::sequence::preceded;
+
 use super::parser::Parser;
-use super::token::{Input, angled, blanks, is_blank, small_number};
+use super::token::{Input, Parsed, angled, blank, blanks, byte, is_blank, is_end, one, small_number};
 use super::tree::{Part, PartKind};
 use crate::syntax::MAX_PARTS;
 use ncfix_base::source::Span;
@@ -20,7 +25,21 @@ const MEMORIES: &[(&str, PartKind)] = &[
     ("MC", PartKind::MachineConstants),
 ];
 
-/// The bytes of a tape that count: from behind its leader to before its trailer.
+/// Production `memory` (grundig): two letters, and what they are for.
+fn memory(input: Input<'_>) -> Parsed<'_, PartKind> {
+    let kind_of = |letters: &[u8]| {
+        let known = MEMORIES.iter().find(|(name, _)| letters.eq_ignore_ascii_case(name.as_bytes()));
+        known.map_or(PartKind::Other, |&(_, kind)| kind)
+    };
+    map(take_while_m_n(2, 2, |byte: u8| byte.is_ascii_alphabetic()), kind_of).parse(input)
+}
+
+/// The letter of a block number, and blanks.
+fn letter_n(input: Input<'_>) -> Parsed<'_, ()> {
+    (one(|byte| byte.eq_ignore_ascii_case(&b'N')), blank).map(|_| ()).parse(input)
+}
+
+/// Production `tape` (fanuc): the bytes of a tape that count, from behind its leader to before its trailer.
 ///
 /// What stands before the first `%` and behind the last one is no part of any program. A file with one `%` at its end only has no
 /// leader.
@@ -85,23 +104,14 @@ impl Parser {
         }
     }
 
-    /// `%PM`, `%PM9001`, `%PM N9001`, a lone `%`.
+    /// Production `header` (grundig): `%PM`, `%PM9001`, `%PM N9001`, a lone `%`.
     fn memory_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
-        let behind = blanks(&text[1..]);
-        let length = behind.iter().take_while(|byte| byte.is_ascii_alphabetic()).count().min(2);
-        let (letters, rest) = behind.split_at(length);
-        if letters.len() < 2 {
+        let Ok((mut rest, (_, _, kind, _, _))) = (byte(b'%'), blank, memory, blank, opt(letter_n)).parse(text) else {
             // An end mark of the transmission.
             self.open_part(PartKind::Program, None);
             self.is_fresh = true;
             return &text[text.len()..];
-        }
-        let known = MEMORIES.iter().find(|(name, _)| letters.eq_ignore_ascii_case(name.as_bytes()));
-        let kind = known.map_or(PartKind::Other, |&(_, kind)| kind);
-        let mut rest = blanks(rest);
-        if let [b'N' | b'n', behind @ ..] = rest {
-            rest = blanks(behind);
-        }
+        };
         let number = small_number(rest, false).ok();
         self.open_part(kind, Some(text));
         self.is_fresh = true;
@@ -109,10 +119,8 @@ impl Parser {
             part.number = Some(number);
             rest = blanks(behind);
             // `%PM9001 N9001`
-            if let [b'N' | b'n', behind @ ..] = rest
-                && let Ok((behind, second)) = small_number(blanks(behind), false)
-                && second == number
-            {
+            let second = preceded(letter_n, |input| small_number(input, false));
+            if let Ok((behind, _)) = verify(second, |&second| second == number).parse(rest) {
                 rest = behind;
             }
         }
@@ -120,13 +128,15 @@ impl Parser {
         rest
     }
 
-    /// `N9001 (NAME)` as the first line of a part: its number and nothing but a comment.
+    /// Production `number_line` (grundig): `N9001 (NAME)` as the first line of a part, its number and nothing but a comment.
     fn number_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
         self.is_fresh = false;
-        let Ok((rest, number)) = small_number(blanks(&text[1..]), false) else { return text };
+        let Ok((rest, number)) = preceded(letter_n, |input| small_number(input, false)).parse(text) else {
+            return text;
+        };
         let rest = blanks(rest);
         let part_number = self.program.parts.last().and_then(|part| part.number);
-        if !matches!(rest.first(), None | Some(b'(')) || part_number.is_some_and(|known| known != number) {
+        if !is_end(rest, b"(") || part_number.is_some_and(|known| known != number) {
             return text;
         }
         let span = Span::new(self.offset(text), self.line_end);
@@ -156,7 +166,7 @@ impl Parser {
         }
     }
 
-    /// `O1234 (NAME)`, `:1234`, `<NAME>`; an O-word of RS274/NGC is none.
+    /// Productions `header` and `program` (fanuc) and `program` (rs274): `O1234 (NAME)`, `:1234`, `<NAME>`; an O-word of RS274/NGC is none.
     fn program_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
         if text.first() == Some(&b'<') {
             let Ok((rest, name)) = angled(text) else { return text };
@@ -169,12 +179,12 @@ impl Parser {
         }
         let behind = blanks(&text[1..]);
         if let (Some(b'<'), Ok((rest, _))) = (behind.first(), angled(behind))
-            && (self.language == Language::Fanuc || matches!(blanks(rest).first(), None | Some(b'(' | b';')))
+            && (self.language == Language::Fanuc || is_end(blanks(rest), b"(;"))
         {
             return self.program_header(behind);
         }
         let Ok((rest, number)) = small_number(behind, true) else { return text };
-        if self.language == Language::Rs274 && !matches!(blanks(rest).first(), None | Some(b'(' | b';')) {
+        if self.language == Language::Rs274 && !is_end(blanks(rest), b"(;") {
             return text;
         }
         self.open_part(PartKind::Program, Some(text));
@@ -186,11 +196,12 @@ impl Parser {
 
     /// `N10 O1234 (NAME)`: a program number behind a block number, alone but for comments.
     fn numbered_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
-        let Ok((rest, _)) = small_number(blanks(&text[1..]), true) else { return text };
-        let header = blanks(rest);
-        let Some(b'O' | b'o') = header.first() else { return text };
-        match small_number(blanks(&header[1..]), true) {
-            Ok((rest, _)) if matches!(blanks(rest).first(), None | Some(b'(' | b';')) => self.program_header(header),
+        let block_number = (letter_n, |input| small_number(input, true), blank);
+        let program_number =
+            (one(|byte| byte.eq_ignore_ascii_case(&b'O')), blank, |input| small_number(input, true), blank);
+        let Ok((header, _)) = { block_number }.parse(text) else { return text };
+        match { program_number }.parse(header) {
+            Ok((rest, _)) if is_end(rest, b"(;") => self.program_header(header),
             _ => text,
         }
     }

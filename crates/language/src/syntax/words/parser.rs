@@ -1,7 +1,14 @@
 //! Blocks: splits the file into lines, parts and words, and goes on behind whatever cannot be read.
 
+use nom::Parser as _;
+use nom::combinator::{map, opt, peek};
+use nom::multi::many0_count;
+use nom::sequence::{preceded, terminated};
+
 use super::header;
-use super::token::{Fault, Input, Parsed, blanks, fault, find_byte, is_blank, small_number};
+use super::token::{
+    Fault, Input, Parsed, behind_blanks, blank, blanks, byte, fault, find_byte, is_blank, no_match, one, small_number,
+};
 use super::tree::{Block, Body, InnerSkip, PartKind, Program, Slice};
 use crate::syntax::names::{NameId, Names};
 use crate::syntax::shelf::Shelf;
@@ -70,7 +77,7 @@ impl Parser {
         self.language != Language::Grundig
     }
 
-    /// Reads all lines.
+    /// Productions `file` (rs274, grundig) and `part` (grundig): reads all lines.
     pub(super) fn run(&mut self) {
         let (start, end) = self.tape();
         self.open_part(PartKind::Program, None);
@@ -194,30 +201,27 @@ impl Parser {
         self.program.blocks.push(block);
     }
 
-    /// Skip level and number, then a statement or words.
+    /// Production `block` (fanuc, rs274, grundig): skip level and number, then a statement or words.
     fn block<'a>(&mut self, mut input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
         if input.len() > MAX_BLOCK_BYTES {
             return fault(Code::BLOCK_TOO_LONG, input, 40, "this block has more than 4096 bytes");
         }
         loop {
             input = blanks(input);
-            input = match *input {
-                [b'/', ref rest @ ..] if block.skip.is_none() => match *rest {
-                    [digit @ b'0'..=b'9', ref rest @ ..] if self.language != Language::Rs274 => {
-                        block.skip = Some(digit - b'0');
-                        rest
-                    }
-                    _ => {
-                        block.skip = Some(0);
-                        rest
-                    }
-                },
-                [b'N' | b'n', ref rest @ ..] if block.number.is_none() => match self.block_number(input, rest)? {
-                    (rest, Some(number)) => {
+            input = match input.first() {
+                Some(b'/') if block.skip.is_none() => {
+                    let (rest, level) = self.skip(input)?;
+                    block.skip = Some(level);
+                    rest
+                }
+                Some(b'N' | b'n') if block.number.is_none() => match self.number(input) {
+                    Ok((rest, number)) => {
                         block.number = Some(number);
                         rest
                     }
-                    _ => break,
+                    // A word.
+                    Err(nom::Err::Error(_)) => break,
+                    Err(fault) => return Err(fault),
                 },
                 _ => break,
             };
@@ -238,28 +242,30 @@ impl Parser {
         self.end_of_statement(rest)
     }
 
-    /// The number behind an N; none where no digits follow, or an index (`N1=`).
-    fn block_number<'a>(&self, input: Input<'a>, behind: Input<'a>) -> Parsed<'a, Option<u32>> {
-        let digits = blanks(behind);
-        if !digits.first().is_some_and(u8::is_ascii_digit) {
-            return Ok((behind, None));
-        }
-        let (mut rest, number) = small_number(digits, self.is_spaced())?;
-        match blanks(rest).first() {
-            Some(b'=') if self.language == Language::Grundig => return Ok((behind, None)),
-            Some(b'.') if self.language == Language::Rs274 => {
-                rest = &blanks(rest)[1..];
-                if blanks(rest).first().is_some_and(u8::is_ascii_digit) {
-                    rest = small_number(blanks(rest), true)?.0;
-                }
+    /// Production `skip` (fanuc, grundig): `/` with its level, 0 where there is none. RS274/NGC has no levels.
+    fn skip<'a>(&self, input: Input<'a>) -> Parsed<'a, u8> {
+        let level = opt(one(|byte| byte.is_ascii_digit() && self.language != Language::Rs274));
+        map(preceded(byte(b'/'), level), |digit| digit.map_or(0, |digit| digit - b'0')).parse(input)
+    }
+
+    /// Production `number` (fanuc, rs274, grundig): `N10`, and `N10.5` of RS274/NGC. What an index follows is a word: `N1=`.
+    fn number<'a>(&self, input: Input<'a>) -> Parsed<'a, u32> {
+        let start = (one(|byte| byte.eq_ignore_ascii_case(&b'N')), blank, peek(one(|byte| byte.is_ascii_digit())));
+        let (rest, number) = preceded(start, |input| small_number(input, self.is_spaced())).parse(input)?;
+        match (blanks(rest).first(), self.language) {
+            (Some(b'='), Language::Grundig) => no_match(input),
+            (Some(b'.'), Language::Rs274) => {
+                let is_digit = peek(behind_blanks(one(|byte| byte.is_ascii_digit())));
+                let decimals = preceded((is_digit, blank), |input| small_number(input, true));
+                let (rest, _) = (behind_blanks(byte(b'.')), opt(decimals)).parse(rest)?;
+                Ok((rest, number))
             }
-            Some(b'.') => {
+            (Some(b'.'), _) => {
                 let length = input.len() - rest.len() + 1;
-                return fault(Code::BAD_NUMBER, input, length, "a block number has no decimal point");
+                fault(Code::BAD_NUMBER, input, length, "a block number has no decimal point")
             }
-            _ => {}
+            _ => Ok((rest, number)),
         }
-        Ok((rest, Some(number)))
     }
 
     /// Two letters side by side begin no word of a custom macro.
@@ -269,10 +275,9 @@ impl Parser {
 
     /// Nothing but comments may follow a statement.
     fn end_of_statement<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ()> {
-        let mut rest = blanks(input);
-        while let Some(b'(' | b';') = rest.first() {
-            rest = blanks(self.comment(rest)?.0);
-        }
+        let is_comment = peek(one(|byte| byte == b'(' || byte == b';'));
+        let comments = many0_count(preceded((blank, is_comment), |input| self.comment(input)));
+        let (rest, _) = terminated(comments, blank).parse(input)?;
         if rest.is_empty() {
             return Ok((rest, ()));
         }
@@ -281,29 +286,34 @@ impl Parser {
 
     /// Words and comments up to the end of the line.
     pub(super) fn words<'a>(&mut self, mut input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
-        let first_word = block.words.start as usize;
         loop {
             input = blanks(input);
-            let Some(&first) = input.first() else { break };
-            if first == b'(' || first == b';' {
-                input = self.comment(input)?.0;
-                continue;
-            }
-            if first == b'/' && self.language == Language::Fanuc && block.inner_skip.is_none() {
-                let level = input.get(1).filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0');
-                let words_before = u16::try_from(self.program.words.next() - first_word).unwrap_or(u16::MAX);
-                block.inner_skip = Some(InnerSkip { level: level.unwrap_or(0), words_before });
-                input = &input[if level.is_some() { 2 } else { 1 }..];
-                continue;
-            }
-            if block.body == Body::Empty {
-                block.body = Body::Words;
-            }
-            let (rest, word) = self.word(input, first)?;
-            self.program.words.push(word);
-            input = rest;
+            let Some(&first) = input.first() else { return Ok((input, ())) };
+            input = self.item(input, first, block)?.0;
         }
-        Ok((input, ()))
+    }
+
+    /// A word, a comment, or a `/` in front of words that are skipped.
+    #[inline]
+    fn item<'a>(&mut self, input: Input<'a>, first: u8, block: &mut Block) -> Parsed<'a, ()> {
+        match first {
+            b'(' | b';' => self.comment(input),
+            b'/' if self.language == Language::Fanuc && block.inner_skip.is_none() => {
+                let (rest, level) = self.skip(input)?;
+                let words_before = self.program.words.next() - block.words.start as usize;
+                let words_before = u16::try_from(words_before).unwrap_or(u16::MAX);
+                block.inner_skip = Some(InnerSkip { level, words_before });
+                Ok((rest, ()))
+            }
+            _ => {
+                if block.body == Body::Empty {
+                    block.body = Body::Words;
+                }
+                let (rest, word) = self.word(input, first)?;
+                self.program.words.push(word);
+                Ok((rest, ()))
+            }
+        }
     }
 }
 

@@ -1,14 +1,17 @@
 //! Statements: the control statements of Fanuc's custom macros and the O-words of RS274/NGC.
 
+use nom::Parser as _;
+use nom::combinator::{map, opt, peek, rest as rest_of_line, value};
+use nom::sequence::{preceded, terminated};
+
 use super::node::{ExprId, Node};
 use super::parser::Parser;
-use super::token::{Input, Parsed, angled, blanks, fault, keyword, one_of, small_number};
+use super::token::{
+    Input, Parsed, angled, behind_blanks, blank, blanks, byte, fault, is_end, keyword, one_of, required, small_number,
+};
 use super::tree::{Block, Body, Label, Slice};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
-
-/// Statements of Fanuc that print or name something.
-const PRINTING: &[&str] = &["BPRNT", "DPRNT", "POPEN", "PCLOS", "SETVN"];
 
 /// What stands behind the label of an O-word; longer words before those that they begin with.
 #[derive(Clone, Copy)]
@@ -48,75 +51,88 @@ const O_WORDS: &[(&str, OWord)] = &[
     ("CONTINUE", OWord::Continue),
 ];
 
+/// What begins a control statement of a custom macro.
+#[derive(Clone, Copy)]
+enum Control {
+    If,
+    Goto,
+    While,
+    Do,
+    EndIf,
+    End,
+    Else,
+    Printing,
+}
+
+/// The first word of each; ENDIF before END, with which it begins.
+const CONTROLS: &[(&str, Control)] = &[
+    ("IF", Control::If),
+    ("GOTO", Control::Goto),
+    ("WHILE", Control::While),
+    ("DO", Control::Do),
+    ("ENDIF", Control::EndIf),
+    ("END", Control::End),
+    ("ELSE", Control::Else),
+    // They print or name something.
+    ("BPRNT", Control::Printing),
+    ("DPRNT", Control::Printing),
+    ("POPEN", Control::Printing),
+    ("PCLOS", Control::Printing),
+    ("SETVN", Control::Printing),
+];
+
 impl Parser {
-    /// A control statement of a custom macro, where one begins here: what is left of the line, which must be empty but for
-    /// comments, or holds the words behind THEN.
+    /// Production `control` (fanuc), where one begins here: what is left of the line, which must be empty but for comments, or holds the words behind
+    /// THEN.
     pub(super) fn macro_statement<'a>(&mut self, input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
-        if let Some(rest) = keyword("IF", input) {
-            let (rest, condition) = self.condition(rest)?;
-            return self.behind_if(rest, condition, block);
-        }
-        if let Some(rest) = keyword("GOTO", input) {
-            let (rest, target) = self.operand(rest)?;
-            block.body = Body::Goto(target);
-            return Ok((rest, ()));
-        }
-        if let Some(rest) = keyword("WHILE", input) {
-            let (rest, condition) = self.condition(rest)?;
-            let rest = blanks(rest);
-            let Some(rest) = keyword("DO", rest) else {
-                return fault(Code::UNEXPECTED, rest, rest.len().min(2), "DO with its number was expected here");
-            };
-            return self.loop_number(rest, Body::While(Some(condition)), block);
-        }
-        if let Some(rest) = keyword("DO", input) {
-            return self.loop_number(rest, Body::While(None), block);
-        }
-        if let Some(rest) = keyword("ENDIF", input) {
-            block.body = Body::EndIf;
-            return Ok((rest, ()));
-        }
-        if let Some(rest) = keyword("END", input) {
-            return self.loop_number(rest, Body::EndWhile, block);
-        }
-        if let Some(rest) = keyword("ELSE", input) {
-            block.body = Body::Else;
-            return Ok((rest, ()));
-        }
-        if PRINTING.iter().any(|word| keyword(word, input).is_some()) {
-            let start = self.offset(input);
-            block.body = Body::Printing(Span::new(start, self.line_end));
-            return Ok((&input[input.len()..], ()));
-        }
-        fault(Code::MISSING_VALUE, input, 1, "this address has no value")
-    }
-
-    /// `[…]`
-    fn condition<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
-        let input = blanks(input);
-        match input.first() {
-            Some(b'[') => self.bracket(input, b']'),
-            _ => fault(Code::BAD_EXPRESSION, input, 1, "a condition in [ ] was expected here"),
-        }
-    }
-
-    fn behind_if<'a>(&mut self, input: Input<'a>, condition: ExprId, block: &mut Block) -> Parsed<'a, ()> {
-        let input = blanks(input);
-        if let Some(rest) = keyword("GOTO", input) {
-            let (rest, target) = self.operand(rest)?;
-            block.body = Body::IfGoto { condition, target };
-            return Ok((rest, ()));
-        }
-        let Some(rest) = keyword("THEN", input) else {
-            return fault(Code::UNEXPECTED, input, input.len().min(4), "GOTO or THEN was expected here");
+        let mut control = required(one_of(CONTROLS), Code::MISSING_VALUE, 1, "this address has no value");
+        let (rest, control) = control(input)?;
+        let (rest, body) = match control {
+            Control::If => return self.behind_if(rest, block),
+            Control::While => {
+                let (rest, condition) = terminated(|input| self.condition(input), blank).parse(rest)?;
+                let message = "DO with its number was expected here";
+                let (rest, ()) = required(keyword("DO"), Code::UNEXPECTED, rest.len().min(2), message)(rest)?;
+                return self.loop_body(rest, Body::While(Some(condition)), block);
+            }
+            Control::Do => return self.loop_body(rest, Body::While(None), block),
+            Control::End => return self.loop_body(rest, Body::EndWhile, block),
+            Control::Goto => map(|input| self.operand(input), Body::Goto).parse(rest)?,
+            Control::EndIf => (rest, Body::EndIf),
+            Control::Else => (rest, Body::Else),
+            Control::Printing => {
+                let (rest, text) = rest_of_line(input)?;
+                (rest, Body::Printing(Span::new(self.offset(text), self.line_end)))
+            }
         };
-        if let Some(rest) = keyword("GOTO", rest) {
+        block.body = body;
+        Ok((rest, ()))
+    }
+
+    /// Productions `condition` (fanuc) and `bracket` (rs274): `[…]`
+    fn condition<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
+        let message = "a condition in [ ] was expected here";
+        let opened = preceded(peek(byte(b'[')), |input| self.bracket(input, b']'));
+        behind_blanks(required(opened, Code::BAD_EXPRESSION, 1, message)).parse(input)
+    }
+
+    /// The condition of IF and what follows: `GOTO n`, `THEN GOTO n`, `THEN` and words, `THEN` alone.
+    fn behind_if<'a>(&mut self, input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
+        let (input, condition) = terminated(|input| self.condition(input), blank).parse(input)?;
+        let (rest, is_then) = match value(true, keyword("THEN")).parse(input) {
+            Ok((rest, is_then)) => (rest, is_then),
+            Err(_) => (input, false),
+        };
+        if let Ok((rest, ())) = keyword("GOTO")(rest) {
             let (rest, target) = self.operand(rest)?;
             block.body = Body::IfGoto { condition, target };
             return Ok((rest, ()));
+        }
+        if !is_then {
+            return fault(Code::UNEXPECTED, input, input.len().min(4), "GOTO or THEN was expected here");
         }
         let rest = blanks(rest);
-        if matches!(rest.first(), None | Some(b'(' | b';')) {
+        if is_end(rest, b"(;") {
             block.body = Body::If(condition);
             return Ok((rest, ()));
         }
@@ -124,27 +140,20 @@ impl Parser {
         self.words(rest, block)
     }
 
-    fn loop_number<'a>(&mut self, input: Input<'a>, body: Body, block: &mut Block) -> Parsed<'a, ()> {
-        let input = blanks(input);
-        let (rest, number) = small_number(input, true)?;
-        if !(1..=3).contains(&number) {
-            return fault(Code::UNMATCHED_STRUCTURE, input, 1, "the number of a loop is 1, 2 or 3");
-        }
+    fn loop_body<'a>(&mut self, input: Input<'a>, body: Body, block: &mut Block) -> Parsed<'a, ()> {
+        let (rest, number) = behind_blanks(loop_number).parse(input)?;
         block.label = Some(Label::Number(number));
         block.body = body;
         Ok((rest, ()))
     }
 
-    /// An O-word; the first byte of the input is the `O`.
+    /// Production `o_word` (rs274); the first byte of the input is the `O`.
     pub(super) fn o_word<'a>(&mut self, input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
-        let (rest, label) = self.o_label(input)?;
+        let (rest, label) = terminated(|input| self.o_label(input), blank).parse(input)?;
         block.label = Some(label);
-        let rest = blanks(rest);
-        let Some((rest, word)) = one_of(O_WORDS, rest) else {
-            let message = "behind the label stands sub, endsub, call, return, if, elseif, else, endif, while, endwhile, do, \
-                           repeat, endrepeat, break or continue";
-            return fault(Code::UNEXPECTED, rest, rest.len().min(1), message);
-        };
+        let message = "behind the label stands sub, endsub, call, return, if, elseif, else, endif, while, endwhile, do, \
+                       repeat, endrepeat, break or continue";
+        let (rest, word) = required(one_of(O_WORDS), Code::UNEXPECTED, rest.len().min(1), message)(rest)?;
         let (rest, body) = match word {
             OWord::Sub => (rest, Body::Sub),
             OWord::Else => (rest, Body::Else),
@@ -154,31 +163,25 @@ impl Parser {
             OWord::EndRepeat => (rest, Body::EndRepeat),
             OWord::Break => (rest, Body::Break),
             OWord::Continue => (rest, Body::Continue),
-            OWord::If => self.condition(rest).map(|(rest, condition)| (rest, Body::If(condition)))?,
-            OWord::ElseIf => self.condition(rest).map(|(rest, condition)| (rest, Body::ElseIf(condition)))?,
+            OWord::If => map(|input| self.condition(input), Body::If).parse(rest)?,
+            OWord::ElseIf => map(|input| self.condition(input), Body::ElseIf).parse(rest)?,
             // Whether it ends a loop begun with `do` shows when the two sides are connected.
-            OWord::While => self.condition(rest).map(|(rest, condition)| (rest, Body::While(Some(condition))))?,
-            OWord::Repeat => self.condition(rest).map(|(rest, count)| (rest, Body::Repeat(count)))?,
-            OWord::EndSub => self.optional_value(rest).map(|(rest, value)| (rest, Body::EndSub(value)))?,
-            OWord::Return => self.optional_value(rest).map(|(rest, value)| (rest, Body::Return(value)))?,
-            OWord::Call => self.call_arguments(rest).map(|(rest, arguments)| (rest, Body::Call(arguments)))?,
+            OWord::While => map(|input| self.condition(input), |condition| Body::While(Some(condition))).parse(rest)?,
+            OWord::Repeat => map(|input| self.condition(input), Body::Repeat).parse(rest)?,
+            OWord::EndSub => map(|input| self.optional_value(input), Body::EndSub).parse(rest)?,
+            OWord::Return => map(|input| self.optional_value(input), Body::Return).parse(rest)?,
+            OWord::Call => map(|input| self.call_arguments(input), Body::Call).parse(rest)?,
         };
         block.body = body;
         Ok((rest, ()))
     }
 
-    /// `O100`, `o<name>`, `o#1`, `o[#1+1]`.
+    /// Production `label` (rs274), with the `O` before it: `O100`, `o<name>`, `o#1`, `o[#1+1]`.
     fn o_label<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Label> {
         let behind = blanks(&input[1..]);
         match behind.first() {
-            Some(b'0'..=b'9') => {
-                let (rest, number) = small_number(behind, true)?;
-                Ok((rest, Label::Number(number)))
-            }
-            Some(b'<') => {
-                let (rest, name) = angled(behind)?;
-                Ok((rest, Label::Name(self.intern(name))))
-            }
+            Some(b'0'..=b'9') => map(|input| small_number(input, true), Label::Number).parse(behind),
+            Some(b'<') => map(angled, |name| Label::Name(self.intern(name))).parse(behind),
             Some(b'#' | b'[') => {
                 let (rest, id) = self.operand(behind)?;
                 // o[100] is o100.
@@ -197,10 +200,7 @@ impl Parser {
     }
 
     fn optional_value<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Option<ExprId>> {
-        match blanks(input).first() {
-            Some(b'[') => self.condition(input).map(|(rest, id)| (rest, Some(id))),
-            _ => Ok((input, None)),
-        }
+        opt(preceded(peek(behind_blanks(byte(b'['))), |input| self.condition(input))).parse(input)
     }
 
     fn call_arguments<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Slice> {
@@ -219,4 +219,13 @@ impl Parser {
             }
         }
     }
+}
+
+/// Production `loop` (fanuc): the number of DO and END.
+fn loop_number(input: Input<'_>) -> Parsed<'_, u32> {
+    let (rest, number) = small_number(input, true)?;
+    if !(1..=3).contains(&number) {
+        return fault(Code::UNMATCHED_STRUCTURE, input, 1, "the number of a loop is 1, 2 or 3");
+    }
+    Ok((rest, number))
 }

@@ -1,26 +1,36 @@
 //! The smallest pieces of the word languages: numbers, keywords, `<names>`.
 
+use nom::Parser;
+use nom::bytes::complete::take_till;
+use nom::combinator::value;
+use nom::sequence::delimited;
+
 use ncfix_base::diagnostic::Code;
 
-pub(super) use crate::syntax::token::{EXACT_POWERS, Fault, Input, Parsed, blanks, fault, find_byte, is_blank};
+pub(super) use crate::syntax::token::{
+    EXACT_POWERS, Fault, Input, Parsed, behind_blanks, blank, blanks, byte, fault, find_byte, is_blank, is_end,
+    letters, no_match, one, required,
+};
 
-/// What stands behind this word at the start of the input, in either case and with blanks between its letters.
-pub(super) fn keyword<'a>(word: &str, input: Input<'a>) -> Option<Input<'a>> {
-    let mut rest = input;
-    for letter in word.bytes() {
-        rest = match blanks(rest) {
-            [first, behind @ ..] if first.eq_ignore_ascii_case(&letter) => behind,
-            _ => return None,
-        };
+/// A word in either case, with blanks between its letters.
+pub(super) fn keyword<'a>(word: &str) -> impl Fn(Input<'a>) -> Parsed<'a, ()> {
+    move |input| {
+        let mut rest = input;
+        for letter in word.bytes() {
+            (rest, _) = behind_blanks(one(|found| found.eq_ignore_ascii_case(&letter))).parse(rest)?;
+        }
+        Ok((rest, ()))
     }
-    Some(rest)
 }
 
-/// The first of these words that stands at the start of the input, and what stands behind it.
-pub(super) fn one_of<'a, T: Copy>(words: &[(&str, T)], input: Input<'a>) -> Option<(Input<'a>, T)> {
-    let first = input.first()?.to_ascii_uppercase();
-    let fitting = words.iter().filter(|(word, _)| word.as_bytes().first() == Some(&first));
-    fitting.filter_map(|&(word, value)| keyword(word, input).map(|rest| (rest, value))).next()
+/// The first of these words that stands here, by what it means.
+pub(super) fn one_of<'a, T: Copy>(words: &[(&str, T)]) -> impl Fn(Input<'a>) -> Parsed<'a, T> {
+    move |input| {
+        let first = input.first().map(u8::to_ascii_uppercase);
+        let mut fitting = words.iter().filter(|(word, _)| word.as_bytes().first().copied() == first);
+        let found = fitting.find_map(|&(word, meaning)| value(meaning, keyword(word)).parse(input).ok());
+        found.map_or_else(|| no_match(input), Ok)
+    }
 }
 
 /// A number as it is written, without sign.
@@ -32,7 +42,7 @@ pub(super) struct Number {
     pub(super) digits: u8,
 }
 
-/// `10`, `10.`, `.5`, `1.25`; blanks between the digits mean nothing where `spaced`.
+/// Production `number_text` (fanuc, rs274, grundig): `10`, `10.`, `.5`, `1.25`; blanks between the digits mean nothing where `spaced`.
 ///
 /// Where the digits make an exact double and so does the power of ten, one division rounds correctly (Clinger 1990); the standard
 /// library does the rest.
@@ -109,12 +119,11 @@ pub(super) fn small_number(input: Input<'_>, spaced: bool) -> Parsed<'_, u32> {
 
 /// The text between `<` and `>`, with which the input begins.
 pub(super) fn angled(input: Input<'_>) -> Parsed<'_, &[u8]> {
-    let Some(text) = input.strip_prefix(b"<") else {
-        return fault(Code::UNEXPECTED, input, 1, "a name between < and > was expected here");
-    };
-    match text.iter().position(|&byte| byte == b'>') {
-        Some(end) if !blanks(&text[..end]).is_empty() => Ok((&text[end + 1..], &text[..end])),
-        Some(end) => fault(Code::UNEXPECTED, input, end + 2, "a name between < and > has at least one character"),
-        None => fault(Code::UNCLOSED, input, 1, "this < is not closed in the block"),
+    required(byte(b'<'), Code::UNEXPECTED, 1, "a name between < and > was expected here")(input)?;
+    let between = delimited(byte(b'<'), take_till(|byte| byte == b'>'), byte(b'>'));
+    let (rest, name) = required(between, Code::UNCLOSED, 1, "this < is not closed in the block")(input)?;
+    if blanks(name).is_empty() {
+        return fault(Code::UNEXPECTED, input, name.len() + 2, "a name between < and > has at least one character");
     }
+    Ok((rest, name))
 }

@@ -1,15 +1,23 @@
 //! Words: an address and its value, as each language writes them.
 
+use nom::Parser as _;
+use nom::branch::alt;
+use nom::bytes::complete::take_while1;
+use nom::combinator::{map, not, opt, peek, recognize, success, value};
+use nom::sequence::{preceded, terminated};
+
 use super::node::Node;
 use super::parser::Parser;
-use super::token::{Input, Parsed, angled, blanks, fault, number, small_number};
+use super::token::{
+    Input, Parsed, angled, behind_blanks, blank, blanks, byte, fault, number, one, required, small_number,
+};
 use super::tree::{Address, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
 impl Parser {
-    /// One word.
+    /// Production `word` (fanuc, rs274, grundig).
     pub(super) fn word<'a>(&mut self, input: Input<'a>, first: u8) -> Parsed<'a, Word> {
         if !first.is_ascii_alphabetic() {
             return self.special_word(input, first);
@@ -59,12 +67,12 @@ impl Parser {
         Ok((rest, self.word_between(input, rest, Address::Indexed(letter, number), value)))
     }
 
-    /// The value behind `=`: a plain number, or an expression.
+    /// Production `value` (grundig), behind `=`: a plain number, or an expression.
     fn assigned_value<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Value> {
         let input = blanks(input);
-        if let Ok((rest, value)) = self.signed_number(input)
-            && self.operator(blanks(rest)).is_none()
-        {
+        let no_operator = not(behind_blanks(|input| self.operator(input)));
+        let alone = terminated(|input| self.signed_number(input), no_operator).parse(input);
+        if let Ok((rest, value)) = alone {
             return Ok((rest, value));
         }
         if input.is_empty() {
@@ -77,33 +85,30 @@ impl Parser {
     /// Refuses what looks like an exponent directly behind a number, which begins at `from`: E, perhaps a sign, digits and no decimal point.
     /// No word language has exponents, so the control would read E as a word of its own; a Grundig has parameters of that name.
     pub(super) fn no_exponent<'a>(&self, from: Input<'a>, rest: Input<'a>) -> Parsed<'a, ()> {
-        if self.language != Language::Grundig
-            && let [b'E' | b'e', behind @ ..] = rest
-        {
-            let sign = usize::from(matches!(behind.first(), Some(b'+' | b'-')));
-            let digits = behind[sign..].iter().take_while(|byte| byte.is_ascii_digit()).count();
-            if digits > 0 && behind.get(sign + digits) != Some(&b'.') {
-                let length = from.len() - rest.len() + 1 + sign + digits;
-                return fault(Code::EXPONENT, from, length, "this number has a letter in it");
-            }
+        if self.language == Language::Grundig || !matches!(rest.first(), Some(b'E' | b'e')) {
+            return Ok((rest, ()));
         }
-        Ok((rest, ()))
+        let digits = take_while1(|byte: u8| byte.is_ascii_digit());
+        let exponent = (one(|_| true), opt(sign), digits, not(byte(b'.')));
+        match recognize(exponent).parse(rest) {
+            Ok((_, exponent)) => {
+                let length = from.len() - rest.len() + exponent.len();
+                fault(Code::EXPONENT, from, length, "this number has a letter in it")
+            }
+            Err(_) => Ok((rest, ())),
+        }
     }
 
     /// A number with a sign or without.
-    fn signed_number<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Value> {
-        let (behind, sign) = match *input {
-            [b'-', ref rest @ ..] => (blanks(rest), -1.0),
-            [b'+', ref rest @ ..] => (blanks(rest), 1.0),
-            _ => (input, 1.0),
-        };
+    fn signed_number<'a>(&self, input: Input<'a>) -> Parsed<'a, Value> {
+        let (behind, sign) = alt((terminated(sign, blank), success(1.0))).parse(input)?;
         let (rest, number) = number(behind, self.is_spaced())?;
         self.no_exponent(behind, rest)?;
         let value = sign * number.value;
         Ok((rest, Value::Number { value, has_point: number.has_point, digits: number.digits }))
     }
 
-    /// The value directly behind a letter, which is the first byte of `input`, where it does not begin with a digit.
+    /// Production `value` (fanuc, rs274): the value directly behind a letter, which is the first byte of `input`, where it does not begin with a digit.
     fn value<'a>(&mut self, input: Input<'a>, behind: Input<'a>) -> Parsed<'a, Value> {
         let is_iso = self.language != Language::Grundig;
         match behind.first() {
@@ -133,10 +138,11 @@ impl Parser {
         match (first, self.language) {
             (b'#', Language::Fanuc | Language::Rs274) => self.assignment(input),
             (b',', Language::Fanuc) => {
-                let behind = blanks(&input[1..]);
-                let Some(letter @ (b'A' | b'C' | b'R')) = behind.first().map(u8::to_ascii_uppercase) else {
-                    return fault(Code::UNEXPECTED, input, 2, "behind a comma stands C, R or A with its value");
-                };
+                let letter = one(|byte| matches!(byte.to_ascii_uppercase(), b'A' | b'C' | b'R'));
+                let behind_comma =
+                    map(preceded((byte(b','), blank), peek(letter)), |letter| letter.to_ascii_uppercase());
+                let message = "behind a comma stands C, R or A with its value";
+                let (behind, letter) = required(behind_comma, Code::UNEXPECTED, 2, message)(input)?;
                 let (rest, word) = self.word(behind, letter)?;
                 Ok((rest, self.word_between(input, rest, Address::Comma(letter), word.value)))
             }
@@ -157,10 +163,10 @@ impl Parser {
         }
     }
 
-    /// `#1=…`, `#[…]=…`, `#<name>=…`
+    /// Production `assignment` (fanuc, rs274): `#1=…`, `#[…]=…`, `#<name>=…`
     fn assignment<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Word> {
         let (rest, variable) = self.parameter(input)?;
-        let [b'=', behind @ ..] = blanks(rest) else {
+        let Ok((behind, _)) = behind_blanks(byte(b'=')).parse(rest) else {
             return fault(
                 Code::MISSING_VALUE,
                 input,
@@ -178,4 +184,9 @@ impl Parser {
     fn word_between(&self, from: Input<'_>, to: Input<'_>, address: Address, value: Value) -> Word {
         Word { span: Span::new(self.offset(from), self.offset(to)), address, value }
     }
+}
+
+/// The sign of a number.
+fn sign(input: Input<'_>) -> Parsed<'_, f64> {
+    alt((value(-1.0, byte(b'-')), value(1.0, byte(b'+')))).parse(input)
 }
