@@ -1,11 +1,11 @@
 //! Answers of one line each, and what every dialogue takes for a reset.
 
+use std::sync::LazyLock;
+
+use regex::bytes::{Regex, RegexBuilder, RegexSet, RegexSetBuilder};
+
 /// Answers are no longer than this, bytes; what has no end is none.
 const LONGEST_ANSWER: usize = 1024;
-/// What firmware says of why it starts.
-const CAUSES: &[&str] =
-    &["power up", "powerup", "external reset", "brown out reset", "watchdog reset", "software reset"];
-
 /// Answers of one line each, out of bytes as they come.
 #[derive(Debug, Default)]
 pub(super) struct Answers(Vec<u8>);
@@ -26,27 +26,39 @@ impl Answers {
     }
 }
 
+/// Patterns of ASCII in either case, `.` for any byte. They are constants, and tests match with each of them.
+pub(super) fn patterns<'p>(patterns: impl IntoIterator<Item = &'p str>) -> RegexSet {
+    let set = RegexSetBuilder::new(patterns).unicode(false).case_insensitive(true).dot_matches_new_line(true).build();
+    set.unwrap_or_else(|_| RegexSet::empty())
+}
+
+/// One such pattern; `None` for a text that is no pattern.
+pub(super) fn pattern(text: &str) -> Option<Regex> {
+    RegexBuilder::new(text).unicode(false).case_insensitive(true).dot_matches_new_line(true).build().ok()
+}
+
+/// What greetings are made of, by its place in this list.
+static GREETINGS: LazyLock<RegexSet> = LazyLock::new(|| {
+    patterns([
+        // `Grbl 1.1h ['$' for help]`, `GrblHAL 1.1f …`, ` PlannerBufferBytes: 1152`
+        r"grbl(?:hal)?(?:\s*[0-9]|.*for help)|plannerbufferbytes",
+        // `start`; but `//action:start` is what a person chose at its screen.
+        "start$",
+        "//|restart",
+        // `Marlin 2.1.2`; but `FIRMWARE_NAME:Marlin 2.1` answers M115.
+        r"marlin(?:\s*[0-9]|.*for help)",
+        "firmware_name",
+        // `echo: External Reset`
+        "echo:",
+        "power ?up|(?:external|brown out|watchdog|software) reset",
+    ])
+});
+
 /// Whether firmware greets: it was reset, and what it had is gone. Behind or between characters that mean nothing, too, and in capitals or not.
-///
-/// Known are `Grbl 1.1h ['$' for help]`, `GrblHAL 1.1f …`, and of Marlin `start`, `Marlin 2.1.2`, `echo: External Reset`, ` PlannerBufferBytes: 1152`.
 pub(super) fn is_greeting(text: &str) -> bool {
-    let text = text.to_ascii_lowercase();
-    let has_version = |name: &str| {
-        text.match_indices(name).any(|(at, name)| {
-            let behind = text.get(at + name.len()..).unwrap_or_default().trim_start();
-            behind.starts_with(|character: char| character.is_ascii_digit()) || behind.contains("for help")
-        })
-    };
-    // `FIRMWARE_NAME:Marlin 2.1` answers M115; `//action:start` is what a person chose at its screen.
-    let is_start = text.ends_with("start") && !text.contains("//") && !text.contains("restart");
-    let is_marlin = has_version("marlin") && !text.contains("firmware_name");
-    let is_cause = text.contains("echo:") && CAUSES.iter().any(|cause| text.contains(cause));
-    has_version("grbl")
-        || has_version("grblhal")
-        || is_start
-        || is_marlin
-        || is_cause
-        || text.contains("plannerbufferbytes")
+    let found = GREETINGS.matches(text.as_bytes());
+    let has = |place| found.matched(place);
+    has(0) || has(1) && !has(2) || has(3) && !has(4) || has(5) && has(6)
 }
 
 /// What ends a job on an answer that no control gives that is as it must be.

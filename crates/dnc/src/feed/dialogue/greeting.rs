@@ -1,4 +1,6 @@
 //! What linuxcncrsh is asked before the first line, one step after the other: passwords, that it is ready, and MDI.
+//!
+//! Its answers are whole texts of a protocol, compared as such: there is nothing in them to be matched by a pattern.
 
 /// What an answer means.
 pub(super) enum Reply<'a> {

@@ -13,21 +13,38 @@
 //! | none under way | `ok`, `error:N` | impossible: an answer came twice |
 //! | any but greeting | a greeting, `>…:ok` (lines of the start), `ALARM:N` | it was reset, or stands: what it had is gone |
 
+use std::sync::LazyLock;
 use std::time::Duration;
+
+use regex::bytes::RegexSet;
 
 use super::counts::CountVerdict;
 use super::status::{GrblReport, GrblState};
 use super::{Event, Grbl, HOLD, MARGIN, NO_LINE, STEPPED, State, Wire};
-use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
+use crate::feed::dialogue::answers::{impossible, is_greeting, patterns, shown};
 use crate::feed::dialogue::depth::not_idle;
 
-/// Notices that come unasked.
-const NOTICES: &[&str] = &["[MSG:", "[PRB:", "[GC:", "[echo:"];
+/// Answers beside `ok` and those with a code, by their place in this list.
+static ANSWERS: LazyLock<RegexSet> = LazyLock::new(|| {
+    patterns([
+        // `>G54G20:ok`: the control carries out the lines of its start.
+        "^>.*:",
+        // `[MSG:'$H'|'$X' to unlock]`, `[MSG:Reset to continue]`
+        "(?-i)to unlock|Reset to continue",
+        // `[MSG:Caution: Unlocked]`, `[PRB:…]`, `[GC:…]`, `[echo:…]`: notices that come unasked.
+        r"(?-i)^\[(?:MSG|PRB|GC|echo):",
+    ])
+});
+const STARTING: usize = 0;
+const LOCKED: usize = 1;
+const NOTICE: usize = 2;
 
 impl Grbl {
     pub(super) fn answer(&mut self, text: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let is_info = self.state == State::Asking && text.starts_with('[');
         self.has_told |= is_info;
+        let found = ANSWERS.matches(text.as_bytes());
+        let is = |answer| found.matched(answer);
         if is_greeting(text) && !is_info {
             match self.state {
                 State::Greeting => self.ask_for_buffers(wire),
@@ -50,11 +67,11 @@ impl Grbl {
             self.refuse(code, now, wire, events);
         } else if let Some(code) = text.strip_prefix("ALARM:") {
             self.lost(&format!("the control stands in alarm {}", shown(code)), events);
-        } else if text.starts_with('>') && text.contains(':') && self.state != State::Greeting {
+        } else if is(STARTING) && self.state != State::Greeting {
             self.lost("the control was reset: it carries out the lines of its start", events);
-        } else if text.contains("to unlock") || text.contains("Reset to continue") {
+        } else if is(LOCKED) {
             self.lost("the control stands in an alarm, or was reset", events);
-        } else if is_info || NOTICES.iter().any(|notice| text.starts_with(notice)) {
+        } else if is_info || is(NOTICE) {
             events.push(Event::Said(text.to_owned()));
         } else if !text.is_empty() && self.state != State::Greeting {
             // It may have been a refusal.

@@ -1,4 +1,6 @@
 //! Grbl: the report that answers `?`, such as `<Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0>`.
+//!
+//! A record of fields, taken apart at its separators: a pattern would not say which field is wrong.
 
 /// What the control does, as it says (Grbl 1.1, interface; grblHAL adds `Tool`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -25,23 +25,49 @@
 //!
 //! A demand for a line before these means that the control has lost count, for one behind them that the demand was disturbed.
 
+use std::sync::LazyLock;
 use std::time::Duration;
+
+use regex::bytes::{Regex, RegexSet};
 
 use super::texts::{MarlinText, meaning};
 use super::{BEYOND, Event, FIRST_NUMBER, Marlin, NO_OK, QUIET, START, State, What, Wire, mark};
-use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
+use crate::feed::dialogue::answers::{impossible, is_greeting, pattern, patterns, shown};
 
-/// Faults of a line, behind which it is demanded again.
-const FAULTS: &[&str] = &["checksum", "line number", "expected line", "last line"];
+/// Answers, in either case, by their place in this list.
+static ANSWERS: LazyLock<RegexSet> = LazyLock::new(|| {
+    patterns([
+        // `ok`, `ok N5 P15 B3`
+        "^(?-i:ok(?: |$))",
+        // `Resend: 5`, `rs N5`
+        "^(?:resend|rs )",
+        // `Error:Line Number is not Last Line Number+1, Last Line: 5`: the line is demanded again.
+        "^error:.*(?:checksum|line number|expected line|last line)",
+        "^echo:unknown command",
+        // `echo:busy: processing`, `echo:busy: paused for user`
+        "busy:",
+        "paused",
+    ])
+});
+const OK: usize = 0;
+const DEMAND: usize = 1;
+const FAULT: usize = 2;
+const UNKNOWN: usize = 3;
+const BUSY: usize = 4;
+const PAUSED: usize = 5;
 
-/// The number that a text begins with, behind blanks and what names it.
+/// The number that a text begins with, behind blanks and what names it: `: 5`, `N5`, ` n.5`.
 fn number(text: &str) -> Option<u64> {
-    text.trim_start_matches([':', ' ', 'N', '.']).split([' ', ',']).next()?.parse().ok()
+    static NUMBER: LazyLock<Option<Regex>> = LazyLock::new(|| pattern("(?-i)^[: N.]*([+]?[0-9]+)(?:[ ,]|$)"));
+    let digits = NUMBER.as_ref()?.captures(text.as_bytes())?.get(1)?;
+    text.get(digits.range())?.parse().ok()
 }
 
 impl Marlin {
     pub(super) fn answer(&mut self, text: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let low = text.to_ascii_lowercase();
+        let found = ANSWERS.matches(text.as_bytes());
+        let is = |answer| found.matched(answer);
         if low != "wait" {
             self.last_heard = now;
         }
@@ -59,21 +85,22 @@ impl Marlin {
             .is_some_and(|sent| sent.what == What::Mark && text.contains(&mark(sent.number)))
         {
             self.is_marked = true;
-        } else if text == "ok" || text.starts_with("ok ") {
+        } else if is(OK) {
             self.hold(false, events);
             self.acknowledge(text, now, wire, events);
-        } else if let Some(rest) = low.strip_prefix("resend").or_else(|| low.strip_prefix("rs ")) {
+        } else if is(DEMAND) {
             self.expect_ok(now);
+            let rest = low.strip_prefix("resend").or_else(|| low.strip_prefix("rs ")).unwrap_or_default();
             // One that cannot be read is made good by silence.
             if let Some(number) = number(&rest.to_ascii_uppercase()) {
                 self.demand(number, now, events);
             }
-        } else if low.starts_with("error:") && FAULTS.iter().any(|fault| low.contains(fault)) {
+        } else if is(FAULT) {
             self.expect_ok(now);
             if let Some(last) = low.rsplit_once("last line").and_then(|(_, last)| number(last)) {
                 self.name(last, events);
             }
-        } else if low.starts_with("echo:unknown command") && self.under_way.is_some() && self.state != State::Opening {
+        } else if is(UNKNOWN) && self.under_way.is_some() && self.state != State::Opening {
             // It would pass over a zero offset or a tool length and go on.
             match self.under_way.as_ref().map(|sent| sent.what) {
                 Some(What::Line(line)) => {
@@ -82,8 +109,8 @@ impl Marlin {
                 }
                 _ => self.lost(&format!("the control does not take what ends a job: {}", shown(text)), events),
             }
-        } else if low.contains("busy:") {
-            self.hold(low.contains("paused"), events);
+        } else if is(BUSY) {
+            self.hold(is(PAUSED), events);
         } else {
             self.text(text, events);
         }

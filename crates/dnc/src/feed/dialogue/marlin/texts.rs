@@ -3,6 +3,12 @@
 //! Firmware of this family goes on behind many texts that say that a line was not carried out, or not as it was written. So only those count as harmless
 //! that are known to be: what is none of them may have been such a text.
 
+use std::sync::LazyLock;
+
+use regex::bytes::RegexSet;
+
+use crate::feed::dialogue::answers::patterns;
+
 /// What a text means that is no answer to a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MarlinText {
@@ -16,73 +22,41 @@ pub(super) enum MarlinText {
     Unknown,
 }
 
-/// What begins texts that say nothing of the motion, in small letters: temperatures, capabilities, memory cards that come and go, notices for a screen,
-/// the tool that was selected.
-const HARMLESS: &[&str] = &[
-    "t:",
-    "b:",
-    "c:",
-    "w:",
-    "targetextr",
-    "targetbed",
-    "cap:",
-    "firmware_name:",
-    "echo:sd card",
-    "echo:sd init fail",
-    "echo:no sd card",
-    "echo:active extruder",
-    "//action:notification",
-    "//action:prompt_",
+/// Patterns of texts and what they mean; the first that fits counts.
+const TEXTS: &[(&str, MarlinText)] = &[
+    (r"^(?:!!$|error$|error:)", MarlinText::Ends("the control has stopped itself")),
+    // `Home X First`, of older ones `Home X/Y before Z`; the settings that it starts with have a `Home offset`.
+    (
+        "home.*(?:first|before)|(?:first|before).*home",
+        MarlinText::Ends("an axis is not homed, so that moves are left out"),
+    ),
+    // Behind what these say nothing may follow.
+    ("endstops hit", MarlinText::Ends("an axis ran into its end switch")),
+    (r"printer stopped|printer halted|kill\(|killed", MarlinText::Ends("the control has stopped itself")),
+    ("//action:cancel", MarlinText::Ends("a person has cancelled the job at the control")),
+    ("//action:poweroff", MarlinText::Ends("the control switches its power off")),
+    ("//action:disconnect", MarlinText::Ends("the control asks to be left")),
+    ("cold extrusion", MarlinText::Ends("the control leaves moves out")),
+    ("clamped", MarlinText::Ends("the control has changed a move")),
+    ("^(?:wait|echo:)?$", MarlinText::Harmless),
+    ("^//action:paused?$", MarlinText::Pause(true)),
+    ("^//action:resumed?$", MarlinText::Pause(false)),
+    // Temperatures: `T:20.0 /0.0 B:21.3`, `T0:20.0 /0.0`, `TargetExtr0:0`.
+    ("^(?:t[0-9]*:|[bcw]:|targetextr|targetbed)", MarlinText::Harmless),
+    // Capabilities, memory cards that come and go, the tool that was selected, notices for a screen.
+    ("^(?:cap:|firmware_name:)", MarlinText::Harmless),
+    ("^echo:(?:sd card|sd init fail|no sd card|active extruder)", MarlinText::Harmless),
+    ("^//action:(?:notification|prompt_)", MarlinText::Harmless),
+    // A position: `X:1.00 Y:2.00 Z:3.00 E:0.00 Count X:80 Y:160 Z:1200`.
+    ("^x:.*(?: y:.* z:| z:.* y:)", MarlinText::Harmless),
 ];
-/// Parts of texts behind which nothing may follow, in small letters, and why.
-const ENDS: &[(&str, &str)] = &[
-    ("endstops hit", "an axis ran into its end switch"),
-    ("printer stopped", "the control has stopped itself"),
-    ("printer halted", "the control has stopped itself"),
-    ("kill(", "the control has stopped itself"),
-    ("killed", "the control has stopped itself"),
-    ("//action:cancel", "a person has cancelled the job at the control"),
-    ("//action:poweroff", "the control switches its power off"),
-    ("//action:disconnect", "the control asks to be left"),
-    ("cold extrusion", "the control leaves moves out"),
-    ("clamped", "the control has changed a move"),
-];
+
+static PATTERNS: LazyLock<RegexSet> = LazyLock::new(|| patterns(TEXTS.iter().map(|(pattern, _)| *pattern)));
 
 /// What a text means.
 pub(super) fn meaning(text: &str) -> MarlinText {
-    let low = text.to_ascii_lowercase();
-    let low = low.trim();
-    if low == "!!" || low == "error" || low.starts_with("error:") {
-        return MarlinText::Ends("the control has stopped itself");
-    }
-    // `Home X First`, of older ones `Home X/Y before Z`; the settings that it starts with have a `Home offset`.
-    if low.contains("home") && (low.contains("first") || low.contains("before")) {
-        return MarlinText::Ends("an axis is not homed, so that moves are left out");
-    }
-    if let Some((_, why)) = ENDS.iter().find(|(part, _)| low.contains(part)) {
-        return MarlinText::Ends(why);
-    }
-    match low {
-        "" | "wait" | "echo:" => return MarlinText::Harmless,
-        "//action:pause" | "//action:paused" => return MarlinText::Pause(true),
-        "//action:resume" | "//action:resumed" => return MarlinText::Pause(false),
-        _ => {}
-    }
-    if HARMLESS.iter().any(|begin| low.starts_with(begin)) || is_tool_temperature(low) || is_position(low) {
-        return MarlinText::Harmless;
-    }
-    MarlinText::Unknown
-}
-
-/// `T0:20.0 /0.0`.
-fn is_tool_temperature(low: &str) -> bool {
-    let Some((tool, _)) = low.split_once(':') else { return false };
-    tool.strip_prefix('t').is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
-}
-
-/// `X:1.00 Y:2.00 Z:3.00 E:0.00 Count X:80 Y:160 Z:1200`.
-fn is_position(low: &str) -> bool {
-    low.starts_with("x:") && low.contains(" y:") && low.contains(" z:")
+    let first = PATTERNS.matches(text.trim().as_bytes()).iter().next();
+    first.and_then(|place| TEXTS.get(place)).map_or(MarlinText::Unknown, |&(_, meaning)| meaning)
 }
 
 #[cfg(test)]
