@@ -53,7 +53,7 @@ const O_WORDS: &[(&str, OWord)] = &[
 
 /// What begins a control statement of a custom macro.
 #[derive(Clone, Copy)]
-enum Control {
+enum ControlWord {
     If,
     Goto,
     While,
@@ -65,20 +65,20 @@ enum Control {
 }
 
 /// The first word of each; ENDIF before END, with which it begins.
-const CONTROLS: &[(&str, Control)] = &[
-    ("IF", Control::If),
-    ("GOTO", Control::Goto),
-    ("WHILE", Control::While),
-    ("DO", Control::Do),
-    ("ENDIF", Control::EndIf),
-    ("END", Control::End),
-    ("ELSE", Control::Else),
+const CONTROLS: &[(&str, ControlWord)] = &[
+    ("IF", ControlWord::If),
+    ("GOTO", ControlWord::Goto),
+    ("WHILE", ControlWord::While),
+    ("DO", ControlWord::Do),
+    ("ENDIF", ControlWord::EndIf),
+    ("END", ControlWord::End),
+    ("ELSE", ControlWord::Else),
     // They print or name something.
-    ("BPRNT", Control::Printing),
-    ("DPRNT", Control::Printing),
-    ("POPEN", Control::Printing),
-    ("PCLOS", Control::Printing),
-    ("SETVN", Control::Printing),
+    ("BPRNT", ControlWord::Printing),
+    ("DPRNT", ControlWord::Printing),
+    ("POPEN", ControlWord::Printing),
+    ("PCLOS", ControlWord::Printing),
+    ("SETVN", ControlWord::Printing),
 ];
 
 impl Parser {
@@ -88,19 +88,19 @@ impl Parser {
         let mut control = required(one_of(CONTROLS), Code::MISSING_VALUE, 1, "this address has no value");
         let (rest, control) = control(input)?;
         let (rest, body) = match control {
-            Control::If => return self.behind_if(rest, block),
-            Control::While => {
+            ControlWord::If => return self.behind_if(rest, block),
+            ControlWord::While => {
                 let (rest, condition) = terminated(|input| self.condition(input), blank).parse(rest)?;
                 let message = "DO with its number was expected here";
                 let (rest, ()) = required(keyword("DO"), Code::UNEXPECTED, rest.len().min(2), message)(rest)?;
                 return self.loop_body(rest, Body::While(Some(condition)), block);
             }
-            Control::Do => return self.loop_body(rest, Body::While(None), block),
-            Control::End => return self.loop_body(rest, Body::EndWhile, block),
-            Control::Goto => map(|input| self.operand(input), Body::Goto).parse(rest)?,
-            Control::EndIf => (rest, Body::EndIf),
-            Control::Else => (rest, Body::Else),
-            Control::Printing => {
+            ControlWord::Do => return self.loop_body(rest, Body::While(None), block),
+            ControlWord::End => return self.loop_body(rest, Body::EndWhile, block),
+            ControlWord::Goto => map(|input| self.operand(input), Body::Goto).parse(rest)?,
+            ControlWord::EndIf => (rest, Body::EndIf),
+            ControlWord::Else => (rest, Body::Else),
+            ControlWord::Printing => {
                 let (rest, text) = rest_of_line(input)?;
                 (rest, Body::Printing(Span::new(self.offset(text), self.line_end)))
             }
