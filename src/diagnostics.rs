@@ -69,9 +69,9 @@ impl fmt::Display for Diagnostics {
 /// let program = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?;
 /// let found = program.check(&Machine::demo());
 /// let one = found.errors().next().unwrap();
-/// assert_eq!((one.file(), one.line(), one.column()), (Some("part.mpf"), Some(1), Some(4)));
+/// assert_eq!((one.file(), one.line(), one.column()), (Some("part.mpf"), Some(1), Some(1)));
 /// assert_eq!(one.severity(), Severity::Error);
-/// assert_eq!(&b"G0 X9000"[one.span().unwrap().range()], b"X9000");
+/// assert_eq!(&b"G0 X9000"[one.span().unwrap().range()], b"G0 X9000");
 /// # Ok::<(), ncfix::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug)]

@@ -205,7 +205,7 @@ impl Machine {
     ///
     /// let machine = Machine::demo();
     /// let near = machine.deviation(&"X0,Y0,Z0".parse()?, ToolVector::Length(0.0), &State::default());
-    /// assert!(near.distance_um() < 0.1);
+    /// assert!(near.distance_um() < 1.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]

@@ -23,8 +23,8 @@ use ncfix_path::emit;
 /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X900 F500\nM30\n", DialectChoice::Sinumerik)?;
 /// let found = program.check(&machine);
 /// let first = found.iter().next().unwrap();
-/// assert_eq!((first.line(), first.column()), (Some(2), Some(4)));
-/// assert!(first.message().contains("travel"), "X ends at 700 mm: {first}");
+/// assert_eq!((first.line(), first.column()), (Some(2), Some(1)));
+/// assert!(first.message().contains("limit of 700 mm"), "{first}");
 /// # Ok::<(), ncfix::Error>(())
 /// ```
 #[derive(Clone, Debug)]
