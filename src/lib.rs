@@ -24,11 +24,14 @@ pub mod extend;
 pub mod prelude;
 pub mod sensors;
 
+mod calibration;
 mod channel;
 mod check;
 mod compare;
 mod condition;
 mod correction;
+mod data;
+mod diagnosis;
 mod diagnostics;
 mod disk;
 mod error;
@@ -43,12 +46,16 @@ mod run;
 mod simulate;
 mod steps;
 mod support_file;
+mod tables;
 mod tool;
 
 #[doc(hidden)]
 pub mod cli;
 
+pub use calibration::{Calibration, CalibrationOptions};
 pub use correction::{Correction, Pieces};
+pub use data::DataSet;
+pub use diagnosis::{Diagnosis, DiagnosisOptions};
 pub use diagnostics::{Diagnostics, Located};
 pub use error::Error;
 pub use feed::{ControlLink, FeedEnd, FeedOptions, FeedView, Sent, Transfer};
@@ -58,4 +65,5 @@ pub use options::{Compensation, DialectChoice, Options};
 pub use program::Program;
 pub use registry::Registry;
 pub use simulate::{Recorded, SimulateOptions};
+pub use tables::{TableCheck, TableOptions, Tables};
 pub use tool::ToolVector;

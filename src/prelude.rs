@@ -1,6 +1,9 @@
 //! The names of the library: `use ncfix::prelude::*`.
 
+pub use crate::calibration::{Calibration, CalibrationOptions};
 pub use crate::correction::{Correction, Pieces};
+pub use crate::data::DataSet;
+pub use crate::diagnosis::{Diagnosis, DiagnosisOptions};
 pub use crate::diagnostics::{Diagnostics, Located};
 pub use crate::error::Error;
 pub use crate::feed::{ControlLink, FeedEnd, FeedOptions, FeedView, Sent, Transfer};
@@ -10,6 +13,7 @@ pub use crate::options::{Compensation, DialectChoice, Options};
 pub use crate::program::Program;
 pub use crate::registry::Registry;
 pub use crate::simulate::{Recorded, SimulateOptions};
+pub use crate::tables::{TableCheck, TableOptions, Tables};
 pub use crate::tool::ToolVector;
 pub use ncfix_base::diagnostic::{Code, Severity};
 pub use ncfix_base::geometry::{Axis, AxisVector, Vector};
@@ -17,6 +21,9 @@ pub use ncfix_dnc::feed::Port;
 pub use ncfix_dnc::sense::Panel;
 pub use ncfix_machine::machine::{Condition, Load, State};
 pub use ncfix_machine::snc::{Element, Kind, Move};
+pub use ncfix_metrology::diagnose::cause::Correctable;
+pub use ncfix_metrology::results::calibration::{CalibrationResult, Estimate};
+pub use ncfix_metrology::results::diagnosis::{Cause, DiagnosisResult};
 pub use ncfix_path::path::{Arcs, FiveAxis, Output, OutputFrame, Piece, Rapids, Rotary};
 pub use ncfix_report::correction::Correction as CorrectionReport;
 pub use ncfix_report::feed::{Before as FeedForecast, FeedEvent, Status as FeedStatus};

@@ -162,7 +162,11 @@ fn watch_within<S: AsRef<str>>(shop: &Shop, arguments: &[S], space_kib: u64) -> 
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     let arguments: Vec<&str> = arguments.iter().map(AsRef::as_ref).collect();
     let code = output.status.code().unwrap_or_else(|| panic!("{} after {time:?}: {arguments:?}", output.status));
-    Seen { run: Run { code, stdout: text(output.stdout), stderr: text(output.stderr) }, time, peak_kib }
+    Seen {
+        run: Run { code, stdout: text(output.stdout), stderr: text(output.stderr), command: String::new() },
+        time,
+        peak_kib,
+    }
 }
 
 /// A file of zeros that takes no room on the disk.

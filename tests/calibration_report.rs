@@ -2,8 +2,10 @@
 
 use std::fmt::Write as _;
 
-use ncfix_report::calibration::{Calibration, Data, Estimate};
-use ncfix_report::compared::{Circle, Part, Point, Readings};
+use ncfix_base::units::Unit;
+use ncfix_metrology::results::calibration::{CalibrationResult, Data, Estimate};
+use ncfix_metrology::results::compared::{Circle, Part, Point, Readings};
+use ncfix_report::calibration::CalibrationReport;
 use ncfix_report::page;
 use roxmltree::{Document, ParsingOptions};
 
@@ -224,19 +226,26 @@ fn a_million_readings_are_a_page_that_opens() {
         axes: ["X in mm", "Y in mm", "C in °"].map(|axis| (axis.to_owned(), (0..COUNT).map(at).collect())).to_vec(),
         circles: (0..40).map(circle).collect(),
     };
-    let parts = ["dx", "dy", "dz"].map(|name| Part { name: name.into(), unit: "µm", ..Part::default() }).to_vec();
-    let data =
-        Data { name: HOSTILE.into(), kind: "ballbar", unit: "µm", sigma: Some(1.0), parts, shown, ..Data::default() };
+    let parts = ["dx", "dy", "dz"].map(|name| Part { name: name.into(), unit: Unit::Um, ..Part::default() }).to_vec();
+    let data = Data {
+        name: HOSTILE.into(),
+        kind: "ballbar",
+        unit: Unit::Um,
+        sigma: Some(1.0),
+        parts,
+        shown,
+        ..Data::default()
+    };
     let unknown =
         Estimate { name: HOSTILE.into(), sigma: f64::INFINITY, inflation: f64::INFINITY, ..Estimate::default() };
-    let found = Calibration {
+    let found = CalibrationResult {
         data: vec![data],
         parameters: vec![unknown.clone(); 5000],
         unknowns: vec![unknown; COUNT / 10],
         machine: HOSTILE.into(),
-        ..Calibration::default()
+        ..CalibrationResult::default()
     };
-    let page = page::calibration::calibration(&found);
+    let page = page::calibration::calibration(&CalibrationReport { found, ..CalibrationReport::default() });
     assert!(page.len() < 4_000_000, "{}", page.len());
     let document = parsed(&page);
     let text: String = document.descendants().filter_map(|node| node.text()).collect();

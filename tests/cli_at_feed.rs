@@ -3,7 +3,7 @@
 use crate::support::Shop;
 
 /// A mill whose Y lags 0.6 ms more than its X, with a straightness error, and a column that gives way.
-const MILL: &str = "[machine]\nname = \"mill\"\ntopology = \"wFXYZSt\"\n\
+pub(crate) const MILL: &str = "[machine]\nname = \"mill\"\ntopology = \"wFXYZSt\"\n\
 [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-900, 900]\nmax_feed_mm_min = 30000\n\
 [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-900, 900]\nmax_feed_mm_min = 30000\n\
 [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-900, 900]\nmax_feed_mm_min = 30000\n\

@@ -169,7 +169,7 @@ fn a_link_without_a_question_needs_a_person_who_looked() {
 }
 
 /// A job that is cut off when so many lines were acknowledged.
-fn cut_off(program: &str, acknowledged: usize) -> Shop {
+pub(crate) fn cut_off(program: &str, acknowledged: usize) -> Shop {
     let bench = Bench::new(grbl(0.0002));
     let shop = Shop::new().file("part.ngc", program);
     let mill = machine("knee_mill");

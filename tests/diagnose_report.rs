@@ -1,10 +1,12 @@
 //! The page of `ncfix diagnose --report`: one file that asks for nothing, with all that was found and how, and its numbers against the plant's
 //! truth and against arithmetic; sentences and shapes of effects without a name.
 
-use ncfix_metrology::diagnose::Causes;
-use ncfix_report::compared::Circle;
-use ncfix_report::diagnosis::readings::{Driver, Reading, Set, Shown};
-use ncfix_report::diagnosis::{Cause, Diagnosis, Place, Rejected};
+use ncfix_base::units::{Unit, UnitKey};
+use ncfix_metrology::diagnose::{Causes, Gate};
+use ncfix_metrology::results::compared::Circle;
+use ncfix_metrology::results::diagnosis::{Cause, DiagnosisResult, Place, Rejected};
+use ncfix_metrology::results::readings::{self, Driver, Reading, Set};
+use ncfix_report::diagnosis::{DiagnosisReport, Shown};
 use ncfix_report::page;
 use roxmltree::Document;
 use serde_json::Value;
@@ -352,7 +354,7 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
     let set = Set {
         name: HOSTILE.into(),
         kind: "ballbar",
-        unit: "µm",
+        unit: Unit::Um,
         parts: ["dx", "dy", HOSTILE].map(str::to_owned).to_vec(),
         setups: (0..40).map(|k| format!("<{k}")).collect(),
         readings: readings.collect(),
@@ -373,16 +375,18 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
         unit: "um".into(),
         ..Cause::default()
     };
-    let found = Diagnosis {
-        unit: "um",
+    let found = DiagnosisResult {
+        unit: UnitKey::Um,
         machine: HOSTILE.into(),
         readings: COUNT,
         findings: vec![cause; 10],
-        rejected: vec![Rejected { effect: HOSTILE.into(), why: "too small", ..Rejected::default() }; 3000],
-        ..Diagnosis::default()
+        rejected: vec![Rejected { effect: HOSTILE.into(), why: Gate::Size, ..Rejected::default() }; 3000],
+        ..DiagnosisResult::default()
     };
-    let shown = Shown { sets: vec![set], ..Shown::default() };
-    let page = page::diagnosis::diagnosis(&found, &shown);
+    let readings = readings::ShownReadings { sets: vec![set], ..readings::ShownReadings::default() };
+    let shown = Shown { readings, ..Shown::default() };
+    let report = DiagnosisReport { found, ..DiagnosisReport::default() };
+    let page = page::diagnosis::diagnosis(&report, &shown);
     assert!(page.len() < 5_000_000, "{}", page.len());
     let document = parsed(&page);
     let text: String = document.descendants().filter_map(|node| node.text()).collect();
@@ -391,5 +395,5 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
         "{}",
         page.len()
     );
-    assert!(found.page().len() < 200_000);
+    assert!(report.page().len() < 200_000);
 }

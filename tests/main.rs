@@ -149,6 +149,7 @@ mod rounding_and_turns;
 mod rs274_flow;
 mod rs274_splines;
 mod saved_data;
+mod schemas;
 mod sense;
 mod sense_files;
 #[cfg(all(feature = "modbus", feature = "mqtt", feature = "mtconnect"))]

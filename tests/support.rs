@@ -19,6 +19,8 @@ pub(crate) struct Run {
     pub(crate) stdout: String,
     /// Standard error.
     pub(crate) stderr: String,
+    /// The first argument.
+    pub(crate) command: String,
 }
 
 /// A file of the repository.
@@ -94,7 +96,8 @@ impl Shop {
 
     /// Runs `ncfix` with arguments in the folder and bytes on standard input.
     pub(crate) fn run_with_input<S: AsRef<str>>(&self, arguments: impl IntoIterator<Item = S>, input: &[u8]) -> Run {
-        let mut child = self.command(arguments).spawn().unwrap();
+        let arguments: Vec<String> = arguments.into_iter().map(|argument| argument.as_ref().to_owned()).collect();
+        let mut child = self.command(&arguments).spawn().unwrap();
         let mut stdin = child.stdin.take().unwrap();
         // A run that refuses its arguments does not read its input.
         let _ = stdin.write_all(input);
@@ -104,6 +107,7 @@ impl Shop {
             code: output.status.code().unwrap(),
             stdout: String::from_utf8(output.stdout).unwrap(),
             stderr: String::from_utf8(output.stderr).unwrap(),
+            command: arguments.into_iter().next().unwrap_or_default(),
         }
     }
 
@@ -133,9 +137,10 @@ impl Run {
         self
     }
 
-    /// Standard output as JSON.
+    /// Standard output as JSON, which keeps to the schema of the command.
     #[track_caller]
     pub(crate) fn json(&self) -> serde_json::Value {
+        crate::schemas::keeps_to_its_schema(&self.command, &self.stdout);
         serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {}", self.stdout))
     }
 

@@ -12,13 +12,14 @@ use super::pages::{self, Pages};
 use super::progress::Progress;
 use super::stop::Stop;
 use super::together::Together;
-use super::{calibrated_report, decomposed, print, program, tell, trace};
+use super::{print, program, tell, trace};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::decompose::{self, Fault, Options};
+use ncfix_metrology::decompose::{self, Options};
+use ncfix_metrology::results::decomposition::{self, SCHEMA};
 use ncfix_model::ParameterName;
-use ncfix_report::decomposition::{Decomposition, SCHEMA};
+use ncfix_report::decomposition::DecompositionReport;
 use ncfix_report::{json, page};
 
 /// Divides.
@@ -26,7 +27,8 @@ pub(super) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, Stop> {
     let goes_out = arguments.output.as_deref().is_some_and(is_standard_stream);
     one_stream(arguments.json, goes_out)?;
     let mut findings = Findings::default();
-    let mut report = Decomposition { schema: SCHEMA, ..Decomposition::default() };
+    let mut report = DecompositionReport::default();
+    report.found.schema = SCHEMA;
     let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
     let mut files = Together::default();
     let mut result = find(arguments, page.as_ref(), &mut files, &mut findings, &mut report);
@@ -44,7 +46,7 @@ pub(super) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, Stop> {
     }
     findings.draw();
     result?;
-    if !report.runs.is_empty() {
+    if !report.found.runs.is_empty() {
         let text = report.page();
         if goes_out || arguments.page.report.as_deref().is_some_and(is_standard_stream) {
             tell(&text);
@@ -63,12 +65,12 @@ fn find(
     page: Option<&Pages>,
     files: &mut Together,
     findings: &mut Findings,
-    report: &mut Decomposition,
+    report: &mut DecompositionReport,
 ) -> Result<(), Stop> {
     let first = arguments.traces.first().ok_or_else(|| Stop::Usage("give a trace".into()))?;
     let target = arguments.output.as_deref().map(Target::new).transpose()?;
     let Some(chosen) = machine_choice::choose(&arguments.machine, first, findings)? else { return Ok(()) };
-    report.machine.clone_from(&chosen.machine.name);
+    report.found.machine.clone_from(&chosen.machine.name);
     if target.is_some() && chosen.is_demo {
         return Err(Stop::Usage("-o extends a machine file; give it with --machine".into()));
     }
@@ -82,7 +84,7 @@ fn find(
         return Ok(());
     }
     for path in &chosen.files {
-        report.inputs.push(calibrated_report::machine_input(&input::read(path, FileId(0), "")?));
+        report.inputs.push(pages::input(&input::read(path, FileId(0), "")?, "machine"));
     }
     let mut all = Vec::new();
     for (number, path) in arguments.traces.iter().enumerate() {
@@ -103,30 +105,15 @@ fn find(
     progress.clear();
     match found {
         Ok(found) => {
-            decomposed::fill(&found, &whole, report);
+            decomposition::fill(&found, &whole, &mut report.found);
             if let (Some(target), Some(name)) = (target, &arguments.output) {
                 let to = (target, name.as_path(), files);
                 extend(&chosen, &found, to, findings, report)?;
             }
         }
-        Err(fault) => findings.add(told(&fault), &sources),
+        Err(fault) => findings.add(decomposition::told(&fault), &sources),
     }
     Ok(())
-}
-
-fn told(fault: &Fault) -> Diagnostic {
-    let (code, help) = match fault {
-        Fault::Still => (Code::NOT_TOLD, "record while the axes move, and check that set-points are in mm and degrees"),
-        Fault::Apart => (Code::NOT_TOLD, "check t_s of both records: their clocks may differ by up to half a second"),
-        Fault::OtherPath(..) => (Code::NOT_TOLD, "give runs of one program; divide runs of another one by themselves"),
-        Fault::Units(..) => {
-            (Code::DATA_SIZE, "write set-points and encoders in mm and degrees: is a column in inches or rad?")
-        }
-        Fault::NotTold(_) => {
-            (Code::NOT_TOLD, "record a longer run, or give fewer --links and a lower degree of --motion")
-        }
-    };
-    Diagnostic::nowhere(code, fault.to_string(), help)
 }
 
 fn options(arguments: &DecomposeArguments, machine: &Machine) -> Result<Options, Stop> {
@@ -156,7 +143,7 @@ fn extend(
     found: &decompose::Decomposition,
     (target, name, files): (Target, &Path, &mut Together),
     findings: &mut Findings,
-    report: &mut Decomposition,
+    report: &mut DecompositionReport,
 ) -> Result<(), Stop> {
     let Some(path) = chosen.files.first() else { return Err(Stop::Usage("-o needs --machine".into())) };
     if found.compliances.is_empty() {
@@ -166,7 +153,7 @@ fn extend(
     }
     let old = input::read_written(path, FileId(0), "machine file to extend")?;
     let name = name.display().to_string();
-    match decomposed::extended(old.bytes(), found) {
+    match decomposition::extended(old.bytes(), found) {
         Some(text) => {
             files.add(target, text.as_bytes())?;
             report.output = Some(name);

@@ -1,22 +1,16 @@
 //! `--model`: the parameters of a preset, or those of a file.
 
-use std::collections::HashSet;
 use std::path::Path;
 
 use super::findings::Findings;
 use super::input;
 use super::stop::Stop;
-use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::source::{FileId, Source, Span};
+use ncfix_base::source::FileId;
 use ncfix_machine::machine::Machine;
 use ncfix_metrology::calibrate::Parameter;
-use ncfix_metrology::calibrate::effect::{self, EffectParameter, effect_parameters};
+use ncfix_metrology::results::parameters::read;
 use ncfix_model::ErrorModel;
-use ncfix_model::parameter::ParameterName;
 use ncfix_model::preset::{PRESETS, find};
-
-/// Names in a help at most.
-const MOST_SHOWN: usize = 12;
 
 /// The parameters of `--model`; `None` where findings forbid to use them. A preset goes before a file of its name.
 ///
@@ -45,77 +39,4 @@ pub(super) fn choose(
     let is_sound = found.is_empty();
     findings.extend(found, std::slice::from_ref(&source));
     Ok(is_sound.then_some(parameters))
-}
-
-/// What to say of a line that begins like the parameters of effects but names none of this machine file.
-fn no_effect(text: &str, effects: &[EffectParameter]) -> Option<(String, String)> {
-    const SECTIONS: [&str; 4] = ["load", "drift", "expansion", "segment"];
-    let end = text.find(['.', '@', '[', '~']).unwrap_or(text.len());
-    let section = SECTIONS.into_iter().find(|&section| text.get(..end) == Some(section))?;
-    let own: Vec<&str> =
-        effects.iter().map(EffectParameter::name).filter(|name| name.split('.').next() == Some(section)).collect();
-    if own.is_empty() {
-        let message = format!("{text}: the machine file has no [[{section}]]");
-        return Some((message, format!("add [[{section}]] with values to begin with to the machine file")));
-    }
-    let shown = own.iter().take(MOST_SHOWN).copied().collect::<Vec<_>>().join(", ");
-    let more = if own.len() > MOST_SHOWN { " …" } else { "" };
-    Some((format!("{text} is no parameter of [[{section}]]"), format!("there are {shown}{more}")))
-}
-
-/// Reads a file of parameters: one in each line, comments behind `#`.
-fn read(source: &Source, machine: &Machine, errors: &ErrorModel) -> (Vec<Parameter>, Vec<Diagnostic>) {
-    let (mut parameters, mut findings) = (Vec::new(), Vec::new());
-    let effects = effect_parameters(errors);
-    let mut seen = HashSet::new();
-    let mut start = 0;
-    for line in source.bytes().split(|&byte| byte == b'\n' || byte == b'\r') {
-        let first = start;
-        start += line.len() + 1;
-        let content = line.split(|&byte| byte == b'#').next().unwrap_or_default();
-        let word = content.trim_ascii();
-        if word.is_empty() {
-            continue;
-        }
-        let from = first + (content.len() - content.trim_ascii_start().len());
-        let place = Place { file: source.id(), span: Span::new(from, from + word.len()) };
-        let mut report = |message: String, help: &str| {
-            findings.push(Diagnostic::at(Code::BAD_PARAMETER, place, message, help));
-        };
-        let text = String::from_utf8_lossy(word);
-        let of_effects = effect::named(&effects, &text);
-        if !of_effects.is_empty() {
-            for one in of_effects {
-                if seen.insert(one.name().to_owned()) {
-                    parameters.push(Parameter::from(one));
-                } else {
-                    report(format!("{} is there twice", one.name()), "take one of the lines out");
-                }
-            }
-            continue;
-        }
-        if let Some((message, help)) = no_effect(&text, &effects) {
-            report(message, &help);
-            continue;
-        }
-        let help = "write one in each line: EC0Y, EXX1, EXXb, EXX2@150, load.EAX or drift; comments behind #";
-        match text.parse::<ParameterName>() {
-            Err(_) => report(format!("'{text}' is no parameter"), help),
-            Ok(name) => match name.component.axis().filter(|&axis| machine.axis(axis).is_none()) {
-                Some(axis) => report(
-                    format!("{name}: the machine {} has no axis {axis}", machine.name),
-                    "take it out, or check --machine",
-                ),
-                None if !seen.insert(name.to_string()) => {
-                    report(format!("{name} is there twice"), "take one of them out")
-                }
-                None => parameters.push(Parameter::from(name)),
-            },
-        }
-    }
-    if parameters.is_empty() && findings.is_empty() {
-        let place = Place { file: source.id(), span: Span::new(0, source.bytes().len().min(1)) };
-        findings.push(Diagnostic::at(Code::BAD_PARAMETER, place, "the file names no parameter", "write at least one"));
-    }
-    (parameters, findings)
 }

@@ -9,7 +9,8 @@ use super::stop::Stop;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{FileId, Source, Span};
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::measure::trace::{self, Described, Trace, xml};
+use ncfix_metrology::measure::trace::{self, Trace, xml};
+use ncfix_metrology::results::measurement::control_file;
 
 /// A trace with its files: table, description, and what the control recorded.
 pub(super) struct Read {
@@ -56,12 +57,6 @@ pub(super) fn read(
     let (trace, found) = trace::read(&described, &sources[0], control.as_ref(), machine);
     findings.extend(found, &sources);
     Ok(trace.map(|trace| Read { trace, sources }))
-}
-
-/// The file of the control, beside the table.
-pub(super) fn control_file(table: &Path, described: &Described) -> Option<PathBuf> {
-    let name = described.control.as_ref()?;
-    Some(table.parent().unwrap_or(Path::new(".")).join(name))
 }
 
 /// All files of tables, for those that must not be overwritten; what cannot be read is told later.

@@ -8,7 +8,7 @@ use crate::diagnostics::Diagnostics;
 use crate::disk::hash::input_of;
 use ncfix_base::units::um_from_mm;
 use ncfix_path::path::Follow;
-use ncfix_report::compared::Input;
+use ncfix_report::inputs::Input;
 use ncfix_report::verification::{Piece, Verification};
 
 /// Moves that are listed.

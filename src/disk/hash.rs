@@ -1,7 +1,7 @@
 //! Hashes of files: short ones for stamps and comments, whole ones for journals.
 
 use ncfix_base::source::Source;
-use ncfix_report::compared::Input;
+use ncfix_report::inputs::Input;
 use sha2::{Digest as _, Sha256};
 
 /// The first 12 hexadecimal digits of SHA-256: enough to tell versions of a file apart, short enough for a comment.

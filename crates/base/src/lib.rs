@@ -4,6 +4,7 @@
 pub mod csv;
 pub mod diagnostic;
 pub mod geometry;
+pub mod number;
 pub mod numeric;
 pub mod register;
 pub mod source;

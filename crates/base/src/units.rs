@@ -1,5 +1,7 @@
 //! The edge of units: mm, rad, s inside; µm, µrad, degrees, inches in files, options and reports.
 
+use serde::Serialize;
+
 /// mm per inch, exact by definition (ISO 31, 1959 international inch).
 pub const MM_PER_INCH: f64 = 25.4;
 
@@ -25,6 +27,80 @@ pub fn rad_from_urad(urad: f64) -> f64 {
 #[must_use]
 pub fn urad_from_rad(rad: f64) -> f64 {
     rad * 1e6
+}
+
+/// The unit of small quantities in results: micrometers of lengths, microradians of angles. JSON has it as people write it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Unit {
+    /// Of lengths.
+    #[default]
+    #[serde(rename = "µm")]
+    Um,
+    /// Of angles.
+    #[serde(rename = "µrad")]
+    Urad,
+}
+
+impl Unit {
+    /// Of angles or of lengths.
+    #[must_use]
+    pub fn of(is_angle: bool) -> Unit {
+        if is_angle { Unit::Urad } else { Unit::Um }
+    }
+
+    /// `µm`, `µrad`.
+    #[must_use]
+    pub fn sign(self) -> &'static str {
+        match self {
+            Unit::Um => "µm",
+            Unit::Urad => "µrad",
+        }
+    }
+
+    /// A length in mm, or an angle in rad, in this unit.
+    #[must_use]
+    pub fn shown(self, value: f64) -> f64 {
+        match self {
+            Unit::Um => um_from_mm(value),
+            Unit::Urad => urad_from_rad(value),
+        }
+    }
+}
+
+impl std::fmt::Display for Unit {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.pad(self.sign())
+    }
+}
+
+/// The same unit where JSON has it in ASCII, as keys have it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum UnitKey {
+    /// Micrometers of lengths.
+    #[default]
+    Um,
+    /// Microradians of angles.
+    Urad,
+}
+
+impl UnitKey {
+    /// Of angles or of lengths.
+    #[must_use]
+    pub fn of(is_angle: bool) -> UnitKey {
+        if is_angle { UnitKey::Urad } else { UnitKey::Um }
+    }
+
+    /// As people write it.
+    #[must_use]
+    pub fn unit(self) -> Unit {
+        match self {
+            UnitKey::Um => Unit::Um,
+            UnitKey::Urad => Unit::Urad,
+        }
+    }
 }
 
 /// Sine of degrees, exact at multiples of 90 and 30: a bolt circle's zero must be zero.

@@ -4,3 +4,4 @@ pub mod calibrate;
 pub mod decompose;
 pub mod diagnose;
 pub mod measure;
+pub mod results;

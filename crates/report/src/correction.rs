@@ -11,6 +11,7 @@ use super::verdict::Verdict;
 
 /// The result of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted on the error model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Correction {
     /// As programmed; `null` where the program was refused.
     pub before: Option<Spread>,

@@ -57,6 +57,7 @@ pub enum FeedOutcome {
 
 /// A stretch of lines in which the control waits for the link.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Late {
     /// First and last line of the source.
     pub source_lines: [u32; 2],
@@ -70,6 +71,7 @@ pub struct Late {
 
 /// Before the start.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Before {
     /// Version of this object.
     pub schema: u32,
@@ -152,6 +154,7 @@ pub fn rate(per_s: f64) -> String {
 
 /// Where a transfer stands, or how it ended.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Status {
     /// Version of this object.
     pub schema: u32,
@@ -264,6 +267,7 @@ impl Status {
 
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Said {
     /// Version of this object.
     pub schema: u32,
@@ -279,6 +283,7 @@ pub struct Said {
 
 /// How a job that was broken off is taken up again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plan {
     /// Version of this object.
     pub schema: u32,

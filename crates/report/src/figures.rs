@@ -7,9 +7,11 @@ use serde::Serialize;
 use super::correction::push_row;
 use super::json::Finding;
 use super::number::significant;
+use ncfix_metrology::results::figures::Measurement;
 
 /// The result of `ncfix figures`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Figures {
     /// Measurements, in the order in which they were given.
     pub measurements: Vec<Measurement>,
@@ -17,45 +19,6 @@ pub struct Figures {
     pub machine: String,
     /// Findings in the order in which they were met.
     pub diagnostics: Vec<Finding>,
-}
-
-/// The figures of a measurement.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Measurement {
-    /// Its name.
-    pub name: String,
-    /// Its kind.
-    pub kind: &'static str,
-    /// Its figures.
-    pub figures: Vec<Group>,
-}
-
-/// Figures that belong together: of a component, of circles in a plane, of a sphere.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Group {
-    /// Label of the set-up.
-    pub setup: String,
-    /// What they are of: `EXX`, `XY`, `sphere`.
-    pub of: String,
-    /// Where they are defined: `ISO 230-2`, `ISO 230-4`, `least squares`.
-    pub standard: &'static str,
-    /// The unit of all: `µm` or `µrad`.
-    pub unit: &'static str,
-    /// The figures in the order of the standard.
-    pub values: Vec<Value>,
-    /// Under which conditions: runs, radius, feed, start.
-    pub conditions: Vec<String>,
-    /// Why there are none; `null` where there are.
-    pub reason: Option<String>,
-}
-
-/// A figure.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Value {
-    /// `A`, `R+`, `G(ccw)` …
-    pub name: &'static str,
-    /// Its value.
-    pub value: f64,
 }
 
 impl Figures {
@@ -83,7 +46,7 @@ pub fn lines(measurements: &[Measurement]) -> String {
                 continue;
             }
             let conditions = group.conditions.join(", ");
-            let _ = writeln!(out, " ({}, {}; {conditions})", group.standard, group.unit);
+            let _ = writeln!(out, " ({}, {}; {conditions})", group.standard.name(), group.unit);
             for values in group.values.chunks(6) {
                 let cells = values.iter().map(|value| format!("{} {}", value.name, significant(value.value)));
                 let _ = writeln!(out, "    {}", cells.collect::<Vec<_>>().join("   "));

@@ -3,16 +3,17 @@
 use serde::Serialize;
 
 use super::excerpt::Excerpt;
-use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::diagnostic::{Diagnostic, Severity};
 use ncfix_base::source::{Source, is_deceptive};
 
 /// A finding.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Finding {
     /// Stable code, `E0203`.
     pub code: &'static str,
-    /// `error` or `warning`.
-    pub severity: &'static str,
+    /// How much it weighs.
+    pub severity: Severity,
     /// Name of the file, `null` where a finding has no place.
     pub file: Option<String>,
     /// Line from 1.
@@ -32,7 +33,7 @@ impl Finding {
         let excerpt = diagnostic.place.zip(source).map(|(place, source)| Excerpt::new(source, place));
         Finding {
             code: diagnostic.code.as_str(),
-            severity: diagnostic.severity().word(),
+            severity: diagnostic.severity(),
             file: diagnostic.place.and(source).map(|source| source.name().to_owned()),
             line: excerpt.as_ref().map(|excerpt| excerpt.line),
             column: excerpt.as_ref().map(|excerpt| excerpt.column),
@@ -44,6 +45,7 @@ impl Finding {
 
 /// What `ncfix check` found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Check {
     /// Whether the text was understood without an error.
     pub parsed: bool,
@@ -60,6 +62,7 @@ pub struct Check {
 
 /// Mean, root mean square and maximum of a distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Spread {
     /// Mean, µm.
     pub mean_um: f64,
@@ -71,6 +74,7 @@ pub struct Spread {
 
 /// What a correction leaves of one source of error: the largest over poses of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Remaining {
     /// The source.
     pub source: &'static str,
@@ -84,6 +88,7 @@ pub struct Remaining {
 
 /// How far the axes leave the tool off its path at feed, as `[servo]` and `[[dynamic]]` predict it: by cycles of the control, of moves with feed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Contouring {
     /// Root of the mean square, µm.
     pub rms_um: f64,
@@ -93,6 +98,7 @@ pub struct Contouring {
 
 /// What `ncfix fix --feed-limit` did.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FeedLimit {
     /// The limit, µm.
     pub limit_um: f64,
@@ -112,6 +118,7 @@ pub struct FeedLimit {
 
 /// What the axes make of a program at feed, as `[servo]` and `[[dynamic]]` predict it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AtFeed {
     /// How far the tool is off the path of the program.
     #[serde(flatten)]
@@ -126,6 +133,7 @@ pub struct AtFeed {
 
 /// What `ncfix verify` measured on the error model: distance of the tool tip from the nominal path of the original.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verification {
     /// Whether the corrected program should run; nothing where they were not compared.
     pub verdict: Option<super::verdict::Verdict>,
@@ -195,6 +203,6 @@ mod tests {
     #[test]
     fn a_finding_without_place_has_nulls() {
         let found = Finding::new(&Diagnostic::nowhere(Code::NO_MACHINE, "m", "h"), None);
-        assert_eq!((found.severity, found.file, found.line, found.column), ("warning", None, None, None));
+        assert_eq!((found.severity, found.file, found.line, found.column), (Severity::Warning, None, None, None));
     }
 }

@@ -3,19 +3,18 @@
 //! Everything here returns text or serializable values; nothing opens a file or asks what a terminal can do.
 
 pub mod calibration;
-pub mod compared;
 pub mod correction;
 pub mod decomposition;
 pub mod diagnosis;
 mod excerpt;
 pub mod feed;
 pub mod figures;
+pub mod inputs;
 pub mod json;
 pub mod load;
 pub mod machine;
 pub mod markup;
 pub mod measured;
-pub mod number;
 pub mod origin;
 pub mod page;
 pub mod plot;
@@ -23,6 +22,8 @@ pub mod presets;
 pub mod residual;
 pub mod review;
 mod scale;
+#[cfg(feature = "schema")]
+pub mod schema;
 pub mod selection;
 pub mod sensors;
 pub mod shares;
@@ -32,3 +33,6 @@ pub mod terminal;
 pub mod verdict;
 pub mod verification;
 pub mod watch;
+
+pub use ncfix_base::number;
+pub use ncfix_metrology::results::compared;

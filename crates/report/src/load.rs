@@ -9,6 +9,7 @@ use ncfix_metrology::measure::weighing::{Coordinate as Weighed, Weighing};
 
 /// The result of `ncfix load`. Uncertainties are standard uncertainties.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Load {
     /// The weight; `null` where it could not be told.
     #[serde(rename = "force_N")]
@@ -36,6 +37,7 @@ pub struct Load {
 
 /// A coordinate of the load.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coordinate {
     /// Its value.
     pub value_mm: f64,

@@ -9,6 +9,7 @@ const WIDEST_VALUE: usize = 32;
 
 /// A value and its origin.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OriginRow {
     /// Keys from the top of the file: `axis.X.travel_mm`.
     pub path: String,
@@ -20,6 +21,7 @@ pub struct OriginRow {
 
 /// A file and how it was found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OriginFile {
     /// What it is: `machine file`, `set-up file`, `tables`.
     pub what: &'static str,
@@ -31,6 +33,7 @@ pub struct OriginFile {
 
 /// All values of a machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Origins {
     /// The files, in the order in which they were laid over each other.
     pub files: Vec<OriginFile>,

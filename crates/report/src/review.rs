@@ -12,6 +12,7 @@ use super::verdict::Verdict;
 
 /// The result of `ncfix diff`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Review {
     /// Version of this object.
     pub schema: u32,
@@ -63,6 +64,7 @@ pub struct Review {
 
 /// What was added to an axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct Figures {
     pub unit: &'static str,
@@ -77,6 +79,7 @@ pub struct Figures {
 
 /// Pieces beyond the travel of an axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Beyond {
     /// How many.
     pub pieces: u64,
@@ -86,6 +89,7 @@ pub struct Beyond {
 
 /// The largest change from one piece to the next.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct Step {
     pub um: f64,
@@ -96,6 +100,7 @@ pub struct Step {
 
 /// A limit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct Limit {
     pub name: String,
@@ -106,6 +111,7 @@ pub struct Limit {
 
 /// A move that is changed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
     /// Line of the original, and its file where that is a subprogram.
     pub line: u32,
@@ -125,6 +131,7 @@ pub struct Row {
 
 /// A word that is changed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Changed {
     /// The axis.
     pub axis: String,
@@ -288,6 +295,7 @@ impl Changed {
 
 /// The result of `ncfix diff --text`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TextReview {
     /// Version of this object.
     pub schema: u32,
@@ -315,6 +323,7 @@ pub struct TextReview {
 
 /// What became of the numbers of an address.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct WordFigures {
     pub count: u64,
@@ -324,6 +333,7 @@ pub struct WordFigures {
 
 /// A line that differs: its numbers in both programs, and its words, or its text where the other program lacks it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct TextLine {
     pub lines: [Option<u32>; 2],
@@ -333,6 +343,7 @@ pub struct TextLine {
 
 /// A word with another number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct TextWord {
     pub address: String,

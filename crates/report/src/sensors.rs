@@ -14,6 +14,7 @@ const STEP: usize = 4;
 
 /// The result of `ncfix sensors`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorReport {
     /// By direction and place.
     pub selections: Vec<SelectionReport>,
@@ -29,6 +30,7 @@ pub struct SensorReport {
 
 /// One direction at one place.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SelectionReport {
     /// `X`, `Y` or `Z`.
     pub direction: &'static str,
@@ -48,6 +50,7 @@ pub struct SelectionReport {
 
 /// The best sensors of one number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SizeRow {
     /// Their names.
     pub sensors: Vec<String>,

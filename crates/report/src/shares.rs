@@ -15,6 +15,7 @@ const LISTED: f64 = 0.05;
 
 /// Errors at a pose: of the tool relative to the workpiece, along F's directions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shares {
     /// The pose: `X_mm`, `C_deg`.
     pub at: Vec<(String, f64)>,
@@ -32,6 +33,7 @@ pub struct Shares {
 
 /// What one source does.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Share {
     /// The source.
     pub source: &'static str,
@@ -45,6 +47,7 @@ pub struct Share {
 
 /// A deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Deviation {
     /// Of the tip along X, Y, Z.
     pub position_um: [f64; 3],

@@ -35,6 +35,7 @@ pub enum StepAnswer {
 
 /// The result of `ncfix steps`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StepReport {
     /// The answer; `null` where there is no result.
     pub answer: Option<StepAnswer>,
@@ -68,6 +69,7 @@ pub struct StepReport {
 
 /// The place of the largest residual. Keys carry the unit: `X_mm`, `C_deg`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Worst {
     /// Where it is.
     pub at: BTreeMap<String, f64>,
@@ -83,6 +85,7 @@ pub struct Worst {
 
 /// A step of the series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StepRow {
     /// Step along the axis that moves farthest.
     pub step_mm: f64,

@@ -17,6 +17,7 @@ const MOST_ROWS: usize = 80;
 
 /// The report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TablesReport {
     /// Name of the machine; empty where none was needed.
     pub machine: String,
@@ -52,6 +53,7 @@ pub struct TablesReport {
 
 /// A table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
     /// Its number, from 1.
     pub number: usize,
@@ -77,6 +79,7 @@ pub struct Row {
 
 /// Errors over the volume.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CheckReport {
     /// Poses.
     pub poses: usize,
@@ -99,6 +102,7 @@ pub struct CheckReport {
 
 /// Errors of tip and tool axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "mean, root mean square and largest, with their units")]
 pub struct ErrorsReport {
     pub mean_um: f64,
@@ -110,6 +114,7 @@ pub struct ErrorsReport {
 
 /// What two sets of tables differ by.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct Difference {
     pub axis: String,
@@ -120,6 +125,7 @@ pub struct Difference {
 
 /// A scheme that `auto` tried.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct TriedReport {
     pub scheme: String,

@@ -6,9 +6,11 @@ use super::correction::push_row;
 use super::json::Finding;
 use super::number::{grouped, micrometers};
 use super::review::Review;
+use ncfix_base::diagnostic::Severity;
 
 /// How good or bad something is; worse is larger.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Grade {
     /// Nothing speaks against it.
@@ -22,6 +24,7 @@ pub enum Grade {
 
 /// A reason.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reason {
     /// How it speaks.
     pub grade: Grade,
@@ -33,6 +36,7 @@ pub struct Reason {
 
 /// Whether it should run.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
     /// The worst of the reasons.
     pub grade: Grade,
@@ -143,7 +147,7 @@ pub const LEFT: [(&str, bool); 4] = [
 ];
 
 fn grade_of(finding: &Finding) -> Grade {
-    if finding.severity == "error" { Grade::Bad } else { Grade::Warn }
+    if finding.severity == Severity::Error { Grade::Bad } else { Grade::Warn }
 }
 
 #[cfg(test)]

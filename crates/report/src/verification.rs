@@ -1,6 +1,6 @@
 //! What `ncfix verify` measured along the path, for its page.
 
-use super::compared::Input;
+use super::inputs::Input;
 use super::json::{AtFeed, Finding, Spread};
 
 /// The errors of two programs along the path of the original.

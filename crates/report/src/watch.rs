@@ -6,6 +6,7 @@ use serde::Serialize;
 
 /// What `ncfix sensors --watch` saw at one instant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WatchReport {
     /// The shape of this object.
     pub schema: u32,
@@ -21,6 +22,7 @@ pub struct WatchReport {
 
 /// A channel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WatchChannel {
     /// Its name.
     pub name: String,

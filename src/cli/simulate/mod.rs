@@ -7,7 +7,7 @@ use crate::cli::arguments::SimulateArguments;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::input::is_standard_stream;
-use crate::cli::measurement::{self, Measurement, description_of};
+use crate::cli::measurement::{self, description_of};
 use crate::cli::output::{Spool, Target};
 use crate::cli::program::protect;
 use crate::cli::stop::Stop;
@@ -23,6 +23,7 @@ use ncfix_metrology::measure::data::Observation;
 use ncfix_metrology::measure::noise::Noise;
 use ncfix_metrology::measure::reading::Readings;
 use ncfix_metrology::measure::simulate::{Read, Simulation};
+use ncfix_metrology::results::measurement::Measurement;
 use ncfix_model::{ErrorModel, Model};
 
 /// Decimals of readings in µm and µrad.

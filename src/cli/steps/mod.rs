@@ -17,7 +17,7 @@ use crate::cli::{input, machine_choice, pages, print, program};
 use crate::program::Program;
 use crate::steps::StepSearch;
 use ncfix_base::source::{FileId, Source};
-use ncfix_report::compared::Input;
+use ncfix_report::inputs::Input;
 use ncfix_report::plot::Picture as _;
 use ncfix_report::residual::Residual;
 use ncfix_report::steps::StepReport;

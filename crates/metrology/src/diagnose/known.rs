@@ -18,17 +18,17 @@ type Table = (Weight, Arc<Vec<f64>>);
 
 /// Weights by row of candidates that were taken.
 #[derive(Debug, Default)]
-pub(super) struct Tables(Mutex<HashMap<usize, Table>>);
+pub(super) struct KnownTables(Mutex<HashMap<usize, Table>>);
 
-impl Tables {
+impl KnownTables {
     /// `None` where it is not known.
     pub(super) fn get(&self, weight: &Weight) -> Option<Arc<Vec<f64>>> {
         lock(&self.0).get(&weight.key()).map(|(_, table)| Arc::clone(table))
     }
 
     /// The same for another field.
-    pub(super) fn copy(&self) -> Tables {
-        Tables(Mutex::new(lock(&self.0).clone()))
+    pub(super) fn copy(&self) -> KnownTables {
+        KnownTables(Mutex::new(lock(&self.0).clone()))
     }
 
     /// Keeps one, and its weight with it: the key of one that is gone may become that of another one.

@@ -69,5 +69,6 @@ pub use rejected::{Gate, Rejected, Tried};
 pub use scene::Scene;
 pub use separate::commands;
 pub use share::Share;
+pub(crate) use size::is_angle;
 pub use size::{Amounts, Size};
 pub use verdict::{Diagnosis, Finding, diagnose, diagnose_with, reads_angles};

@@ -1,21 +1,29 @@
 //! What was tried and is not named: candidates that the search took and a gate stopped, and what the best of every cause would explain of what
 //! is left.
 
+use serde::Serialize;
+
 use super::cause::{Candidate, Cause, Causes};
 use super::parts::{Part, differing};
 use super::search::{Field, Taken, Weights};
 use super::size::{Amounts, Size, size};
 
 /// Where a candidate failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Gate {
     /// Chance would make as much.
+    #[default]
+    #[serde(rename = "significance")]
     Chance,
     /// It does too little where it acts.
+    #[serde(rename = "too small")]
     Size,
     /// It does not help on parts that were left out while it was looked for.
+    #[serde(rename = "gain on unseen parts")]
     Unseen,
     /// The data held out does not confirm it.
+    #[serde(rename = "held-out data")]
     HeldOut,
 }
 

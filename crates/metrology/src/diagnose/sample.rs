@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use super::cause::Candidate;
-use super::known::{Starts, Tables};
+use super::known::{KnownTables, Starts};
 use super::price::Price;
 use super::promising::promising;
 use super::scene::{NO_ROW, Scene};
@@ -97,7 +97,7 @@ impl<'s, 'a> Part<'s, 'a> {
             bows: field.bows.clone(),
             factors: field.factors.iter().map(|(through, all)| (*through, picked(all))).collect::<HashMap<_, _>>(),
             layout: Arc::new(field.layout.part(&sample.rows)),
-            tables: Tables::default(),
+            tables: KnownTables::default(),
             starts: Starts::default(),
             seek: Seek::default(),
             tried: field.tried,

@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::cause::{Candidate, Weight};
-use super::known::Tables;
+use super::known::KnownTables;
 use super::scene::{NO_ROW, Scene, Through};
 use ncfix_base::numeric::sums::{dot, dot_of_three};
 use ncfix_base::numeric::{Gain, Series, in_parts};
@@ -42,7 +42,7 @@ pub(super) struct Layout {
 
 impl Layout {
     /// Takes candidates apart; weights that are shared are computed once, those that are known not at all.
-    pub(super) fn new(scene: &Scene<'_>, candidates: &[Candidate], known: &Tables) -> Layout {
+    pub(super) fn new(scene: &Scene<'_>, candidates: &[Candidate], known: &KnownTables) -> Layout {
         let mut places = Vec::new();
         let mut place_numbers: HashMap<Through, usize> = HashMap::new();
         let mut closures: Vec<&Weight> = Vec::new();

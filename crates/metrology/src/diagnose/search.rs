@@ -12,7 +12,7 @@ use ncfix_base::numeric::{Series, in_parts};
 
 use super::cancel::Triangle;
 use super::cause::{Candidate, Effect, Term, motion};
-use super::known::{Starts, Tables};
+use super::known::{KnownTables, Starts};
 use super::price::Price;
 use super::sample::{Look, Part};
 use super::scene::{NO_ROW, Scene, Through};
@@ -48,7 +48,7 @@ pub(super) struct Field<'s, 'a> {
     pub(super) bows: Range<usize>,
     pub(super) factors: HashMap<Through, Arc<Vec<f64>>>,
     pub(super) layout: Arc<Layout>,
-    pub(super) tables: Tables,
+    pub(super) tables: KnownTables,
     pub(super) starts: Starts,
     pub(super) seek: Seek,
     /// How many candidates there are to choose from, those of sweeps too.
@@ -95,7 +95,7 @@ impl<'s, 'a> Field<'s, 'a> {
         places.retain(|&through| seen.insert(through));
         let of_places = in_parts(&places, &|&through: &Through| Arc::new(scene.factors(through)));
         let factors = places.into_iter().zip(of_places).collect();
-        let tables = Tables::default();
+        let tables = KnownTables::default();
         let layout = Arc::new(Layout::new(scene, &candidates, &tables));
         Field { scene, candidates, bows, factors, layout, tables, starts: Starts::default(), seek, tried, part: None }
     }
@@ -108,7 +108,7 @@ impl<'s, 'a> Field<'s, 'a> {
             bows: 0..0,
             factors: HashMap::new(),
             layout: Arc::default(),
-            tables: Tables::default(),
+            tables: KnownTables::default(),
             starts: Starts::default(),
             seek: Seek::default(),
             tried: 0,

@@ -57,7 +57,7 @@ pub(super) fn weights_at(candidate: &Candidate, row: &Row) -> Vec<f64> {
 }
 
 /// Whether its deviation is an angle.
-pub(super) fn is_angle(candidate: &Candidate) -> bool {
+pub(crate) fn is_angle(candidate: &Candidate) -> bool {
     match candidate.columns.first().and_then(|parts| parts.first()) {
         Some((Through::Component(name), _)) => name.direction.is_rotation(),
         Some((Through::Reading(is_angle), _)) => *is_angle,

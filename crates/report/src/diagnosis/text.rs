@@ -2,8 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::{Cause, Diagnosis, InFile, Place};
+use super::DiagnosisReport;
 use crate::number::{grouped, significant};
+use ncfix_metrology::diagnose::Gate;
+use ncfix_metrology::diagnose::cause::Correctable;
+use ncfix_metrology::results::diagnosis::{Cause, InFile, NoiseFrom, Place};
 
 /// Rivals that are named for people.
 const RIVALS: usize = 4;
@@ -20,7 +23,7 @@ const TIMES: f64 = 2.5;
 /// Candidates that are told as rejected.
 const REJECTED: usize = 5;
 
-impl Diagnosis {
+impl DiagnosisReport {
     /// The text for people.
     #[must_use]
     pub fn page(&self) -> String {
@@ -28,10 +31,10 @@ impl Diagnosis {
         if let Some(sentence) = self.expired_sentence() {
             let _ = writeln!(out, "{sentence}");
         }
-        if self.findings.is_empty() {
-            let _ = writeln!(out, "No cause stands; {} were tried.", grouped(self.tried as u64));
+        if self.found.findings.is_empty() {
+            let _ = writeln!(out, "No cause stands; {} were tried.", grouped(self.found.tried as u64));
         }
-        for (rank, one) in self.findings.iter().enumerate() {
+        for (rank, one) in self.found.findings.iter().enumerate() {
             self.cause(rank + 1, one, &mut out);
         }
         self.tail(&mut out);
@@ -41,20 +44,20 @@ impl Diagnosis {
     /// The unit of sizes of readings, as people write it.
     #[must_use]
     pub fn unit_sign(&self) -> &'static str {
-        if self.unit == "urad" { "µrad" } else { "µm" }
+        self.found.unit.unit().sign()
     }
 
     /// What the model leaves, in a sentence.
     #[must_use]
     pub fn before_sentence(&self) -> String {
-        let from = match self.noise_from {
-            "repeats" => "from repeated readings",
-            "instrument" => "as the instrument says",
-            "rest" => "as what is left has no shape",
-            _ => "from neighbouring readings",
+        let from = match self.found.noise_from {
+            NoiseFrom::Repeats => "from repeated readings",
+            NoiseFrom::Instrument => "as the instrument says",
+            NoiseFrom::Rest => "as what is left has no shape",
+            NoiseFrom::Neighbours | NoiseFrom::Nowhere => "from neighbouring readings",
         };
         let unit = self.unit_sign();
-        let times = self.noise_stated_um.map_or(1.0, |stated| self.noise_um / stated);
+        let times = self.found.noise_stated_um.map_or(1.0, |stated| self.found.noise_um / stated);
         let stated = if times > TIMES {
             format!(", {} times what is stated (sigma)", significant(times))
         } else {
@@ -62,19 +65,19 @@ impl Diagnosis {
         };
         format!(
             "{} leaves {} {unit} of {} readings (RMS), {} at most; the noise is {} {unit}, {from}{stated}.",
-            self.machine,
-            significant(self.before.rms_um),
-            grouped(self.readings as u64),
-            significant(self.before.max_um),
-            significant(self.noise_um)
+            self.found.machine,
+            significant(self.found.before.rms_um),
+            grouped(self.found.readings as u64),
+            significant(self.found.before.max_um),
+            significant(self.found.noise_um)
         )
     }
 
     /// Whether the model is still one.
     #[must_use]
     pub fn expired_sentence(&self) -> Option<String> {
-        let without = self.without_model.holdout_rms_um.unwrap_or(self.without_model.rms_um);
-        self.expired.then(|| {
+        let without = self.found.without_model.holdout_rms_um.unwrap_or(self.found.without_model.rms_um);
+        self.found.expired.then(|| {
             let unit = self.unit_sign();
             format!(
                 "The model has expired: without any model {} {unit} would be left. Calibrate again.",
@@ -85,42 +88,43 @@ impl Diagnosis {
 
     /// What is left with all findings.
     fn after_sentence(&self) -> Option<String> {
-        (!self.findings.is_empty()).then(|| {
+        (!self.found.findings.is_empty()).then(|| {
             format!(
                 "With {} {} {} are left (RMS), {} at most; efficiency {:.0} % → {:.0} %.",
-                if self.findings.len() == 1 { "it" } else { "them" },
-                significant(self.after.rms_um),
+                if self.found.findings.len() == 1 { "it" } else { "them" },
+                significant(self.found.after.rms_um),
                 self.unit_sign(),
-                significant(self.after.max_um),
-                100.0 * self.before.efficiency,
-                100.0 * self.after.efficiency
+                significant(self.found.after.max_um),
+                100.0 * self.found.before.efficiency,
+                100.0 * self.found.after.efficiency
             )
         })
     }
 
     fn held_out_sentence(&self) -> Option<String> {
-        let (before, after) = (self.before.holdout_rms_um?, self.after.holdout_rms_um?);
-        if self.findings.is_empty() {
+        let (before, after) = (self.found.before.holdout_rms_um?, self.found.after.holdout_rms_um?);
+        if self.found.findings.is_empty() {
             return Some(format!("Of the data held out {} {} are left.", significant(before), self.unit_sign()));
         }
-        let [low, high] = self.holdout_gain_95.unwrap_or_default();
+        let [low, high] = self.found.holdout_gain_95.unwrap_or_default();
         Some(format!(
             "Data held out: {} → {} {}, {:.0} % less ({:.0} … {:.0} %).",
             significant(before),
             significant(after),
             self.unit_sign(),
-            100.0 * self.holdout_gain.unwrap_or_default() + 0.0,
+            100.0 * self.found.holdout_gain.unwrap_or_default() + 0.0,
             100.0 * low + 0.0,
             100.0 * high + 0.0
         ))
     }
 
     fn unexplained_sentence(&self) -> String {
-        if !self.unexplained.structure {
+        if !self.found.unexplained.structure {
             return "Nothing with a shape is left beside the noise.".into();
         }
         let unit = self.unit_sign();
         let with: Vec<String> = self
+            .found
             .unexplained
             .with
             .iter()
@@ -128,7 +132,7 @@ impl Diagnosis {
             .collect();
         format!(
             "{} {unit} are more than noise and have no name yet{}{}.",
-            significant(self.unexplained.rms_um),
+            significant(self.found.unexplained.rms_um),
             if with.is_empty() { "" } else { "; they go with " },
             with.join(", ")
         )
@@ -140,6 +144,7 @@ impl Diagnosis {
         let mut out = vec![self.before_sentence()];
         out.extend(self.expired_sentence());
         let named: Vec<String> = self
+            .found
             .findings
             .iter()
             .take(CAUSES)
@@ -149,17 +154,17 @@ impl Diagnosis {
                 format!("{what}, {} ({:.0} % of the squares)", one.size(), 100.0 * one.share)
             })
             .collect();
-        let more = self.findings.len().saturating_sub(CAUSES);
+        let more = self.found.findings.len().saturating_sub(CAUSES);
         let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
-        out.push(match self.findings.len() {
-            0 => format!("No cause stands; {} candidates were tried.", grouped(self.tried as u64)),
+        out.push(match self.found.findings.len() {
+            0 => format!("No cause stands; {} candidates were tried.", grouped(self.found.tried as u64)),
             1 => format!("One cause stands: {}.", named.join("")),
             count => format!("{count} causes stand: {}{rest}.", named.join("; ")),
         });
         out.extend(self.after_sentence());
         out.extend(self.held_out_sentence());
         out.push(self.unexplained_sentence());
-        match self.data_faults.len() {
+        match self.found.data_faults.len() {
             0 => {}
             1 => out.push("The data have a fault, see below.".into()),
             count => out.push(format!("The data have {count} faults, see below.")),
@@ -169,10 +174,10 @@ impl Diagnosis {
 
     // Writing into a String cannot fail.
     fn tail(&self, out: &mut String) {
-        for fault in &self.data_faults {
+        for fault in &self.found.data_faults {
             let rows = match fault.rows.as_slice() {
                 // Outliers are rows one by one.
-                [first, last] if fault.kind != "outlier" => format!("rows {first} to {last}"),
+                [first, last] if fault.is_range => format!("rows {first} to {last}"),
                 [row] => format!("row {row}"),
                 rows => format!("{} rows", rows.len()),
             };
@@ -182,14 +187,15 @@ impl Diagnosis {
                 let _ = writeln!(out, "   left out: {}", fault.excluded);
             }
         }
-        for one in &self.not_confirmed {
+        for one in &self.found.not_confirmed {
             let _ = writeln!(out, "\n{one} stands in the data, but the data held out does not confirm it.");
         }
         let rejected: Vec<String> = self
+            .found
             .rejected
             .iter()
-            .filter(|one| one.why != "held-out data")
-            .map(|one| format!("{} ({})", name(&one.effect, &one.parameter), one.why))
+            .filter(|one| one.why != Gate::HeldOut)
+            .map(|one| format!("{} ({})", name(&one.effect, &one.parameter), one.why.name()))
             .collect();
         if !rejected.is_empty() {
             let more = rejected.len().saturating_sub(REJECTED);
@@ -197,7 +203,7 @@ impl Diagnosis {
             let shown = rejected.get(..REJECTED.min(rejected.len())).unwrap_or_default().join(", ");
             let _ = writeln!(out, "\nRejected: {shown}{rest}.");
         }
-        for one in &self.rejected {
+        for one in &self.found.rejected {
             if let Some(differs) = differing(&one.by_file) {
                 let _ = writeln!(out, "{} {differs}", name(&one.effect, &one.parameter));
             }
@@ -209,7 +215,7 @@ impl Diagnosis {
         let _ = writeln!(out, "{}", self.unexplained_sentence());
         if let Some(path) = &self.output {
             let _ = writeln!(out, "\nWritten: {path}");
-            for one in self.findings.iter().filter(|one| !one.extends) {
+            for one in self.found.findings.iter().filter(|one| !one.extends) {
                 let why = one.extends_why.as_deref().unwrap_or("it has no entry");
                 let _ = writeln!(out, "It does not have {}: {why}.", one.name());
             }
@@ -240,7 +246,7 @@ impl Diagnosis {
         if let Some(differs) = differing(&one.by_file) {
             let _ = writeln!(out, "   {differs}");
         }
-        if let Some(why) = one.extends_why.as_ref().filter(|_| one.correctable == "no") {
+        if let Some(why) = one.extends_why.as_ref().filter(|_| one.correctable == Correctable::No) {
             let _ = writeln!(out, "   not to be corrected: {why}");
         }
         shape(one, out);
@@ -256,28 +262,34 @@ impl Diagnosis {
     }
 }
 
-impl Cause {
+/// A cause in words.
+pub(crate) trait CauseText {
     /// Effect and parameter.
-    #[must_use]
-    pub fn name(&self) -> String {
+    fn name(&self) -> String;
+    /// The same with what it depends on, where it has no name.
+    fn full_name(&self) -> String;
+    /// Value, uncertainty and unit.
+    fn size(&self) -> String;
+    /// What it depends on, with period and lag.
+    fn depends(&self) -> String;
+    /// What a program can do about it.
+    fn remedy(&self) -> &'static str;
+}
+
+impl CauseText for Cause {
+    fn name(&self) -> String {
         name(&self.effect, &self.parameter)
     }
 
-    /// The same with what it depends on, where it has no name.
-    #[must_use]
-    pub fn full_name(&self) -> String {
+    fn full_name(&self) -> String {
         if self.what.is_some() { format!("{} ({})", self.name(), self.drivers.join(", ")) } else { self.name() }
     }
 
-    /// Value, uncertainty and unit.
-    #[must_use]
-    pub fn size(&self) -> String {
+    fn size(&self) -> String {
         format!("{} ± {} {}", significant(self.value), significant(self.u95), sign(&self.unit))
     }
 
-    /// What it depends on, with period and lag.
-    #[must_use]
-    pub fn depends(&self) -> String {
+    fn depends(&self) -> String {
         let mut depends = self.drivers.join(", ");
         if let Some(period) = self.period {
             let _ = write!(depends, ", every {}", significant(period));
@@ -288,13 +300,11 @@ impl Cause {
         depends
     }
 
-    /// What a program can do about it.
-    #[must_use]
-    pub fn remedy(&self) -> &'static str {
-        match self.correctable.as_str() {
-            "program" => "a corrected program takes it away",
-            "live" => "only live readings can take it away",
-            _ => "no program can take it away",
+    fn remedy(&self) -> &'static str {
+        match self.correctable {
+            Correctable::Program => "a corrected program takes it away",
+            Correctable::Live => "only live readings can take it away",
+            Correctable::No => "no program can take it away",
         }
     }
 }
@@ -336,7 +346,7 @@ pub(crate) fn chance(p: f64) -> String {
 
 /// The shape over one driver in a line, over two as a small table.
 fn shape(one: &Cause, out: &mut String) {
-    let unit = if one.unit == "urad" { "µrad" } else { "µm" };
+    let unit = one.shape_unit.unit();
     let along = |k: usize| -> Vec<f64> {
         let mut values: Vec<f64> = one.shape.iter().filter_map(|place| place.at.get(k).copied()).collect();
         values.sort_by(f64::total_cmp);

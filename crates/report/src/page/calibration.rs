@@ -4,19 +4,23 @@ mod pictures;
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures as side_by_side, strip, table};
-use crate::calibration::{Calibration, Data, Estimate};
+use crate::calibration::{CalibrationReport, cells};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Bar, Bars};
+use ncfix_base::diagnostic::Severity;
+use ncfix_base::units::Unit;
+use ncfix_metrology::results::calibration::{CalibrationResult, Data, Estimate};
 
 /// The page.
 #[must_use]
-pub fn calibration(found: &Calibration) -> String {
+pub fn calibration(report: &CalibrationReport) -> String {
+    let found = &report.found;
     let machine = if found.machine.is_empty() { "a machine" } else { &found.machine };
     page(&format!("Calibration of {machine}"), |out| {
-        let is_refused = found.diagnostics.iter().any(|finding| finding.severity == "error");
-        summary(out, found, is_refused);
-        diagnostics(out, &found.diagnostics);
+        let is_refused = report.diagnostics.iter().any(|finding| finding.severity == Severity::Error);
+        summary(out, report, is_refused);
+        diagnostics(out, &report.diagnostics);
         if !found.data.is_empty() {
             results(out, &found.data);
         }
@@ -27,16 +31,17 @@ pub fn calibration(found: &Calibration) -> String {
             pictures::draw(out, one);
         }
         weighted_down(out, found);
-        let by = format!("ncfix {}, model {}, machine {}", found.version, found.model, found.machine);
-        origin(out, &found.inputs, &by);
+        let by = format!("ncfix {}, model {}, machine {}", report.version, found.model, found.machine);
+        origin(out, &report.inputs, &by);
     })
 }
 
-fn summary(out: &mut Markup, found: &Calibration, is_refused: bool) {
+fn summary(out: &mut Markup, report: &CalibrationReport, is_refused: bool) {
+    let found = &report.found;
     let banner = if is_refused {
         "Refused: no machine file was written. The findings below say why.".to_owned()
     } else {
-        match found.output.as_deref() {
+        match report.output.as_deref() {
             Some("-") => "The machine file went to standard output.".to_owned(),
             Some(output) => format!("Machine file written: {output}"),
             None => "No machine file was written.".to_owned(),
@@ -63,7 +68,7 @@ fn summary(out: &mut Markup, found: &Calibration, is_refused: bool) {
         entries.push(("rounds", count(found.rounds)));
     }
     for (unit, of) in
-        [("µm", ["efficiency, used", "efficiency, held out"]), ("µrad", ["angles, used", "angles, held out"])]
+        [(Unit::Um, ["efficiency, used", "efficiency, held out"]), (Unit::Urad, ["angles, used", "angles, held out"])]
     {
         for (is_held_out, what) in [false, true].into_iter().zip(of) {
             if let Some(efficiency) = found.efficiency(is_held_out, unit) {
@@ -90,7 +95,7 @@ fn results(out: &mut Markup, data: &[Data]) {
         let dash = || "–".to_owned();
         cells.push(dash());
         cells.push(one.sigma.map_or_else(dash, significant));
-        cells.extend([percent(one.efficiency), one.unit.to_owned()]);
+        cells.extend([percent(one.efficiency), one.unit.to_string()]);
         if let [only] = one.parts.as_slice() {
             cells[7] = only.left_sigma.map_or_else(dash, significant);
         }
@@ -100,7 +105,7 @@ fn results(out: &mut Markup, data: &[Data]) {
             let mut cells = vec![part.name.clone(), String::new(), grouped(part.readings as u64)];
             cells.extend(sizes);
             cells.push(part.left_sigma.map_or_else(dash, significant));
-            cells.extend([String::new(), percent(part.efficiency), part.unit.to_owned()]);
+            cells.extend([String::new(), percent(part.efficiency), part.unit.to_string()]);
             rows.push(Row { class: "part", cells });
         }
     }
@@ -123,10 +128,10 @@ fn results(out: &mut Markup, data: &[Data]) {
     table(out, &heads, &rows, caption, MOST_ROWS);
 }
 
-fn estimates(out: &mut Markup, found: &Calibration) {
+fn estimates(out: &mut Markup, found: &CalibrationResult) {
     let heads = columns(["name", "#value", "#± 1σ", "unit", "#start", "#effect µm", "#variance inflation"]);
     let row = |one: &Estimate| {
-        let [value, sigma, effect, inflation] = one.cells();
+        let [value, sigma, effect, inflation] = cells(one);
         let told = |text: String, number: f64| if number.is_finite() { text } else { "not told".into() };
         let start = if one.effect_um.is_some() { significant(one.start + 0.0) } else { String::new() };
         let cells = vec![
@@ -188,7 +193,7 @@ fn estimates(out: &mut Markup, found: &Calibration) {
     }
 }
 
-fn weighted_down(out: &mut Markup, found: &Calibration) {
+fn weighted_down(out: &mut Markup, found: &CalibrationResult) {
     if found.weighted_down.is_empty() {
         return;
     }
@@ -198,7 +203,8 @@ fn weighted_down(out: &mut Markup, found: &Calibration) {
         .iter()
         .map(|row| {
             let place = format!("{}:{}", row.file, row.line);
-            let cells = vec![place, significant(row.residual), row.unit.into(), format!("{:.0} %", row.weight * 100.0)];
+            let cells =
+                vec![place, significant(row.residual), row.unit.to_string(), format!("{:.0} %", row.weight * 100.0)];
             Row { class: "", cells }
         })
         .collect();

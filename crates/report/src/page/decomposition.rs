@@ -2,30 +2,32 @@
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures, strip, table};
-use crate::decomposition::{Along, DIRECTIONS, Decomposition, Run, unit_sign};
+use crate::decomposition::DecompositionReport;
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Chart, Series, Shape};
 use ncfix_metrology::decompose::SOURCES;
+use ncfix_metrology::results::decomposition::{Along, Compliance, DIRECTIONS, Decomposition, Link, Loop, Run};
 
 /// The page.
 #[must_use]
-pub fn decomposition(found: &Decomposition) -> String {
+pub fn decomposition(report: &DecompositionReport) -> String {
+    let found = &report.found;
     page(&format!("Errors at speed of {}", found.machine), |out| {
         if found.runs.is_empty() {
             out.leaf("p", &[("class", &"banner bad"), ("id", &"verdict")], "Refused: the findings below say why.");
         } else {
-            out.leaf("p", &[("class", &"banner"), ("id", &"verdict")], found.verdict());
+            out.leaf("p", &[("class", &"banner"), ("id", &"verdict")], report.verdict());
             summary(out, found);
         }
-        diagnostics(out, &found.diagnostics);
+        diagnostics(out, &report.diagnostics);
         if !found.runs.is_empty() {
             feeds(out, found);
             along(out, found);
             loops(out, found);
             links(out, found);
         }
-        origin(out, &found.inputs, &format!("ncfix {}, machine {}", env!("CARGO_PKG_VERSION"), found.machine));
+        origin(out, &report.inputs, &format!("ncfix {}, machine {}", env!("CARGO_PKG_VERSION"), found.machine));
     })
 }
 
@@ -148,7 +150,7 @@ fn laws(out: &mut Markup, found: &Decomposition) {
         .map(|law| Row {
             class: "",
             cells: vec![
-                format!("{} {}", law.source, law.direction),
+                format!("{} {}", law.source.words(), law.direction),
                 format!("{:.3e}", law.factor_um),
                 format!("{:.2}", law.exponent),
                 law.exponent_95.map_or("–".into(), |limit| format!("± {limit:.2}")),
@@ -217,11 +219,11 @@ fn along(out: &mut Markup, found: &Decomposition) {
         return;
     }
     out.leaf("h2", &[], "What gives way");
-    let row = |one: &crate::decomposition::Compliance| Row {
+    let row = |one: &Compliance| Row {
         class: "",
         cells: vec![
             one.component.clone(),
-            format!("{} of {}", one.of, one.axis),
+            format!("{} of {}", one.of.words(), one.axis),
             format!("{:.4}", one.value),
             format!("{:.4}", one.uncertainty),
             one.unit.clone(),
@@ -241,13 +243,13 @@ fn along(out: &mut Markup, found: &Decomposition) {
 
 fn loops(out: &mut Markup, found: &Decomposition) {
     out.leaf("h2", &[], "Servo loops");
-    let row = |one: &crate::decomposition::Loop| {
+    let row = |one: &Loop| {
         let cells = vec![
             one.axis.clone(),
             one.velocity_gain_per_s.map_or("no lag seen".into(), |gain| format!("{gain:.1}")),
             format!("{:.4}", one.feed_forward),
             format!("{:.3}", one.lag_ms),
-            format!("{} {}", significant(one.rms), unit_sign(one.unit)),
+            format!("{} {}", significant(one.rms), one.unit.unit().sign()),
         ];
         Row { class: "", cells }
     };
@@ -262,11 +264,11 @@ fn links(out: &mut Markup, found: &Decomposition) {
         return;
     }
     out.leaf("h2", &[], "Link errors");
-    let row = |one: &crate::decomposition::Link| {
+    let row = |one: &Link| {
         let told = if one.is_told { "" } else { "not told by this path" };
         Row {
             class: "",
-            cells: vec![one.parameter.clone(), format!("{:.2}", one.value), unit_sign(one.unit).into(), told.into()],
+            cells: vec![one.parameter.clone(), format!("{:.2}", one.value), one.unit.unit().sign().into(), told.into()],
         }
     };
     let note = "Fitted to the slowest run, beyond those of the machine file. What motion errors look like link errors on this path is part of them: \

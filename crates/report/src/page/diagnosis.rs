@@ -6,37 +6,41 @@ mod polar;
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures as side_by_side, strip, table};
-use crate::diagnosis::readings::{Shown, Tried};
-use crate::diagnosis::{Cause, DataFault, Diagnosis, Rejected, Sizes, chance};
+use crate::diagnosis::{CauseText as _, DiagnosisReport, Shown, chance};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Bar, Bars};
+use ncfix_base::units::UnitKey;
+use ncfix_metrology::diagnose::Gate;
+use ncfix_metrology::diagnose::cause::Correctable;
+use ncfix_metrology::results::diagnosis::{Cause, DataFault, Rejected, Sizes};
+use ncfix_metrology::results::readings::Tried;
 
 /// Rows of a table that are named one by one.
 const MOST_NAMED: usize = 12;
 
 /// The page.
 #[must_use]
-pub fn diagnosis(found: &Diagnosis, shown: &Shown) -> String {
-    let machine = if found.machine.is_empty() { "a machine" } else { &found.machine };
+pub fn diagnosis(report: &DiagnosisReport, shown: &Shown) -> String {
+    let machine = if report.found.machine.is_empty() { "a machine" } else { &report.found.machine };
     page(&format!("Diagnosis of {machine}"), |out| {
-        summary(out, found);
-        diagnostics(out, &found.diagnostics);
-        if found.readings > 0 {
-            levels(out, found);
-            ranking(out, found);
-            if !found.findings.is_empty() {
+        summary(out, report);
+        diagnostics(out, &report.diagnostics);
+        if report.found.readings > 0 {
+            levels(out, report);
+            ranking(out, report);
+            if !report.found.findings.is_empty() {
                 out.leaf("h2", &[], "Evidence");
             }
-            for (number, one) in found.findings.iter().enumerate() {
-                evidence::section(out, found, shown, (number, one));
+            for (number, one) in report.found.findings.iter().enumerate() {
+                evidence::section(out, report, shown, (number, one));
             }
             polar::section(out, shown);
-            pictures::section(out, found, shown);
+            pictures::section(out, report, shown);
         }
-        faults(out, &found.data_faults);
-        if found.readings > 0 {
-            rejected(out, found, shown);
+        faults(out, &report.found.data_faults);
+        if report.found.readings > 0 {
+            rejected(out, report, shown);
         }
         let by = format!("ncfix {}, machine {machine}", shown.version);
         origin(out, &shown.inputs, &by);
@@ -48,33 +52,33 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", (share * 1000.0).round() / 10.0 + 0.0)
 }
 
-fn summary(out: &mut Markup, found: &Diagnosis) {
-    let is_refused = found.readings == 0;
+fn summary(out: &mut Markup, report: &DiagnosisReport) {
+    let is_refused = report.found.readings == 0;
     let text = if is_refused {
         "Refused: nothing was diagnosed. The findings below say why.".to_owned()
     } else {
-        found.verdict()
+        report.verdict()
     };
-    let class = if is_refused || found.expired { "banner bad" } else { "banner" };
+    let class = if is_refused || report.found.expired { "banner bad" } else { "banner" };
     out.leaf("p", &[("class", &class), ("id", &"verdict")], text);
     if is_refused {
         return;
     }
-    let unit = found.unit_sign();
+    let unit = report.unit_sign();
     let sized = |value: f64| format!("{} {unit}", significant(value));
     let mut entries = vec![
-        ("noise", sized(found.noise_um)),
-        ("left by the model, RMS", sized(found.before.rms_um)),
-        ("left with all findings", sized(found.after.rms_um)),
+        ("noise", sized(report.found.noise_um)),
+        ("left by the model, RMS", sized(report.found.before.rms_um)),
+        ("left with all findings", sized(report.found.after.rms_um)),
     ];
-    if let (Some(before), Some(after)) = (found.before.holdout_rms_um, found.after.holdout_rms_um) {
+    if let (Some(before), Some(after)) = (report.found.before.holdout_rms_um, report.found.after.holdout_rms_um) {
         entries.push(("data held out", format!("{} → {}", significant(before), sized(after))));
     }
-    entries.push(("readings used", grouped(found.readings as u64)));
-    entries.push(("causes that stand", found.findings.len().to_string()));
-    entries.push(("candidates tried", grouped(found.tried as u64)));
+    entries.push(("readings used", grouped(report.found.readings as u64)));
+    entries.push(("causes that stand", report.found.findings.len().to_string()));
+    entries.push(("candidates tried", grouped(report.found.tried as u64)));
     strip(out, &entries);
-    if let Some(path) = &found.output {
+    if let Some(path) = &report.output {
         let text = if path == "-" {
             "The extended machine file went to standard output.".into()
         } else {
@@ -85,13 +89,13 @@ fn summary(out: &mut Markup, found: &Diagnosis) {
 }
 
 /// Before and after, used and held out.
-fn levels(out: &mut Markup, found: &Diagnosis) {
+fn levels(out: &mut Markup, report: &DiagnosisReport) {
     out.leaf("h2", &[], "Before and after");
     let between = |ends: Option<[f64; 2]>| {
         ends.map_or("–".into(), |[low, high]| format!("{} … {}", significant(low), significant(high)))
     };
     let or_dash = |value: Option<f64>| value.map_or("–".into(), significant);
-    let is_held_out = found.before.holdout_rms_um.is_some();
+    let is_held_out = report.found.before.holdout_rms_um.is_some();
     let row = |(what, sizes): (&str, &Sizes)| {
         let mut cells = vec![
             what.to_owned(),
@@ -110,30 +114,33 @@ fn levels(out: &mut Markup, found: &Diagnosis) {
         }
         Row { class: "", cells }
     };
-    let rows =
-        [("without a model", &found.without_model), ("model", &found.before), ("with all findings", &found.after)];
+    let rows = [
+        ("without a model", &report.found.without_model),
+        ("model", &report.found.before),
+        ("with all findings", &report.found.after),
+    ];
     let heads = columns(["left", "#RMS", "#95 %", "#max", "#efficiency"]);
     let more = columns(["#held out, RMS", "#95 %", "#max", "#efficiency"]);
     let heads: Vec<_> = heads.into_iter().chain(more.into_iter().filter(|_| is_held_out)).collect();
     let caption = format!(
         "In {}, with the unknowns of the set-ups as they fit best. Intervals: bootstrap of stretches of rows. Efficiency: 1 − Σ|left| / Σ|without a \
          model|.",
-        found.unit_sign()
+        report.unit_sign()
     );
     let rows: Vec<Row> = rows.into_iter().map(row).collect();
     table(out, &heads, &rows, &caption, MOST_ROWS);
 }
 
 /// Causes by what each does alone, as tests with a ball-bar rank them by circularity.
-fn ranking(out: &mut Markup, found: &Diagnosis) {
-    if found.findings.is_empty() {
+fn ranking(out: &mut Markup, report: &DiagnosisReport) {
+    if report.found.findings.is_empty() {
         return;
     }
     out.leaf("h2", &[], "Ranking");
-    let mut order: Vec<usize> = (0..found.findings.len()).collect();
-    let alone = |k: &usize| found.findings.get(*k).map_or(0.0, |one| one.alone_um);
+    let mut order: Vec<usize> = (0..report.found.findings.len()).collect();
+    let alone = |k: &usize| report.found.findings.get(*k).map_or(0.0, |one| one.alone_um);
     order.sort_by(|a, b| alone(b).total_cmp(&alone(a)));
-    let ranked = || order.iter().filter_map(|&k| Some((k, found.findings.get(k)?)));
+    let ranked = || order.iter().filter_map(|&k| Some((k, report.found.findings.get(k)?)));
     let row = |(k, one): (usize, &Cause)| Row {
         class: "",
         cells: vec![
@@ -146,16 +153,16 @@ fn ranking(out: &mut Markup, found: &Diagnosis) {
             percent(one.share),
             percent(one.share_alone),
             percent(one.gain_holdout),
-            match one.correctable.as_str() {
-                "program" => "a program",
-                "live" => "live readings",
+            match one.correctable {
+                Correctable::Program => "a program",
+                Correctable::Live => "live readings",
                 _ => "nothing",
             }
             .to_owned(),
         ],
     };
     let mut rows: Vec<Row> = ranked().map(row).collect();
-    let sum = |of: fn(&Cause) -> f64| found.findings.iter().map(of).sum::<f64>();
+    let sum = |of: fn(&Cause) -> f64| report.found.findings.iter().map(of).sum::<f64>();
     let shares = sum(|one| one.share);
     let cells = |what: &str, alone: [String; 2], share: f64| {
         let mut cells = vec![String::new(), what.to_owned(), String::new()];
@@ -169,7 +176,7 @@ fn ranking(out: &mut Markup, found: &Diagnosis) {
         class: "",
         cells: cells("noise and what has no name", [String::new(), String::new()], 1.0 - shares),
     });
-    let alone_title = if found.unit == "urad" { "#alone, µrad" } else { "#alone, µm" };
+    let alone_title = if report.found.unit == UnitKey::Urad { "#alone, µrad" } else { "#alone, µm" };
     let heads = columns([
         "#no.",
         "cause",
@@ -190,7 +197,7 @@ fn ranking(out: &mut Markup, found: &Diagnosis) {
     side_by_side(out, |out| {
         let picture = Bars {
             title: "Independent contribution".into(),
-            across: format!("largest less smallest of what each does alone, in {}", found.unit_sign()),
+            across: format!("largest less smallest of what each does alone, in {}", report.unit_sign()),
             bars: ranked().map(|(k, one)| Bar { label: label(k, one), value: one.alone_um, error: 0.0 }).collect(),
             is_logarithmic: false,
         };
@@ -212,9 +219,9 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
         return;
     }
     out.leaf("h2", &[], "Faults of the data");
-    let named = |kind: &str, rows: &[usize]| match rows {
+    let named = |is_range: bool, rows: &[usize]| match rows {
         // Outliers are rows one by one.
-        [first, last] if kind != "outlier" => format!("{first} to {last}"),
+        [first, last] if is_range => format!("{first} to {last}"),
         rows => {
             let more = rows.len().saturating_sub(MOST_NAMED);
             let named: Vec<String> = rows.iter().take(MOST_NAMED).map(ToString::to_string).collect();
@@ -224,8 +231,14 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
     let row = |one: &DataFault| {
         let excluded = if one.excluded.is_empty() { "these readings".to_owned() } else { one.excluded.clone() };
         let name = one.name.clone();
-        let cells =
-            vec![one.kind.clone(), name, one.what.clone(), named(&one.kind, &one.rows), one.evidence.clone(), excluded];
+        let cells = vec![
+            one.kind.clone(),
+            name,
+            one.what.clone(),
+            named(one.is_range, &one.rows),
+            one.evidence.clone(),
+            excluded,
+        ];
         Row { class: "wrap", cells }
     };
     let rows: Vec<Row> = all.iter().map(row).collect();
@@ -233,16 +246,16 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
     table(out, &heads, &rows, "Rows count from 1, without the head of the table.", MOST_ROWS);
 }
 
-fn rejected(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
+fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &Shown) {
     out.leaf("h2", &[], "Tried and rejected");
     let gate = |one: &Rejected| match one.why {
-        "significance" => "chance would make as much, beside the number of all that were tried",
-        "too small" => "does less than a quarter of the noise where it acts",
-        "held-out data" => "the data held out is not said better with it",
+        Gate::Chance => "chance would make as much, beside the number of all that were tried",
+        Gate::Size => "does less than a quarter of the noise where it acts",
+        Gate::HeldOut => "the data held out is not said better with it",
         _ if one.gain.is_none() => "the parts that were left out cannot say whether it helps",
         _ => "does not help on parts that were left out while it was looked for",
     };
-    if found.rejected.is_empty() {
+    if report.found.rejected.is_empty() {
         let text =
             "Nothing came so far that a gate had to stop it: no further candidate was worth its number of unknowns.";
         out.leaf("p", &[], text);
@@ -257,7 +270,7 @@ fn rejected(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
                 one.gain.map_or("–".into(), percent),
             ],
         };
-        let rows: Vec<Row> = found.rejected.iter().map(row).collect();
+        let rows: Vec<Row> = report.found.rejected.iter().map(row).collect();
         let heads = columns(["candidate", "depends on", "why not", "#chance", "#gain on unseen"]);
         let caption = "Candidates that the search took and a gate stopped. Chance: of a gain like this where there is nothing, times all that were tried.";
         table(out, &heads, &rows, caption, MOST_ROWS);
@@ -273,13 +286,13 @@ fn rejected(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
                 vec![one.cause.clone(), one.effect.clone(), one.shown_by.clone(), one.candidates.to_string(), best, share];
             Row { class: "wrap", cells }
         };
-        let rows: Vec<Row> = shown.causes.iter().map(row).collect();
-        let listed: usize = shown.causes.iter().map(|one| one.candidates).sum();
+        let rows: Vec<Row> = shown.readings.causes.iter().map(row).collect();
+        let listed: usize = shown.readings.causes.iter().map(|one| one.candidates).sum();
         let caption = format!(
             "Of the squares that are left with all findings, before either gate. Beside these {} candidates {} periods, chords and shapes without a name were \
              sought by what was left.",
             grouped(listed as u64),
-            grouped(found.tried.saturating_sub(listed) as u64)
+            grouped(report.found.tried.saturating_sub(listed) as u64)
         );
         let heads = columns(["cause", "effect", "what shows it", "#candidates", "best", "#would explain"]);
         table(out, &heads, &rows, &caption, MOST_ROWS);

@@ -1,7 +1,7 @@
 //! Parts that pages share: findings about the files, and where a result comes from.
 
 use super::{Row, columns, table};
-use crate::compared::Input;
+use crate::inputs::Input;
 use crate::json::Finding;
 use crate::markup::Markup;
 

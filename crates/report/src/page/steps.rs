@@ -2,7 +2,7 @@
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures, strip, table};
-use crate::compared::Input;
+use crate::inputs::Input;
 use crate::number::micrometers;
 use crate::residual::Residual;
 use crate::steps::{StepReport, three_digits};

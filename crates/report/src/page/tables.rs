@@ -2,7 +2,7 @@
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures, strip, table};
-use crate::compared::Input;
+use crate::inputs::Input;
 use crate::markup::Markup;
 use crate::number::{grouped, micrometers, significant};
 use crate::plot::{Chart, Histogram};

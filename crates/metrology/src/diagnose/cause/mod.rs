@@ -26,6 +26,8 @@ pub(in crate::diagnose) mod vibration;
 use std::fmt;
 use std::sync::Arc;
 
+use serde::Serialize;
+
 use super::extend::Change;
 use super::row::Row;
 use super::scene::{Scene, Through};
@@ -89,13 +91,16 @@ pub enum Effect {
 }
 
 /// What can be done about it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
 pub enum Correctable {
     /// A corrected program takes it away.
     Program,
     /// With live readings while it runs only.
     Live,
     /// Reported only.
+    #[default]
     No,
 }
 

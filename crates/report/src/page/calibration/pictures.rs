@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::calibration::Data;
 use crate::compared::{DOES_NOT_FIT, Point};
 use crate::markup::Markup;
 use crate::page::{figure, pictures};
 use crate::plot::{Chart, Histogram, Line, Polar, Series, Trace};
+use ncfix_metrology::results::calibration::Data;
 
 /// Series that a picture tells apart; the others share the last one.
 const MOST_SERIES: usize = 8;
@@ -112,7 +112,7 @@ fn circles(out: &mut Markup, data: &Data) {
         let picture = planes.entry((circle.setup, &circle.plane)).or_insert_with(|| Polar {
             title: format!("Ball-bar {}{}{label}", circle.plane, if label.is_empty() { "" } else { ", set-up " }),
             axes: circle.axes.clone(),
-            unit: data.unit.into(),
+            unit: data.unit.sign().into(),
             radius_mm: circle.radius_mm,
             traces: Vec::new(),
         });

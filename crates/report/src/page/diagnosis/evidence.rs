@@ -2,11 +2,12 @@
 
 use super::pictures::{driver_of, mean_lines, means, title_of};
 use super::{figure, polar, side_by_side};
-use crate::diagnosis::readings::{Driver, Set, Shown};
-use crate::diagnosis::{Cause, Diagnosis, chance, differing, sign};
+use crate::diagnosis::{CauseText as _, DiagnosisReport, Shown, chance, differing};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Chart, Series, Shape};
+use ncfix_metrology::results::diagnosis::Cause;
+use ncfix_metrology::results::readings::{Driver, Set};
 
 /// Rivals that are named.
 const MOST_RIVALS: usize = 24;
@@ -20,15 +21,15 @@ const GOES_WITH: f64 = 0.3;
 const DRIFTS: [&str; 4] = ["drift", "thermal-drift", "thermal-expansion", "thermal-squareness"];
 
 /// Draws a finding by its number.
-pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown, (number, one): (usize, &Cause)) {
+pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &Shown, (number, one): (usize, &Cause)) {
     out.element("h3", &[("id", &format_args!("finding-{}", number + 1))], |out| {
         out.leaf("span", &[("class", &"rank")], number + 1);
         out.text(format_args!("{}: {} (95 %)", one.name(), one.size()));
     });
-    words(out, found, one);
+    words(out, report, one);
     let strongest = strongest(shown, number);
     side_by_side(out, |out| {
-        shown.sets.iter().for_each(|set| polar::alone(out, set, number, one));
+        shown.readings.sets.iter().for_each(|set| polar::alone(out, set, number, one));
         if let Some((set, part)) = strongest {
             let does = set.doing.get(number).map(Vec::as_slice).unwrap_or_default();
             for driver in drivers(set, part, one, does) {
@@ -42,8 +43,8 @@ pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown, (numbe
     });
 }
 
-fn words(out: &mut Markup, found: &Diagnosis, one: &Cause) {
-    let unit = found.unit_sign();
+fn words(out: &mut Markup, report: &DiagnosisReport, one: &Cause) {
+    let unit = report.unit_sign();
     let mut all: Vec<(&str, String)> = Vec::new();
     match &one.what {
         Some(what) => all.push(("what it is", what.clone())),
@@ -64,10 +65,13 @@ fn words(out: &mut Markup, found: &Diagnosis, one: &Cause) {
             significant(one.alone_um)
         ),
     ));
-    let tried = grouped(found.tried as u64);
+    let tried = grouped(report.found.tried as u64);
     all.push(("by chance", format!("{}, over {tried} candidates and with the memory of the noise", chance(one.p))));
-    let held_out =
-        if found.before.holdout_rms_um.is_some() { "of data held out" } else { "of runs or set-ups left out in turn" };
+    let held_out = if report.found.before.holdout_rms_um.is_some() {
+        "of data held out"
+    } else {
+        "of runs or set-ups left out in turn"
+    };
     all.push((
         "on unseen readings",
         format!("{:.1} % less is left (RMS) {held_out}, in which it was not looked for", 100.0 * one.gain_holdout),
@@ -86,7 +90,7 @@ fn words(out: &mut Markup, found: &Diagnosis, one: &Cause) {
     if let Some(how) = &one.separate_by {
         all.push(("to tell them apart", how.clone()));
     }
-    let held = match (&found.output, one.extends) {
+    let held = match (&report.output, one.extends) {
         (Some(_), true) => "; it is in the extended machine file",
         (Some(_), false) => "; the machine file has no entry for it",
         (None, _) => "",
@@ -103,7 +107,7 @@ fn words(out: &mut Markup, found: &Diagnosis, one: &Cause) {
 /// The measurement and the direction in which a finding does most.
 fn strongest(shown: &Shown, number: usize) -> Option<(&Set, usize)> {
     let mut best: Option<(f64, &Set, usize)> = None;
-    for set in shown.sets.iter().filter(|set| !set.is_held_out) {
+    for set in shown.readings.sets.iter().filter(|set| !set.is_held_out) {
         let Some(does) = set.doing.get(number) else { continue };
         let mut sums = vec![[0.0; 2]; set.parts.len()];
         for (reading, does) in set.readings.iter().zip(does).filter(|(reading, _)| reading.counts) {
@@ -238,7 +242,7 @@ fn times(out: &mut Markup, set: &Set, part: usize, one: &Cause, does: &[f64]) {
 /// The shape of a finding, over two drivers a line for each place of one of them.
 fn shape(out: &mut Markup, one: &Cause, shown: &Shown) {
     let with_unit = |name: &String| {
-        let mut all = shown.sets.iter().flat_map(|set| &set.drivers);
+        let mut all = shown.readings.sets.iter().flat_map(|set| &set.drivers);
         // Time has a unit of its own in pictures of readings.
         let known = all.find(|driver| driver.name == *name).filter(|_| name != "t_s");
         known.map_or(name.clone(), |driver| driver.title.clone())
@@ -249,7 +253,7 @@ fn shape(out: &mut Markup, one: &Cause, shown: &Shown) {
         values.dedup();
         values
     };
-    let up = format!("in {}", sign(if one.unit == "urad" { "urad" } else { "um" }));
+    let up = format!("in {}", one.shape_unit.unit());
     let chart = |title: String, across: &String, series| Chart {
         title,
         across: with_unit(across),

@@ -1,10 +1,10 @@
 //! The readings of every measurement before and after, along everything that they may depend on.
 
 use super::{figure, side_by_side};
-use crate::diagnosis::Diagnosis;
-use crate::diagnosis::readings::{Driver, Set, Shown};
+use crate::diagnosis::{DiagnosisReport, Shown};
 use crate::markup::Markup;
 use crate::plot::{Chart, Line, Series, Shape};
+use ncfix_metrology::results::readings::{Driver, Reading, Set};
 
 /// Pictures of all measurements together.
 const MOST: usize = 80;
@@ -17,9 +17,9 @@ const GAP: f64 = 0.25;
 const FEW: usize = 3;
 
 /// Draws all measurements.
-pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
+pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &Shown) {
     let mut room = MOST;
-    for set in &shown.sets {
+    for set in &shown.readings.sets {
         let held = if set.is_held_out { ", held out" } else { "" };
         out.leaf("h2", &[], format_args!("{}: {}{held}, residual before and after", set.name, set.kind));
         let rows = Driver {
@@ -30,19 +30,19 @@ pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
         // First what findings depend on and time, then the rest.
         let is_named = |driver: &Driver| {
             driver.name == "t_s"
-                || found.findings.iter().any(|one| one.drivers.contains(&driver.name))
-                || found.unexplained.with.iter().any(|one| one.driver == driver.name)
+                || report.found.findings.iter().any(|one| one.drivers.contains(&driver.name))
+                || report.found.unexplained.with.iter().any(|one| one.driver == driver.name)
         };
         let has_time = set.drivers.iter().any(|driver| driver.name == "t_s");
         let mut charts: [Vec<Chart>; 2] = [Vec::new(), Vec::new()];
         for (part, _) in set.parts.iter().enumerate() {
             if !has_time {
-                charts[0].push(chart(found, set, part, &rows));
+                charts[0].push(chart(report, set, part, &rows));
             }
             for driver in &set.drivers {
                 let Some(driver) = driver_of(set, part, &driver.name) else { continue };
                 let is_first = is_named(driver) || is_place(driver) && !is_at_few_places(set, part, driver);
-                charts[usize::from(!is_first)].push(chart(found, set, part, driver));
+                charts[usize::from(!is_first)].push(chart(report, set, part, driver));
             }
         }
         let [first, rest] = charts;
@@ -84,8 +84,8 @@ fn is_place(driver: &Driver) -> bool {
     driver.name.chars().count() == 1
 }
 
-fn chart(found: &Diagnosis, set: &Set, part: usize, driver: &Driver) -> Chart {
-    let points = |of: fn(&crate::diagnosis::readings::Reading) -> f64, counts: bool| -> Vec<(f64, f64)> {
+fn chart(report: &DiagnosisReport, set: &Set, part: usize, driver: &Driver) -> Chart {
+    let points = |of: fn(&Reading) -> f64, counts: bool| -> Vec<(f64, f64)> {
         let own = set.readings.iter().enumerate().filter(|(_, one)| one.part == part && one.counts == counts);
         own.map(|(k, one)| (driver.values.get(k).copied().unwrap_or(f64::NAN), of(one))).collect()
     };
@@ -93,7 +93,7 @@ fn chart(found: &Diagnosis, set: &Set, part: usize, driver: &Driver) -> Chart {
     let without = points(|one| one.before, false);
     let series = |label: &str, points| Series { label: label.into(), points, ..Series::default() };
     let mut lines = Vec::new();
-    let mut all = if found.findings.is_empty() {
+    let mut all = if report.found.findings.is_empty() {
         lines.extend(mean_lines(&after, 0));
         vec![series("", after)]
     } else {
@@ -105,8 +105,8 @@ fn chart(found: &Diagnosis, set: &Set, part: usize, driver: &Driver) -> Chart {
         all.push(series("left out", without));
     }
     all.extend(lines);
-    let is_of_unit = (found.unit == "urad") == (set.unit == "µrad");
-    let noise = if is_of_unit && found.noise_um > 0.0 { found.noise_um } else { f64::NAN };
+    let is_of_unit = report.found.unit.unit() == set.unit;
+    let noise = if is_of_unit && report.found.noise_um > 0.0 { report.found.noise_um } else { f64::NAN };
     let levels = [(2.0, "+2σ"), (-2.0, "−2σ")].map(|(times, label)| Line { value: times * noise, label: label.into() });
     Chart {
         title: title_of(set, part, driver, ""),

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use super::{figure, side_by_side};
 use crate::compared::Circle;
-use crate::diagnosis::Cause;
-use crate::diagnosis::readings::{Set, Shown};
+use crate::diagnosis::{CauseText as _, Shown};
 use crate::markup::Markup;
 use crate::number::significant;
 use crate::plot::{Polar, Trace};
+use ncfix_metrology::results::diagnosis::Cause;
+use ncfix_metrology::results::readings::Set;
 
 /// Circles of a measurement that are drawn before and after, and those of a cause.
 const MOST_CIRCLES: usize = 6;
@@ -21,7 +22,7 @@ type Plane<'a> = ((usize, &'a str), Vec<&'a Circle>);
 
 /// Draws the circles of all measurements with a ball-bar that were used.
 pub(super) fn section(out: &mut Markup, shown: &Shown) {
-    for set in shown.sets.iter().filter(|set| !set.is_held_out && !set.circles.is_empty()) {
+    for set in shown.readings.sets.iter().filter(|set| !set.is_held_out && !set.circles.is_empty()) {
         out.leaf("h2", &[], format_args!("{}: circles before and after", set.name));
         let planes = planes(set);
         let before: Vec<f64> = set.readings.iter().map(|one| one.before).collect();
@@ -102,7 +103,7 @@ fn picture(set: &Set, plane: &Plane<'_>, what: &str, all: &[(&str, &[f64])]) -> 
     Polar {
         title: format!("{what}, {name}{}{label}", if label.is_empty() { "" } else { ", set-up " }),
         axes: circles.first().map_or_else(Default::default, |circle| circle.axes.clone()),
-        unit: set.unit.into(),
+        unit: set.unit.to_string(),
         radius_mm: circles.first().map_or(0.0, |circle| circle.radius_mm),
         traces: traces.collect(),
     }

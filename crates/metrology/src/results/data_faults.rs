@@ -1,29 +1,28 @@
-//! Faults of the data, as `ncfix diagnose` looks for them first: reports them, refuses files that say something else than what was measured, and
+//! Faults of the data, which a diagnosis looks for first: reports them, refuses files that say something else than what was measured, and
 //! takes out what is at fault.
 //!
 //! In data held out rows stay in whatever is found: they are the judge, and nobody shall choose what it sees. What its sensors say at fault is no
 //! reading of them, though, and a file in another unit or with other axes judges nothing: it is refused as well.
 
-use super::findings::Findings;
-use super::measurement::Measurement;
+use super::diagnosis::DataFault;
+use super::measurement::{Measurement, data_of};
+use crate::diagnose::Scene;
+use crate::diagnose::fault::{Fault, Then, find, mend_sensors};
+use crate::measure::data::DataSet;
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::Source;
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::diagnose::Scene;
-use ncfix_metrology::diagnose::fault::{Fault, Then, find, mend_sensors};
-use ncfix_metrology::measure::data::DataSet;
 use ncfix_model::ErrorModel;
-use ncfix_report::diagnosis::DataFault;
 
 /// Looks for faults in measurements of which the first `used` are used and the others held out, and takes sensors out that have one; rows of the
-/// former are excluded from a scene with [`ncfix_metrology::diagnose::fault::exclude`] by what comes back.
+/// former are excluded from a scene with [`crate::diagnose::fault::exclude`] by what comes back.
 pub(super) fn look(
     machine: &Machine,
     errors: &ErrorModel,
     all: &mut [Measurement],
     used: usize,
-    findings: &mut Findings,
+    findings: &mut Vec<Diagnostic>,
     report: &mut Vec<DataFault>,
 ) -> Vec<Fault> {
     let (own, held_out) = all.split_at_mut(used.min(all.len()));
@@ -36,10 +35,10 @@ fn look_in(
     machine: &Machine,
     errors: &ErrorModel,
     (measurements, is_held_out): (&mut [Measurement], bool),
-    findings: &mut Findings,
+    findings: &mut Vec<Diagnostic>,
     report: &mut Vec<DataFault>,
 ) -> Vec<Fault> {
-    let mut sets: Vec<DataSet> = measurements.iter().map(|one| one.data.clone()).collect();
+    let mut sets = data_of(measurements);
     // Where readings cannot even tell the set-ups, who goes on says so.
     let mut faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find(&scene));
     // Rows that judge stay in: then the sensor says nothing.
@@ -52,7 +51,7 @@ fn look_in(
         let Some(one) = measurements.get(fault.set) else { continue };
         report.push(reported(fault, &one.data, is_held_out));
         let place = place(fault, &one.sources[0]);
-        findings.add(finding(fault, &one.data, is_held_out, place), &one.sources);
+        findings.push(finding(fault, &one.data, is_held_out, place));
     }
     mend_sensors(&mut sets, &faults);
     measurements.iter_mut().zip(sets).for_each(|(one, set)| one.data = set);
@@ -104,6 +103,7 @@ fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
         file: set.name.clone(),
         evidence: fault.evidence.clone(),
         excluded: excluded(fault, is_held_out),
+        is_range: is_range(fault),
     }
 }
 

@@ -1,17 +1,17 @@
-//! What `ncfix calibrate` reports of a fit: numbers in the units of people.
+//! What a calibration says of a fit: numbers in the units of people, and the cells of tables that they are about.
 
 use std::collections::HashMap;
 
+use super::calibration;
+use super::compared::DOES_NOT_FIT;
 use super::measurement::Measurement;
+use crate::calibrate::effect::coefficient_unit;
+use crate::calibrate::{Column, Estimate, Fit, Parameter};
+use crate::measure::data::{DataSet, Observation};
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::Place;
-use ncfix_base::units::{um_from_mm, urad_from_rad};
-use ncfix_metrology::calibrate::effect::coefficient_unit;
-use ncfix_metrology::calibrate::{Column, Estimate, Fit, Parameter};
-use ncfix_metrology::measure::data::{DataSet, Observation};
+use ncfix_base::units::{Unit, um_from_mm};
 use ncfix_model::ErrorModel;
-use ncfix_report::calibration;
-use ncfix_report::compared::DOES_NOT_FIT;
 
 /// A number that was found; `start` is the error model before.
 pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -> calibration::Estimate {
@@ -52,9 +52,9 @@ pub(super) fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
     }
 }
 
-/// The rows that count for less because they do not fit, once each, with the places of their worst readings and the number of their measurement.
-pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibration::Row, usize, Place)> {
-    let mut rows: Vec<(calibration::Row, usize, Place)> = Vec::new();
+/// The rows that count for less because they do not fit, once each, with the places of their worst readings.
+pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibration::Row, Place)> {
+    let mut rows: Vec<(calibration::Row, Place)> = Vec::new();
     let mut tables: Vec<Option<Cells<'_>>> = all.iter().map(|_| None).collect();
     // Of the row before: its measurement and number, and how many of its readings there were.
     let mut last = (usize::MAX, usize::MAX, 0);
@@ -71,15 +71,15 @@ pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibration:
         let found = calibration::Row {
             file: source.name().to_owned(),
             line: source.line_column(place.span.start).0,
-            residual: if observation.is_angle() { urad_from_rad(residual) } else { um_from_mm(residual) },
-            unit: if observation.is_angle() { "µrad" } else { "µm" },
+            residual: Unit::of(observation.is_angle()).shown(residual),
+            unit: Unit::of(observation.is_angle()),
             weight,
         };
         // A row may have three readings: the worst says it all.
         match rows.last_mut().filter(|_| shown == (set, row)) {
-            Some(known) if known.0.weight > weight => *known = (found, set, place),
+            Some(known) if known.0.weight > weight => *known = (found, place),
             Some(_) => {}
-            None => rows.push((found, set, place)),
+            None => rows.push((found, place)),
         }
         shown = (set, row);
     }

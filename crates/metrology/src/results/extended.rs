@@ -1,20 +1,14 @@
 //! The machine file with what a diagnosis found: text of the old one, new entries, and all parameters fitted again together.
 
-use super::diagnose::file_of;
-use super::findings::Findings;
-use super::identifiable;
-use super::input;
-use super::machine_choice::Chosen;
-use super::output::Target;
-use super::stop::Stop;
-use super::together::Together;
+use super::not_told;
+use crate::calibrate::{Fit, Options, Parameter, fit};
+use crate::diagnose::extend::{Anchor, Change, again, cleaned, note};
+use crate::diagnose::{Diagnosis, Scene, levels};
+use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::edit::Edit;
-use ncfix_metrology::calibrate::{Fit, Options, Parameter, fit};
-use ncfix_metrology::diagnose::extend::{Anchor, Change, again, cleaned, note};
-use ncfix_metrology::diagnose::{Diagnosis, Scene, levels};
-use ncfix_metrology::measure::data::DataSet;
 use ncfix_model::motion::Function;
 use ncfix_model::name::ErrorKind;
 use ncfix_model::parameter::Term;
@@ -27,7 +21,7 @@ const SECTIONS: &str = "write location and motion as sections of their own";
 
 /// What shall be written.
 pub(super) struct Job<'a> {
-    pub(super) chosen: &'a Chosen,
+    pub(super) machine: &'a Machine,
     pub(super) scene: &'a Scene<'a>,
     /// Measurements that were used; those behind them were held out.
     pub(super) used: usize,
@@ -37,24 +31,24 @@ pub(super) struct Job<'a> {
 }
 
 /// The file as it would be.
-pub(super) struct Made {
-    text: Result<String, Refused>,
+#[derive(Clone, Debug)]
+pub struct Extended {
+    /// The text, or why there is none and what to do.
+    pub text: Result<String, NotWritten>,
     /// For every finding why the file does not have it; `None` where it does.
-    pub(super) why_not: Vec<Option<String>>,
+    pub why_not: Vec<Option<String>>,
 }
 
-impl Made {
-    /// Adds it to what is written; findings say why not. Whether it will be.
-    pub(super) fn write(self, target: Target, files: &mut Together, findings: &mut Findings) -> Result<bool, Stop> {
-        match self.text {
-            Ok(text) => Ok(files.add(target, text.as_bytes()).map(|()| true)?),
-            Err((message, help)) => {
-                findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
-                Ok(false)
-            }
-        }
+impl Extended {
+    /// The text; a finding says why there is none.
+    #[must_use]
+    pub fn text(self, findings: &mut Vec<Diagnostic>) -> Option<String> {
+        self.text.map_err(|(message, help)| findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help))).ok()
     }
 }
+
+/// Why something is not written, and what to do.
+pub type NotWritten = (String, &'static str);
 
 /// A text in which some findings are, each with where it stands.
 struct Grown {
@@ -62,25 +56,19 @@ struct Grown {
     anchors: Vec<Result<Vec<Anchor>, String>>,
 }
 
-type Refused = (String, &'static str);
-
 impl Job<'_> {
-    /// Makes the extended machine file, whether or not it is written: what it cannot have is not called correctable either.
-    pub(super) fn make(&self, findings: &mut Findings) -> Result<Made, Stop> {
-        let Some(path) = file_of(self.chosen) else { return Err(Stop::Usage("-o needs --machine".into())) };
-        let old = input::read_written(path, MACHINE, "machine file to extend")?;
-        let Ok(text) = std::str::from_utf8(old.bytes()) else {
-            return Err(Stop::Usage(format!("{} is not UTF-8", old.name())));
-        };
-        let grown = self.grow(&old, text);
+    /// Makes the extended machine file, whether or not it is written: what it cannot have is not called correctable either. `None` where it is no text.
+    pub(super) fn make(&self, old: &Source, findings: &mut Vec<Diagnostic>) -> Option<Extended> {
+        let text = std::str::from_utf8(old.bytes()).ok()?;
+        let grown = self.grow(old, text);
         let mut why_not: Vec<Option<String>> = grown.anchors.iter().map(|one| one.clone().err()).collect();
-        let text = self.text(&old, text, &grown, findings);
+        let text = self.text(old, text, &grown, findings);
         if let Err((message, _)) = &text {
             for why in &mut why_not {
                 why.get_or_insert_with(|| message.clone());
             }
         }
-        Ok(Made { text, why_not })
+        Some(Extended { text, why_not })
     }
 
     /// Makes the changes of one finding after another; those that do not go beside what is there are left out.
@@ -105,7 +93,13 @@ impl Job<'_> {
     }
 
     /// The text, or what is wrong and what to do.
-    fn text(&self, old: &Source, original: &str, grown: &Grown, findings: &mut Findings) -> Result<String, Refused> {
+    fn text(
+        &self,
+        old: &Source,
+        original: &str,
+        grown: &Grown,
+        findings: &mut Vec<Diagnostic>,
+    ) -> Result<String, NotWritten> {
         if grown.anchors.iter().all(Result::is_err) {
             let help = "without -o the diagnosis stands by itself; --json says of each finding why (extends_why)";
             return Err(("nothing was found that a machine file can hold".into(), help));
@@ -141,7 +135,7 @@ impl Job<'_> {
         read: &ErrorModel,
         parameters: &[Parameter],
         grown: &Grown,
-        findings: &mut Findings,
+        findings: &mut Vec<Diagnostic>,
     ) -> Option<Fit> {
         let holds: Vec<bool> = grown.anchors.iter().map(Result::is_ok).collect();
         if parameters.is_empty() {
@@ -150,7 +144,7 @@ impl Job<'_> {
         let help = "they stand in the file as the search found them; calibrate with them where they shall be as good as they can be";
         let mut stay = |why: String| {
             let message = format!("the terms that were found are not fitted again together: {why}");
-            findings.add(Diagnostic::nowhere(Code::REDUCED, message, help), &[]);
+            findings.push(Diagnostic::nowhere(Code::REDUCED, message, help));
         };
         let Some(data) = cleaned(self.found, self.scene, self.used, &holds) else {
             stay("readings that do not count, or findings that the machine file does not hold, cannot be taken out of these data".into());
@@ -166,8 +160,8 @@ impl Job<'_> {
 
     /// A fit that says the readings as well as what the search found; least squares without a memory of the noise go astray where terms are alike.
     fn fit(&self, read: &ErrorModel, parameters: &[Parameter], data: &[DataSet]) -> Result<Fit, String> {
-        let found = fit(&self.chosen.machine, read, parameters, data, Options { robust: true });
-        let found = found.map_err(identifiable::words)?;
+        let found = fit(self.machine, read, parameters, data, Options { robust: true });
+        let found = found.map_err(not_told::words)?;
         let (level, of_search) = (self.level(&found.errors), self.level(read));
         if level[0] > LOST * of_search[0] {
             return Err("more was left of the readings than with what the search found".into());
@@ -211,7 +205,7 @@ impl Job<'_> {
     }
 
     fn level(&self, errors: &ErrorModel) -> [f64; 2] {
-        let scene = Scene::new(&self.chosen.machine, errors, self.scene.sets).map(|mut scene| {
+        let scene = Scene::new(self.machine, errors, self.scene.sets).map(|mut scene| {
             // What was left out as a fault of the data does not count here either.
             scene.items.iter_mut().zip(&self.scene.items).for_each(|(item, known)| item.sigma = known.sigma);
             levels(&scene, self.used)
@@ -220,7 +214,7 @@ impl Job<'_> {
     }
 
     /// Whether the model says the data better with it: the data held out where there are any.
-    fn helps(&self, errors: &ErrorModel) -> Result<(), Refused> {
+    fn helps(&self, errors: &ErrorModel) -> Result<(), NotWritten> {
         let before = levels(self.scene, self.used);
         let after = self.level(errors);
         let which = if after[0].is_infinite() {

@@ -1,17 +1,91 @@
-//! `ncfix diagnose --report`: the readings of each measurement before and after, with all that they may depend on.
+//! The readings of a diagnosis one by one, for pictures: what is left before and after, what each finding does, and all that they may depend on.
 
 use std::collections::HashMap;
 
-use super::calibrated_report::{shown_circle, timed};
-use ncfix_base::units::{um_from_mm, urad_from_rad};
-use ncfix_metrology::diagnose::scene::Item;
-use ncfix_metrology::diagnose::{Diagnosis, Scene, Tried, shape};
-use ncfix_metrology::measure::circles::circles;
-use ncfix_report::compared::Circle;
-use ncfix_report::diagnosis::readings::{self, Driver, Reading, Set, Shown};
+use super::compared::Circle;
+use super::held::{shown_circle, timed};
+use crate::diagnose::scene::Item;
+use crate::diagnose::{self, Diagnosis, Scene, shape};
+use crate::measure::circles::circles;
+use ncfix_base::units::Unit;
+
+/// What a page shows beside the object for programs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShownReadings {
+    /// Measurements, lengths and angles apart.
+    pub sets: Vec<Set>,
+    /// What was tried, by cause.
+    pub causes: Vec<Tried>,
+}
+
+/// Readings of a measurement in one unit; all lists of readings are of one length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Set {
+    /// Its name.
+    pub name: String,
+    /// Its kind.
+    pub kind: &'static str,
+    /// Whether nothing was looked for in it.
+    pub is_held_out: bool,
+    /// Of all of them.
+    pub unit: Unit,
+    /// Directions or components.
+    pub parts: Vec<String>,
+    /// Labels of the set-ups.
+    pub setups: Vec<String>,
+    /// The readings in the order of the table.
+    pub readings: Vec<Reading>,
+    /// What each finding does to every reading, in the order of the findings; empty where it was held out.
+    pub doing: Vec<Vec<f64>>,
+    /// What they may depend on.
+    pub drivers: Vec<Driver>,
+    /// Circles of a ball-bar.
+    pub circles: Vec<Circle>,
+}
+
+/// One reading.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// Row of the table, from 1.
+    pub row: usize,
+    /// Number among [`Set::parts`].
+    pub part: usize,
+    /// What the model leaves.
+    pub before: f64,
+    /// What is left with all findings.
+    pub after: f64,
+    /// Whether it counted.
+    pub counts: bool,
+}
+
+/// A column that readings may depend on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Driver {
+    /// Its name, as findings have it.
+    pub name: String,
+    /// The same with its unit: `X in mm`.
+    pub title: String,
+    /// Its value at each reading.
+    pub values: Vec<f64>,
+}
+
+/// A cause of the catalogue.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tried {
+    /// Its name.
+    pub cause: String,
+    /// Kind of effect.
+    pub effect: String,
+    /// What shows it.
+    pub shown_by: String,
+    /// Candidates of it.
+    pub candidates: usize,
+    /// Parameter of the best that does not stand, and the share of the squares of what is left that it would take.
+    pub best: Option<(String, f64)>,
+}
 
 /// Puts the readings of a diagnosis into what is shown; the first measurements were `used`.
-pub(super) fn fill(found: &Diagnosis, scene: &Scene<'_>, used: usize, shown: &mut Shown) {
+pub(super) fn fill(found: &Diagnosis, scene: &Scene<'_>, used: usize, shown: &mut ShownReadings) {
     let drivers = drivers(scene);
     for number in 0..scene.sets.len() {
         for of_angles in [false, true] {
@@ -21,8 +95,8 @@ pub(super) fn fill(found: &Diagnosis, scene: &Scene<'_>, used: usize, shown: &mu
     shown.causes = found.causes.iter().map(tried).collect();
 }
 
-fn tried(one: &Tried) -> readings::Tried {
-    readings::Tried {
+fn tried(one: &diagnose::Tried) -> Tried {
+    Tried {
         cause: one.cause.name.to_owned(),
         effect: one.cause.effect.to_string(),
         shown_by: one.cause.shown_by.to_owned(),
@@ -60,7 +134,8 @@ fn set(
     if places.is_empty() {
         return None;
     }
-    let micro = if of_angles { urad_from_rad(1.0) } else { um_from_mm(1.0) };
+    let unit = Unit::of(of_angles);
+    let micro = unit.shown(1.0);
     let mut parts: Vec<String> = Vec::new();
     let mut out = Vec::new();
     let mut rows = Vec::new();
@@ -90,7 +165,7 @@ fn set(
         name: data.name.clone(),
         kind: data.kind.name,
         is_held_out,
-        unit: if of_angles { "µrad" } else { "µm" },
+        unit,
         parts,
         setups: data.setups.iter().map(|setup| setup.label.clone()).collect(),
         circles: shown_circles(scene, number, &out),

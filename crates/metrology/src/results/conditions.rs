@@ -1,22 +1,25 @@
 //! What measurements say of temperatures and loads, against what the effects of the machine need.
 
-use super::findings::Findings;
-use super::machine_choice::Chosen;
 use super::measurement::Measurement;
+use crate::calibrate::Parameter;
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::condition::columns::Column;
-use ncfix_metrology::calibrate::Parameter;
-use ncfix_model::Effect;
+use ncfix_model::{Effect, ErrorModel};
 
 /// Says which sensors and loads are missing: refused where a parameter that is fitted needs them and no table has them, pointed out where
 /// an effect counts as in the reference state.
-pub(super) fn check(chosen: &Chosen, all: &[Measurement], parameters: &[Parameter], findings: &mut Findings) {
+pub(super) fn check(
+    (errors, base): (&ErrorModel, &Condition),
+    all: &[Measurement],
+    parameters: &[Parameter],
+    findings: &mut Vec<Diagnostic>,
+) {
     let columns: Vec<Vec<Column>> = all
         .iter()
         .map(|one| Table::read(&one.sources[0]).0.map(|table| Column::all(&table)).unwrap_or_default())
         .collect();
-    let base = &chosen.condition;
     let has_sensor = |columns: &[Column], sensor: &str| {
         base.trace(sensor).is_some()
             || columns.iter().any(|column| matches!(column, Column::Sensor(name) if name == sensor))
@@ -24,7 +27,7 @@ pub(super) fn check(chosen: &Chosen, all: &[Measurement], parameters: &[Paramete
     let mut wanted: Vec<&str> = Vec::new();
     for parameter in parameters {
         let Parameter::Effect(parameter) = parameter else { continue };
-        let Some(effect) = parameter.effect(&chosen.errors) else { continue };
+        let Some(effect) = parameter.effect(errors) else { continue };
         // A parameter of one sensor has its name.
         let sensors = effect.sensors();
         let last = parameter.name().split('.').nth(2).unwrap_or_default();
@@ -37,7 +40,7 @@ pub(super) fn check(chosen: &Chosen, all: &[Measurement], parameters: &[Paramete
         {
             let message = format!("{} is about the weight of workpieces, and no table has load_N", parameter.name());
             let help = "add load_N and the place of the load, load_x_mm load_y_mm load_z_mm, to the tables";
-            findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
+            findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help));
             return;
         }
     }
@@ -49,11 +52,11 @@ pub(super) fn check(chosen: &Chosen, all: &[Measurement], parameters: &[Paramete
         let names = missing.join(", ");
         let message = format!("no table has the temperature of {names}, and the parameters that are fitted need it");
         let help = "add a column with the name of the sensor and _C behind, or correct the name in the machine file";
-        findings.add(Diagnostic::nowhere(Code::MISSING_SENSOR, message, help), &[]);
+        findings.push(Diagnostic::nowhere(Code::MISSING_SENSOR, message, help));
         return;
     }
-    let known = chosen.errors.sensors();
-    let needs_load = chosen.errors.effects().any(Effect::needs_load);
+    let known = errors.sensors();
+    let needs_load = errors.effects().any(Effect::needs_load);
     for (one, columns) in all.iter().zip(&columns) {
         let missing: Vec<&str> = known.iter().copied().filter(|sensor| !has_sensor(columns, sensor)).collect();
         let name = &one.data.name;
@@ -72,12 +75,12 @@ pub(super) fn check(chosen: &Chosen, all: &[Measurement], parameters: &[Paramete
                 ),
                 None => "add columns with the name of the sensor and _C behind".to_owned(),
             };
-            findings.add(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help), &[]);
+            findings.push(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help));
         }
         if needs_load && base.loads().is_empty() && !columns.contains(&Column::Force) {
             let message = format!("{name}: no workpiece weight is given: the table is taken as empty");
             let help = "add a column load_N, 0 for none";
-            findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
+            findings.push(Diagnostic::nowhere(Code::NO_LOAD, message, help));
         }
     }
 }

@@ -1,17 +1,14 @@
-//! What `ncfix calibrate` says of parameters that the data cannot tell: refusals, and models that are reduced.
+//! What is said of parameters that the data cannot tell: refusals, and models that are reduced.
 
-use super::findings::Findings;
-use super::measurement::Measurement;
-use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::source::{Source, Span};
+use super::calibration::LeftOut;
+use super::measurement::{Measurement, data_of, first_line};
+use crate::calibrate::words::listed;
+use crate::calibrate::{Confused, Estimate, Fault, Fit, Lost, Parameter, Unsettled, reduce};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::number::{micrometers, significant};
 use ncfix_base::units::um_from_mm;
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::calibrate::words::listed;
-use ncfix_metrology::calibrate::{Confused, Estimate, Fault, Fit, Lost, Parameter, Unsettled, reduce};
-use ncfix_metrology::measure::data::DataSet;
 use ncfix_model::ErrorModel;
-use ncfix_report::calibration;
-use ncfix_report::number::{micrometers, significant};
 
 /// Kinds of combinations that are said, the most frequent ones.
 const MOST_SAID: usize = 10;
@@ -21,19 +18,10 @@ const CONTRADICTS: f64 = 5.0;
 const RUNS_AWAY: f64 = 1e6;
 
 /// Adds findings for a fit that is not possible; `of` says what was fitted.
-pub(super) fn refuse(fault: Fault, of: &str, all: &[Measurement], findings: &mut Findings) {
+pub(super) fn refuse(fault: Fault, of: &str, all: &[Measurement], findings: &mut Vec<Diagnostic>) {
     let described = |set: usize| all.get(set).or(all.first()).map(|one| first_line(&one.sources[1]));
-    for (set, found) in refusals(fault, of) {
-        let place = described(set.unwrap_or(0));
-        let sources = all.get(set.unwrap_or(0)).or(all.first()).map_or(&[][..], |one| &one.sources);
-        findings.add(Diagnostic { place, ..found }, sources);
-    }
-}
-
-/// The first line of a file.
-fn first_line(source: &Source) -> Place {
-    let end = source.bytes().iter().position(|&byte| byte == b'\n' || byte == b'\r');
-    Place { file: source.id(), span: Span::new(0, end.unwrap_or(source.bytes().len())) }
+    let refused = refusals(fault, of).into_iter();
+    findings.extend(refused.map(|(set, found)| Diagnostic { place: described(set.unwrap_or(0)), ..found }));
 }
 
 /// Findings, each with the number of its measurement.
@@ -110,7 +98,7 @@ fn not_settled(why: Option<Unsettled>, of: &str) -> (Option<usize>, Diagnostic) 
 
 /// Says which parameters are told so badly that their uncertainty alone moves the tool by more than `max_mm`, which is refused. Returns whether there are
 /// any.
-pub(super) fn badly_told(fit: &Fit, all: &[Measurement], max_mm: f64, findings: &mut Findings) -> bool {
+pub(super) fn badly_told(fit: &Fit, all: &[Measurement], max_mm: f64, findings: &mut Vec<Diagnostic>) -> bool {
     let uncertain = |one: &Estimate| {
         let share = if one.value == 0.0 { 0.0 } else { one.sigma / one.value.abs() };
         one.effect_mm * share
@@ -130,12 +118,12 @@ pub(super) fn badly_told(fit: &Fit, all: &[Measurement], max_mm: f64, findings: 
     let help = "measure where they do more, take them out of the model, or let --reduce leave them out";
     let place = all.first().map(|one| first_line(&one.sources[1]));
     let found = Diagnostic { place, ..Diagnostic::nowhere(Code::NOT_TOLD, message, help) };
-    findings.add(found, all.first().map_or(&[], |one| &one.sources));
+    findings.push(found);
     true
 }
 
 /// Says which known distances do not fit: they contradict each other or the probings.
-pub(super) fn distances(fit: &Fit, all: &[Measurement], findings: &mut Findings) {
+pub(super) fn distances(fit: &Fit, all: &[Measurement], findings: &mut Vec<Diagnostic>) {
     for &(set, tie, left, sigma) in fit.ties.iter().filter(|(.., left, sigma)| left.abs() > CONTRADICTS * sigma) {
         let Some(one) = all.get(set) else { continue };
         let Some(length) = one.data.lengths.get(tie) else { continue };
@@ -154,7 +142,7 @@ pub(super) fn distances(fit: &Fit, all: &[Measurement], findings: &mut Findings)
             place: Some(first_line(&one.sources[1])),
             ..Diagnostic::nowhere(Code::POOR_FIT, message, help)
         };
-        findings.add(found, &one.sources);
+        findings.push(found);
     }
 }
 
@@ -163,10 +151,10 @@ pub(super) fn reduced(
     (machine, start): (&Machine, &ErrorModel),
     parameters: &[Parameter],
     all: &[Measurement],
-    findings: &mut Findings,
-    report: &mut calibration::Calibration,
+    findings: &mut Vec<Diagnostic>,
+    left_out: &mut Vec<LeftOut>,
 ) -> Vec<Parameter> {
-    let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
+    let data = data_of(all);
     // Where numbers are not finite the fit says so.
     let Some(found) = reduce(machine, start, parameters, &data) else { return parameters.to_vec() };
     for Confused { sentence, remedy, parameters, set } in found.left_out {
@@ -175,8 +163,8 @@ pub(super) fn reduced(
         let message = format!("left out: {}: {sentence}", listed(&parameters, usize::MAX));
         let place = one.map(|one| first_line(&one.sources[1]));
         let found = Diagnostic { place, ..Diagnostic::nowhere(Code::REDUCED, message, remedy) };
-        findings.add(found, one.map_or(&[], |one| &one.sources));
-        report.left_out.push(calibration::LeftOut { parameters: names, reason: sentence });
+        findings.push(found);
+        left_out.push(LeftOut { parameters: names, reason: sentence });
     }
     found.parameters
 }

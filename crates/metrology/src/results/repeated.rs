@@ -1,39 +1,34 @@
-//! `ncfix calibrate --monte-carlo`: simulated repetitions beside the uncertainties.
+//! Simulated repetitions of a fit beside its uncertainties.
 
-use super::calibrated::unit_of;
-use super::findings::Findings;
-use super::identifiable;
-use super::measurement::Measurement;
-use super::progress::Progress;
+use super::calibration::CalibrationResult;
+use super::cells::unit_of;
+use super::measurement::{Measurement, data_of};
+use super::not_told;
+use crate::calibrate::words::listed;
+use crate::calibrate::{Fit, MonteCarlo, Options, Parameter, monte_carlo};
 use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::number::significant;
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::calibrate::words::listed;
-use ncfix_metrology::calibrate::{Fit, MonteCarlo, Options, Parameter, monte_carlo};
-use ncfix_metrology::measure::data::DataSet;
-use ncfix_report::calibration;
-use ncfix_report::number::significant;
 
 /// Names in the finding.
 const MOST_NAMES: usize = 6;
 
 /// Repeats the fit, and fills the scatter in.
 pub(super) fn repeat(
-    machine: &Machine,
-    parameters: &[Parameter],
+    (machine, parameters): (&Machine, &[Parameter]),
     all: &[Measurement],
     (fit, options): (&Fit, Options),
     runs_and_seed: [u64; 2],
-    findings: &mut Findings,
-    report: &mut calibration::Calibration,
+    progress: &mut dyn FnMut(f64),
+    findings: &mut Vec<Diagnostic>,
+    report: &mut CalibrationResult,
 ) {
-    let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
-    let mut line = Progress::new();
-    let mut progress = |done: u64| line.share("repetitions", done as f64 / runs_and_seed[0].max(1) as f64);
-    let found = monte_carlo(machine, parameters, &data, fit, options, runs_and_seed, &mut progress);
-    line.clear();
+    let data = data_of(all);
+    let mut done = |done: u64| progress(done as f64 / runs_and_seed[0].max(1) as f64);
+    let found = monte_carlo(machine, parameters, &data, fit, options, runs_and_seed, &mut done);
     let found = match found {
         Ok(found) => found,
-        Err(fault) => return identifiable::refuse(fault, "repetitions: ", all, findings),
+        Err(fault) => return not_told::refuse(fault, "repetitions: ", all, findings),
     };
     let (mut of_machine, mut of_setups) = (report.parameters.iter_mut(), report.unknowns.iter_mut());
     for (estimate, spread) in fit.estimates.iter().zip(&found.spreads) {
@@ -43,7 +38,7 @@ pub(super) fn repeat(
             shown.sigma_monte_carlo = Some(spread * unit_of(&estimate.column, &data).0);
         }
     }
-    contradictions(fit, &found).into_iter().for_each(|finding| findings.add(finding, &[]));
+    findings.extend(contradictions(fit, &found));
 }
 
 /// What repetitions say against the uncertainties.
@@ -75,7 +70,7 @@ fn contradictions(fit: &Fit, found: &MonteCarlo) -> Vec<Diagnostic> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ncfix_metrology::calibrate::{Column, Estimate};
+    use crate::calibrate::{Column, Estimate};
     use ncfix_model::ErrorModel;
 
     #[test]

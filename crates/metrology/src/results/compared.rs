@@ -1,5 +1,6 @@
 //! Measurements against a result, reading by reading and direction by direction: what tables sum up and pictures show.
 
+use ncfix_base::units::Unit;
 use serde::Serialize;
 
 /// Readings that count less than this do not fit: a residual of 3.3 standard deviations.
@@ -7,13 +8,14 @@ pub const DOES_NOT_FIT: f64 = 0.25;
 
 /// The readings of one direction or component of a measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Part {
     /// `dx`, `EXX`, `dr`.
     pub name: String,
     /// Readings.
     pub readings: usize,
-    /// The unit of all sizes: `µm`, or `µrad` for angles.
-    pub unit: &'static str,
+    /// The unit of all sizes.
+    pub unit: Unit,
     /// Root of the mean square of what a machine without errors leaves.
     pub measured_rms: f64,
     /// The largest of it.
@@ -25,18 +27,8 @@ pub struct Part {
     /// Standard deviation of what the model leaves about its mean; `null` for one reading.
     pub left_sigma: Option<f64>,
     /// Share of the measured sizes that the model explains (Spaan, eq. 3.6).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub efficiency: f64,
-}
-
-/// A file that the result comes from.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Input {
-    /// Its name.
-    pub file: String,
-    /// What it is: `machine`, `readings`, `description`, `readings, held out` …
-    pub role: &'static str,
-    /// The beginning of the SHA-256 of its bytes with their length in front, as in the head of a machine file.
-    pub hash: String,
 }
 
 /// The readings of a measurement in one unit, one after another; all lists of readings are of one length.

@@ -1,60 +1,13 @@
-//! `ncfix calibrate --report`: the page, and what it shows of each measurement.
+//! What holds of a measurement that is held against a model: sizes by direction and component, readings and circles for pictures.
 
-use super::arguments::CalibrateArguments;
-use super::findings::Findings;
-use super::machine_choice::short_hash;
-use super::measurement::Measurement;
-use super::pages::Pages;
-use super::stop::Stop;
-use super::together::Together;
+use super::calibration::Data;
+use super::compared::{Circle, Part, Point, Readings};
+use crate::calibrate::{Compared, Fit, Quality};
+use crate::measure::circles::{self, circles};
+use crate::measure::data::{DataSet, Observation};
 use ncfix_base::geometry::Axis;
-use ncfix_base::source::Source;
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::units::Unit;
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::calibrate::{Compared, Fit, Quality};
-use ncfix_metrology::measure::circles::{self, circles};
-use ncfix_metrology::measure::data::{DataSet, Observation};
-use ncfix_report::calibration::{Calibration, Data};
-use ncfix_report::compared::{Circle, Input, Part, Point, Readings};
-use ncfix_report::page;
-
-/// Adds the page to what is written, also one that says only why there is no machine file.
-///
-/// # Errors
-/// Where it cannot be written.
-pub(super) fn write(
-    pages: Pages,
-    arguments: &CalibrateArguments,
-    files: &mut Together,
-    findings: &Findings,
-    report: &mut Calibration,
-) -> Result<(), Stop> {
-    report.diagnostics = findings.json();
-    pages.add(&page::calibration::calibration(report), files)?;
-    report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
-    Ok(())
-}
-
-/// The file with the errors to begin with.
-pub(super) fn machine_input(start: &Source) -> Input {
-    Input { file: start.name().to_owned(), role: "machine", hash: short_hash([start.bytes()]) }
-}
-
-/// A file of the condition.
-pub(super) fn condition_input(source: &Source) -> Input {
-    Input { file: source.name().to_owned(), role: "condition", hash: short_hash([source.bytes()]) }
-}
-
-/// The files of a measurement.
-pub(super) fn inputs(one: &Measurement, is_held_out: bool) -> [Input; 2] {
-    let roles = if is_held_out { ["readings, held out", "description, held out"] } else { ["readings", "description"] };
-    let file = |k: usize| Input {
-        file: one.sources[k].name().to_owned(),
-        role: roles[k],
-        hash: short_hash([one.sources[k].bytes()]),
-    };
-    [file(0), file(1)]
-}
 
 /// What holds of a measurement that is compared.
 pub(super) struct Held<'a> {
@@ -91,8 +44,8 @@ impl Held<'_> {
         if whole.readings == 0 {
             return None;
         }
-        let unit = if angles { "µrad" } else { "µm" };
-        let shown = |value: f64| if angles { urad_from_rad(value) } else { um_from_mm(value) };
+        let unit = Unit::of(angles);
+        let shown = |value: f64| unit.shown(value);
         let names = self.part_names(&whole.lines);
         let part_of = |line: &Compared| {
             let name = self.part_name(line);

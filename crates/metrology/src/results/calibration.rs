@@ -1,0 +1,469 @@
+//! A calibration as a whole: checks of the readings, the fit, its uncertainties, and what it leaves of every measurement.
+
+use serde::Serialize;
+
+use super::cells::{cell, estimate, weighted_down};
+use super::compared::{Part, Readings};
+use super::held::{Held, weights};
+use super::measurement::{Measurement, check_copies, data_of};
+use super::selection::{self, Selection};
+use super::{conditions, figures, has_errors, not_told, repeated};
+use crate::calibrate::{Compared, Fit, Options, Parameter, Refusal, Rule, fit, quality, reversals, select};
+use crate::measure::data::DataSet;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::Vector;
+use ncfix_base::number::{micrometers, significant};
+use ncfix_base::source::Source;
+use ncfix_base::units::{Unit, um_from_mm};
+use ncfix_machine::machine::{Condition, Machine};
+use ncfix_model::{ErrorModel, Model, file, write};
+
+/// The model leaves more than the instrument explains beyond this many standard uncertainties.
+const POOR: f64 = 3.0;
+/// An angle counts by what it moves at this arm, mm.
+const ARM_MM: f64 = 1000.0;
+
+/// What was found of a machine. Uncertainties are standard uncertainties.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CalibrationResult {
+    /// Parameters of the machine.
+    pub parameters: Vec<Estimate>,
+    /// What was unknown of the set-ups.
+    pub unknowns: Vec<Estimate>,
+    /// Parameters of the model that were left out because the data cannot tell them.
+    pub left_out: Vec<LeftOut>,
+    /// Measurements.
+    pub data: Vec<Data>,
+    /// Figures of ISO 230 of the measurements, which do not depend on the model.
+    pub figures: Vec<figures::Measurement>,
+    /// Rows that count for less because they do not fit.
+    pub weighted_down: Vec<Row>,
+    /// Largest by smallest singular value of the equations; `null` without a result.
+    pub condition: Option<f64>,
+    /// Equations less unknowns.
+    pub degrees_of_freedom: usize,
+    /// Rounds of Gauss–Newton.
+    pub rounds: usize,
+    /// The preset or file of parameters.
+    pub model: String,
+    /// Name of the machine.
+    pub machine: String,
+    /// How parameters were chosen, where they were.
+    pub selection: Option<Selection>,
+}
+
+/// Parameters that were left out for one reason.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LeftOut {
+    /// Their names.
+    pub parameters: Vec<String>,
+    /// Why the data cannot tell them.
+    pub reason: String,
+}
+
+/// A number that was found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Estimate {
+    /// Its name.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Its uncertainty.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub sigma: f64,
+    /// The scatter of simulated repetitions, where they were asked for.
+    pub sigma_monte_carlo: Option<f64>,
+    /// The unit of these: `µm`, `µrad/m`.
+    pub unit: String,
+    /// Its value in the machine file that the calibration began with; 0 for set-ups.
+    pub start: f64,
+    /// How far it moves the tip, root of the mean square over the readings; `null` for set-ups.
+    pub effect_um: Option<f64>,
+    /// How much its variance grows because the others are unknown too.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub inflation: f64,
+}
+
+/// A measurement against the result.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Data {
+    /// Its name.
+    pub name: String,
+    /// Its kind.
+    pub kind: &'static str,
+    /// Whether it was held out of the fit.
+    pub is_held_out: bool,
+    /// Readings.
+    pub readings: usize,
+    /// The unit of all sizes.
+    pub unit: Unit,
+    /// Root of the mean square of what a machine without errors leaves.
+    pub measured_rms: f64,
+    /// The largest of it.
+    pub measured_max: f64,
+    /// Root of the mean square of what the model leaves.
+    pub left_rms: f64,
+    /// The largest of it.
+    pub left_max: f64,
+    /// Standard uncertainty of a reading, described or estimated; `null` where neither is.
+    pub sigma: Option<f64>,
+    /// Share of the measured sizes that the model explains (Spaan, eq. 3.6).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub efficiency: f64,
+    /// By direction or component.
+    pub parts: Vec<Part>,
+    /// Sums of the measured sizes and of those that are left, for the efficiency of several measurements together.
+    #[serde(skip)]
+    pub sums: [f64; 2],
+    /// The readings themselves; empty where nobody asks for pictures.
+    #[serde(skip)]
+    pub shown: Readings,
+}
+
+/// A row that does not fit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Row {
+    /// Its file.
+    pub file: String,
+    /// Its line, from 1.
+    pub line: usize,
+    /// What is left of it.
+    pub residual: f64,
+    /// The unit of it.
+    pub unit: Unit,
+    /// What it counts, 0 to 1.
+    pub weight: f64,
+}
+
+impl CalibrationResult {
+    /// The efficiency of all measurements in a unit together, those held out or those used; `None` where there are none.
+    #[must_use]
+    pub fn efficiency(&self, is_held_out: bool, unit: Unit) -> Option<f64> {
+        let own = self.data.iter().filter(|one| one.is_held_out == is_held_out && one.unit == unit);
+        let [measured, left] =
+            own.fold([0.0, 0.0], |[measured, left], one| [measured + one.sums[0], left + one.sums[1]]);
+        (measured > 0.0).then(|| 1.0 - left / measured)
+    }
+}
+
+/// The machine that a calibration begins with.
+#[derive(Clone, Copy, Debug)]
+pub struct CalibrationStart<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Its errors so far.
+    pub errors: &'a ErrorModel,
+    /// The condition in which the data were taken, as far as their tables do not say it.
+    pub condition: &'a Condition,
+}
+
+impl CalibrationStart<'_> {
+    fn model(&self) -> Model {
+        Model::at(self.machine, self.errors, self.condition)
+    }
+}
+
+/// How a calibration is made.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CalibrationSettings {
+    /// A reading, or what a parameter does, that is larger than this many mm is refused.
+    pub max_mm: f64,
+    /// Whether rows that do not fit count for less.
+    pub robust: bool,
+    /// Whether parameters that the data cannot tell are left out.
+    pub reduce: bool,
+    /// Simulated repetitions, and the seed of their noise.
+    pub monte_carlo: Option<[u64; 2]>,
+    /// The chance at which candidates are chosen where there is nothing.
+    pub significance: f64,
+    /// Whether single readings are kept for pictures.
+    pub with_readings: bool,
+}
+
+/// Measurements that are checked, and parameters that they may tell.
+#[derive(Debug)]
+pub struct PreparedFit<'a> {
+    begin: CalibrationStart<'a>,
+    settings: CalibrationSettings,
+    parameters: Vec<Parameter>,
+    used: Vec<Measurement>,
+    held_out: Vec<Measurement>,
+}
+
+/// Checks measurements of which the first `used` are used and the others held out, and leaves parameters out where that is wanted; `None` where findings
+/// forbid to go on.
+pub fn prepare<'a>(
+    begin: CalibrationStart<'a>,
+    settings: CalibrationSettings,
+    mut all: Vec<Measurement>,
+    used: usize,
+    mut parameters: Vec<Parameter>,
+    findings: &mut Vec<Diagnostic>,
+    report: &mut CalibrationResult,
+) -> Option<PreparedFit<'a>> {
+    conditions::check((begin.errors, begin.condition), &all, &parameters, findings);
+    if has_errors(findings) {
+        return None;
+    }
+    findings.extend(check_copies(&all));
+    if has_errors(findings) {
+        return None;
+    }
+    let held_out = all.split_off(used.min(all.len()));
+    if settings.reduce {
+        let start = (begin.machine, begin.errors);
+        parameters = not_told::reduced(start, &parameters, &all, findings, &mut report.left_out);
+    }
+    Some(PreparedFit { begin, settings, parameters, used: all, held_out })
+}
+
+impl PreparedFit<'_> {
+    /// The data that are used.
+    #[must_use]
+    pub fn data(&self) -> Vec<DataSet> {
+        data_of(&self.used)
+    }
+
+    /// The measurements that are used.
+    #[must_use]
+    pub fn used(&self) -> &[Measurement] {
+        &self.used
+    }
+
+    /// The parameters that are fitted whatever is chosen.
+    #[must_use]
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// Fits the parameters, and where there are `candidates` those of them that the data need; `None` where the data do not allow it, which findings say.
+    /// `progress` hears the share of the repetitions that is done.
+    pub fn fit(
+        &self,
+        candidates: Option<&[Parameter]>,
+        progress: &mut dyn FnMut(f64),
+        findings: &mut Vec<Diagnostic>,
+        report: &mut CalibrationResult,
+    ) -> Option<Fit> {
+        let fit = self.found(candidates, progress, findings, report)?;
+        report.figures = self.used.iter().map(|one| figures::of(&one.data, self.begin.machine)).collect();
+        not_told::distances(&fit, &self.used, findings);
+        self.compare(&fit, findings, report);
+        self.rows(&fit, findings, report);
+        Some(fit)
+    }
+
+    fn options(&self) -> Options {
+        Options { robust: self.settings.robust }
+    }
+
+    fn found(
+        &self,
+        candidates: Option<&[Parameter]>,
+        progress: &mut dyn FnMut(f64),
+        findings: &mut Vec<Diagnostic>,
+        report: &mut CalibrationResult,
+    ) -> Option<Fit> {
+        let data = self.data();
+        let start = self.begin.errors;
+        let reversals = reversals(start, self.parameters.iter().chain(candidates.unwrap_or_default()), &data);
+        if !reversals.is_empty() {
+            let help =
+                "a reversal cannot be told from a drift: take \"drift\" out of free, or the reversal out of the model";
+            let told = |message| Diagnostic::nowhere(Code::DRIFT_NOT_TOLD, message, help);
+            findings.extend(reversals.into_iter().map(told));
+            return None;
+        }
+        let (fit, parameters) = match self.fitted(candidates, &data, report) {
+            Ok(found) => found,
+            Err(refusal) => {
+                selection::refuse(refusal, &self.used, findings);
+                return None;
+            }
+        };
+        let badly = not_told::badly_told(&fit, &self.used, self.settings.max_mm, findings);
+        for found in &fit.estimates {
+            let one = estimate(found, start, &data);
+            let is_parameter = found.column.is_of_machine();
+            if is_parameter && found.effect_mm > self.settings.max_mm && !badly {
+                let effect = micrometers(um_from_mm(found.effect_mm));
+                let message = format!("{} would move the tool by {effect} (root of the mean square)", one.name);
+                let help = "check units and signs of the readings; give a larger --max if the machine is like this";
+                findings.push(Diagnostic::nowhere(Code::DATA_SIZE, message, help));
+            }
+            if is_parameter { &mut report.parameters } else { &mut report.unknowns }.push(one);
+        }
+        report.condition = Some(fit.condition);
+        report.degrees_of_freedom = fit.freedom;
+        report.rounds = fit.rounds;
+        if let Some(how) = self.settings.monte_carlo {
+            let (of, fitted) = ((self.begin.machine, parameters.as_slice()), (&fit, self.options()));
+            repeated::repeat(of, &self.used, fitted, how, progress, findings, report);
+        }
+        Some(fit)
+    }
+
+    /// The fit, and the parameters of which it is.
+    fn fitted(
+        &self,
+        candidates: Option<&[Parameter]>,
+        data: &[DataSet],
+        report: &mut CalibrationResult,
+    ) -> Result<(Fit, Vec<Parameter>), Refusal> {
+        let CalibrationStart { machine, errors, .. } = self.begin;
+        let Some(candidates) = candidates else {
+            let found = fit(machine, errors, &self.parameters, data, self.options())?;
+            return Ok((found, self.parameters.clone()));
+        };
+        let rule = Rule { significance: self.settings.significance, ..Rule::default() };
+        let found = select(machine, errors, &self.parameters, candidates, data, self.options(), rule)?;
+        report.selection = Some(selection::told(&found, rule, data));
+        Ok((found.fit, found.parameters))
+    }
+
+    /// Says which rows do not fit; behind what is said of whole measurements, as they may be many.
+    fn rows(&self, fit: &Fit, findings: &mut Vec<Diagnostic>, report: &mut CalibrationResult) {
+        for (row, place) in weighted_down(fit, &self.used) {
+            let size = format!("{} {}", significant(row.residual), row.unit.sign());
+            let message = format!("{size} are left of this reading, which counts {:.0} %", row.weight * 100.0);
+            let help = "look for its cause; --no-robust lets it count like the others";
+            findings.push(Diagnostic::at(Code::ROW_DOES_NOT_FIT, place, message, help));
+            report.weighted_down.push(row);
+        }
+    }
+
+    /// Holds the result against all measurements.
+    fn compare(&self, fit: &Fit, findings: &mut Vec<Diagnostic>, report: &mut CalibrationResult) {
+        let used = self.used.iter().enumerate().map(|(number, one)| {
+            let sigmas = [fit.sigmas.get(number).copied(), fit.angle_sigmas.get(number).copied()];
+            (one, sigmas, weights(fit, number), false)
+        });
+        let held_out = self.held_out.iter().map(|one| (one, [one.data.sigma, one.data.sigma_rad], Vec::new(), true));
+        for (one, sigmas, weights, is_held_out) in used.chain(held_out) {
+            let data = &one.data;
+            let quality = match quality(self.begin.machine, &fit.errors, data) {
+                Ok(found) => found,
+                Err(fault) => {
+                    not_told::refuse(fault, &format!("{}: ", data.name), std::slice::from_ref(one), findings);
+                    continue;
+                }
+            };
+            for (angles, described, key) in [(false, data.sigma, "sigma_um"), (true, data.sigma_rad, "sigma_urad")] {
+                let is_of_unit =
+                    |line: &Compared| data.observations.get(line.row).is_some_and(|row| row.is_angle() == angles);
+                let left = quality.part(String::new(), is_of_unit).left[0];
+                if let Some(described) = described.filter(|&described| left > POOR * described) {
+                    let times = significant(left / described);
+                    let name = &quality.name;
+                    let message =
+                        format!("{name}: what is left (root of the mean square) is {times} times what {key} says");
+                    let help = format!("choose a model with more parameters, measure faster, or correct {key}");
+                    findings.push(Diagnostic::nowhere(Code::POOR_FIT, message, help));
+                }
+            }
+            let held = Held { data, quality, sigmas, weights, is_held_out };
+            report.data.extend(held.shown(self.begin.machine, self.settings.with_readings));
+        }
+    }
+}
+
+/// A line of the head that an earlier calibration wrote begins with this.
+const HEAD: &str = "# calibrated:";
+
+/// The text of a machine file with the parameters of a fit, and lines of a head that say where they come from in place of those of an earlier
+/// calibration.
+///
+/// # Errors
+/// Why it cannot be written, as a part of a sentence.
+pub fn machine_text(start: &Source, before: &ErrorModel, fit: &Fit, head: &[String]) -> Result<String, String> {
+    let old = std::str::from_utf8(start.bytes()).map_err(|_| "it is not UTF-8")?;
+    let errors = &fit.errors;
+    let body = write::write(old, before, errors).map_err(|reason| reason.0)?;
+    let head = head.iter().map(|line| format!("{HEAD} {line}"));
+    let kept = body.lines().skip_while(|line| line.starts_with(HEAD)).map(str::to_owned);
+    let text: String = head.chain(kept).map(|line| line + "\n").collect();
+    // What is written must be what was found.
+    let again =
+        Source::new(start.id(), start.name(), text.clone().into_bytes()).map_err(|_| "it is too long".to_owned())?;
+    let Some((_, written)) = file::load(&again).0 else { return Err("the result is no machine file".into()) };
+    for parameter in fit.estimates.iter().filter_map(|one| one.column.parameter()) {
+        let (found, read) = (parameter.get(errors), parameter.get(&written));
+        if (found - read).abs() > 1e-9 * found.abs() + f64::MIN_POSITIVE {
+            return Err(format!("{parameter} would read {read:e} in place of {found:e}"));
+        }
+    }
+    Ok(text)
+}
+
+/// Says where readings are in another unit than their column, as far as their size tells.
+#[must_use]
+pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: f64) -> Vec<Diagnostic> {
+    let mut findings = Vec::new();
+    let data = &measurement.data;
+    let help = "check the unit of the column; if the machine is like this, give a larger --max";
+    // Lengths, then angles: sum of squares, number, the first row.
+    let mut sums = [(0.0, 0.0_f64, None); 2];
+    for row in &data.observations {
+        let arm = if row.is_angle() { ARM_MM } else { 1.0 };
+        for (index, value) in row.values.iter().enumerate() {
+            let Some(size) = value.map(|value| value.abs()) else { continue };
+            let (sum, count, first) = &mut sums[usize::from(row.is_angle())];
+            *sum += size * size;
+            *count += 1.0;
+            first.get_or_insert(row.place);
+            if size * arm > max_mm {
+                let (place, shown) = cell(measurement, row.place, index);
+                let message =
+                    format!("{shown} is beyond {}, which no reading should be", micrometers(um_from_mm(max_mm)));
+                findings.push(Diagnostic::at(Code::DATA_SIZE, place, message, help));
+            }
+        }
+    }
+    let kinds = [(data.sigma, "lengths", "sigma_um"), (data.sigma_rad, "angles", "sigma_urad")];
+    for ((sum, count, first), (sigma, what, key)) in sums.into_iter().zip(kinds) {
+        if let (Some(sigma), Some(first)) = (sigma, first)
+            && (sum / count).sqrt() < sigma
+        {
+            let (place, _) = cell(measurement, first, 0);
+            let message =
+                format!("all {what} that were read are together less than their uncertainty (root of the mean square)");
+            let help = format!("check the unit of the column and {key} in the description");
+            findings.push(Diagnostic::at(Code::DATA_SIZE, place, message, help));
+        }
+    }
+    check_balls(begin, measurement, max_mm, &mut findings);
+    findings
+}
+
+/// Says which probing is far from the others of its ball.
+fn check_balls(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: f64, findings: &mut Vec<Diagnostic>) {
+    let data = &measurement.data;
+    if data.kind.name != "probe" || !data.free.is_empty() {
+        return;
+    }
+    let model = begin.model();
+    for (number, label) in data.targets.iter().enumerate() {
+        let own = || data.observations.iter().filter(|row| row.target == Some(number));
+        let tips: Vec<Vector> =
+            own().map(|row| model.nominal(&row.reading.position, &row.reading.tool_mm).translation).collect();
+        let middle = |k: usize| {
+            let mut all: Vec<f64> = tips.iter().map(|tip| tip[k]).collect();
+            let half = all.len() / 2;
+            if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(half, f64::total_cmp).1 }
+        };
+        let center = Vector::new(middle(0), middle(1), middle(2));
+        for (row, tip) in own().zip(&tips) {
+            let off = (tip - center).norm();
+            if off > max_mm {
+                let message = format!("the tip is {off:.3} mm from where the ball {label} is in the other rows");
+                let help = "check the positions, target and tool_x_mm … of the row; give a larger --max if the machine is like this";
+                findings.push(Diagnostic::at(Code::DATA_SIZE, row.place, message, help));
+            }
+        }
+    }
+}

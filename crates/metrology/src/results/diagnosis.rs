@@ -1,0 +1,534 @@
+//! A diagnosis as a whole: faults of the data, the search for causes, what is told of each, and the machine file with what was found.
+
+use std::panic::resume_unwind;
+
+use serde::Serialize;
+
+use super::extended::{Extended, Job};
+use super::measurement::{Measurement, check_copies, check_near_copies};
+use super::readings::{self, ShownReadings};
+use super::{data_faults, has_errors};
+use crate::diagnose::cause::Correctable;
+use crate::diagnose::extend::extension;
+use crate::diagnose::{
+    self, Causes, Compared, Diagnosis as Found, FAR_OUT, Gate, Scene, Source, diagnose, diagnose_with, fault,
+    freedom_of, reads_angles, shape,
+};
+use crate::measure::data::DataSet;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source;
+use ncfix_base::units::UnitKey;
+use ncfix_machine::machine::Machine;
+use ncfix_model::ErrorModel;
+
+/// Readings beyond the unknowns of set-ups that say anything.
+const LEAST: usize = 3;
+
+/// The version of the object.
+pub const SCHEMA: u32 = 1;
+
+/// What the model lacks, why, and what is left.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DiagnosisResult {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// Unit of all sizes `…_um`: `um`, or `urad` where only angles were read.
+    pub unit: UnitKey,
+    /// Noise of the readings.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub noise_um: f64,
+    /// How it is known.
+    pub noise_from: NoiseFrom,
+    /// What the descriptions of the instruments say of it; `null` where they say nothing.
+    pub noise_stated_um: Option<f64>,
+    /// What a machine without errors would leave.
+    pub without_model: Sizes,
+    /// What the model leaves.
+    pub before: Sizes,
+    /// What it lacks, the largest first.
+    pub findings: Vec<Cause>,
+    /// Readings that did not count.
+    pub data_faults: Vec<DataFault>,
+    /// What is left behind all findings.
+    pub after: Sizes,
+    /// Share by which the root of the mean square falls.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub gain: f64,
+    /// The same on the data held out.
+    pub holdout_gain: Option<f64>,
+    /// Its interval of 95 %.
+    pub holdout_gain_95: Option<[f64; 2]>,
+    /// Whether the model says the data (those held out, where there are any) worse than no model.
+    pub expired: bool,
+    /// What is left beyond the noise.
+    pub unexplained: Unexplained,
+    /// What stood in the data but was not confirmed by the data held out.
+    pub not_confirmed: Vec<String>,
+    /// What was tried and stopped.
+    pub rejected: Vec<Rejected>,
+    /// Candidates that were tried.
+    pub tried: usize,
+    /// Readings that were used.
+    pub readings: usize,
+    /// Name of the machine.
+    pub machine: String,
+}
+
+impl DiagnosisResult {
+    /// Where nothing was diagnosed no size is known: `null` for programs, no zero.
+    pub fn forget_sizes(&mut self) {
+        let none = Sizes {
+            rms_um: f64::NAN,
+            rms_95_um: [f64::NAN; 2],
+            max_um: f64::NAN,
+            efficiency: f64::NAN,
+            ..Sizes::default()
+        };
+        [self.without_model, self.before, self.after] = [none; 3];
+        [self.noise_um, self.gain, self.unexplained.rms_um, self.unexplained.p] = [f64::NAN; 4];
+    }
+}
+
+/// How the noise of readings is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum NoiseFrom {
+    /// Nothing was diagnosed.
+    #[default]
+    #[serde(rename = "")]
+    Nowhere,
+    /// From repeated readings.
+    Repeats,
+    /// From the description of the instrument.
+    Instrument,
+    /// From differences of neighbours.
+    Neighbours,
+    /// From all that is left: it is white, and more than stated.
+    Rest,
+}
+
+impl From<Source> for NoiseFrom {
+    fn from(source: Source) -> NoiseFrom {
+        match source {
+            Source::Repeats => NoiseFrom::Repeats,
+            Source::Instrument => NoiseFrom::Instrument,
+            Source::Differences => NoiseFrom::Neighbours,
+            Source::Rest => NoiseFrom::Rest,
+        }
+    }
+}
+
+/// How large readings are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Sizes {
+    /// Root of the mean square.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub rms_um: f64,
+    /// Its interval of 95 %.
+    #[cfg_attr(feature = "schema", schemars(with = "[Option<f64>; 2]"))]
+    pub rms_95_um: [f64; 2],
+    /// Largest.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub max_um: f64,
+    /// Share of the sum of sizes that is said (Spaan 1995, eq. 3.6).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub efficiency: f64,
+    /// The same of the data held out.
+    pub holdout_rms_um: Option<f64>,
+    /// Interval of 95 %.
+    pub holdout_rms_95_um: Option<[f64; 2]>,
+    /// Largest.
+    pub holdout_max_um: Option<f64>,
+    /// Efficiency.
+    pub holdout_efficiency: Option<f64>,
+}
+
+/// What no finding says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Unexplained {
+    /// Root of the mean square beyond the noise.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub rms_um: f64,
+    /// Whether it is more than noise, and enough to matter.
+    pub structure: bool,
+    /// Chance of such correlations in noise (Ljung & Box).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
+    pub p: f64,
+    /// What it goes with.
+    pub with: Vec<With>,
+}
+
+/// A column that what is left goes with.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct With {
+    /// Its name.
+    pub driver: String,
+    /// How much of it.
+    pub rms_um: f64,
+}
+
+/// A fault of the data.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DataFault {
+    /// `outlier`, `sensor` …
+    pub kind: String,
+    /// The measurement, sensor or column.
+    pub name: String,
+    /// What is wrong with it.
+    pub what: String,
+    /// Rows from 1: the first and the last, of outliers each.
+    pub rows: Vec<usize>,
+    /// The measurement.
+    pub file: String,
+    /// Why this is thought.
+    pub evidence: String,
+    /// What was left out for it.
+    pub excluded: String,
+    /// Whether [`Self::rows`] are a first and a last row, and not rows one by one.
+    #[serde(skip)]
+    pub is_range: bool,
+}
+
+/// A candidate that did not stand.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Rejected {
+    /// Kind of effect.
+    pub effect: String,
+    /// ISO 230-1 name, axes or direction.
+    pub parameter: String,
+    /// What it depends on.
+    pub drivers: Vec<String>,
+    /// The gate that stopped it.
+    pub why: Gate,
+    /// Chance of this where there is nothing, over all candidates.
+    pub p: f64,
+    /// Share of the root of the mean square of unseen readings that it takes away; `null` where that was not tried, or the parts could not say.
+    pub gain: Option<f64>,
+    /// What it is in each file, where files surely differ; else empty.
+    pub by_file: Vec<InFile>,
+}
+
+/// What a cause is in one file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct InFile {
+    /// The measurement.
+    pub file: String,
+    /// Size.
+    pub value: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Expanded uncertainty (95 %).
+    pub u95: f64,
+}
+
+/// A place of a shape.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Place {
+    /// Values of the drivers, in their order and units.
+    pub at: Vec<f64>,
+    /// The deviation there (µrad where the unit of the finding is `urad`).
+    pub value_um: f64,
+}
+
+/// One finding.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Cause {
+    /// Kind of effect.
+    pub effect: String,
+    /// ISO 230-1 name, axes or direction.
+    pub parameter: String,
+    /// What it depends on.
+    pub drivers: Vec<String>,
+    /// Sensor of temperature; `null` where it is none.
+    pub sensor: Option<String>,
+    /// Its time constant.
+    pub lag_s: Option<f64>,
+    /// Period, where it repeats.
+    pub period: Option<f64>,
+    /// Size: reversal value, amplitude, slope, range over the travel.
+    pub value: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Expanded uncertainty (95 %).
+    pub u95: f64,
+    /// What it does to the readings (root of the mean square).
+    pub rms_um: f64,
+    /// By how much it alone swings the readings of a set-up: the largest less the smallest of what it does.
+    pub alone_um: f64,
+    /// The part of that in the sum over all findings.
+    pub alone_share: f64,
+    /// Share of the root of the mean square of unseen readings that it takes away.
+    pub gain_holdout: f64,
+    /// Its fair part of the squares (Shapley).
+    pub share: f64,
+    /// What comes back without it.
+    pub share_alone: f64,
+    /// Chance of this where there is nothing, over all candidates.
+    pub p: f64,
+    /// What it is in each file, where files surely differ; else empty.
+    pub by_file: Vec<InFile>,
+    /// Explanations that the data cannot tell from it, itself first.
+    pub class: Vec<String>,
+    /// The measurement that tells them apart; `null` where there is one explanation.
+    pub separate_by: Option<String>,
+    /// What can be done about it.
+    pub correctable: Correctable,
+    /// Whether the machine file that was written has it.
+    pub extends: bool,
+    /// Why it does not, or must not; `null` where it does, and where none was asked for.
+    pub extends_why: Option<String>,
+    /// What makes it.
+    pub made_by: String,
+    /// What shows it.
+    pub shown_by: String,
+    /// Of a finding without a name: what it depends on and where it acts, in a sentence.
+    pub what: Option<String>,
+    /// How large it is over its drivers; empty where the value says it all.
+    pub shape: Vec<Place>,
+    /// The unit of that.
+    #[serde(skip)]
+    pub shape_unit: UnitKey,
+}
+
+/// What is asked of a diagnosis beside the causes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DiagnosisSettings<'a> {
+    /// The causes that are looked for; without them those that are built in.
+    pub causes: Option<&'a Causes>,
+    /// The machine file, where there is one: what it cannot hold is not called correctable.
+    pub file: Option<&'a source::Source>,
+    /// Whether it is to be written with what was found: findings say then why it cannot be.
+    pub is_extended: bool,
+    /// Whether single readings are kept for pictures.
+    pub with_readings: bool,
+}
+
+/// Diagnoses measurements of which the first `used` are used and the others held out; `None` where findings say why nothing was diagnosed. `progress` hears
+/// what is done and the share of it. The machine file with what was found, where one was given.
+pub fn run(
+    (machine, errors): (&Machine, &ErrorModel),
+    mut all: Vec<Measurement>,
+    used: usize,
+    settings: DiagnosisSettings<'_>,
+    progress: &mut dyn FnMut(&str, f64),
+    findings: &mut Vec<Diagnostic>,
+    (report, shown): (&mut DiagnosisResult, &mut ShownReadings),
+) -> Option<Option<Extended>> {
+    report.schema = SCHEMA;
+    report.machine.clone_from(&machine.name);
+    findings.extend(check_copies(&all));
+    if !has_errors(findings) {
+        findings.extend(check_near_copies(&all));
+    }
+    if has_errors(findings) {
+        return None;
+    }
+    let faults = data_faults::look(machine, errors, &mut all, used, findings, &mut report.data_faults);
+    let sets: Vec<DataSet> = all.into_iter().map(|one| one.data).collect();
+    if has_errors(findings) {
+        return None;
+    }
+    let scene = |errors: &ErrorModel| Scene::new(machine, errors, &sets);
+    let (of_model, bare) = std::thread::scope(|scope| {
+        let of_model = scope.spawn(|| scene(errors));
+        let bare = scene(&ErrorModel::default());
+        (of_model.join().unwrap_or_else(|fault| resume_unwind(fault)), bare)
+    });
+    let (Ok(mut of_model), Ok(mut bare)) = (of_model, bare) else {
+        let message = "the readings cannot even tell the set-ups";
+        let help =
+            "check the columns of positions and their units, describe what is known of the set-ups, or measure more";
+        findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help));
+        return None;
+    };
+    fault::exclude(&mut of_model, &faults);
+    fault::exclude(&mut bare, &faults);
+    let [readings, unknowns] = freedom_of(&of_model, used);
+    if readings < unknowns + LEAST {
+        let message = format!(
+            "{readings} readings that count and {unknowns} unknowns of the set-ups: nothing is left to be told"
+        );
+        let help = "measure more, or describe what is known of the set-ups (take it out of free)";
+        findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help));
+        return None;
+    }
+    let found = match settings.causes {
+        Some(causes) => diagnose_with(causes, &of_model, &bare, used, progress),
+        None => diagnose(&of_model, &bare, used, progress),
+    };
+    tell_all(&found, &of_model, (&sets, used), report);
+    let extension = extension(&found, &of_model, used);
+    let refused: Vec<Option<String>> = extension.iter().map(|changes| changes.as_ref().err().cloned()).collect();
+    let job = Job { machine, scene: &of_model, used, found: &found, extension };
+    let mut aside = Vec::new();
+    let made = settings.file.and_then(|file| job.make(file, if settings.is_extended { findings } else { &mut aside }));
+    can_be_done(made.as_ref().map_or(&refused, |made| &made.why_not), report);
+    if settings.is_extended
+        && let Some(made) = &made
+    {
+        report.findings.iter_mut().zip(&made.why_not).for_each(|(one, why_not)| one.extends = why_not.is_none());
+    }
+    if settings.with_readings {
+        readings::fill(&found, &of_model, used, shown);
+    }
+    Some(made)
+}
+
+/// What can be done about findings, whether or not a file is written: what the file has as a table needs no name, and what it cannot have is not to be
+/// corrected.
+fn can_be_done(why_not: &[Option<String>], report: &mut DiagnosisResult) {
+    for (told, why_not) in report.findings.iter_mut().zip(why_not) {
+        told.extends_why.clone_from(why_not);
+        if why_not.is_some() {
+            told.correctable = Correctable::No;
+        } else if told.correctable == Correctable::No {
+            told.correctable = Correctable::Program;
+        }
+    }
+}
+
+/// Everything that was found, in the units of reports.
+fn tell_all(found: &Found, scene: &Scene<'_>, (sets, used): (&[DataSet], usize), report: &mut DiagnosisResult) {
+    let of_angles = reads_angles(scene);
+    report.unit = UnitKey::of(of_angles);
+    let micro = report.unit.unit().shown(1.0);
+    let level = |of: fn(&Compared) -> diagnose::Sizes| {
+        let held_out = found.held_out.as_ref().map(of);
+        let own = of(&found.used);
+        Sizes {
+            rms_um: micro * own.rms,
+            rms_95_um: own.interval.map(|end| micro * end),
+            max_um: micro * own.max,
+            efficiency: own.efficiency,
+            holdout_rms_um: held_out.map(|sizes| micro * sizes.rms),
+            holdout_rms_95_um: held_out.map(|sizes| sizes.interval.map(|end| micro * end)),
+            holdout_max_um: held_out.map(|sizes| micro * sizes.max),
+            holdout_efficiency: held_out.map(|sizes| sizes.efficiency),
+        }
+    };
+    report.without_model = level(|compared| compared.measured);
+    report.before = level(|compared| compared.before);
+    report.after = level(|compared| compared.after);
+    report.readings = found.used.readings;
+    report.gain = found.used.gain.0;
+    report.holdout_gain = found.held_out.as_ref().map(|held_out| held_out.gain.0);
+    report.holdout_gain_95 = found.held_out.as_ref().map(|held_out| held_out.gain.1);
+    report.expired = found.held_out.as_ref().map_or(found.used.is_expired, |held_out| held_out.is_expired);
+    report.noise_um = micro * found.left.noise;
+    report.noise_stated_um = found.left.stated.map(|stated| micro * stated);
+    report.noise_from = found.left.source.into();
+    report.unexplained = Unexplained {
+        rms_um: micro * found.left.unexplained,
+        structure: found.left.has_structure,
+        p: found.left.chance,
+        with: found
+            .left
+            .places
+            .iter()
+            .map(|(driver, rms)| With { driver: driver.clone(), rms_um: micro * rms })
+            .collect(),
+    };
+    report.tried = found.tried;
+    let alone: f64 = found.findings.iter().map(|one| one.alone).sum();
+    report.findings = found.findings.iter().map(|one| cause(one, scene, used, (micro, alone))).collect();
+    report.rejected = found.rejected.iter().map(|one| rejected(one, scene)).collect();
+    report.not_confirmed =
+        found.not_confirmed.iter().map(|one| format!("{} {}", one.cause.effect, one.parameter)).collect();
+    for (number, set) in sets.iter().enumerate().take(used) {
+        let rows: Vec<usize> =
+            found.outliers.iter().filter(|(set, _)| *set == number).map(|(_, row)| row + 1).collect();
+        if !rows.is_empty() {
+            let times = FAR_OUT;
+            report.data_faults.push(DataFault {
+                kind: "outlier".into(),
+                name: set.name.clone(),
+                what: "far from all others".to_owned(),
+                evidence: format!(
+                    "readings of {} rows are more than {times} times the spread of what is left of this file away from all causes",
+                    rows.len()
+                ),
+                excluded: "these readings".into(),
+                is_range: false,
+                file: set.name.clone(),
+                rows,
+            });
+        }
+    }
+}
+
+fn cause(found: &diagnose::Finding, scene: &Scene<'_>, used: usize, (micro, alone): (f64, f64)) -> Cause {
+    let one = &found.candidate;
+    // Causes of the same effect have one name.
+    let mut class: Vec<String> = Vec::new();
+    for (cause, parameter) in &found.class {
+        let name = format!("{} {parameter}", cause.effect).trim_end().to_owned();
+        if !class.contains(&name) {
+            class.push(name);
+        }
+    }
+    Cause {
+        effect: one.cause.effect.to_string(),
+        parameter: one.parameter.clone(),
+        drivers: one.drivers.clone(),
+        sensor: one.sensor.clone(),
+        lag_s: one.sensor.is_some().then(|| one.constant.filter(|(_, unit)| *unit == "s").map_or(0.0, |(lag, _)| lag)),
+        period: one.constant.filter(|(_, unit)| ["mm", "deg"].contains(unit)).map(|(period, _)| period),
+        value: found.size.value,
+        unit: found.size.unit.into(),
+        u95: found.size.u95,
+        rms_um: micro * found.rms,
+        alone_um: micro * found.alone,
+        alone_share: if alone > 0.0 { found.alone / alone } else { 0.0 },
+        gain_holdout: found.gain_unseen,
+        share: found.share.fair,
+        share_alone: found.share.alone,
+        p: found.chance,
+        by_file: by_file(&found.by_file, &found.size, scene),
+        separate_by: found.separate_by.clone().filter(|_| class.len() > 1),
+        class,
+        correctable: one.cause.correctable,
+        extends: false,
+        extends_why: None,
+        made_by: one.cause.made_by.to_owned(),
+        shown_by: one.cause.shown_by.to_owned(),
+        what: shape::sentence(found, scene, used),
+        // Where columns stand for places the value alone says little.
+        shape: if one.points.is_empty() { Vec::new() } else { shape::shape(found, scene, used) }
+            .into_iter()
+            .map(|(at, value_um)| Place { at, value_um })
+            .collect(),
+        shape_unit: UnitKey::of(diagnose::is_angle(&found.candidate)),
+    }
+}
+
+fn by_file(parts: &[diagnose::Part], size: &diagnose::Size, scene: &Scene<'_>) -> Vec<InFile> {
+    let of = |part: &diagnose::Part| InFile {
+        file: scene.sets.get(part.set).map_or_else(String::new, |set| set.name.clone()),
+        value: part.share * size.value,
+        unit: size.unit.into(),
+        u95: (part.u95 * size.value).abs(),
+    };
+    parts.iter().map(of).collect()
+}
+
+fn rejected(found: &diagnose::Rejected, scene: &Scene<'_>) -> Rejected {
+    Rejected {
+        effect: found.candidate.cause.effect.to_string(),
+        parameter: found.candidate.parameter.clone(),
+        drivers: found.candidate.drivers.clone(),
+        why: found.gate,
+        p: found.chance,
+        gain: found.gain,
+        by_file: by_file(&found.by_file, &found.size, scene),
+    }
+}

@@ -1,0 +1,168 @@
+//! Figures of the acceptance tests of a measurement.
+
+use serde::Serialize;
+
+use crate::measure::data::DataSet;
+use crate::measure::iso230::figures::{self as iso230, Figures, Found, Path, RUNS};
+use crate::measure::iso230::positioning::OneWay;
+use ncfix_base::units::{Unit, um_from_mm, urad_from_rad};
+use ncfix_machine::machine::Machine;
+
+/// The figures of a measurement.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Measurement {
+    /// Its name.
+    pub name: String,
+    /// Its kind.
+    pub kind: &'static str,
+    /// Its figures.
+    pub figures: Vec<Group>,
+}
+
+/// Figures that belong together: of a component, of circles in a plane, of a sphere.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Group {
+    /// Label of the set-up.
+    pub setup: String,
+    /// What they are of: `EXX`, `XY`, `sphere`.
+    pub of: String,
+    /// Where they are defined.
+    pub standard: Standard,
+    /// The unit of all.
+    pub unit: Unit,
+    /// The figures in the order of the standard.
+    pub values: Vec<Value>,
+    /// Under which conditions: runs, radius, feed, start.
+    pub conditions: Vec<String>,
+    /// Why there are none; `null` where there are.
+    pub reason: Option<String>,
+}
+
+/// Where figures are defined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Standard {
+    /// Nowhere: there are none.
+    #[default]
+    #[serde(rename = "")]
+    None,
+    /// Positioning.
+    #[serde(rename = "ISO 230-2")]
+    Iso230Part2,
+    /// Circles.
+    #[serde(rename = "ISO 230-4")]
+    Iso230Part4,
+    /// A sphere through all points.
+    #[serde(rename = "least squares")]
+    LeastSquares,
+}
+
+impl Standard {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Standard::None => "",
+            Standard::Iso230Part2 => "ISO 230-2",
+            Standard::Iso230Part4 => "ISO 230-4",
+            Standard::LeastSquares => "least squares",
+        }
+    }
+}
+
+/// A figure.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Value {
+    /// `A`, `R+`, `G(ccw)` …
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+}
+
+/// The figures of a measurement.
+#[must_use]
+pub fn of(data: &DataSet, machine: &Machine) -> Measurement {
+    let figures = iso230::figures(data, machine).iter().map(group).collect();
+    Measurement { name: data.name.clone(), kind: data.kind.name, figures }
+}
+
+fn group(found: &Found) -> Group {
+    let mut group = Group { setup: found.setup.clone(), of: found.of.clone(), unit: Unit::Um, ..Group::default() };
+    match &found.figures {
+        Ok(figures) => fill(&mut group, figures),
+        Err(reason) => group.reason = Some(reason.clone()),
+    }
+    group
+}
+
+fn fill(group: &mut Group, figures: &Figures) {
+    let mut put = |name: &'static str, value: Option<f64>, factor: f64| {
+        group.values.extend(value.map(|value| Value { name, value: value * factor }));
+    };
+    let um = um_from_mm(1.0);
+    match figures {
+        Figures::Positioning { figures, is_angle, without_drift } => {
+            let factor = if *is_angle { urad_from_rad(1.0) } else { um };
+            let (both, up, down) = (figures.both.as_ref(), figures.up.as_ref(), figures.down.as_ref());
+            let of = |side: Option<&OneWay>, value: fn(&OneWay) -> f64| side.map(value);
+            put("A", both.map(|both| both.accuracy), factor);
+            put("A+", of(up, |up| up.accuracy), factor);
+            put("A-", of(down, |down| down.accuracy), factor);
+            put("E", both.map(|both| both.systematic), factor);
+            put("E+", of(up, |up| up.systematic), factor);
+            put("E-", of(down, |down| down.systematic), factor);
+            put("R", both.map(|both| both.repeatability), factor);
+            put("R+", of(up, |up| up.repeatability), factor);
+            put("R-", of(down, |down| down.repeatability), factor);
+            put("B", both.map(|both| both.reversal), factor);
+            put("B mean", both.map(|both| both.mean_reversal), factor);
+            put("M", both.map(|both| both.mean_systematic), factor);
+            group.standard = Standard::Iso230Part2;
+            group.unit = Unit::of(*is_angle);
+            let fewer =
+                if figures.runs < RUNS { format!(" of the {RUNS} that the standard asks for") } else { String::new() };
+            group.conditions =
+                vec![format!("{} targets", figures.targets.len()), format!("{} runs{fewer}", figures.runs)];
+            if *without_drift {
+                group.conditions.push("without drift".into());
+            }
+        }
+        Figures::Circle { figures, radius_mm, paths } => {
+            let end = |ends: Option<[f64; 2]>, which: usize| ends.and_then(|ends| ends.get(which).copied());
+            put("G(ccw)", figures.g_counter, um);
+            put("G(cw)", figures.g_clock, um);
+            put("G(b)", figures.g_both, um);
+            put("D(b)", figures.d, um);
+            put("H", figures.h, um);
+            put("F(ccw) max", end(figures.f_counter, 0), um);
+            put("F(ccw) min", end(figures.f_counter, 1), um);
+            put("F(cw) max", end(figures.f_clock, 0), um);
+            put("F(cw) min", end(figures.f_clock, 1), um);
+            put("eccentricity 1", Some(figures.centre_mm[0]), um);
+            put("eccentricity 2", Some(figures.centre_mm[1]), um);
+            group.standard = Standard::Iso230Part4;
+            group.conditions = vec![format!("R {radius_mm:.3} mm")];
+            let named = ["ccw", "cw"].into_iter().zip(paths).filter(|(_, path)| path.points > 0);
+            group.conditions.extend(named.map(|(name, path)| shown(name, path)));
+        }
+        Figures::Sphere { sphere, radius_mm, points } => {
+            put("size", Some(sphere.radius_mm - radius_mm), um);
+            put("form", Some(sphere.form_mm), um);
+            put("s", Some(sphere.deviation_mm), um);
+            put("centre X", Some(sphere.centre_mm.x), um);
+            put("centre Y", Some(sphere.centre_mm.y), um);
+            put("centre Z", Some(sphere.centre_mm.z), um);
+            group.standard = Standard::LeastSquares;
+            group.conditions = vec![format!("R {radius_mm:.3} mm"), format!("{points} readings")];
+        }
+    }
+}
+
+fn shown(name: &str, path: &Path) -> String {
+    let feed = path.feed.map_or(String::new(), |feed| format!(" F {feed:.0} mm/min"));
+    let start = path.start.to_degrees();
+    format!("{name} {:.0}° from {start:.1}°{feed}, {} readings", path.arc.to_degrees(), path.points)
+}

@@ -1,0 +1,226 @@
+//! How parameters are chosen: steps, terms with what could stand for them, gain on readings that were held out.
+
+use std::collections::HashMap;
+
+use serde::Serialize;
+
+use super::measurement::Measurement;
+use super::not_told;
+use crate::calibrate::{Parameter, Refusal, Rule, Selected};
+use crate::measure::data::DataSet;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::numeric::stepwise;
+use ncfix_model::name::ErrorName;
+
+/// The choice among candidates.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Selection {
+    /// Candidates that the data tells, and that were tried.
+    pub tried: usize,
+    /// Chance to accept anything where there is nothing.
+    pub significance: f64,
+    /// Candidates that the data tells nothing of, or nothing beside what is always in.
+    pub not_told: Vec<String>,
+    /// Steps of the last choice.
+    pub steps: Vec<Step>,
+    /// What was chosen.
+    pub terms: Vec<Term>,
+    /// Correlation of neighbouring readings, by measurement.
+    pub correlation: Vec<Correlation>,
+    /// What all terms help with readings that were held out, the choice repeated in every fold; `null` where nothing was chosen.
+    pub held_out: Option<Gain>,
+    /// Choices and fits in turn.
+    pub passes: usize,
+    /// Whether the last choice was that before it.
+    pub is_settled: bool,
+}
+
+/// A step.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Step {
+    /// What happened.
+    pub change: StepChange,
+    /// The candidate.
+    pub name: String,
+    /// The candidate whose place it took.
+    pub instead_of: Option<String>,
+    /// Its t value; F is its square.
+    pub t: f64,
+    /// Effective degrees of freedom.
+    pub freedom: f64,
+    /// Chance, times the number of candidates.
+    pub p: f64,
+    /// Correlation of neighbours that was assumed.
+    pub correlation: f64,
+}
+
+/// What a step did with its candidate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum StepChange {
+    /// It came in.
+    #[default]
+    #[serde(rename = "in")]
+    In,
+    /// It went out.
+    #[serde(rename = "out")]
+    Out,
+    /// It was not significant.
+    #[serde(rename = "not significant")]
+    NotSignificant,
+    /// It did not help with readings that were held out.
+    #[serde(rename = "no gain")]
+    NoGain,
+}
+
+impl StepChange {
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            StepChange::In => "in",
+            StepChange::Out => "out",
+            StepChange::NotSignificant => "not significant",
+            StepChange::NoGain => "no gain",
+        }
+    }
+}
+
+/// What was chosen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Term {
+    /// The parameter.
+    pub name: String,
+    /// Its t value.
+    pub t: f64,
+    /// Effective degrees of freedom.
+    pub freedom: f64,
+    /// Chance, times the number of candidates.
+    pub p: f64,
+    /// What it helps with readings that were held out, beside the other terms.
+    pub held_out: Gain,
+    /// Candidates that the data cannot tell from it.
+    pub rivals: Vec<String>,
+}
+
+/// What is left of readings that were held out, in units of their uncertainty.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Gain {
+    /// Root of the mean square without.
+    pub before: f64,
+    /// And with.
+    pub after: f64,
+    /// The share of the squares by which it falls.
+    pub gain: f64,
+    /// Its standard error, over blocks.
+    pub error: f64,
+}
+
+/// The correlation of neighbouring readings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Correlation {
+    /// The measurement; angles of one that has lengths too are separate.
+    pub name: String,
+    /// The correlation.
+    pub correlation: f64,
+}
+
+/// Adds findings for a choice that is not possible.
+pub(super) fn refuse(refusal: Refusal, all: &[Measurement], findings: &mut Vec<Diagnostic>) {
+    match refusal {
+        Refusal::Fault(fault) => not_told::refuse(fault, "", all, findings),
+        Refusal::TooLarge { equations, columns } => {
+            let message =
+                format!("{equations} readings times {columns} parameters and candidates are more than fit into memory");
+            let help = "name fewer candidates, or give wider --knots";
+            findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help));
+        }
+    }
+}
+
+/// The choice in words and numbers.
+pub(super) fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> Selection {
+    let choice = &found.choice;
+    let name = |number: usize| found.candidates.get(number).map_or_else(String::new, Parameter::to_string);
+    let gain = |gain: stepwise::Gain| Gain {
+        before: gain.before,
+        after: gain.after,
+        gain: gain.share,
+        error: gain.uncertainty,
+    };
+    let steps = choice.steps.iter().map(|step| Step {
+        change: match step.change {
+            stepwise::Change::Entered | stepwise::Change::Replaced(_) => StepChange::In,
+            stepwise::Change::Left => StepChange::Out,
+            stepwise::Change::NotSignificant => StepChange::NotSignificant,
+            stepwise::Change::NoGain => StepChange::NoGain,
+        },
+        name: name(step.candidate),
+        instead_of: match step.change {
+            stepwise::Change::Replaced(other) => Some(name(other)),
+            _ => None,
+        },
+        t: step.t,
+        freedom: step.freedom,
+        p: step.p,
+        correlation: step.correlation,
+    });
+    let terms = choice.terms.iter().map(|term| Term {
+        name: name(term.candidate),
+        t: term.t,
+        freedom: term.freedom,
+        p: term.p,
+        held_out: gain(term.gain),
+        rivals: term.rivals.iter().map(|rival| name(rival.candidate)).collect(),
+    });
+    let correlation = choice.correlation.iter().filter_map(|&(group, correlation)| {
+        let set = data.get(group / 2)?;
+        let name = if group % 2 == 1 { format!("{}, angles", set.name) } else { set.name.clone() };
+        Some(Correlation { name, correlation })
+    });
+    Selection {
+        tried: choice.tried,
+        significance: rule.significance,
+        not_told: names_not_told(found),
+        steps: steps.collect(),
+        terms: terms.collect(),
+        correlation: correlation.collect(),
+        held_out: choice.gain.filter(|gain| gain.uncertainty.is_finite()).map(gain),
+        passes: found.passes,
+        is_settled: found.is_settled,
+    }
+}
+
+/// Candidates that are not told; an error of which no term is told has one entry.
+fn names_not_told(found: &Selected) -> Vec<String> {
+    let component = |parameter: &Parameter| match parameter {
+        Parameter::Geometry(name) => Some(name.component),
+        Parameter::Effect(_) => None,
+    };
+    let mut terms: HashMap<ErrorName, usize> = HashMap::new();
+    for name in found.candidates.iter().filter_map(component) {
+        *terms.entry(name).or_default() += 1;
+    }
+    let lost: Vec<&Parameter> =
+        found.choice.not_told.iter().filter_map(|&number| found.candidates.get(number)).collect();
+    let mut names = Vec::new();
+    let mut whole: Vec<ErrorName> = Vec::new();
+    for &parameter in &lost {
+        let own = component(parameter);
+        let count = lost.iter().filter(|other| own.is_some() && component(other) == own).count();
+        match own.filter(|name| count > 1 && terms.get(name) == Some(&count)) {
+            Some(name) if whole.contains(&name) => {}
+            Some(name) => {
+                whole.push(name);
+                names.push(format!("{name} (all {count} terms)"));
+            }
+            None => names.push(parameter.to_string()),
+        }
+    }
+    names
+}

@@ -1,0 +1,28 @@
+//! Fits parameters of a machine to readings of a ball-bar and prints them with their uncertainties:
+//! `cargo run --example fit_ball_bar_data`.
+
+use ncfix::prelude::*;
+
+fn main() -> Result<(), Error> {
+    let machine = Machine::from_file("samples/machines/demo.toml")?;
+    // The table of readings; its description, ball_bar.toml, lies beside it.
+    let data = [DataSet::read("samples/measurements/ball_bar.csv")?];
+    let mut options = CalibrationOptions::default();
+    // Squareness of X to Y, scale of X, and half of the backlash of X.
+    options.parameters = ["EC0X", "EXX1", "EXXb"].map(String::from).to_vec();
+    let found = Calibration::run(&machine, &data, &options)?;
+    print!("{}", found.diagnostics());
+
+    println!("parameter       value      ± 1σ  unit      before");
+    for one in found.parameters() {
+        println!("{:<10}{:>11.2}{:>10.2}  {:<6}{:>10.2}", one.name, one.value, one.sigma, one.unit, one.start);
+    }
+    for one in &found.result().data {
+        let (name, unit, count) = (&one.name, one.unit, one.readings);
+        println!(
+            "{name}: {count} readings of {:.2} {unit} RMS, of which {:.2} {unit} are left",
+            one.measured_rms, one.left_rms
+        );
+    }
+    Ok(())
+}

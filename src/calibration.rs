@@ -1,0 +1,263 @@
+//! Calibration: parameters of a machine's error model from measured data.
+
+use crate::data::{DataSet, measurements};
+use crate::diagnostics::Diagnostics;
+use crate::disk::hash::short_hash;
+use crate::error::Error;
+use crate::machine::Machine;
+use ncfix_base::source::{FileId, Source};
+use ncfix_metrology::calibrate::{Fit, Parameter};
+use ncfix_metrology::results::calibration::{
+    CalibrationResult as Found, CalibrationSettings, CalibrationStart, Estimate, check_sizes, machine_text, prepare,
+};
+use ncfix_metrology::results::measurement::{Measurement, Purpose};
+use ncfix_metrology::results::parameters;
+use ncfix_model::preset;
+
+/// How a calibration is made. `CalibrationOptions::default()` is what `ncfix calibrate` does without options, for no parameter yet.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let mut options = CalibrationOptions::default();
+/// options.parameters = vec!["EC0X".into(), "EXX1".into()];
+/// assert!(options.robust && options.max_mm == 1.0);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct CalibrationOptions {
+    /// What is fitted: presets such as `mayer-13` (`ncfix machine presets` lists them), and parameters such as `EC0X`, `EXX1`, `EXXb`, `EXX2@150` or
+    /// `load.EAX`.
+    pub parameters: Vec<String>,
+    /// Whether readings that do not fit the others count for less.
+    pub robust: bool,
+    /// Whether parameters that the data cannot tell are left out, with a warning that says which.
+    pub reduce: bool,
+    /// A reading, or the effect of a parameter, beyond this is an error, mm.
+    pub max_mm: f64,
+    /// Simulated repetitions whose scatter is put beside the uncertainties.
+    pub monte_carlo: Option<u64>,
+    /// Seed of their noise.
+    pub seed: u64,
+}
+
+impl Default for CalibrationOptions {
+    fn default() -> CalibrationOptions {
+        CalibrationOptions {
+            parameters: Vec::new(),
+            robust: true,
+            reduce: false,
+            max_mm: 1.0,
+            monte_carlo: None,
+            seed: 1,
+        }
+    }
+}
+
+/// The parameters that data give a machine, with their uncertainties, and what they leave of every measurement.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let data = [DataSet::read("samples/measurements/ball_bar.csv")?];
+/// let mut options = CalibrationOptions::default();
+/// options.parameters = ["EC0X", "EXX1", "EXXb"].map(String::from).to_vec();
+/// let found = Calibration::run(&Machine::demo(), &data, &options)?;
+/// // The data were simulated with a squareness of 43 µrad.
+/// let squareness = &found.result().parameters[0];
+/// assert!((squareness.value - 43.0).abs() < 3.0 * squareness.sigma && squareness.unit == "µrad");
+/// # Ok::<(), ncfix::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Calibration {
+    found: Found,
+    fit: Fit,
+    start: Machine,
+    head: Vec<String>,
+    diagnostics: Diagnostics,
+}
+
+impl Calibration {
+    /// Fits parameters to data, beginning with the errors that the machine has; data that are [held out](DataSet::held_out) judge the result.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let data = [DataSet::read("samples/measurements/ball_bar.csv")?];
+    /// let mut options = CalibrationOptions::default();
+    /// options.parameters = vec!["EC0Q".into()];
+    /// let error = Calibration::run(&Machine::demo(), &data, &options).unwrap_err();
+    /// assert!(error.to_string().contains("EC0Q"), "{error}");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where a name is no parameter of the machine, data are wrong, or they cannot tell the parameters apart: the diagnostics say why, and what to measure.
+    pub fn run(machine: &Machine, data: &[DataSet], options: &CalibrationOptions) -> Result<Calibration, Error> {
+        let mut diagnostics = Diagnostics::default();
+        let parameters = chosen(machine, &options.parameters, &mut diagnostics)?;
+        let read = measurements(data, machine, (Purpose::Fit, &machine.registry.instruments), &mut diagnostics);
+        let Some((mut all, used, sources)) = read else { return Err(Error::found(diagnostics)) };
+        let begin =
+            CalibrationStart { machine: &machine.machine, errors: &machine.errors, condition: &machine.condition };
+        for one in &all {
+            diagnostics.extend(check_sizes(&begin, one, options.max_mm), &sources);
+        }
+        if machine.state.is_some() {
+            all.iter_mut().for_each(|one| one.data.fill_in(&machine.condition));
+        }
+        let settings = CalibrationSettings {
+            max_mm: options.max_mm,
+            robust: options.robust,
+            reduce: options.reduce,
+            monte_carlo: options.monte_carlo.map(|runs| [runs, options.seed]),
+            ..CalibrationSettings::default()
+        };
+        let mut found =
+            Found { machine: machine.machine.name.clone(), model: options.parameters.join(" "), ..Found::default() };
+        let mut own = Vec::new();
+        let prepared = if diagnostics.has_errors() {
+            None
+        } else {
+            prepare(begin, settings, all, used, parameters, &mut own, &mut found)
+        };
+        let fit = prepared.as_ref().and_then(|prepared| prepared.fit(None, &mut |_| {}, &mut own, &mut found));
+        diagnostics.extend(own, &sources);
+        match (fit, prepared) {
+            (Some(fit), Some(prepared)) if !diagnostics.has_errors() => {
+                let hash = |sources: &[Source]| short_hash(sources.iter().map(Source::bytes));
+                let line = |one: &Measurement| {
+                    format!("{} {} ({})", one.data.kind.name, one.sources[0].name(), hash(&one.sources))
+                };
+                let mut head = vec![format!("parameters {}", options.parameters.join(" "))];
+                head.extend(prepared.used().iter().map(line));
+                Ok(Calibration { found, fit, start: machine.clone(), head, diagnostics })
+            }
+            _ => Err(Error::found(diagnostics)),
+        }
+    }
+
+    /// Everything that was found, with units in the names or beside the numbers: parameters and unknowns of set-ups with standard uncertainties, what was
+    /// measured and what is left of every measurement, those held out too, figures of ISO 230, rows that do not fit. It is what `--json` prints.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let data = DataSet::read("samples/measurements/ball_bar.csv")?;
+    /// let mut options = CalibrationOptions::default();
+    /// options.parameters = vec!["EC0X".into()];
+    /// let found = Calibration::run(&Machine::demo(), &[data], &options)?;
+    /// let bar = &found.result().data[0];
+    /// assert!(bar.left_rms < bar.measured_rms && bar.readings == 192);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn result(&self) -> &Found {
+        &self.found
+    }
+
+    /// Warnings about the data and the result.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let data = DataSet::read("samples/measurements/ball_bar.csv")?;
+    /// let mut options = CalibrationOptions::default();
+    /// options.parameters = vec!["EC0X".into()];
+    /// let found = Calibration::run(&Machine::demo(), &[data], &options)?;
+    /// assert!(found.diagnostics().iter().all(|one| one.severity() == Severity::Warning));
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn diagnostics(&self) -> &Diagnostics {
+        &self.diagnostics
+    }
+
+    /// The machine with what was found.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let data = DataSet::read("samples/measurements/ball_bar.csv")?;
+    /// let mut options = CalibrationOptions::default();
+    /// options.parameters = ["EC0X", "EXX1", "EXXb"].map(String::from).to_vec();
+    /// let machine = Calibration::run(&Machine::demo(), &[data.clone()], &options)?.machine();
+    /// // There is nothing more to find in the same data.
+    /// let again = Calibration::run(&machine, &[data], &options)?;
+    /// assert!((again.result().parameters[0].value - again.result().parameters[0].start).abs() < 0.01);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn machine(&self) -> Machine {
+        Machine { errors: self.fit.errors.clone(), ..self.start.clone() }
+    }
+
+    /// The text of a machine file with what was found, and a head that says from which data; `text` is that of the machine file which the calibration began
+    /// with. Comments stay.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let text = std::fs::read_to_string("samples/machines/demo.toml").unwrap();
+    /// let machine = Machine::from_text("demo.toml", &text)?;
+    /// let data = DataSet::read("samples/measurements/ball_bar.csv")?;
+    /// let mut options = CalibrationOptions::default();
+    /// options.parameters = vec!["EC0X".into()];
+    /// let extended = Calibration::run(&machine, &[data], &options)?.extended_machine_text(&text)?;
+    /// assert!(extended.starts_with("# calibrated: ") && Machine::from_text("new.toml", &extended).is_ok());
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the text cannot hold the parameters.
+    pub fn extended_machine_text(&self, text: &str) -> Result<String, Error> {
+        let fault = |reason: String| Error::usage(format!("cannot write into the text of the machine file: {reason}"));
+        let source = Source::new(FileId(0), "machine file", text.as_bytes().to_vec());
+        let source = source.map_err(|_| fault("it is too long".into()))?;
+        // A name may have any character; a comment ends with its line.
+        let head: Vec<String> = self.head.iter().map(|line| line.replace(char::is_control, " ")).collect();
+        machine_text(&source, &self.start.errors, &self.fit, &head).map_err(fault)
+    }
+
+    /// The parameters of the machine, each with its standard uncertainty, in the order of the options.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let data = DataSet::read("samples/measurements/ball_bar.csv")?;
+    /// let mut options = CalibrationOptions::default();
+    /// options.parameters = vec!["EC0X".into()];
+    /// for one in Calibration::run(&Machine::demo(), &[data], &options)?.parameters() {
+    ///     println!("{} {:.1} ± {:.1} {}", one.name, one.value, one.sigma, one.unit);
+    /// }
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn parameters(&self) -> &[Estimate] {
+        &self.found.parameters
+    }
+}
+
+/// The parameters of names and presets.
+fn chosen(machine: &Machine, names: &[String], found: &mut Diagnostics) -> Result<Vec<Parameter>, Error> {
+    let mut all: Vec<Parameter> = Vec::new();
+    let mut text = String::new();
+    for name in names {
+        let Some(preset) = preset::find(name) else {
+            text += &format!("{name}\n");
+            continue;
+        };
+        let own = (preset.parameters)(&machine.machine).map_err(|reason| {
+            Error::usage(format!("preset {name} does not suit the machine {}: {reason}", machine.machine.name))
+        })?;
+        all.extend(own.into_iter().map(Parameter::from));
+    }
+    if !text.is_empty() || all.is_empty() {
+        let source = Source::new(FileId(0), "parameters", text.into_bytes());
+        let source = source.map_err(|_| Error::usage("there are too many parameters".into()))?;
+        let (named, diagnostics) = parameters::read(&source, &machine.machine, &machine.errors);
+        found.extend(diagnostics, std::slice::from_ref(&source));
+        all.extend(named.into_iter().filter(|one| !all.contains(one)).collect::<Vec<_>>());
+    }
+    Ok(all)
+}

@@ -1,0 +1,164 @@
+//! Diagnosis: what the error model of a machine lacks, and why.
+
+use crate::data::{DataSet, measurements};
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
+use crate::machine::Machine;
+use ncfix_base::source::{FileId, Source};
+use ncfix_metrology::results::diagnosis::{self, Cause, DiagnosisResult as Found, DiagnosisSettings};
+use ncfix_metrology::results::extended::Extended;
+use ncfix_metrology::results::measurement::Purpose;
+use ncfix_metrology::results::readings::ShownReadings;
+
+/// What is asked of a diagnosis.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let mut options = DiagnosisOptions::default();
+/// options.machine_text = Some(std::fs::read_to_string("samples/machines/demo.toml").unwrap());
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct DiagnosisOptions {
+    /// The text of the machine file: it is extended by what was found, and what it cannot hold is not called correctable.
+    pub machine_text: Option<String>,
+}
+
+/// What the error model of a machine lacks, the largest first, each cause with its evidence, what it gains on readings that were not seen, and whether it can
+/// be corrected; and what is left.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let data = [DataSet::read("samples/measurements/laser.csv")?];
+/// let found = Diagnosis::run(&Machine::demo(), &data, &DiagnosisOptions::default())?;
+/// for cause in found.causes() {
+///     println!("{} {}: {:.1} ± {:.1} {}", cause.effect, cause.parameter, cause.value, cause.u95, cause.unit);
+/// }
+/// // The data were simulated with a backlash of 5 µm in X, which the machine file lacks.
+/// assert!(found.causes().iter().any(|one| one.effect == "backlash" && one.parameter == "EXX"));
+/// # Ok::<(), ncfix::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    found: Found,
+    extended: Option<Extended>,
+    diagnostics: Diagnostics,
+}
+
+impl Diagnosis {
+    /// Looks for faults of the data and for causes of what the machine's error model leaves of them, those of its [registry](crate::Registry) too; data that are [held out](DataSet::held_out) judge what
+    /// was found.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let few = DataSet::parse("few", "component,X,Y,Z,value_um\nEXX,0,0,0,0\nEXX,350,0,0,8\n", "[measurement]\nkind = \"direct\"\n")?;
+    /// let error = Diagnosis::run(&Machine::demo(), &[few], &DiagnosisOptions::default()).unwrap_err();
+    /// assert!(error.to_string().contains("readings"), "{error}");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where data are wrong, or say nothing: the diagnostics say why, and what to measure.
+    pub fn run(machine: &Machine, data: &[DataSet], options: &DiagnosisOptions) -> Result<Diagnosis, Error> {
+        let mut diagnostics = Diagnostics::default();
+        let how = (Purpose::Diagnosis(&machine.errors), &machine.registry.instruments);
+        let read = measurements(data, machine, how, &mut diagnostics);
+        let Some((all, used, sources)) = read else { return Err(Error::found(diagnostics)) };
+        let text = options.machine_text.as_ref();
+        let file = text.map(|text| Source::new(FileId(0), "machine file", text.as_bytes().to_vec()));
+        let file = file.transpose().map_err(|_| Error::usage("the machine file is too long".into()))?;
+        let settings = DiagnosisSettings {
+            causes: Some(&machine.registry.causes),
+            file: file.as_ref(),
+            ..DiagnosisSettings::default()
+        };
+        let (mut found, mut own) = (Found::default(), Vec::new());
+        let extended = diagnosis::run(
+            (&machine.machine, &machine.errors),
+            all,
+            used,
+            settings,
+            &mut |_, _| {},
+            &mut own,
+            (&mut found, &mut ShownReadings::default()),
+        );
+        diagnostics.extend(own, &sources);
+        extended
+            .map(|extended| Diagnosis { found, extended, diagnostics: diagnostics.clone() })
+            .ok_or_else(|| Error::found(diagnostics))
+    }
+
+    /// The causes that stand, the largest first: each with the value and its expanded uncertainty (95 %), its share of what the model leaves, the gain on
+    /// readings that were not seen, the chance of it where there is nothing, explanations that the data cannot tell from it, and whether a corrected program
+    /// takes it away.
+    ///
+    /// ```no_run
+    /// use ncfix::prelude::*;
+    ///
+    /// let data = [DataSet::read("samples/measurements/laser.csv")?];
+    /// let found = Diagnosis::run(&Machine::demo(), &data, &DiagnosisOptions::default())?;
+    /// let first = &found.causes()[0];
+    /// assert!(first.gain_holdout > 0.0 && first.p < 0.01 && first.correctable == Correctable::Program);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn causes(&self) -> &[Cause] {
+        &self.found.findings
+    }
+
+    /// Everything that was found: noise, sizes before and after, causes, faults of the data, candidates that were rejected, what has no name. It is what
+    /// `--json` prints.
+    ///
+    /// ```no_run
+    /// use ncfix::prelude::*;
+    ///
+    /// let data = [DataSet::read("samples/measurements/laser.csv")?];
+    /// let found = Diagnosis::run(&Machine::demo(), &data, &DiagnosisOptions::default())?;
+    /// assert!(found.result().after.rms_um < found.result().before.rms_um);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn result(&self) -> &Found {
+        &self.found
+    }
+
+    /// Warnings about the data.
+    ///
+    /// ```no_run
+    /// use ncfix::prelude::*;
+    ///
+    /// let data = [DataSet::read("samples/measurements/laser.csv")?];
+    /// let found = Diagnosis::run(&Machine::demo(), &data, &DiagnosisOptions::default())?;
+    /// assert!(!found.diagnostics().has_errors());
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn diagnostics(&self) -> &Diagnostics {
+        &self.diagnostics
+    }
+
+    /// The text of the machine file with the causes that it can hold, all parameters fitted again together; comments stay.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let mut options = DiagnosisOptions::default();
+    /// options.machine_text = Some(std::fs::read_to_string("samples/machines/demo.toml").unwrap());
+    /// let data = [DataSet::read("samples/measurements/laser.csv")?];
+    /// let text = Diagnosis::run(&Machine::demo(), &data, &options)?.extended_machine_text()?;
+    /// assert!(text.contains("kind = \"backlash\"") && Machine::from_text("new.toml", &text).is_ok());
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the options had no machine file, or it cannot hold anything that was found.
+    pub fn extended_machine_text(&self) -> Result<String, Error> {
+        let Some(extended) = &self.extended else {
+            return Err(Error::usage("there is no machine file to extend; give its text in the options".into()));
+        };
+        extended.text.clone().map_err(|(message, help)| Error::usage(format!("{message}; {help}")))
+    }
+}
