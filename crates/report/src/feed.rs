@@ -10,6 +10,7 @@ use super::number::{duration, grouped};
 
 /// What an object of a transfer tells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FeedEvent {
     /// What will happen, before the start.
@@ -39,6 +40,7 @@ pub enum FeedEvent {
 
 /// How a transfer ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FeedOutcome {
     /// All lines were carried out, or at least answered.

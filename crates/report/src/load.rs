@@ -49,6 +49,7 @@ pub struct Coordinate {
 
 /// Where a coordinate comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum PlaceBasis {
     /// From the readings.

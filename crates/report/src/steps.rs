@@ -23,6 +23,7 @@ const PLAIN: &str = "\u{1b}[0m";
 
 /// How far a fixed step keeps a residual.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum StepAnswer {
     /// Any step does.
