@@ -4,13 +4,8 @@
 
 use std::fmt::Write as _;
 
-use ncfix_base::source::{FileId, Source};
-use ncfix_machine::machine::Machine;
-use ncfix_metrology::diagnose::cause::{Candidate, Cause, Causes, Correctable, Effect, Weight, column};
-use ncfix_metrology::diagnose::diagnose_with;
-use ncfix_metrology::diagnose::scene::{Scene, Through};
-use ncfix_metrology::measure::data::{self, DataSet};
-use ncfix_model::ErrorModel;
+use ncfix::extend::cause::{Candidate, Cause, Correctable, Effect, Through, Weight, column};
+use ncfix::prelude::{DataSet, Diagnosis, DiagnosisOptions, Error, Machine, Registry};
 
 static GROWTH: Cause = Cause {
     name: "spindle growth with speed",
@@ -27,7 +22,7 @@ static GROWTH: Cause = Cause {
 };
 
 /// Readings at speeds up to 18,000 1/min in an order that drifts with nothing else; noise of about 0.5 µm.
-fn readings(machine: &Machine, mut seed: u32) -> DataSet {
+fn readings(mut seed: u32) -> Result<DataSet, Error> {
     let mut random = move || {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         f64::from(seed >> 8) / f64::from(1 << 24)
@@ -39,22 +34,17 @@ fn readings(machine: &Machine, mut seed: u32) -> DataSet {
         let _ = writeln!(table, "{},350,250,100,{rpm},{:.2}", 10 * row, 9.0 * (rpm / 1e4).powi(2) + noise);
     }
     let description = "[measurement]\nkind = \"displacement\"\nsigma_um = 0.5\nfree = [\"offset\"]\n";
-    let [table, description] = [table.as_str(), description]
-        .map(|text| Source::new(FileId(0), "speeds", text.as_bytes().to_vec()).expect("a small file"));
-    data::load("speeds", &table, &description, machine).0.expect("sound data")
+    DataSet::parse("speeds", table, description)
 }
 
-pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let demo = Source::new(FileId(0), "demo", std::fs::read("samples/machines/demo.toml")?).expect("a small file");
-    let (machine, _) = ncfix_model::file::load(&demo).0.expect("a sound machine");
-    let sets = [readings(&machine, 1), readings(&machine, 2)];
-    let scene = Scene::new(&machine, &ErrorModel::default(), &sets).expect("set-ups that can be told");
-    let found = diagnose_with(&Causes::default().with(&GROWTH), &scene, &scene, 1, &mut |_, _| {});
-    for one in &found.findings {
-        let (cause, size) = (one.candidate.cause.name, &one.size);
-        println!("{cause}: {:.2} ± {:.2} {}, the largest", size.value, size.u95, size.unit);
+pub(crate) fn main() -> Result<(), Error> {
+    let registry = Registry::default().with_cause(&GROWTH);
+    let machine = Machine::from_file_with("samples/machines/demo.toml", &registry)?;
+    let data = [readings(1)?, readings(2)?.held_out()];
+    let found = Diagnosis::run(&machine, &data, &DiagnosisOptions::default())?;
+    for one in found.causes() {
+        println!("{} {}: {:.2} ± {:.2} {}, the largest", one.effect, one.parameter, one.value, one.u95, one.unit);
     }
-    let gain = found.held_out.ok_or("nothing was held out")?.gain.0;
-    println!("of the readings held out {:.0} % less is left", 100.0 * gain);
+    println!("of the readings held out {:.0} % less is left", 100.0 * found.result().holdout_gain.unwrap_or(0.0));
     Ok(())
 }

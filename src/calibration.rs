@@ -216,7 +216,7 @@ impl Calibration {
         let source = source.map_err(|_| fault("it is too long".into()))?;
         // A name may have any character; a comment ends with its line.
         let head: Vec<String> = self.head.iter().map(|line| line.replace(char::is_control, " ")).collect();
-        machine_text(&source, &self.start.errors, &self.fit, &head).map_err(fault)
+        machine_text((&source, &self.start.registry.model), &self.start.errors, &self.fit, &head).map_err(fault)
     }
 
     /// The parameters of the machine, each with its standard uncertainty, in the order of the options.

@@ -72,6 +72,8 @@ impl Diagnosis {
         let file = file.transpose().map_err(|_| Error::usage("the machine file is too long".into()))?;
         let settings = DiagnosisSettings {
             causes: Some(&machine.registry.causes),
+            checks: Some(&machine.registry.checks),
+            model: Some(&machine.registry.model),
             file: file.as_ref(),
             ..DiagnosisSettings::default()
         };

@@ -14,7 +14,7 @@ use ncfix_model::Accumulator;
 use ncfix_tables::tables::check::check;
 use ncfix_tables::tables::region::Region;
 use ncfix_tables::tables::scheme::{self, Task};
-use ncfix_tables::tables::{self, Control, FORMATS, Format, Multiplication, Orientation, Wiring};
+use ncfix_tables::tables::{self, Control, Format, Multiplication, Orientation, Wiring};
 
 /// Start of the generator of the poses of a check: none of those of a scheme.
 const SEED: u64 = 0x43_4845_434b;
@@ -109,7 +109,7 @@ impl Tables {
     /// # Errors
     /// Where there is no such format or scheme, an axis has no travel, or the control cannot hold tables that leave less than none.
     pub fn make(machine: &Machine, format: &str, options: &TableOptions) -> Result<Tables, Error> {
-        let format = of_name(format)?;
+        let format = of_name(machine, format)?;
         let machine = &itself(machine);
         let own = &machine.machine;
         let region = travel(machine)?;
@@ -140,10 +140,12 @@ impl Tables {
             found.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, help), &[]);
             Error::found(found)
         };
-        let (name, made) = match scheme::find(&options.scheme) {
+        let schemes = &machine.registry.schemes;
+        let named = schemes.iter().find(|one| one.name.eq_ignore_ascii_case(&options.scheme));
+        let (name, made) = match named {
             Some(scheme) => (scheme.name, scheme.tables(&task).map_err(refused)?),
             None if options.scheme.eq_ignore_ascii_case("auto") => {
-                let (best, _) = scheme::choose(&task);
+                let (best, _) = scheme::choose_with(schemes, &task);
                 let (scheme, made) = best.ok_or_else(|| refused("no scheme reaches the tolerance".into()))?;
                 (scheme.name, made)
             }
@@ -196,7 +198,7 @@ impl Tables {
     /// # Errors
     /// Where there is no such format, or the text is not in it.
     pub fn parse(name: &str, text: impl Into<Vec<u8>>, format: &str, machine: &Machine) -> Result<Tables, Error> {
-        let format = of_name(format)?;
+        let format = of_name(machine, format)?;
         let wiring = Wiring::of(&machine.machine);
         let source = Source::new(FileId(0), name, text.into());
         let source = source.map_err(|_| Error::usage(format!("{name} is too large")))?;
@@ -272,9 +274,10 @@ fn itself(machine: &Machine) -> Machine {
     machine
 }
 
-fn of_name(name: &str) -> Result<&'static Format, Error> {
-    let names = || FORMATS.iter().map(|one| one.name).collect::<Vec<_>>().join(", ");
-    let found = FORMATS.iter().find(|one| one.name.eq_ignore_ascii_case(name));
+fn of_name(machine: &Machine, name: &str) -> Result<&'static Format, Error> {
+    let formats = &machine.registry.formats;
+    let names = || formats.names().collect::<Vec<_>>().join(", ");
+    let found = formats.iter().copied().find(|one| one.name.eq_ignore_ascii_case(name));
     found.ok_or_else(|| Error::usage(format!("there is no format '{name}'; the formats are {}", names())))
 }
 

@@ -156,6 +156,6 @@ fn text(
         let hash = short_hash(one.sources.iter().map(Source::bytes));
         format!("{} {} ({hash})", one.data.kind.name, name(one.sources[0].name()))
     }));
-    machine_text(start, &chosen.errors, fit, &head)
+    machine_text((start, &chosen.registry.model), &chosen.errors, fit, &head)
         .map_err(|reason| Stop::Usage(format!("cannot write into the text of {}: {reason}", start.name())))
 }

@@ -106,10 +106,10 @@ fn find(
     }
     let file = old(target.is_some(), chosen.files.last())?;
     let settings = DiagnosisSettings {
-        causes: None,
         file: file.as_ref(),
         is_extended: target.is_some(),
         with_readings: page.is_some(),
+        ..DiagnosisSettings::default()
     };
     let sources = measurement::sources_of(&all);
     let (mut progress, mut found) = (Progress::new(), Vec::new());

@@ -16,7 +16,7 @@ use ncfix_base::number::{micrometers, significant};
 use ncfix_base::source::Source;
 use ncfix_base::units::{Unit, um_from_mm};
 use ncfix_machine::machine::{Condition, Machine};
-use ncfix_model::{ErrorModel, Model, file, write};
+use ncfix_model::{ErrorModel, Model, ModelRegisters, file, write};
 
 /// The model leaves more than the instrument explains beyond this many standard uncertainties.
 const POOR: f64 = 3.0;
@@ -380,7 +380,12 @@ const HEAD: &str = "# calibrated:";
 ///
 /// # Errors
 /// Why it cannot be written, as a part of a sentence.
-pub fn machine_text(start: &Source, before: &ErrorModel, fit: &Fit, head: &[String]) -> Result<String, String> {
+pub fn machine_text(
+    (start, registers): (&Source, &ModelRegisters),
+    before: &ErrorModel,
+    fit: &Fit,
+    head: &[String],
+) -> Result<String, String> {
     let old = std::str::from_utf8(start.bytes()).map_err(|_| "it is not UTF-8")?;
     let errors = &fit.errors;
     let body = write::write(old, before, errors).map_err(|reason| reason.0)?;
@@ -390,7 +395,9 @@ pub fn machine_text(start: &Source, before: &ErrorModel, fit: &Fit, head: &[Stri
     // What is written must be what was found.
     let again =
         Source::new(start.id(), start.name(), text.clone().into_bytes()).map_err(|_| "it is too long".to_owned())?;
-    let Some((_, written)) = file::load(&again).0 else { return Err("the result is no machine file".into()) };
+    let Some((_, written)) = file::load_with(&again, registers).0 else {
+        return Err("the result is no machine file".into());
+    };
     for parameter in fit.estimates.iter().filter_map(|one| one.column.parameter()) {
         let (found, read) = (parameter.get(errors), parameter.get(&written));
         if (found - read).abs() > 1e-9 * found.abs() + f64::MIN_POSITIVE {

@@ -7,7 +7,7 @@
 use super::diagnosis::DataFault;
 use super::measurement::{Measurement, data_of};
 use crate::diagnose::Scene;
-use crate::diagnose::fault::{Fault, Then, find, mend_sensors};
+use crate::diagnose::fault::{Checks, Fault, Then, find_with, mend_sensors};
 use crate::measure::data::DataSet;
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -18,29 +18,27 @@ use ncfix_model::ErrorModel;
 /// Looks for faults in measurements of which the first `used` are used and the others held out, and takes sensors out that have one; rows of the
 /// former are excluded from a scene with [`crate::diagnose::fault::exclude`] by what comes back.
 pub(super) fn look(
-    machine: &Machine,
-    errors: &ErrorModel,
+    of: (&Machine, &ErrorModel, &Checks),
     all: &mut [Measurement],
     used: usize,
     findings: &mut Vec<Diagnostic>,
     report: &mut Vec<DataFault>,
 ) -> Vec<Fault> {
     let (own, held_out) = all.split_at_mut(used.min(all.len()));
-    let faults = look_in(machine, errors, (own, false), findings, report);
-    look_in(machine, errors, (held_out, true), findings, report);
+    let faults = look_in(of, (own, false), findings, report);
+    look_in(of, (held_out, true), findings, report);
     faults
 }
 
 fn look_in(
-    machine: &Machine,
-    errors: &ErrorModel,
+    (machine, errors, checks): (&Machine, &ErrorModel, &Checks),
     (measurements, is_held_out): (&mut [Measurement], bool),
     findings: &mut Vec<Diagnostic>,
     report: &mut Vec<DataFault>,
 ) -> Vec<Fault> {
     let mut sets = data_of(measurements);
     // Where readings cannot even tell the set-ups, who goes on says so.
-    let mut faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find(&scene));
+    let mut faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find_with(checks, &scene));
     // Rows that judge stay in: then the sensor says nothing.
     for fault in
         faults.iter_mut().filter(|fault| is_held_out && fault.kind == "sensor" && fault.then == Then::WithoutRows)

@@ -10,6 +10,7 @@ use super::readings::{self, ShownReadings};
 use super::{data_faults, has_errors};
 use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
+use crate::diagnose::fault::Checks;
 use crate::diagnose::{
     self, Causes, Compared, Diagnosis as Found, FAR_OUT, Gate, Scene, Source, diagnose, diagnose_with, fault,
     freedom_of, reads_angles, shape,
@@ -19,7 +20,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source;
 use ncfix_base::units::UnitKey;
 use ncfix_machine::machine::Machine;
-use ncfix_model::ErrorModel;
+use ncfix_model::{ErrorModel, ModelRegisters};
 
 /// Readings beyond the unknowns of set-ups that say anything.
 const LEAST: usize = 3;
@@ -305,6 +306,10 @@ pub struct Cause {
 pub struct DiagnosisSettings<'a> {
     /// The causes that are looked for; without them those that are built in.
     pub causes: Option<&'a Causes>,
+    /// The kinds of faults of the data that are looked for; without them those that are built in.
+    pub checks: Option<&'a Checks>,
+    /// What the machine file may say of errors; without it what is built in.
+    pub model: Option<&'a ModelRegisters>,
     /// The machine file, where there is one: what it cannot hold is not called correctable.
     pub file: Option<&'a source::Source>,
     /// Whether it is to be written with what was found: findings say then why it cannot be.
@@ -333,7 +338,8 @@ pub fn run(
     if has_errors(findings) {
         return None;
     }
-    let faults = data_faults::look(machine, errors, &mut all, used, findings, &mut report.data_faults);
+    let checks = settings.checks.cloned().unwrap_or_default();
+    let faults = data_faults::look((machine, errors, &checks), &mut all, used, findings, &mut report.data_faults);
     let sets: Vec<DataSet> = all.into_iter().map(|one| one.data).collect();
     if has_errors(findings) {
         return None;
@@ -369,7 +375,8 @@ pub fn run(
     tell_all(&found, &of_model, (&sets, used), report);
     let extension = extension(&found, &of_model, used);
     let refused: Vec<Option<String>> = extension.iter().map(|changes| changes.as_ref().err().cloned()).collect();
-    let job = Job { machine, scene: &of_model, used, found: &found, extension };
+    let registers = settings.model.cloned().unwrap_or_default();
+    let job = Job { machine, registers, scene: &of_model, used, found: &found, extension };
     let mut aside = Vec::new();
     let made = settings.file.and_then(|file| job.make(file, if settings.is_extended { findings } else { &mut aside }));
     can_be_done(made.as_ref().map_or(&refused, |made| &made.why_not), report);

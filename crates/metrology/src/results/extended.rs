@@ -12,7 +12,7 @@ use ncfix_machine::machine::edit::Edit;
 use ncfix_model::motion::Function;
 use ncfix_model::name::ErrorKind;
 use ncfix_model::parameter::Term;
-use ncfix_model::{ErrorModel, ParameterName, file, write};
+use ncfix_model::{ErrorModel, ModelRegisters, ParameterName, file, write};
 
 const MACHINE: FileId = FileId(0);
 /// What is read back may differ by the digits that are written.
@@ -22,6 +22,8 @@ const SECTIONS: &str = "write location and motion as sections of their own";
 /// What shall be written.
 pub(super) struct Job<'a> {
     pub(super) machine: &'a Machine,
+    /// What its file may say.
+    pub(super) registers: ModelRegisters,
     pub(super) scene: &'a Scene<'a>,
     /// Measurements that were used; those behind them were held out.
     pub(super) used: usize,
@@ -77,8 +79,10 @@ impl Job<'_> {
         for changes in &self.extension {
             let made = changes.clone().and_then(|changes| {
                 let mut own = grown.text.clone();
-                let anchors =
-                    changes.iter().map(|change| made(old, &mut own, change)).collect::<Result<Vec<_>, _>>()?;
+                let anchors = changes
+                    .iter()
+                    .map(|change| made((old, &self.registers), &mut own, change))
+                    .collect::<Result<Vec<_>, _>>()?;
                 if anchors.is_empty() {
                     return Err("the readings do not say how much of it there is".into());
                 }
@@ -105,8 +109,9 @@ impl Job<'_> {
             return Err(("nothing was found that a machine file can hold".into(), help));
         }
         let fault = || (format!("{} cannot be read again", old.name()), SECTIONS);
-        let read = load(old, &grown.text).ok_or_else(fault)?;
-        let original = load(old, original).ok_or_else(fault)?;
+        let from = (old, &self.registers);
+        let read = load(from, &grown.text).ok_or_else(fault)?;
+        let original = load(from, original).ok_or_else(fault)?;
         let changes: Vec<Change> = self
             .extension
             .iter()
@@ -119,7 +124,7 @@ impl Job<'_> {
         let errors = fitted.as_ref().map_or(&read, |fitted| &fitted.errors);
         let changed = write::write(&grown.text, &read, errors).map_err(|reason| (reason.0, SECTIONS))?;
         let out = self.noted(&changed, grown, fitted.as_ref());
-        let written = load(old, &out).ok_or(("the result is no machine file".to_owned(), SECTIONS))?;
+        let written = load(from, &out).ok_or(("the result is no machine file".to_owned(), SECTIONS))?;
         for parameter in &parameters {
             let [found, read] = [errors, &written].map(|errors| parameter.get(errors));
             if (found - read).abs() > DIGITS * found.abs() + f64::MIN_POSITIVE {
@@ -235,10 +240,10 @@ impl Job<'_> {
 const LOST: f64 = 1.01;
 
 /// Makes one change in a text; where it stands, or why it does not go.
-fn made(old: &Source, text: &mut String, change: &Change) -> Result<Anchor, String> {
+fn made(from: (&Source, &ModelRegisters), text: &mut String, change: &Change) -> Result<Anchor, String> {
     let no = || "it does not go beside what the machine file has already".to_owned();
     let anchor = if let Change::Parameter { name, amount } = change {
-        let read = load(old, text).ok_or_else(no)?;
+        let read = load(from, text).ok_or_else(no)?;
         let mut errors = read.clone();
         name.set(&mut errors, name.get(&read) + amount);
         *text = write::write(text, &read, &errors).map_err(|reason| reason.0)?;
@@ -249,7 +254,7 @@ fn made(old: &Source, text: &mut String, change: &Change) -> Result<Anchor, Stri
         *text = edit.text();
         anchor
     };
-    load(old, text).ok_or_else(no)?;
+    load(from, text).ok_or_else(no)?;
     Ok(anchor)
 }
 
@@ -282,6 +287,7 @@ fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64,
                 let rest = own.name().strip_prefix(&format!("load.{name}"));
                 rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '~']))
             }
+            (Change::Entry { list, .. }, Parameter::Effect(own)) => own.name().starts_with(&format!("{list}.")),
             _ => false,
         })
     };
@@ -298,7 +304,7 @@ fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64,
 }
 
 /// The errors of a machine file.
-fn load(old: &Source, text: &str) -> Option<ErrorModel> {
+fn load((old, registers): (&Source, &ModelRegisters), text: &str) -> Option<ErrorModel> {
     let source = Source::new(MACHINE, old.name(), text.as_bytes().to_vec()).ok()?;
-    file::load(&source).0.map(|(_, errors)| errors)
+    file::load_with(&source, registers).0.map(|(_, errors)| errors)
 }
