@@ -42,8 +42,11 @@ fn arithmetic(name: &str) -> Option<fn(&[f64]) -> f64> {
     })
 }
 
+/// The value of a function of texts and axes; `None` where an argument has the wrong type.
+type Textual = fn(&[Value]) -> Option<Value>;
+
 /// The value of a function of texts and axes, which has as many arguments as the table of words says.
-fn textual(name: &str) -> Option<fn(&[Value]) -> Option<Value>> {
+fn textual(name: &str) -> Option<Textual> {
     Some(match name {
         "STRLEN" => |a| Some(Value::Int(text(&a[0])?.len() as i64)),
         "TOUPPER" => |a| Some(Value::Text(text(&a[0])?.to_ascii_uppercase())),
