@@ -67,13 +67,13 @@ fn quoted(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Size, Term};
+    use super::super::select::{SensorTerm, SubsetSize};
     use super::*;
 
     #[test]
     fn sensors_that_may_stand_for_another_one_are_a_comment_of_one_line() {
         let alike = vec!["nose\nof the spindle".into(), "column".into()];
-        let term = Term { sensor: "bearing".into(), um_per_k: -1.5, lag_s: 0.0, alike };
+        let term = SensorTerm { sensor: "bearing".into(), um_per_k: -1.5, lag_s: 0.0, alike };
         let size =
             SubsetSize { terms: vec![term], cp: None, efficiency: 0.9, independent: 0.8, left_um: 2.0, is_exact: true };
         let one =
