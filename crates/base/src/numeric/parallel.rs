@@ -55,7 +55,7 @@ mod tests {
         assert_eq!(repeated(1000, &|number| (number * number) as u64, &mut |done| told.push(done)), squares);
         assert_eq!(told, (1..=1000).collect::<Vec<u64>>());
         assert_eq!(both(|| 1, || "two"), (1, "two"));
-        assert_eq!(in_parts(&[0_u8; 0], &|byte| *byte), []);
+        assert_eq!(in_parts(&[0_u8; 0], &|byte| *byte), Vec::<u8>::new());
     }
 
     #[test]
