@@ -150,7 +150,7 @@ impl<'a> Correction<'a> {
     /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
     /// let report = program.correct(&machine, &Options::default()).report()?;
     /// assert_eq!(report.blocks_in, 3);
-    /// assert!(report.max_correction["X_um"] > 10.0);
+    /// assert!(report.before.unwrap().max_um > report.after.unwrap().max_um);
     /// # Ok::<(), ncfix::Error>(())
     /// ```
     ///

@@ -1,6 +1,6 @@
 //! What holds of a measurement that is held against a model: sizes by direction and component, readings and circles for pictures.
 
-use super::calibration::Data;
+use super::calibrated::Data;
 use super::compared::{Circle, Part, Point, Readings};
 use crate::calibrate::{Compared, Fit, Quality};
 use crate::measure::circles::{self, circles};

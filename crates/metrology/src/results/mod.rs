@@ -3,6 +3,7 @@
 //!
 //! The types are what `--json` prints; [`ncfix_report`](https://docs.rs/ncfix-report) draws them as text and pages.
 
+mod calibrated;
 pub mod calibration;
 mod cells;
 pub mod compared;

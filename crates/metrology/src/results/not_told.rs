@@ -1,6 +1,7 @@
 //! What is said of parameters that the data cannot tell: refusals, and models that are reduced.
 
-use super::calibration::LeftOut;
+use serde::Serialize;
+
 use super::measurement::{Measurement, data_of, first_line};
 use crate::calibrate::words::listed;
 use crate::calibrate::{Confused, Estimate, Fault, Fit, Lost, Parameter, Unsettled, reduce};
@@ -9,6 +10,16 @@ use ncfix_base::number::{micrometers, significant};
 use ncfix_base::units::um_from_mm;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
+
+/// Parameters that were left out for one reason.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LeftOut {
+    /// Their names.
+    pub parameters: Vec<String>,
+    /// Why the data cannot tell them.
+    pub reason: String,
+}
 
 /// Kinds of combinations that are said, the most frequent ones.
 const MOST_SAID: usize = 10;

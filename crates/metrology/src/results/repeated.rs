@@ -1,6 +1,6 @@
 //! Simulated repetitions of a fit beside its uncertainties.
 
-use super::calibration::CalibrationResult;
+use super::calibrated::CalibrationResult;
 use super::cells::unit_of;
 use super::measurement::{Measurement, data_of};
 use super::not_told;
