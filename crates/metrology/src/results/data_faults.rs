@@ -4,7 +4,8 @@
 //! In data held out rows stay in whatever is found: they are the judge, and nobody shall choose what it sees. What its sensors say at fault is no
 //! reading of them, though, and a file in another unit or with other axes judges nothing: it is refused as well.
 
-use super::diagnosis::DataFault;
+use serde::Serialize;
+
 use super::measurement::{Measurement, data_of};
 use crate::diagnose::Scene;
 use crate::diagnose::fault::{Checks, Fault, Then, find_with, mend_sensors};
@@ -14,6 +15,29 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::Source;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
+
+/// A fault of the data.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DataFault {
+    /// `outlier`, `sensor` …
+    pub kind: String,
+    /// The measurement, sensor or column.
+    pub name: String,
+    /// What is wrong with it.
+    pub what: String,
+    /// Rows from 1: the first and the last, of outliers each.
+    pub rows: Vec<usize>,
+    /// The measurement.
+    pub file: String,
+    /// Why this is thought.
+    pub evidence: String,
+    /// What was left out for it.
+    pub excluded: String,
+    /// Whether [`Self::rows`] are a first and a last row, and not rows one by one.
+    #[serde(skip)]
+    pub is_range: bool,
+}
 
 /// Looks for faults in measurements of which the first `used` are used and the others held out, and takes sensors out that have one; rows of the
 /// former are excluded from a scene with [`crate::diagnose::fault::exclude`] by what comes back.

@@ -4,6 +4,7 @@ use std::panic::resume_unwind;
 
 use serde::Serialize;
 
+pub use super::data_faults::DataFault;
 use super::extended::{Extended, Job};
 use super::measurement::{Measurement, check_copies, check_near_copies};
 use super::readings::{self, ShownReadings};
@@ -171,29 +172,6 @@ pub struct With {
     pub driver: String,
     /// How much of it.
     pub rms_um: f64,
-}
-
-/// A fault of the data.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct DataFault {
-    /// `outlier`, `sensor` …
-    pub kind: String,
-    /// The measurement, sensor or column.
-    pub name: String,
-    /// What is wrong with it.
-    pub what: String,
-    /// Rows from 1: the first and the last, of outliers each.
-    pub rows: Vec<usize>,
-    /// The measurement.
-    pub file: String,
-    /// Why this is thought.
-    pub evidence: String,
-    /// What was left out for it.
-    pub excluded: String,
-    /// Whether [`Self::rows`] are a first and a last row, and not rows one by one.
-    #[serde(skip)]
-    pub is_range: bool,
 }
 
 /// A candidate that did not stand.
