@@ -252,7 +252,10 @@ pub enum Term {
 /// Makes changes of the machine file from the amounts of the columns of a candidate, mm or rad per unit of their weights; or says why they cannot be
 /// written, in a sentence without a full stop.
 #[derive(Clone)]
-pub struct FileTerm(Arc<dyn Fn(&[f64]) -> Result<Vec<Change>, String> + Send + Sync>);
+pub struct FileTerm(Arc<MakesChanges>);
+
+/// From amounts to changes, or why there are none.
+type MakesChanges = dyn Fn(&[f64]) -> Result<Vec<Change>, String> + Send + Sync;
 
 impl FileTerm {
     /// The changes for these amounts.

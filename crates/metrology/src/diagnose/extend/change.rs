@@ -84,7 +84,8 @@ pub enum Change {
         /// The value of a location error, or the coefficients of a polynomial, mm or rad per power.
         values: Vec<f64>,
     },
-    /// An entry of a source of one's own: the amounts are added to the entry that has these words, or a new one is written.
+    /// An entry of a source of one's own, in a list `[[…]]`: the amounts are added to the entry that has these words and the numbers among the other keys,
+    /// or a new one is written.
     Entry {
         /// Its list of sections: `beam` for `[[beam]]`.
         list: &'static str,
@@ -92,7 +93,7 @@ pub enum Change {
         words: Vec<(&'static str, String)>,
         /// Keys and by how much their numbers grow, in the unit of the key: `mid_um` by −12.5.
         amounts: Vec<(&'static str, f64)>,
-        /// Other keys that a new entry gets.
+        /// Other keys that a new entry gets. Numbers tell entries apart too: `at_mm` 300 is another entry than 500.
         keys: Vec<(&'static str, Given)>,
     },
 }
@@ -145,7 +146,7 @@ impl Change {
                 return warm::growth(edit, *axis, (sensor, *lag_s), [*um_per_m_k, *um_per_k]);
             }
             Change::Load { name, reference_n, lean, values } => load(edit, *name, (*reference_n, *lean), values),
-            Change::Entry { list, words, amounts, keys } => entry(edit, list, (words, amounts), keys),
+            Change::Entry { list, words, amounts, keys } => entry(edit, list, words, amounts, keys),
         };
         is_done.ok_or_else(|| "the machine file has its list in a form that cannot be added to".into())
     }
@@ -243,10 +244,18 @@ fn wave(
 fn entry(
     edit: &mut Edit,
     list: &'static str,
-    (words, amounts): (&[(&'static str, String)], &[(&'static str, f64)]),
+    words: &[(&'static str, String)],
+    amounts: &[(&'static str, f64)],
     keys: &[(&'static str, Given)],
 ) -> Option<Anchor> {
-    let found = entries(edit, list, words).next();
+    // An entry at another place is another one.
+    let is_there = |index: usize| {
+        keys.iter().all(|(key, given)| match given {
+            Given::Number(wanted) => edit.number(list, index, key).is_some_and(|own| same(own, *wanted)),
+            _ => true,
+        })
+    };
+    let found = entries(edit, list, words).find(|&index| is_there(index));
     if let Some(index) = found {
         for (key, amount) in amounts {
             let sum = edit.number(list, index, key).unwrap_or(0.0) + amount;
