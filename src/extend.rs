@@ -5,10 +5,16 @@
 /// Sources of error with sections of the machine file, and kinds of motion errors.
 pub mod source {
     pub use ncfix_base::diagnostic::Code;
-    pub use ncfix_base::geometry::{Axis, AxisVector};
+    pub use ncfix_base::geometry::{Axis, AxisVector, Vector};
     pub use ncfix_machine::machine::file::Section;
     pub use ncfix_machine::machine::{Condition, Load, State};
+    pub use ncfix_model::motion::backlash::Backlash;
+    pub use ncfix_model::motion::cross::Cross;
+    pub use ncfix_model::motion::grid::Grid;
+    pub use ncfix_model::motion::periodic::Periodic;
+    pub use ncfix_model::motion::piecewise::{Knot, Piecewise};
     pub use ncfix_model::motion::polynomial::Polynomial;
+    pub use ncfix_model::motion::table::Table;
     pub use ncfix_model::motion::{Entry, Function, MotionFunction, MotionKind, Sampling};
     pub use ncfix_model::name::{Direction, ErrorName};
     pub use ncfix_model::source::{Parameter, Reading, Written};
@@ -20,12 +26,20 @@ pub mod cause {
     pub use ncfix_base::geometry::Axis;
     pub use ncfix_machine::machine::edit::Given;
     pub use ncfix_metrology::diagnose::cause::{
-        Candidate, Cause, Correctable, Effect, Propose, Term, Weight, axes, column, linear, own, range, times,
+        Candidate, Cause, Correctable, Effect, Propose, Term, Values, Weight, axes, column, linear, own, range, times,
     };
     pub use ncfix_metrology::diagnose::extend::Change;
     pub use ncfix_metrology::diagnose::row::Row;
     pub use ncfix_metrology::diagnose::scene::{Scene, Through};
+    pub use ncfix_model::name::Direction;
     pub use ncfix_model::{ErrorName, ParameterName};
+}
+
+/// Presets: which parameters an error model has.
+pub mod preset {
+    pub use ncfix_machine::machine::Machine;
+    pub use ncfix_model::ParameterName;
+    pub use ncfix_model::preset::{Preset, Unsuitable};
 }
 
 /// Kinds of measurement, and faults of the data.

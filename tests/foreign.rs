@@ -345,6 +345,11 @@ fn a_cause_is_named_and_its_term_written_fitted_and_read_again() {
     let (_, doubled) = read(&edit.text(), &with_beams()).0.unwrap();
     let [once, twice] = [&extended, &doubled].map(|errors| parameters[0].get(errors));
     assert!((twice - 2.0 * once).abs() < 2e-9, "{once} {twice}");
+    // At another place it is another entry.
+    let Change::Entry { list, words, amounts, .. } = changes[0].clone() else { panic!("{changes:?}") };
+    let keys = vec![("from_mm", Given::Number(0.0)), ("to_mm", Given::Number(350.0))];
+    Change::Entry { list, words, amounts, keys }.make(&mut edit).unwrap();
+    assert_eq!(edit.text().matches("[[beam]]").count(), 2);
 }
 
 /// A gauge that reads the height of the tool above the table alone.

@@ -1,6 +1,10 @@
 //! JSON schemas of what `--json` prints, one per command: derived from the types of the results, so that they cannot differ from them.
 
-#![allow(dead_code, reason = "the enums say which results one command has; only their schemas are used")]
+#![allow(
+    dead_code,
+    clippy::large_enum_variant,
+    reason = "the enums say which results one command has; only their schemas are used"
+)]
 
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
