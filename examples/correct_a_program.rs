@@ -1,5 +1,7 @@
 //! Corrects a part program for the measured errors of one machine, and shows what that did.
 
+#![allow(clippy::print_stdout, reason = "an example shows what it found")]
+
 use ncfix::prelude::*;
 
 /// A pocket in a plate, milled on a Sinumerik.

@@ -1,5 +1,7 @@
 //! Asks how far a machine is off at a pose: cold and empty, with a workpiece on its table, and after a reversal.
 
+#![allow(clippy::print_stdout, reason = "an example shows what it found")]
+
 use ncfix::prelude::*;
 
 /// A small machine: Y carries the table, X and Z the spindle. Squareness, a scale that is wrong, backlash, a table that tilts under weight.

@@ -1,6 +1,8 @@
 //! Fits parameters of a machine to readings of a ball-bar and prints them with their uncertainties:
 //! `cargo run --example fit_ball_bar_data`.
 
+#![allow(clippy::print_stdout, reason = "an example shows what it found")]
+
 use ncfix::prelude::*;
 
 fn main() -> Result<(), Error> {

@@ -2,6 +2,8 @@
 //!
 //! The data are made here, with this effect of 9 µm at 10,000 1/min and noise; diagnosis names it and says what it gains on data held out.
 
+#![allow(clippy::print_stdout, reason = "an example shows what it found")]
+
 use std::fmt::Write as _;
 
 use ncfix::extend::cause::{Candidate, Cause, Correctable, Effect, Through, Weight, column};

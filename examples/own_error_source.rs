@@ -3,6 +3,8 @@
 //! Its weight times the reach y tips it, and the tip times the reach lowers the workpiece: by s (y/L)², s at the reach L. `[overhang]` of the machine file
 //! has both. The error adds up with all others, is corrected, and calibration fits it as `overhang.sag`.
 
+#![allow(clippy::print_stdout, reason = "an example shows what it found")]
+
 use ncfix::extend::source::*;
 use ncfix::{Machine, Registry, ToolVector};
 
