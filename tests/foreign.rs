@@ -388,7 +388,7 @@ fn an_instrument_is_read_and_fitted() {
     }
     let set = measured(&table, "kind = \"height\"\nsigma_um = 0.3\n", &machine);
     let parameter = Parameter::from(ncfix_metrology::calibrate::effect::effect_parameters(&errors).remove(0));
-    let fitted = fit(&machine, &errors, &[parameter.clone()], &[set], Options { robust: false }).unwrap();
+    let fitted = fit(&machine, &errors, std::slice::from_ref(&parameter), &[set], Options { robust: false }).unwrap();
     assert!((parameter.get(&fitted.errors) + 0.020).abs() < 1e-8);
 }
 
