@@ -5,7 +5,7 @@
 
 use ncfix::prelude::*;
 
-fn main() -> Result<(), Error> {
+pub(crate) fn main() -> Result<(), Error> {
     let machine = Machine::from_file("samples/machines/demo.toml")?;
     // The table of readings; its description, ball_bar.toml, lies beside it.
     let data = [DataSet::read("samples/measurements/ball_bar.csv")?];
@@ -15,6 +15,10 @@ fn main() -> Result<(), Error> {
     let found = Calibration::run(&machine, &data, &options)?;
     print!("{}", found.diagnostics());
 
+    // The circles were made with 43 µrad, 52 µm/m and 2.5 µm.
+    for (one, made_with) in found.result().parameters.iter().zip([43.0, 52.0, 2.5]) {
+        assert!((one.value - made_with).abs() < 4.0 * one.sigma, "{one:?}");
+    }
     println!("parameter       value      ± 1σ  unit      before");
     for one in found.parameters() {
         println!("{:<10}{:>11.2}{:>10.2}  {:<6}{:>10.2}", one.name, one.value, one.sigma, one.unit, one.start);

@@ -47,6 +47,7 @@ pub(crate) fn main() -> Result<(), Error> {
     for one in found.causes() {
         println!("{} {}: {:.2} ± {:.2} {}, the largest", one.effect, one.parameter, one.value, one.u95, one.unit);
     }
+    assert!(found.causes().iter().any(|one| one.effect == "spindle-growth"));
     println!("of the readings held out {:.0} % less is left", 100.0 * found.result().holdout_gain.unwrap_or(0.0));
     Ok(())
 }

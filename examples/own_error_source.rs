@@ -2,7 +2,6 @@
 //!
 //! Its weight times the reach y tips it, and the tip times the reach lowers the workpiece: by s (y/L)², s at the reach L. `[overhang]` of the machine file
 //! has both. The error adds up with all others, is corrected, and calibration fits it as `overhang.sag`.
-
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
 use ncfix::extend::source::*;
@@ -51,10 +50,12 @@ impl Effect for Overhang {
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let text = std::fs::read_to_string("samples/machines/demo.toml")? + EXAMPLE;
     let machine = Machine::from_text_with("demo.toml", &text, &Registry::default().with_source(Overhangs))?;
-    for pose in ["Y0", "Y250", "Y500"] {
+    for (pose, by_hand_um) in [("Y0", 0.0), ("Y250", 2.25), ("Y500", 9.0_f64)] {
         let at = pose.parse()?;
         let dz = |machine: &Machine| machine.deviation(&at, ToolVector::Length(0.0), &State::default()).position_um[2];
-        println!("{pose}: the tool is {:.2} µm higher above the table", dz(&machine) - dz(&Machine::demo()));
+        let rise_um = dz(&machine) - dz(&Machine::demo());
+        println!("{pose}: the tool is {rise_um:.2} µm higher above the table");
+        assert!((rise_um - by_hand_um).abs() < 0.01);
     }
     Ok(())
 }

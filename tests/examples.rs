@@ -6,6 +6,8 @@ mod correct_a_program;
 mod error_at_a_pose;
 #[path = "../examples/feed_with_own_sensor.rs"]
 mod feed_with_own_sensor;
+#[path = "../examples/fit_ball_bar_data.rs"]
+mod fit_ball_bar_data;
 
 /// Lines of an example at most.
 const MOST_LINES: usize = 60;
@@ -23,6 +25,11 @@ fn a_machine_says_its_error_at_a_pose() {
 #[test]
 fn a_link_is_fed_with_a_sensor_of_ones_own() {
     feed_with_own_sensor::main().unwrap();
+}
+
+#[test]
+fn parameters_are_fitted_to_a_ball_bar() {
+    fit_ball_bar_data::main().unwrap();
 }
 
 #[test]

@@ -258,3 +258,20 @@ impl Words {
         Diagnostic::at(Code::NOT_SUPPORTED, place, format!("{what} cannot be written in the dialect {dialect}"), help)
     }
 }
+
+#[cfg(test)]
+mod stop_tests {
+    use super::{fanuc, rs274};
+
+    /// A code of the group that a writer did not know would be ended at the control by what it writes around the lines of a block.
+    #[test]
+    fn writers_know_every_code_of_exact_stops_that_is_passed_on() {
+        for flavour in [fanuc::FLAVOUR, rs274::FLAVOUR] {
+            let codes = ncfix_dialect::find(flavour.dialect).unwrap().codes();
+            let group = codes.rows().iter().find(|row| row.name == flavour.stops.always).unwrap().group;
+            let all: Vec<&str> = codes.rows().iter().filter(|row| row.group == group).map(|row| row.name).collect();
+            assert!(all.len() >= 3, "{all:?}");
+            assert_eq!(all, flavour.stops.group, "{}", flavour.dialect);
+        }
+    }
+}
