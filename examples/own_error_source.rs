@@ -10,7 +10,6 @@ use ncfix::{Machine, Registry, ToolVector};
 const EXAMPLE: &str = "[overhang]\nreach_mm = 500\nsag_um = 9\n";
 static OVERHANG: SourceInfo =
     SourceInfo { name: "overhang", title: "sag of the table", sections: &["overhang"], example: EXAMPLE };
-
 struct Overhangs;
 
 impl ErrorSource for Overhangs {
