@@ -23,7 +23,7 @@ pub use ncfix_machine::machine::{Condition, Load, State};
 pub use ncfix_machine::snc::{Element, Kind, Move};
 pub use ncfix_metrology::diagnose::cause::Correctable;
 pub use ncfix_metrology::results::calibration::{CalibrationResult, Estimate};
-pub use ncfix_metrology::results::diagnosis::{Cause, DiagnosisResult};
+pub use ncfix_metrology::results::diagnosis::{Cause as DiagnosedCause, DiagnosisResult};
 pub use ncfix_path::path::{Arcs, FiveAxis, Output, OutputFrame, Piece, Rapids, Rotary};
 pub use ncfix_report::correction::Correction as CorrectionReport;
 pub use ncfix_report::feed::{Before as FeedForecast, FeedEvent, Status as FeedStatus};
