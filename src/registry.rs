@@ -115,7 +115,7 @@ impl Registry {
     ///     name: "squareness",
     ///     title: "squareness of three linear axes",
     ///     source: "ISO 230-1:2012, 3.6",
-    ///     parameters: |_| Ok(["EC0Y", "EB0Z", "EA0Z"].iter().filter_map(|name| name.parse().ok()).collect()),
+    ///     parameters: |_| Ok(["EC0X", "EB0Z", "EA0Z"].iter().filter_map(|name| name.parse().ok()).collect()),
     /// };
     ///
     /// let registry = Registry::default().with_preset(&SQUARENESS);
