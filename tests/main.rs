@@ -128,6 +128,7 @@ mod motion_kinds;
 #[cfg(unix)]
 mod newer_files;
 mod pages;
+mod plain_english;
 mod plan;
 mod plan_compared;
 mod plan_joint;
