@@ -5,6 +5,7 @@ mod decompose;
 mod diagnose;
 mod examples;
 mod figures;
+mod groups;
 mod help;
 mod machine;
 mod measured;
@@ -27,6 +28,7 @@ pub(super) use calibrate::CalibrateArguments;
 pub(super) use decompose::DecomposeArguments;
 pub(super) use diagnose::DiagnoseArguments;
 pub(super) use figures::FiguresArguments;
+pub(super) use groups::{overview, renamed};
 pub(super) use help::{CompletionsArguments, EXAMPLES, ManArguments, STATUSES};
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
@@ -83,7 +85,7 @@ pub(super) fn definition() -> clap::Command {
         .args_conflicts_with_subcommands(true)
         .subcommand_negates_reqs(true)
         .arg_required_else_help(true);
-    help::with_statuses(switches::add(command))
+    groups::in_groups(help::with_statuses(switches::add(command)))
 }
 
 /// Reads a command line whose first argument is the name of the program.
@@ -123,73 +125,73 @@ fn explained(error: clap::Error, first: &str) -> clap::Error {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// Correct a program (the default: `ncfix IN -o OUT` is the same)
+    /// Correct a program for the errors of the machine (the default command)
     #[command(after_help = AFTER_HELP)]
     Fix(FixArguments),
-    /// Parse and execute a program, report what was found, write nothing
+    /// Execute a program and report what is wrong with it
     #[command(after_help = examples::CHECK)]
     Check(CheckArguments),
-    /// Print the flat stream of moves that a program makes (SNC)
+    /// Print the moves of a program (SNC)
     #[command(after_help = examples::SNC)]
     Snc(SncArguments),
-    /// Compare the errors of an original and a corrected program on the error model
+    /// Compare the errors of two programs on the error model
     #[command(after_help = examples::VERIFY)]
     Verify(VerifyArguments),
-    /// Show what was changed between an original and a corrected program
+    /// Show what a correction changed
     #[command(after_help = diff::arguments::AFTER_HELP)]
     Diff(Box<DiffArguments>),
-    /// Subtract the corrections from positions that were read on the machine (measurement mode)
-    #[command(after_help = measured::AFTER_HELP)]
+    /// Subtract corrections from positions read on the machine
+    #[command(name = "correct-readings", alias = "measured", after_help = measured::AFTER_HELP)]
     Measured(MeasuredArguments),
-    /// Find the largest fixed step that keeps a residual, and draw residual over step
-    #[command(after_help = steps::arguments::AFTER_HELP)]
+    /// Find the largest fixed step that keeps a tolerance
+    #[command(name = "max-step", alias = "steps", after_help = steps::arguments::AFTER_HELP)]
     Steps(StepsArguments),
-    /// Weigh the workpiece: weight and place from readings of a strain gauge
-    #[command(after_help = load::arguments::AFTER_HELP)]
+    /// Weigh the workpiece and find its place, from strain readings
+    #[command(name = "weigh", alias = "load", after_help = load::arguments::AFTER_HELP)]
     Load(LoadArguments),
-    /// Find what the model gets wrong, and why
+    /// Find what the error model gets wrong, and why
     #[command(after_help = diagnose::AFTER_HELP)]
     Diagnose(DiagnoseArguments),
-    /// Divide the errors at speed into servo, link, motion, thermal and dynamic ones, and find what gives way
+    /// Split the errors at speed into their causes
     #[command(after_help = decompose::AFTER_HELP)]
     Decompose(DecomposeArguments),
-    /// Select the sensors of temperature that tell the drift of a machine
+    /// Select the temperature sensors that predict the drift
     #[command(after_help = sensors::AFTER_HELP)]
     Sensors(SensorsArguments),
-    /// Send a program to the control line by line, corrected for the temperatures of the moment
+    /// Send a program line by line, corrected for temperature
     #[command(after_help = feed::arguments::AFTER_HELP)]
     Feed(Box<FeedArguments>),
-    /// Answer set-points with corrections in the cycle of a control
+    /// Compute corrections for set-points in real time
     #[command(after_help = realtime::AFTER_HELP)]
     Realtime(Box<RealtimeArguments>),
-    /// Show how a transfer that was broken off can be taken up again, and do it
+    /// Resume a transfer that was interrupted
     #[command(after_help = feed::arguments::RESUME_HELP)]
     Resume(ResumeArguments),
-    /// Plan a measurement: the poses, and the program that runs them
+    /// Plan a measurement and write its program
     #[command(after_help = plan::AFTER_HELP)]
     Plan(Box<PlanArguments>),
-    /// Fit an error model to measured data and write the machine file
+    /// Fit the error model to measured data
     #[command(after_help = calibrate::AFTER_HELP)]
     Calibrate(CalibrateArguments),
-    /// Write what instruments would read on a machine with its errors
+    /// Simulate the readings of instruments
     #[command(after_help = simulate::arguments::AFTER_HELP)]
     Simulate(SimulateArguments),
-    /// Print figures of ISO 230 of measured data: A, E, R, B, M; G, F, D, H; size and form of a sphere
-    #[command(after_help = figures::AFTER_HELP)]
+    /// Compute the figures of ISO 230 from measured data
+    #[command(name = "iso230", alias = "figures", after_help = figures::AFTER_HELP)]
     Figures(FiguresArguments),
-    /// Make, check and read compensation tables of a control
+    /// Make, check and read compensation tables
     #[command(after_help = tables::AFTER_HELP)]
     Tables(Box<TablesArguments>),
     /// Check or show a machine file
     #[command(subcommand, after_help = examples::MACHINE)]
     Machine(MachineCommand),
-    /// Explain a finding code such as E0203
+    /// Explain a diagnostic code such as E0203
     #[command(after_help = examples::EXPLAIN)]
     Explain(ExplainArguments),
-    /// Print a script with which a shell completes commands and options
+    /// Print the completion script of a shell
     #[command(after_help = examples::COMPLETIONS)]
     Completions(CompletionsArguments),
-    /// Print a page of the manual, or write all of them into a folder
+    /// Print a manual page, or write all of them
     #[command(after_help = examples::MAN)]
     Man(ManArguments),
 }

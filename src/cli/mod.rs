@@ -62,7 +62,13 @@ use stop::Stop;
 
 /// Runs the command of a command line; the first argument is the name of the program.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let (voice, command) = match arguments::parse(arguments) {
+    let words: Vec<OsString> = arguments.into_iter().collect();
+    if words.len() < 2 {
+        say(&arguments::overview(&arguments::definition()));
+        return ExitCode::Usage;
+    }
+    let renamed = arguments::renamed(&words);
+    let (voice, command) = match arguments::parse(words) {
         Ok(parsed) => parsed,
         Err(message) => {
             // Help and version are asked for and go to standard output; a reader that went away does not matter.
@@ -71,6 +77,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     voice::choose(voice);
+    if let Some((old, new)) = renamed {
+        tell(&format!("note: `ncfix {old}` is now called `ncfix {new}`; the old name still works\n"));
+    }
     log::info!("{}", voice::version());
     files::begin_run(progress::end);
     if let Some(name) = command.silent_work() {
