@@ -10,7 +10,7 @@ use ncfix_model::{ErrorSource, ModelRegisters, MotionKind};
 use ncfix_tables::tables::{Format, Formats, Scheme, Schemes};
 
 /// What ncfix knows of each kind of thing. [`Registry::default`] is what is built in; `with_…` add what another crate brings, each by the same way
-/// as what is built in. `docs/extending.md` says what each must do.
+/// as what is built in. `docs/how-to/extending.md` says what each must do.
 ///
 /// ```
 /// use ncfix::prelude::*;
