@@ -8,7 +8,7 @@ use super::{MachineChoice, PageChoice};
 
 /// What `ncfix diagnose --help` says last.
 pub(super) const AFTER_HELP: &str = "\
-Each measurement is a table NAME.csv with its description NAME.toml beside it: docs/reference/calibrate.md. Every column of numbers is something that an error may \
+Each measurement is a table NAME.csv with its description NAME.toml beside it: docs/reference/data-files.md. Every column of numbers is something that an error may \
 depend on: feed_mm_min, t_s, T_NAME_C, humidity.
 
 A cause is named where it stands beside what neighbouring readings have in common and beside the number of all that were tried, and where it also \

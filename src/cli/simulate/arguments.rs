@@ -9,7 +9,7 @@ use crate::cli::value;
 
 /// What `ncfix simulate --help` says last.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-PLAN.csv and PLAN.toml are a measurement (docs/reference/calibrate.md) whose columns of readings are empty or not there. MEASURED.csv has the readings, or for \
+PLAN.csv and PLAN.toml are a measurement (docs/reference/data-files.md) whose columns of readings are empty or not there. MEASURED.csv has the readings, or for \
 probing the axis positions, of the machine with its errors, and MEASURED.toml the description. What is unknown of a set-up is as described: the \
 table ball of a ball-bar at centre_mm, a probed ball at place_mm of [ball.LABEL], else in the mean of the nominal tips of its rows.
 
