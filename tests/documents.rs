@@ -258,3 +258,25 @@ fn every_how_to_has_its_parts() {
         }
     }
 }
+
+/// A reader of the book does not see the name behind the fence.
+#[test]
+fn every_file_of_a_page_is_named_above_it() {
+    for path in pages("docs/how-to").into_iter().chain(["docs/tutorial.md".to_owned()]) {
+        let page = text(&path);
+        let mut above = Vec::new();
+        let mut is_inside = false;
+        for line in page.lines() {
+            if let Some(opening) = line.strip_prefix("```") {
+                is_inside = !is_inside;
+                if let Some((_, name)) = opening.split_once(' ').filter(|_| is_inside) {
+                    let is_named = above.iter().any(|line: &&str| line.contains(&format!("`{name}`")));
+                    assert!(is_named, "{path}: the text above the block does not name {name}");
+                }
+                above.clear();
+            } else if !is_inside {
+                above.push(line);
+            }
+        }
+    }
+}
