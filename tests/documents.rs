@@ -259,6 +259,34 @@ fn every_how_to_has_its_parts() {
     }
 }
 
+/// The keys of a machine file, with their defaults, as the program knows them.
+#[test]
+fn every_key_of_the_sample_machines_is_listed() {
+    let listed: String =
+        ["machine-file", "settings", "grundig"].map(|page| text(&format!("docs/reference/{page}.md"))).concat();
+    let machines =
+        below("samples/machines").into_iter().filter(|path| path.ends_with("toml") && !path.contains("/bad/"));
+    let mut missing = BTreeSet::new();
+    for machine in machines {
+        let path = repository(&machine);
+        let run = Shop::new().run(["machine", "show", path.to_str().unwrap(), "--origin"]);
+        for line in run.stdout.lines().skip(1) {
+            let name = line.split("  ").next().unwrap();
+            // Names of errors and values that a program calls are no keys.
+            if !name.contains('.') || ["location.", "system.", "gud."].iter().any(|section| name.starts_with(section)) {
+                continue;
+            }
+            let key = name.rsplit('.').next().unwrap().split('[').next().unwrap();
+            // Shifts of zero offsets are listed from X to C.
+            let is_shift = key.trim_start_matches("fine_").chars().next().is_some_and(char::is_uppercase);
+            if !is_shift && !listed.contains(&format!("`{key}`")) {
+                missing.insert(key.to_owned());
+            }
+        }
+    }
+    assert!(missing.is_empty(), "keys that no page lists: {missing:?}");
+}
+
 /// A reader of the book does not see the name behind the fence.
 #[test]
 fn every_file_of_a_page_is_named_above_it() {
