@@ -11,6 +11,7 @@ const MORE: &[(&str, &[&str])] = &[
         &[
             "tutorial",
             "how-to/cam-five-axis-program",
+            "how-to/lower-feeds",
             "how-to/review-and-release",
             "reference/command-line",
             "reference/output",
