@@ -31,6 +31,10 @@ clippy:
 doc:
     .ci/run doc
 
+# the book of docs/, into book/ (mdbook)
+book:
+    .ci/run book
+
 # licences, sources and advisories of dependencies
 deny:
     .ci/run deny

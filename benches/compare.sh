@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Times ncfix beside other programs on the same file and writes the table of the README between its marks. Needs Rust; the interpreter of LinuxCNC
+# Times ncfix beside other programs on the same file and writes the table of docs/explanation/speed.md between its marks. Needs Rust; the interpreter of LinuxCNC
 # (Debian package linuxcnc-uspace) is left out where it is not there. Usage: benches/compare.sh [--print]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -87,6 +87,6 @@ if [ "${1:-}" != --print ]; then
     awk -v table="$folder/table" '
         /<!-- compare begins -->/ { print; while ((getline line < table) > 0) print line; skip = 1 }
         /<!-- compare ends -->/ { skip = 0 }
-        !skip' README.md > "$folder/README.md"
-    cp "$folder/README.md" README.md
+        !skip' docs/explanation/speed.md > "$folder/speed.md"
+    cp "$folder/speed.md" docs/explanation/speed.md
 fi

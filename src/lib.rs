@@ -18,7 +18,7 @@
 //! what runs a program that was read from one; why a file was read is logged with [`log`]. Everything that holds data is `Send` and `Sync`.
 //!
 //! Everything streams: no stage holds the path, so an endless program can be fed and memory is bounded by the program text. Inside are mm, rad and s; at the
-//! edges every name carries its unit. `ARCHITECTURE.md` of the project is the map of its crates, `docs/theory.md` has the formulas with their sources.
+//! edges every name carries its unit. `ARCHITECTURE.md` of the project is the map of its crates, `docs/explanation/theory.md` has the formulas with their sources.
 
 pub mod extend;
 pub mod prelude;

@@ -11,7 +11,7 @@ use ncfix_model::{ErrorSource, ModelRegisters, MotionKind};
 use ncfix_tables::tables::{Format, Formats, Scheme, Schemes};
 
 /// One register for each kind of thing that can be extended. [`Registry::default`] has the built-in entries. Each `with_…` adds an entry of another
-/// crate; built-in entries use the same types. `docs/extending.md` says what an entry must provide.
+/// crate; built-in entries use the same types. `docs/how-to/extending.md` says what an entry must provide.
 ///
 /// ```
 /// use ncfix::prelude::*;

@@ -1,4 +1,4 @@
-//! What is too much: every limit of `docs/limits.md` is met through the command itself. Whatever a program, a machine file, a table or a link in a
+//! What is too much: every limit of `docs/reference/limits.md` is met through the command itself. Whatever a program, a machine file, a table or a link in a
 //! folder asks for, the run ends soon, in little memory, with a finding at its place, and leaves the old output as it was.
 #![cfg(target_os = "linux")]
 
@@ -275,7 +275,7 @@ struct Row {
 }
 
 fn rows() -> Vec<Row> {
-    let text = fs::read_to_string(repository("docs/limits.md")).unwrap();
+    let text = fs::read_to_string(repository("docs/reference/limits.md")).unwrap();
     let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     let table =
         text.lines().skip_while(|line| !line.starts_with("| what |")).skip(2).take_while(|line| line.starts_with('|'));

@@ -187,7 +187,7 @@ fn every_sample_machine_has_its_origins() {
 fn the_defaults_are_those_of_the_documents() {
     let run = Shop::new().file("m.toml", SMALL).run(["machine", "show", "m.toml", "--origin"]).exits(0);
     let mut compared = 0;
-    for document in ["docs/settings.md", "docs/grundig.md"] {
+    for document in ["docs/reference/settings.md", "docs/reference/grundig.md"] {
         let text = std::fs::read_to_string(crate::support::repository(document)).unwrap();
         // The last table holds ranges, not defaults.
         let text = text.split("\n## Ranges of numbers").next().unwrap();

@@ -123,19 +123,6 @@ fn what_no_axis_can_correct_is_reported_by_source() {
 }
 
 #[test]
-fn the_table_of_the_readme_is_what_the_command_prints() {
-    let readme = std::fs::read_to_string(repository("README.md")).unwrap();
-    let block = readme.split("```text\n").find(|block| block.starts_with("at          X 700")).unwrap();
-    let block = block.split("```").next().unwrap();
-    let base = ["machine", "show", "maho.toml", "--at", "X700,Y0,Z0", "--tool", "200", "--load", "1700@0,0,-280"];
-    let shown = shop().run(base).exits(0).stdout;
-    assert!(block.lines().count() > 9);
-    for line in block.lines().filter(|line| line.trim() != "…") {
-        assert!(shown.lines().any(|own| own == line), "{line}\n{shown}");
-    }
-}
-
-#[test]
 fn play_that_is_less_than_an_increment_is_left_and_said() {
     let machine = "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\ncontroller = \"sinumerik\"\n[axis.X]\ndirection = [1, 0, 0]\n\
         travel_mm = [-500, 500]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-500, 500]\n[axis.Z]\ndirection = [0, 0, 1]\n\

@@ -10,10 +10,10 @@ use ncfix_language::syntax;
 
 use crate::support::repository;
 
-/// What docs/codes.md must say.
+/// What docs/reference/codes.md must say.
 fn page() -> String {
     let mut text = String::from(
-        "# Codes\n\nWhat ncfix knows of each dialect, made from the tables in [`../grammars`](../grammars) that the program itself reads. \
+        "# Codes\n\nWhat ncfix knows of each dialect, made from the tables in [`grammars`](../../grammars/) that the program itself reads. \
          *execute* codes\nare executed, so that only positions are left of them; *keep* codes change no position and are passed on in their \
          place; *display*\ncodes concern the screen and are left out; *refuse* codes are known and refused, because they change positions or \
          feeds in a way\nthat is not executed. The other words of the Sinumerik say more closely what is executed. `axes` are all axes. \
@@ -60,7 +60,7 @@ fn page_of_words() -> String {
 /// Run with `NCFIX_WRITE_DOCS=1` to write the page anew.
 #[test]
 fn the_documentation_shows_the_tables() {
-    let path = repository("docs/codes.md");
+    let path = repository("docs/reference/codes.md");
     if std::env::var_os("NCFIX_WRITE_DOCS").is_some() {
         std::fs::write(&path, page()).unwrap();
     }

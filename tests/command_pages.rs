@@ -6,27 +6,50 @@ use crate::support::{Shop, repository};
 
 /// Where there is more about a command.
 const MORE: &[(&str, &[&str])] = &[
-    ("fix", &["tutorial", "output", "settings", "review", "servo", "temperature", "load"]),
-    ("check", &["sinumerik", "iso", "grundig", "codes"]),
-    ("snc", &["output"]),
-    ("verify", &["output"]),
-    ("diff", &["review"]),
-    ("measured", &["output"]),
-    ("steps", &["speed", "output"]),
-    ("load", &["load"]),
-    ("diagnose", &["diagnose"]),
-    ("decompose", &["decompose", "servo"]),
-    ("sensors", &["sensors", "temperature"]),
-    ("feed", &["feed", "sensors"]),
-    ("realtime", &["realtime"]),
-    ("resume", &["feed"]),
-    ("plan", &["plan", "comparison"]),
-    ("calibrate", &["calibrate", "tutorial"]),
-    ("simulate", &["calibrate", "servo"]),
-    ("figures", &["figures"]),
-    ("tables", &["tables", "table-formats"]),
-    ("machine", &["motion", "temperature", "settings"]),
-    ("explain", &["codes"]),
+    (
+        "fix",
+        &[
+            "tutorial",
+            "how-to/cam-five-axis-program",
+            "how-to/lower-feeds",
+            "how-to/review-and-release",
+            "reference/command-line",
+            "reference/output",
+            "reference/settings",
+            "reference/servo",
+            "reference/temperature",
+            "reference/load",
+        ],
+    ),
+    ("check", &["how-to/refused-program", "reference/languages", "reference/codes"]),
+    ("snc", &["reference/languages", "reference/output"]),
+    ("verify", &["how-to/review-and-release", "reference/review"]),
+    ("diff", &["how-to/review-and-release", "reference/review"]),
+    ("measured", &["how-to/correct-readings", "reference/output"]),
+    ("steps", &["explanation/speed", "reference/output"]),
+    ("load", &["how-to/correct-for-the-weight", "reference/load"]),
+    ("diagnose", &["how-to/find-what-the-model-lacks", "reference/diagnose", "explanation/diagnosis"]),
+    ("decompose", &["reference/decompose", "reference/servo"]),
+    ("sensors", &["reference/sensors", "reference/temperature"]),
+    ("feed", &["how-to/drip-feed-with-a-temperature-sensor", "reference/feed", "reference/sensors"]),
+    ("realtime", &["reference/realtime"]),
+    ("resume", &["reference/feed", "how-to/restart"]),
+    ("plan", &["reference/plan", "explanation/comparison"]),
+    (
+        "calibrate",
+        &[
+            "how-to/ball-bar-to-corrected-part",
+            "how-to/calibrate-a-five-axis-machine",
+            "reference/calibrate",
+            "reference/data-files",
+            "explanation/calibration",
+        ],
+    ),
+    ("simulate", &["reference/data-files", "reference/servo"]),
+    ("figures", &["reference/figures"]),
+    ("tables", &["how-to/laser-to-control-tables", "reference/tables", "reference/table-formats"]),
+    ("machine", &["reference/machine-file", "how-to/state-a-new-error-term", "reference/motion", "reference/settings"]),
+    ("explain", &["how-to/refused-program", "reference/codes"]),
     ("completions", &[]),
     ("man", &[]),
 ];
@@ -79,7 +102,8 @@ fn every_command_has_a_page() {
                 .iter()
                 .map(|topic| {
                     assert!(repository(&format!("docs/{topic}.md")).exists(), "{topic}");
-                    format!("[`{topic}.md`](../{topic}.md)")
+                    let name = topic.rsplit('/').next().unwrap();
+                    format!("[`{name}.md`](../{topic}.md)")
                 })
                 .collect();
             page += &format!("\nMore: {}\n", links.join(", "));

@@ -477,9 +477,9 @@ fn linuxcnc_is_not_asked_for_what_it_cannot_do_in_mdi() {
 #[test]
 fn every_link_and_protocol_is_documented_and_every_profile_is_shipped() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(folder.join("docs/feed.md")).unwrap();
+    let text = std::fs::read_to_string(folder.join("docs/reference/feed.md")).unwrap();
     for name in PROFILES.iter().map(|(name, _)| *name).chain(PROTOCOLS.iter().map(|protocol| protocol.name)) {
-        assert!(text.contains(&format!("`{name}`")), "docs/feed.md does not name {name}");
+        assert!(text.contains(&format!("`{name}`")), "docs/reference/feed.md does not name {name}");
     }
     for entry in std::fs::read_dir(folder.join("crates/dnc/links")).unwrap() {
         let name = entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned();

@@ -417,5 +417,5 @@ fn lengths_and_angles_of_a_file_have_figures_of_their_own() {
     }
     let zero = report["unknowns"].as_array().unwrap().iter().find(|one| one["name"] == "zero of EBX").unwrap();
     assert_eq!(zero["unit"], "µrad");
-    assert!(repository("docs/figures.md").exists());
+    assert!(repository("docs/reference/figures.md").exists());
 }

@@ -7,7 +7,7 @@ use crate::support::Shop;
 
 /// Text of a case, bytes: with a thousandth of it a list of lines would not be seen beside 64 MB.
 const TEXT: usize = 12 << 20;
-/// Beside the text, KiB, as docs/limits.md has it.
+/// Beside the text, KiB, as docs/reference/limits.md has it.
 const BESIDE_KIB: u64 = 64 << 10;
 
 /// Most memory that a run has at a time, KiB, by the kernel's own count.

@@ -90,14 +90,14 @@ fn model_of(machine: &Machine, error: &MotionError) -> Model {
 
 #[test]
 fn every_example_is_read_and_documented() {
-    let text = std::fs::read_to_string(repository("docs/motion.md")).unwrap();
+    let text = std::fs::read_to_string(repository("docs/reference/motion.md")).unwrap();
     for kind in MotionKinds::default().iter() {
         let (machine, error) = read(kind.example());
         assert!(kind.example().contains(&format!("kind = \"{}\"", kind.name())));
         assert!(places(1).any(|(command, state)| value(&error, &command, &state) != 0.0), "{}", kind.name());
         assert!(!model_of(&machine, &error).is_empty());
         let block = format!("```toml\n[[motion]]\n{}```", kind.example());
-        assert!(text.contains(&block), "docs/motion.md lacks\n{block}");
+        assert!(text.contains(&block), "docs/reference/motion.md lacks\n{block}");
     }
 }
 

@@ -475,10 +475,10 @@ fn increments_begin_at_a_known_place_behind_every_stop() {
 
 #[test]
 fn every_plan_is_documented() {
-    let text = std::fs::read_to_string(crate::support::repository("docs/plan.md")).unwrap();
+    let text = std::fs::read_to_string(crate::support::repository("docs/reference/plan.md")).unwrap();
     let help = Shop::new().run(["plan", "--help"]).stdout;
     for kind in ncfix_metrology::measure::plan::PLANS {
-        assert!(text.contains(&format!("| `{}` |", kind.name)), "docs/plan.md lacks {}", kind.name);
+        assert!(text.contains(&format!("| `{}` |", kind.name)), "docs/reference/plan.md lacks {}", kind.name);
         let at = help.find(&format!("\n  {} ", kind.name)).unwrap_or_else(|| panic!("help lacks {}", kind.name));
         for wish in kind.wishes {
             assert!(help[at..].contains(&format!("--{wish}")), "{}: {wish}", kind.name);

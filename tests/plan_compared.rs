@@ -1,6 +1,6 @@
 //! Spaan's comparison of methods (1995, ch. 3) in simulation: direct measurement, hole plates and ball-bar on one machine whose errors are not all in
 //! the model, held against the same plates and diagonals that none of them has seen; and what a second tool vector tells. The figures are those of
-//! docs/comparison.md: run with `NCFIX_WRITE_DOCS=1` to write it anew.
+//! docs/explanation/comparison.md: run with `NCFIX_WRITE_DOCS=1` to write it anew.
 
 use std::fmt::Write as _;
 
@@ -532,7 +532,7 @@ fn three_methods_and_two_tools() {
         }
     }
     let text = page(&compared, &tools);
-    let path = repository("docs/comparison.md");
+    let path = repository("docs/explanation/comparison.md");
     if std::env::var_os("NCFIX_WRITE_DOCS").is_some() {
         std::fs::write(&path, &text).unwrap();
     }

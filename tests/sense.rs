@@ -324,9 +324,9 @@ fn every_kind_of_source_is_registered() {
     files.sort();
     let kinds = SensorSources::default();
     assert_eq!(kinds.names().collect::<Vec<_>>(), files);
-    let page = std::fs::read_to_string(crate::support::repository("docs/sensors.md")).unwrap();
+    let page = std::fs::read_to_string(crate::support::repository("docs/reference/sensors.md")).unwrap();
     for name in kinds.names() {
-        assert!(page.contains(&format!("kind = \"{name}\"")), "docs/sensors.md has no example of {name}");
+        assert!(page.contains(&format!("kind = \"{name}\"")), "docs/reference/sensors.md has no example of {name}");
     }
 }
 

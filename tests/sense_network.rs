@@ -580,11 +580,11 @@ fn read(name: &str, text: &str) -> Result<Config, Vec<String>> {
 
 #[test]
 fn all_examples_and_samples_are_read() {
-    let page = std::fs::read_to_string(repository("docs/sensors.md")).unwrap();
+    let page = std::fs::read_to_string(repository("docs/reference/sensors.md")).unwrap();
     let mut kinds = Vec::new();
     for block in page.split("```toml\n").skip(1) {
         let text = block.split("```").next().unwrap();
-        match read("docs/sensors.md", text) {
+        match read("docs/reference/sensors.md", text) {
             Ok(config) => kinds.extend(config.sources.iter().map(|origin| origin.kind.name().to_owned())),
             Err(messages) => {
                 // Off by default; nothing else is wrong with an example.

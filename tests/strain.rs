@@ -420,7 +420,7 @@ fn faults_of_the_command_are_told_with_their_place() {
 
 #[test]
 fn the_sections_of_the_documentation_are_read() {
-    let page = std::fs::read_to_string(crate::support::repository("docs/load.md")).unwrap();
+    let page = std::fs::read_to_string(crate::support::repository("docs/reference/load.md")).unwrap();
     let sections: String = page.split("```toml\n").skip(1).map(|block| block.split("```").next().unwrap()).collect();
     let (machine, findings) = ncfix_model::file::load(&source(&format!("{MACHINE}{sections}")));
     assert!(findings.is_empty(), "{findings:#?}");

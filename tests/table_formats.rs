@@ -163,7 +163,7 @@ fn what_a_format_writes_it_reads_bit_by_bit() {
 
 #[test]
 fn every_format_is_explained() {
-    let docs = fs::read_to_string(repository("docs/table-formats.md")).unwrap();
+    let docs = fs::read_to_string(repository("docs/reference/table-formats.md")).unwrap();
     for format in FORMATS {
         let rows = docs.lines().filter(|line| line.starts_with(&format!("| `{}` |", format.name))).count();
         assert_eq!(

@@ -428,11 +428,11 @@ fn a_reversal_gets_a_table_for_each_sense() {
 #[test]
 fn the_documents_name_every_scheme_and_format() {
     let read = |name: &str| std::fs::read_to_string(repository(name)).unwrap();
-    let (schemes, formats) = (read("docs/tables.md"), read("docs/table-formats.md"));
+    let (schemes, formats) = (read("docs/reference/tables.md"), read("docs/reference/table-formats.md"));
     for one in scheme::SCHEMES {
-        assert!(schemes.contains(&format!("| `{}` |", one.name)), "docs/tables.md lacks {}", one.name);
+        assert!(schemes.contains(&format!("| `{}` |", one.name)), "docs/reference/tables.md lacks {}", one.name);
     }
     for one in format::FORMATS {
-        assert!(formats.contains(&format!("`{}`", one.name)), "docs/table-formats.md lacks {}", one.name);
+        assert!(formats.contains(&format!("`{}`", one.name)), "docs/reference/table-formats.md lacks {}", one.name);
     }
 }

@@ -1,4 +1,4 @@
-//! `docs/theory.md` names files and tests: each of them exists.
+//! `docs/explanation/theory.md` names files and tests: each of them exists.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use crate::support::repository;
 
 #[test]
 fn every_file_and_test_that_the_theory_names_exists() {
-    let text = fs::read_to_string(repository("docs/theory.md")).unwrap();
+    let text = fs::read_to_string(repository("docs/explanation/theory.md")).unwrap();
     let is_path = |word: &&str| ["src/", "crates/", "tests/", "docs/"].iter().any(|folder| word.starts_with(folder));
     let mut files = 0;
     let mut tests = 0;

@@ -158,9 +158,9 @@ fn names_in_a_machine_file_are_refused_at_their_place() {
     shop.run(["check", "p.mpf", "--machine", "m.toml"]).exits(4).says("error[E0401]");
 }
 
-/// Rows of the table in docs/settings.md.
+/// Rows of the table in docs/reference/settings.md.
 fn rows() -> Vec<[String; 4]> {
-    let page = fs::read_to_string(repository("docs/settings.md")).unwrap();
+    let page = fs::read_to_string(repository("docs/reference/settings.md")).unwrap();
     let table = page.split("## Ranges of numbers").nth(1).unwrap();
     let rows = table.lines().filter(|line| line.starts_with("| `"));
     rows.map(|line| {

@@ -257,7 +257,7 @@ pub(super) struct FixArguments {
     /// With --compensation wear: the wear, to both sides, that the control must be able to follow, with its unit
     #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
     pub(super) largest_wear: f64,
-    /// Lower feeds where the axes would leave the tool further off its path than this, with its unit, as the servo loops of the machine file predict it (docs/servo.md)
+    /// Lower feeds where the axes would leave the tool further off its path than this, with its unit, as the servo loops of the machine file predict it (docs/reference/servo.md)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(super) feed_limit: Option<f64>,
     /// Write a page that shows what was changed, for a person to look at before the program runs: that of `ncfix diff --html`

@@ -9,7 +9,7 @@ use crate::cli::value;
 
 /// What `ncfix calibrate --help` says last.
 pub(super) const AFTER_HELP: &str = "\
-A measurement is a table NAME.csv and its description NAME.toml beside it: docs/calibrate.md. All measurements are fitted together, with what is \
+A measurement is a table NAME.csv and its description NAME.toml beside it: docs/reference/data-files.md. All measurements are fitted together, with what is \
 unknown of each set-up. START.toml gives axes and chain, and the errors to begin with; its text stays, and only the parameters of the model change. \
 Where the data cannot tell the parameters apart the message says which, and nothing is written.
 
@@ -64,7 +64,7 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Measurements that are not fitted but say how good the result is
     #[arg(long, value_name = "DATA.csv", num_args = 1..)]
     pub(in crate::cli) hold_out: Vec<PathBuf>,
-    /// Leave out parameters that the data cannot tell from others, the least simple ones first, and say which (docs/calibrate.md)
+    /// Leave out parameters that the data cannot tell from others, the least simple ones first, and say which (docs/explanation/calibration.md)
     #[arg(long)]
     pub(in crate::cli) reduce: bool,
     /// Count all readings alike, also those that do not fit the others

@@ -11,7 +11,7 @@ use ncfix_metrology::decompose::Smooth;
 pub(super) const AFTER_HELP: &str = "\
 A trace is a table NAME.csv with its description NAME.toml (kind = \"trace\") beside it: t_s, set-points X Y Z A C, encoders X_enc …, the tool from \
 a ball dx_um dy_um dz_um, and feed_mm_min and run where it has several runs over one path. The description may name the XML file that a Sinumerik saved \
-with Diagnostics › Trace (control = \"f1000.xml\") and its signals. docs/decompose.md says more.
+with Diagnostics › Trace (control = \"f1000.xml\") and its signals. docs/reference/decompose.md says more.
 
 Examples:
   ncfix decompose f1000.csv f5832.csv f18896.csv --machine mill.toml

@@ -8,11 +8,11 @@ use super::{MachineChoice, PageChoice};
 
 /// What `ncfix diagnose --help` says last.
 pub(super) const AFTER_HELP: &str = "\
-Each measurement is a table NAME.csv with its description NAME.toml beside it: docs/calibrate.md. Every column of numbers is something that an error may \
+Each measurement is a table NAME.csv with its description NAME.toml beside it: docs/reference/data-files.md. Every column of numbers is something that an error may \
 depend on: feed_mm_min, t_s, T_NAME_C, humidity.
 
 A cause is named where it stands beside what neighbouring readings have in common and beside the number of all that were tried, and where it also \
-helps on runs or set-ups that it was not found in. What data of --holdout does not confirm is not named. docs/diagnose.md says more.
+helps on runs or set-ups that it was not found in. What data of --holdout does not confirm is not named. docs/reference/diagnose.md says more.
 
 Examples:
   ncfix diagnose circles.csv --machine mill.toml

@@ -18,7 +18,7 @@ run with status 4; every line before it was answered.
 
 The files of --state are read again every --update-s; a log counts with its last instant.
 
-With --ring set-points and corrections go through shared memory instead (docs/realtime.md has the layout); Ctrl-C or the control ends it.
+With --ring set-points and corrections go through shared memory instead (docs/reference/realtime.md has the layout); Ctrl-C or the control ends it.
 
 Examples:
   ncfix realtime --machine mill.toml --tool 120 < set_points.csv > corrections.csv

@@ -15,7 +15,7 @@ workpiece. A column with the letter of an axis (mm, deg) gives the places at whi
 For each number of sensors the best ones are found by exact search. The number is the smallest that tells the independent run (--verify; without it \
 the last third of every run, which is held back) as well as any, within one standard error.
 
-With --watch the argument is the file of live sensors (docs/sensors.md): their values are read and shown, with age and state, until Ctrl-C or for \
+With --watch the argument is the file of live sensors (docs/reference/sensors.md): their values are read and shown, with age and state, until Ctrl-C or for \
 --for seconds. It ends with status 4 where one of them is not good at the end.
 
 Examples:

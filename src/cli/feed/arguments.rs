@@ -20,7 +20,7 @@ No line goes out unless the control says that it is idle; where a link has no su
 Ctrl-C once sends no further line and lets the control run out; twice holds the axes where the link has a word for it. `ncfix resume` shows how a job that \
 broke off can be taken up again.
 
-Links: grbl, marlin, heidenhain-fe1, … (docs/feed.md), or a profile of your own.
+Links: grbl, marlin, heidenhain-fe1, … (docs/reference/feed.md), or a profile of your own.
 
 Examples:
   ncfix feed part.ngc --machine mill.toml --link grbl --dry-run

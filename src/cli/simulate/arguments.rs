@@ -9,11 +9,11 @@ use crate::cli::value;
 
 /// What `ncfix simulate --help` says last.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-PLAN.csv and PLAN.toml are a measurement (docs/calibrate.md) whose columns of readings are empty or not there. MEASURED.csv has the readings, or for \
+PLAN.csv and PLAN.toml are a measurement (docs/reference/data-files.md) whose columns of readings are empty or not there. MEASURED.csv has the readings, or for \
 probing the axis positions, of the machine with its errors, and MEASURED.toml the description. What is unknown of a set-up is as described: the \
 table ball of a ball-bar at centre_mm, a probed ball at place_mm of [ball.LABEL], else in the mean of the nominal tips of its rows.
 
-A part program in place of a plan is driven through the servo loops of the machine ([servo] of its file, docs/servo.md), and the table is a trace: set-points \
+A part program in place of a plan is driven through the servo loops of the machine ([servo] of its file, docs/reference/servo.md), and the table is a trace: set-points \
 and encoders by cycles of the control, and the tool from where the program has it. ncfix decompose reads it.
 
 Examples:

@@ -26,7 +26,7 @@ pub(in crate::cli) struct VerifyArguments {
     /// Tolerance that the correction has promised, with its unit; without it what the stamp says
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) promised: Option<f64>,
-    /// Drive both programs through the servo loops of the machine file too (docs/servo.md), and say how far off their paths they leave the tool, and their times
+    /// Drive both programs through the servo loops of the machine file too (docs/reference/servo.md), and say how far off their paths they leave the tool, and their times
     #[arg(long)]
     pub(in crate::cli) at_feed: bool,
     #[command(flatten)]

@@ -337,7 +337,7 @@ other.";
     NO_SERVO = "E0312" "machine file without servo loops"
 "What the axes do at feed can only be told where the machine file says how they follow: [servo] with the interpolation cycle, the smoothing and the tolerance
 of corners of the control, and [servo.X] for every axis with its velocity gain, its feed-forward and its acceleration. The control shows them (Sinumerik MD32200,
-MD32610, MD32300); ncfix decompose finds gain and feed-forward in a trace. docs/servo.md has an example.";
+MD32610, MD32300); ncfix decompose finds gain and feed-forward in a trace. docs/reference/servo.md has an example.";
     FEED_OF_ANOTHER_WAY = "E0313" "feed would be that of the correction"
 "A cut turns rotary axes, and its feed is in degrees per minute or that of a short way of X, Y, Z. Controls take a feed for X, Y and Z where these move at all, so the
 micrometers of a correction would take the feed over, and the axes would turn as fast as they can. Such blocks are written with the time that they take (G93). That is not
@@ -391,7 +391,7 @@ this one. A drift that is computed without it would be wrong by an unknown amoun
 "A text of the file holds a character that does not show: a control of terminals (escape, backspace, bell, delete, U+0080 to U+009F) or one that turns the direction of text
 (U+202A to U+202E, U+2066 to U+2069). What a person reads in a report would not be what the file says. Write the name with letters, digits and signs.";
     OUT_OF_RANGE = "E0410" "number out of its range"
-"A number is larger or smaller than any machine has, or a list has more numbers than any table: mostly a wrong unit. docs/settings.md has the range of every key with its
+"A number is larger or smaller than any machine has, or a list has more numbers than any table: mostly a wrong unit. docs/reference/settings.md has the range of every key with its
 reason.";
 
     DATA_NO_TABLE = "E0601" "measured data that are no table"
@@ -546,7 +546,7 @@ control) and correct the program again. The lengths of tools and their wear are 
 wear which is entered at the control keeps its effect. The control must therefore have the radius 0 for these tools, plus the wear: where it still has the radius
 of the tool, it moves the tool away by it a second time, outside too far from the part, inside into the wall or onto an alarm. Set the radius in the
 register (D number) to 0 before this program runs and enter wear alone; put it back before any other program uses that register, or give this program a register
-of its own. The machine file needs the real radius. See docs/output.md.";
+of its own. The machine file needs the real radius. See docs/reference/output.md.";
     MOVES_NOTHING = "W0238" "no axis is moved"
 "The program was understood and executed, and no axis has moved: a correction of it would be refused (E0223). For a file of definitions or of subprograms that is as it should be.
 Else its blocks may stand behind the end of the program (M30), in a subprogram that nothing calls, behind skip blocks, or the file is cut off.";

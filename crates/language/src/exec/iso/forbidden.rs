@@ -1,5 +1,5 @@
 //! Codes that a Fanuc does not take in the state that it is in: within rotation, scaling and mirror, under radius compensation, under
-//! tool center point control, in polar coordinates. `docs/states.md` has the table.
+//! tool center point control, in polar coordinates. `docs/reference/states.md` has the table.
 
 use super::channel::Channel;
 use super::channel::Special;

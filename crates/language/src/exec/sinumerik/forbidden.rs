@@ -1,4 +1,4 @@
-//! Statements that a Sinumerik does not take in the state that it is in. `docs/states.md` has the table.
+//! Statements that a Sinumerik does not take in the state that it is in. `docs/reference/states.md` has the table.
 
 use super::gathered::Gathered;
 use super::modal::Modal;
