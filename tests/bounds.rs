@@ -521,7 +521,7 @@ fn files_that_are_too_large_are_not_read() {
     // A device has no end; what is read of it has one. With less memory than that it is said as well.
     let endless = watch(&shop, &["/dev/zero", "-o", "out.nc", "--dialect", "sinumerik"]);
     endless.demand_usage(&shop, "cannot read /dev/zero: it has more than 1073741824 bytes");
-    let endless = watch_within(&shop, &["measured", "/dev/zero", "-o", "out.nc"], SPACE);
+    let endless = watch_within(&shop, &["correct-readings", "/dev/zero", "-o", "out.nc"], SPACE);
     endless.demand_usage(&shop, "cannot read /dev/zero: out of memory");
     // A subprogram is not said to be missing.
     fs::write(shop.path("in.mpf"), SINUMERIK.program("SUB")).unwrap();
@@ -687,7 +687,7 @@ fn machine_files_of_any_size_and_with_any_number_are_understood_or_refused() {
 fn tables_of_any_width_and_with_any_number_are_read_or_refused() {
     let measured = |content: &[u8]| {
         let shop = Shop::new().file("in.csv", content).file("out.nc", OLD);
-        let seen = watch(&shop, &["measured", "in.csv", "-o", "out.nc", "--machine", &machine("demo")]);
+        let seen = watch(&shop, &["correct-readings", "in.csv", "-o", "out.nc", "--machine", &machine("demo")]);
         (shop, seen)
     };
     for number in ["1e308", "-1e308", "1e309", "nan", "inf", "0x10", &"9".repeat(400), "1e999999999"] {

@@ -15,7 +15,7 @@ fn every_code_is_explained_in_any_case() {
 }
 
 #[test]
-fn without_a_code_all_are_listed() {
+fn without_a_code_all_are_commands() {
     let run = Shop::new().run(["explain"]).exits(0);
     assert_eq!(run.stdout.lines().count(), CODES.len());
 }
@@ -39,23 +39,14 @@ fn nothing_at_all_is_wrong_usage() {
     Shop::new().run([""; 0]).exits(2);
 }
 
-/// The commands that a help lists.
-fn listed(help: &str) -> Vec<String> {
-    let commands = help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1);
-    let commands = commands.take_while(|line| !line.is_empty());
-    // Further lines of a long description begin farther in.
-    let names = commands.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
-    names.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").map(str::to_owned).collect()
-}
-
 #[test]
 fn the_help_of_every_command_says_its_statuses_and_ends_with_examples() {
     let shop = Shop::new();
-    let all = listed(&shop.run(["--help"]).exits(0).stdout);
+    let all = crate::command_pages::commands(&shop.run(["--help"]).exits(0).stdout);
     assert!(all.len() > 20, "{all:?}");
     let mut commands: Vec<Vec<String>> = vec![Vec::new()];
     commands.extend(all.into_iter().map(|command| vec![command]));
-    let machine = listed(&shop.run(["machine", "--help"]).exits(0).stdout);
+    let machine = crate::command_pages::commands(&shop.run(["machine", "--help"]).exits(0).stdout);
     assert_eq!(machine, ["check", "show", "presets"]);
     commands.extend(machine.into_iter().map(|command| vec!["machine".to_owned(), command]));
     for command in commands {

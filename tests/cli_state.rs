@@ -217,7 +217,8 @@ fn readings_are_corrected_for_the_time_at_which_they_were_taken() {
         .file("log.csv", "t_s,T_a_C\n0,20\n100,30\n")
         .file("d.csv", "t_s,X,Y,Z\n0,100,0,0\n50,100,0,0\n100,100,0,0\n")
         .file("late.csv", "t_s,X,Y,Z\n0,100,0,0\n500,100,0,0\n");
-    let run = |data: &str| shop.run(["measured", data, "-o", "out.csv", "--machine", "m.toml", "--state", "log.csv"]);
+    let run =
+        |data: &str| shop.run(["correct-readings", data, "-o", "out.csv", "--machine", "m.toml", "--state", "log.csv"]);
     run("d.csv").exits(0);
     // The tool is 0, 5 and 10 µm ahead of what was read.
     let rows: Vec<f64> =

@@ -23,18 +23,14 @@ const MORE: &[(&str, &[&str])] = &[
     ),
     ("check", &["how-to/refused-program", "reference/languages", "reference/codes"]),
     ("snc", &["reference/languages", "reference/output"]),
-    ("verify", &["how-to/review-and-release", "reference/review"]),
     ("diff", &["how-to/review-and-release", "reference/review"]),
-    ("measured", &["how-to/correct-readings", "reference/output"]),
-    ("steps", &["explanation/speed", "reference/output"]),
-    ("load", &["how-to/correct-for-the-weight", "reference/load"]),
-    ("diagnose", &["how-to/find-what-the-model-lacks", "reference/diagnose", "explanation/diagnosis"]),
-    ("decompose", &["reference/decompose", "reference/servo"]),
-    ("sensors", &["reference/sensors", "reference/temperature"]),
-    ("feed", &["how-to/drip-feed-with-a-temperature-sensor", "reference/feed", "reference/sensors"]),
-    ("realtime", &["reference/realtime"]),
-    ("resume", &["reference/feed", "how-to/restart"]),
+    ("verify", &["how-to/review-and-release", "reference/review"]),
+    ("max-step", &["explanation/speed", "reference/output"]),
     ("plan", &["reference/plan", "explanation/comparison"]),
+    ("simulate", &["reference/data-files", "reference/servo"]),
+    ("correct-readings", &["how-to/correct-readings", "reference/output"]),
+    ("iso230", &["reference/figures"]),
+    ("weigh", &["how-to/correct-for-the-weight", "reference/load"]),
     (
         "calibrate",
         &[
@@ -45,26 +41,37 @@ const MORE: &[(&str, &[&str])] = &[
             "explanation/calibration",
         ],
     ),
-    ("simulate", &["reference/data-files", "reference/servo"]),
-    ("figures", &["reference/figures"]),
-    ("tables", &["how-to/laser-to-control-tables", "reference/tables", "reference/table-formats"]),
+    ("diagnose", &["how-to/find-what-the-model-lacks", "reference/diagnose", "explanation/diagnosis"]),
+    ("decompose", &["reference/decompose", "reference/servo"]),
+    ("sensors", &["reference/sensors", "reference/temperature"]),
     ("machine", &["reference/machine-file", "how-to/state-a-new-error-term", "reference/motion", "reference/settings"]),
+    ("tables", &["how-to/laser-to-control-tables", "reference/tables", "reference/table-formats"]),
+    ("feed", &["how-to/drip-feed-with-a-temperature-sensor", "reference/feed", "reference/sensors"]),
+    ("resume", &["reference/feed", "how-to/restart"]),
+    ("realtime", &["reference/realtime"]),
     ("explain", &["how-to/refused-program", "reference/codes"]),
     ("completions", &[]),
     ("man", &[]),
 ];
 
-/// The names below "Commands:" of a help, `help` aside.
-fn commands(help: &str) -> Vec<String> {
-    help.lines()
-        .skip_while(|line| *line != "Commands:")
-        .skip(1)
-        .take_while(|line| !line.is_empty())
-        .filter_map(|line| line.strip_prefix("  "))
-        .filter(|line| !line.starts_with(' '))
-        .filter_map(|line| line.split_whitespace().next().map(str::to_owned))
-        .filter(|name| name != "help")
+/// The groups of commands of a help with their names, `help` aside: paragraphs between the usage and the arguments.
+fn groups(help: &str) -> Vec<(String, Vec<String>)> {
+    let is_heading = |line: &&str| !line.starts_with(' ') && line.ends_with(':');
+    let lists = help.split("\n\n").skip_while(|block| !block.starts_with("Usage: ")).skip(1);
+    let lists = lists.take_while(|block| !block.starts_with("Arguments:") && !block.starts_with("Options:"));
+    lists
+        .filter_map(|block| {
+            let heading = block.lines().find(is_heading)?.trim_end_matches(':').to_owned();
+            let names = block.lines().skip(1).filter_map(|line| line.strip_prefix("  "));
+            let names = names.filter(|line| !line.starts_with(' ')).filter_map(|line| line.split_whitespace().next());
+            Some((heading, names.filter(|name| *name != "help").map(str::to_owned).collect()))
+        })
         .collect()
+}
+
+/// The names of the commands of a help.
+pub(crate) fn commands(help: &str) -> Vec<String> {
+    groups(help).into_iter().flat_map(|(_, names)| names).collect()
 }
 
 /// The help of a command as Markdown: the sentences as text, the rest as it is printed.
@@ -84,11 +91,15 @@ fn every_command_has_a_page() {
         "MORE has them in this order"
     );
     let folder = repository("docs/commands");
-    let mut index = "# Commands\n\nWhat `ncfix COMMAND --help` prints, a page each; `ncfix man --help` says how to have them as pages of the manual.\n\n\
-                     | command | |\n| --- | --- |\n"
-        .to_owned();
+    let mut index =
+        "# Commands\n\nEach page shows the help of a command. `ncfix man COMMAND` prints it as a manual page.\n"
+            .to_owned();
     let mut pages = Vec::new();
+    let groups = groups(&help(&[]));
     for (name, more) in MORE {
+        if let Some((group, _)) = groups.iter().find(|(_, names)| names.first().is_some_and(|first| first == name)) {
+            index += &format!("\n## {group}\n\n| command | |\n| --- | --- |\n");
+        }
         let text = help(&[name]);
         let first = text.split("\n\n").next().unwrap_or_default().replace('\n', " ");
         index += &format!("| [`ncfix {name}`]({name}.md) | {first} |\n");
@@ -120,4 +131,30 @@ fn every_command_has_a_page() {
         assert!(written == *page, "docs/commands/{name}: run this test with NCFIX_WRITE_DOCS=1");
     }
     assert_eq!(fs::read_dir(&folder).unwrap().count(), pages.len(), "pages of commands that there are not");
+}
+
+#[test]
+fn the_overview_lists_the_commands_in_groups_and_an_old_name_still_works() {
+    let shop = Shop::new();
+    let overview = shop.run([""; 0]).exits(2).stderr;
+    assert!(overview.lines().count() <= 25, "{overview}");
+    for group in ["Program  fix ", "Measure  plan ", "Model    calibrate ", "Machine  machine ", "Live     feed "] {
+        assert!(overview.lines().any(|line| line.starts_with(group)), "{group}: {overview}");
+    }
+    for (old, new) in
+        [("measured", "correct-readings"), ("figures", "iso230"), ("steps", "max-step"), ("load", "weigh")]
+    {
+        assert!(overview.contains(&format!("\n         {new} ")), "{new}: {overview}");
+        let help = |name: &str| shop.run([name, "--help"]).exits(0).stdout;
+        assert_eq!(help(old), help(new));
+    }
+    let demo = crate::support::machine("demo");
+    let bar = repository("samples/measurements/ball_bar.csv").to_string_lossy().into_owned();
+    let old = shop.run(["figures", &bar, "--machine", &demo]).exits(0);
+    let new = shop.run(["iso230", &bar, "--machine", &demo]).exits(0);
+    assert_eq!(old.stdout, new.stdout);
+    let note = "note: `ncfix figures` is now called `ncfix iso230`; the old name still works\n";
+    assert_eq!(old.stderr.replace(note, ""), new.stderr);
+    assert!(old.stderr.contains(note), "{}", old.stderr);
+    assert!(!shop.run(["figures", &bar, "--machine", &demo, "-q"]).exits(0).stderr.contains("note:"));
 }

@@ -293,7 +293,7 @@ fn what_was_read_is_never_replaced() {
         (&calibrate, &["-o", "new.toml", "--report", "model.txt"]),
         (&calibrate, &["-o", "model.txt"]),
         (&calibrate, &["-o", "new.toml", "--svg", "new.toml"]),
-        (&["steps", "--machine", "m.toml"], &["--svg", "new.svg", "--report", "new.svg"]),
+        (&["max-step", "--machine", "m.toml"], &["--svg", "new.svg", "--report", "new.svg"]),
     ] {
         let run = shop.run([command, end].concat());
         let says = ["would overwrite", "two outputs of this run", "--svg names a folder"];

@@ -15,8 +15,8 @@ const MACHINE: &str = "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\n[axis.X]
 /// The groups of figures of one measurement.
 fn figures(csv: String, toml: &str) -> Vec<Value> {
     let shop = Shop::new().file("m.toml", MACHINE).file("a.csv", csv).file("a.toml", toml);
-    let report = shop.run(["figures", "a.csv", "--machine", "m.toml", "--json"]).exits(0).json();
-    let text = shop.run(["figures", "a.csv", "--machine", "m.toml"]).exits(0);
+    let report = shop.run(["iso230", "a.csv", "--machine", "m.toml", "--json"]).exits(0).json();
+    let text = shop.run(["iso230", "a.csv", "--machine", "m.toml"]).exits(0);
     drop(text);
     report["measurements"][0]["figures"].as_array().unwrap().clone()
 }
@@ -162,7 +162,7 @@ fn kinds_without_figures_say_so_and_calibrations_have_them_beside() {
         .file("m.toml", MACHINE)
         .file("a.csv", "X,Y,Z,dx_um\n0,0,0,1\n1,0,0,1\n")
         .file("a.toml", "[measurement]\nkind = \"displacement\"\n");
-    shop.run(["figures", "a.csv", "--machine", "m.toml"]).exits(4).says("has no figures of ISO 230");
+    shop.run(["iso230", "a.csv", "--machine", "m.toml"]).exits(4).says("has no figures of ISO 230");
     let mut csv = BAR_COLUMNS.to_owned();
     circle(&mut csv, "1", 100.0, 1.0, |t| [-4e-3 * t.sin(), 0.0]);
     circle(&mut csv, "2", 100.0, -1.0, |t| [-4e-3 * t.sin(), 0.0]);

@@ -1,4 +1,4 @@
-//! `ncfix measured`: corrections taken out of positions that were read.
+//! `ncfix correct-readings`: corrections taken out of positions that were read.
 
 use std::fmt::Write as _;
 
@@ -33,7 +33,7 @@ fn shop(machine: &str, data: impl AsRef<[u8]>) -> Shop {
 }
 
 fn measured(shop: &Shop) -> Run {
-    let files = ["measured", "data.csv", "-o", "out.csv", "--machine", "m.toml"];
+    let files = ["correct-readings", "data.csv", "-o", "out.csv", "--machine", "m.toml"];
     // Errors here are larger than those of machines.
     shop.run(files.into_iter().chain(["--max-correction", "2mm"]))
 }
@@ -79,7 +79,7 @@ fn takes_back(name: &str, rotary: &str, solve: Solve, is_far_from_poles: impl Fn
     let shop = Shop::new().file("data.csv", &data);
     let run = shop
         .run([
-            "measured",
+            "correct-readings",
             "data.csv",
             "-o",
             "out.csv",
@@ -143,7 +143,7 @@ fn next_to_a_pole_the_tip_is_where_the_reading_says() {
     poses.iter().for_each(|b| writeln!(data, "10,20,300,{b},30").unwrap());
     let shop = Shop::new().file("data.csv", &data);
     shop.run([
-        "measured",
+        "correct-readings",
         "data.csv",
         "-o",
         "out.csv",
@@ -209,7 +209,7 @@ fn standard_streams_and_tabs_will_do() {
     let shop = Shop::new().file("m.toml", one_error("EXX", "kind = \"polynomial\"\ncoefficients = [0.5]"));
     let run = shop
         .run_with_input(
-            ["measured", "-", "-o", "-", "--max-correction", "2mm", "--machine", "m.toml"],
+            ["correct-readings", "-", "-o", "-", "--max-correction", "2mm", "--machine", "m.toml"],
             b"X\tY\tZ\n1\t2\t3\n",
         )
         .exits(0);
@@ -289,10 +289,12 @@ fn a_reading_without_a_position_is_refused() {
 #[test]
 fn the_data_are_never_overwritten() {
     let shop = shop(&simple_machine(""), "X,Y,Z\n1,2,3\n");
-    shop.run(["measured", "data.csv", "-o", "data.csv", "--machine", "m.toml"]).exits(4).says("E0310");
-    shop.run(["measured", "data.csv", "-o", "m.toml", "--machine", "m.toml"]).exits(4).says("E0310");
-    shop.run(["measured", "none.csv", "-o", "out.csv", "--machine", "m.toml"]).exits(2).says("cannot read none.csv");
-    shop.run(["measured", "data.csv", "--machine", "m.toml"]).exits(2);
+    shop.run(["correct-readings", "data.csv", "-o", "data.csv", "--machine", "m.toml"]).exits(4).says("E0310");
+    shop.run(["correct-readings", "data.csv", "-o", "m.toml", "--machine", "m.toml"]).exits(4).says("E0310");
+    shop.run(["correct-readings", "none.csv", "-o", "out.csv", "--machine", "m.toml"])
+        .exits(2)
+        .says("cannot read none.csv");
+    shop.run(["correct-readings", "data.csv", "--machine", "m.toml"]).exits(2);
 }
 
 proptest! {

@@ -133,7 +133,7 @@ fn every_output_is_spared_that_is_newer_than_the_start() {
     for (arguments, output) in [
         (&["part.mpf", "-o", "out"][..], "out"),
         (&["snc", "part.mpf", "-o", "out"], "out"),
-        (&["measured", "read.csv", "-o", "out"], "out"),
+        (&["correct-readings", "read.csv", "-o", "out"], "out"),
     ] {
         for before in [None, Some("older\n")] {
             let shop = shop();

@@ -136,7 +136,7 @@ fn steps_have_a_page() {
     // EYX = 1e-9 · x² mm: over a piece of length s the chord is off by 1e-9 · s² / 4 mm, so that 0.01 µm leave room for 200 mm.
     let bent = format!("{MILL}[[motion]]\ncomponent = \"EYX\"\nkind = \"polynomial\"\ncoefficients = [0, 0, 1e-9]\n");
     let shop = Shop::new().file("mill.toml", bent);
-    shop.run(with_mill(&["steps", "--residual", "0.01um", "--report", "page.html", "--svg", "steps.svg"])).exits(0);
+    shop.run(with_mill(&["max-step", "--residual", "0.01um", "--report", "page.html", "--svg", "steps.svg"])).exits(0);
     let text = shop.text("page.html");
     let page = parsed(&text);
     let banner = page.descendants().find(|node| node.attribute("class") == Some("banner")).unwrap();
@@ -145,8 +145,8 @@ fn steps_have_a_page() {
     assert!(rows(&page).len() > 10);
     assert!(page.descendants().any(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "circle"))));
     Document::parse(&shop.text("steps.svg")).unwrap();
-    shop.run(with_mill(&["steps", "--report", "mill.toml"])).exits(4).says("E0310");
-    shop.run(with_mill(&["steps", "--report", "-"])).exits(2);
+    shop.run(with_mill(&["max-step", "--report", "mill.toml"])).exits(4).says("E0310");
+    shop.run(with_mill(&["max-step", "--report", "-"])).exits(2);
 }
 
 #[test]

@@ -246,7 +246,7 @@ fn every_command_keeps_to_its_schema() {
         (1, vec!["diff", "p.mpf", "o.mpf", "--machine", "m.toml", "--json"]),
         (1, vec!["diff", "p.mpf", "o.mpf", "--text", "--json"]),
         (3, vec!["diff", "wrong.mpf", "o.mpf", "--machine", "m.toml", "--json"]),
-        (0, vec!["steps", "--machine", "small.toml", "--residual", "2um", "--json"]),
+        (0, vec!["max-step", "--machine", "small.toml", "--residual", "2um", "--json"]),
         (0, vec!["machine", "show", maho, "--at", "X350,Y100,Z100,B0", "--json"]),
         (0, vec!["machine", "show", "m.toml", "--origin", "--json"]),
         (0, calibrate.to_vec()),
@@ -269,7 +269,7 @@ fn every_command_keeps_to_its_schema() {
         ),
         (0, vec!["diagnose", "laser.csv", "--machine", "known.toml", "--json"]),
         (4, vec!["diagnose", "none.csv", "--machine", &demo, "--json"]),
-        (0, vec!["figures", "bar.csv", "--machine", &demo, "--json"]),
+        (0, vec!["iso230", "bar.csv", "--machine", &demo, "--json"]),
         (0, vec!["decompose", "trace.csv", "--machine", "known.toml", "--json"]),
         (
             4,
@@ -305,7 +305,7 @@ fn every_command_keeps_to_its_schema() {
             ],
         ),
         (0, vec!["tables", "--read", "archive.arc", "--json"]),
-        (0, vec!["load", "strain.csv", "--machine", maho, "--json"]),
+        (0, vec!["weigh", "strain.csv", "--machine", maho, "--json"]),
         (0, vec!["sensors", "warm.csv", "--machine", &demo, "--json"]),
         (0, vec!["feed", "part.ngc", "--machine", "mill", "--link", "grbl", "--dry-run", "--json"]),
     ];

@@ -1,4 +1,4 @@
-//! `ncfix steps`: the largest fixed step that keeps a residual, against the sag of chords worked out by hand.
+//! `ncfix max-step`: the largest fixed step that keeps a residual, against the sag of chords worked out by hand.
 
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_machine::machine::{AxisData, Lever, Machine};
@@ -106,7 +106,7 @@ fn smaller_steps_count_for_larger_ones() {
     let wave = "period_mm = 10.0\namplitude_um = 10.0\nphase_deg = 0.0";
     let shop = Shop::new()
         .file("m.toml", file("", &format!("[[motion]]\ncomponent = \"EXX\"\nkind = \"periodic\"\n{wave}\n")));
-    let run = shop.run(["steps", "--machine", "m.toml", "--residual", "2um", "--json"]).exits(0);
+    let run = shop.run(["max-step", "--machine", "m.toml", "--residual", "2um", "--json"]).exits(0);
     let json = run.json();
     let rows = json["steps"].as_array().unwrap();
     let largest: Vec<f64> = rows.iter().map(|row| row["largest_um"].as_f64().unwrap()).collect();
@@ -141,7 +141,7 @@ const PITCH: &str = "[[motion]]\ncomponent = \"EBX\"\nkind = \"polynomial\"\ncoe
 fn the_longest_tool_of_the_machine_decides() {
     let shop = Shop::new().file("ncfix.toml", file(TOOLS, PITCH));
     let step = |arguments: &[&str]| {
-        let run = shop.run(["steps", "--json"].iter().chain(arguments)).exits(0);
+        let run = shop.run(["max-step", "--json"].iter().chain(arguments)).exits(0);
         let json = run.json();
         assert_eq!(json["answer"], "up_to");
         assert!(json["residual_um"].as_f64().unwrap() <= json["residual_limit_um"].as_f64().unwrap());
@@ -159,7 +159,7 @@ fn the_longest_tool_of_the_machine_decides() {
 #[test]
 fn the_page_names_answer_and_place_without_colors() {
     let shop = Shop::new().file("m.toml", file(TOOLS, PITCH));
-    let run = shop.run(["steps", "--machine", "m.toml", "--svg", "s.svg"]).exits(0);
+    let run = shop.run(["max-step", "--machine", "m.toml", "--svg", "s.svg"]).exits(0);
     for text in
         ["µm residual", "largest step 70", " mm for 5.00 µm", "on the line  X", "tool length  400 mm", "█", "limit"]
     {
@@ -181,7 +181,7 @@ fn a_program_is_judged_by_its_own_moves() {
     let program = "N10 G90 G71 G54 G0 X0 Y0 Z0.05\nN20 T2 D1 M6\nN30 G0 X0 Y0 Z0.05\nN40 G1 X100 F500\nN50 X400\nN60 X390\nN70 G0 X0\nN80 M30\n";
     let offset = "[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = -399.95\n";
     let shop = Shop::new().file("m.toml", file(&format!("{TOOLS}{offset}"), PITCH)).file("p.mpf", program);
-    let json = shop.run(["steps", "p.mpf", "--machine", "m.toml", "--json"]).exits(0).json();
+    let json = shop.run(["max-step", "p.mpf", "--machine", "m.toml", "--json"]).exits(0).json();
     assert_eq!((json["moves"].as_u64(), json["worst"]["line"].as_u64()), (Some(3), Some(5)), "{json}");
     assert_eq!(json["worst"]["file"], "p.mpf");
     let step = json["largest_step_mm"].as_f64().unwrap();
@@ -189,23 +189,23 @@ fn a_program_is_judged_by_its_own_moves() {
     // Moves that are shorter than the step stay whole.
     let short = program.replace("X400", "X150").replace("X390", "X200").replace("X100", "X50");
     let shop = shop.file("short.mpf", short.replace("N50 X150", "N50 X100").replace("N60 X200", "N60 X150"));
-    let run = shop.run(["steps", "short.mpf", "--machine", "m.toml"]).exits(0);
+    let run = shop.run(["max-step", "short.mpf", "--machine", "m.toml"]).exits(0);
     assert!(run.stdout.contains("any: in one piece every line stays within 5.00 µm"), "{}", run.stdout);
     // A tool of one's own choice.
-    let run = shop.run(["steps", "p.mpf", "--machine", "m.toml", "--tool", "100", "--json"]).exits(0);
+    let run = shop.run(["max-step", "p.mpf", "--machine", "m.toml", "--tool", "100", "--json"]).exits(0);
     assert!((run.json()["largest_step_mm"].as_f64().unwrap() / 141.42 - 1.0).abs() < 0.02);
 }
 
 #[test]
 fn what_cannot_be_looked_at_is_said() {
     let shop = Shop::new().file("m.toml", file("", "")).file("bad.mpf", "N10 G0 X\n");
-    let run = shop.run(["steps", "--machine", "m.toml", "--svg", "s.svg"]).exits(0);
+    let run = shop.run(["max-step", "--machine", "m.toml", "--svg", "s.svg"]).exits(0);
     assert!(run.stdout.contains("any: no line bends"), "{}", run.stdout);
     assert!(shop.text("s.svg").contains("no residual at any step"));
-    shop.run(["steps", "bad.mpf", "--machine", "m.toml"]).exits(3).says("bad.mpf:1:8");
-    shop.run(["steps", "none.mpf", "--machine", "m.toml"]).exits(2).says("cannot read none.mpf");
-    shop.run(["steps", "--machine", "m.toml", "--tool", "long"]).exits(2).says("is no length and no vector");
-    shop.run(["steps", "--machine", "m.toml", "--svg", "m.toml"]).exits(4).says("E0310");
+    shop.run(["max-step", "bad.mpf", "--machine", "m.toml"]).exits(3).says("bad.mpf:1:8");
+    shop.run(["max-step", "none.mpf", "--machine", "m.toml"]).exits(2).says("cannot read none.mpf");
+    shop.run(["max-step", "--machine", "m.toml", "--tool", "long"]).exits(2).says("is no length and no vector");
+    shop.run(["max-step", "--machine", "m.toml", "--svg", "m.toml"]).exits(4).says("E0310");
 }
 
 #[test]
@@ -213,14 +213,14 @@ fn a_machine_without_any_correction_has_no_answer() {
     // X that does not move whatever is commanded.
     let stuck = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, -1.0]\n";
     let shop = Shop::new().file("m.toml", file("", stuck));
-    let run = shop.run(["steps", "--machine", "m.toml", "--json"]).exits(4);
+    let run = shop.run(["max-step", "--machine", "m.toml", "--json"]).exits(4);
     assert_eq!((run.codes(), run.json()["answer"].clone()), (vec!["E0308".to_owned()], serde_json::Value::Null));
 }
 
 #[test]
 fn the_sample_machines_have_an_answer() {
     for name in ["demo", "esmaeili_huron"] {
-        let json = Shop::new().run(["steps", "--machine", &machine(name), "--json"]).exits(0).json();
+        let json = Shop::new().run(["max-step", "--machine", &machine(name), "--json"]).exits(0).json();
         assert_eq!(json["answer"], "up_to", "{name}: {json}");
         assert_eq!(json["failures"], 0, "{name}: {json}");
     }

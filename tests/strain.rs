@@ -1,4 +1,4 @@
-//! `ncfix load`: known loads are found in synthetic strain with noise, offsets, drift and pulses; uncertainties are honest; faults have places.
+//! `ncfix weigh`: known loads are found in synthetic strain with noise, offsets, drift and pulses; uncertainties are honest; faults have places.
 
 use std::fmt::Write as _;
 
@@ -370,7 +370,7 @@ fn faults_of_the_gauge_are_found_at_their_place() {
 fn the_command_writes_a_state_file() {
     let trial = Trial { pulses: vec![(8, 3.0)], ..Trial::new(4) };
     let shop = Shop::new().file("m.toml", format!("{MACHINE}{GAUGE}")).file("strain.csv", trial.table(11));
-    let run = shop.run(["load", "strain.csv", "--machine", "m.toml", "-o", "state.toml", "--json"]).exits(0);
+    let run = shop.run(["weigh", "strain.csv", "--machine", "m.toml", "-o", "state.toml", "--json"]).exits(0);
     let json = run.json();
     // Row 8 stands in line 10, behind `1,550,`.
     let finding = &json["diagnostics"][0];
@@ -391,9 +391,9 @@ fn the_command_writes_a_state_file() {
     assert!((load.position_mm.x - number("/place/0/value_mm")).abs() < 0.006);
     assert!((load.position_mm.z - number("/place/2/value_mm")).abs() < 0.006);
     // For people on standard output, or beside the state.
-    let run = shop.run(["load", "strain.csv", "--machine", "m.toml", "--known", "Z-280"]).exits(0);
+    let run = shop.run(["weigh", "strain.csv", "--machine", "m.toml", "--known", "Z-280"]).exits(0);
     assert!(run.stdout.contains("weight ") && run.stdout.contains("-280.0 mm, known"), "{}", run.stdout);
-    let run = shop.run(["load", "strain.csv", "--machine", "m.toml", "-o", "-"]).exits(0).says("place X");
+    let run = shop.run(["weigh", "strain.csv", "--machine", "m.toml", "-o", "-"]).exits(0).says("place X");
     assert!(run.stdout.contains("[[load]]\nforce_N = "), "{}", run.stdout);
 }
 
@@ -406,16 +406,16 @@ fn faults_of_the_command_are_told_with_their_place() {
         .file("cell.csv", "X,strain_um_m\n0,1\n150,abc\n")
         .file("far.csv", "X,strain_um_m\n0,1\n701,2\n")
         .file("column.csv", "X,strain\n0,1\n");
-    let load = |data: &str, machine: &str| shop.run(["load", data, "--machine", machine, "-o", "state.toml"]);
+    let load = |data: &str, machine: &str| shop.run(["weigh", data, "--machine", machine, "-o", "state.toml"]);
     load("cell.csv", "m.toml").exits(4).says("error[E0603]").says("cell.csv:3:5");
     load("far.csv", "m.toml").exits(4).says("error[E0604]").says("far.csv:3:1").says("0 … 700");
     load("column.csv", "m.toml").exits(4).says("error[E0602]").says("strain_um_m");
     load("good.csv", "bare.toml").exits(4).says("error[E0403]").says("[strain]");
     load("none.csv", "m.toml").exits(2).says("cannot read none.csv");
     assert!(!shop.path("state.toml").exists());
-    shop.run(["load", "good.csv", "--machine", "m.toml", "-o", "m.toml"]).exits(4).says("error[E0310]");
-    shop.run(["load", "good.csv", "--machine", "m.toml", "-o", "-", "--json"]).exits(2);
-    shop.run(["load", "good.csv", "--machine", "m.toml", "--known", "Q5"]).exits(2);
+    shop.run(["weigh", "good.csv", "--machine", "m.toml", "-o", "m.toml"]).exits(4).says("error[E0310]");
+    shop.run(["weigh", "good.csv", "--machine", "m.toml", "-o", "-", "--json"]).exits(2);
+    shop.run(["weigh", "good.csv", "--machine", "m.toml", "--known", "Q5"]).exits(2);
 }
 
 #[test]

@@ -113,7 +113,7 @@ fn measured_has_the_limit_of_fix() {
     let far = SCALE.replace("travel_mm = [0, 500]", "travel_mm = [0, 9000]");
     let shop = Shop::new().file("m.toml", far).file("read.csv", "X,Y,Z\n1000,0,0\n5000,0,0\n9000,0,0\n");
     let with = |more: &[&'static str]| {
-        shop.run(["measured", "read.csv", "-o", "out.csv", "--machine", "m.toml"].iter().chain(more).copied())
+        shop.run(["correct-readings", "read.csv", "-o", "out.csv", "--machine", "m.toml"].iter().chain(more).copied())
     };
     let run = with(&[]).exits(4).says("error[E0303]: the correction of X is").says("read.csv:3:1").says("read.csv:4:1");
     assert!(!run.stderr.contains("read.csv:2:"), "{}", run.stderr);
@@ -131,7 +131,8 @@ fn a_rotary_reading_is_judged_by_its_arc() {
     let shop = Shop::new()
         .file("m.toml", rotary)
         .file("read.csv", "X,Y,Z,A,C,tool_x_mm,tool_y_mm,tool_z_mm\n0,0,0,57.29578,0,0,0,-300\n");
-    let with = |limit| shop.run(["measured", "read.csv", "-o", "o", "--machine", "m.toml", "--max-correction", limit]);
+    let with =
+        |limit| shop.run(["correct-readings", "read.csv", "-o", "o", "--machine", "m.toml", "--max-correction", limit]);
     with("0.29mm").exits(4).says("error[E0303]");
     with("0.32mm").exits(0);
 }

@@ -1,4 +1,4 @@
-//! `ncfix figures`: figures of the acceptance tests from measurements.
+//! `ncfix iso230`: figures of the acceptance tests from measurements.
 
 use super::arguments::FiguresArguments;
 use super::exit_code::ExitCode;

@@ -1,4 +1,4 @@
-//! `ncfix measured`: takes the corrections out of positions that were read on the machine.
+//! `ncfix correct-readings`: takes the corrections out of positions that were read on the machine.
 
 use super::arguments::{MeasuredArguments, RotaryChoice};
 use super::exit_code::ExitCode;

@@ -9,7 +9,7 @@ use super::json::Finding;
 use super::number::significant;
 use ncfix_metrology::results::figures::Measurement;
 
-/// The result of `ncfix figures`.
+/// The result of `ncfix iso230`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Figures {

@@ -7,7 +7,7 @@ use super::json::Finding;
 use super::number::significant;
 use ncfix_metrology::measure::weighing::{Coordinate as Weighed, Weighing};
 
-/// The result of `ncfix load`. Uncertainties are standard uncertainties.
+/// The result of `ncfix weigh`. Uncertainties are standard uncertainties.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Load {

@@ -6,7 +6,7 @@ use super::number::{grouped, significant};
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 
-/// The result of `ncfix measured`.
+/// The result of `ncfix correct-readings`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     /// Axes with a column.

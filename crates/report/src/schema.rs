@@ -59,15 +59,15 @@ pub fn all() -> Vec<(&'static str, Value)> {
         ("diagnose", of::<diagnosis::DiagnosisReport>()),
         ("diff", of::<Diff>()),
         ("feed", of::<Feed>()),
-        ("iso230", of::<figures::Figures>()),
         ("fix", of::<correction::Correction>()),
-        ("weigh", of::<load::Load>()),
+        ("iso230", of::<figures::Figures>()),
         ("machine", of::<Machine>()),
+        ("max-step", of::<steps::StepReport>()),
         ("resume", of::<feed::Plan>()),
         ("sensors", of::<Sensors>()),
-        ("max-step", of::<steps::StepReport>()),
         ("tables", of::<tables::TablesReport>()),
         ("verify", of::<json::Verification>()),
+        ("weigh", of::<load::Load>()),
     ]
 }
 

@@ -1,4 +1,4 @@
-//! What `ncfix steps` found: the answer, the table, the plot in the terminal and the object for programs.
+//! What `ncfix max-step` found: the answer, the table, the plot in the terminal and the object for programs.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -34,7 +34,7 @@ pub enum StepAnswer {
     None,
 }
 
-/// The result of `ncfix steps`.
+/// The result of `ncfix max-step`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StepReport {

@@ -1,4 +1,4 @@
-//! The arguments of `ncfix figures`.
+//! The arguments of `ncfix iso230`.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::MachineChoice;
 
-/// What `ncfix figures --help` says last.
+/// What `ncfix iso230 --help` says last.
 pub(super) const AFTER_HELP: &str = "\
 A measurement is a pair of files, NAME.csv and NAME.toml, as ncfix calibrate reads it. Figures need no error model.
 
@@ -15,10 +15,10 @@ ballbar: G, F, D, H of ISO 230-4 for circles in a plane through the ball on the 
          the sphere of least squares for rows in no plane
 
 Examples:
-  ncfix figures laser_x.csv --machine mill.toml
-  ncfix figures circles.csv hemisphere.csv --machine mill.toml --json";
+  ncfix iso230 laser_x.csv --machine mill.toml
+  ncfix iso230 circles.csv hemisphere.csv --machine mill.toml --json";
 
-/// `ncfix figures`.
+/// `ncfix iso230`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct FiguresArguments {
     /// Tables of measurements, each with its description beside

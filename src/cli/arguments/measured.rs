@@ -1,4 +1,4 @@
-//! The arguments of `ncfix measured`.
+//! The arguments of `ncfix correct-readings`.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use super::super::value;
 use super::{MachineChoice, RotaryChoice, StateChoice};
 use crate::cli::fix::arguments::MOST_CORRECTION;
 
-/// What `ncfix measured --help` says last.
+/// What `ncfix correct-readings --help` says last.
 pub(super) const AFTER_HELP: &str = "\
 DATA.csv has a line of column names. Columns named by the axis letters of the machine (X, Y, Z, C …; mm, deg) are positions that were read and \
 become those that a machine without errors would have read there. tool_x_mm, tool_y_mm, tool_z_mm (from the spindle nose to the tip) and X_dir … \
@@ -16,9 +16,9 @@ become those that a machine without errors would have read there. tool_x_mm, too
 through.
 
 Examples:
-  ncfix measured probing.csv -o probing_corrected.csv --machine mill.toml";
+  ncfix correct-readings probing.csv -o probing_corrected.csv --machine mill.toml";
 
-/// `ncfix measured`.
+/// `ncfix correct-readings`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct MeasuredArguments {
     /// Table of readings; - for standard input

@@ -1,4 +1,4 @@
-//! The arguments of `ncfix load`.
+//! The arguments of `ncfix weigh`.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use clap::Args;
 use crate::cli::arguments::MachineChoice;
 use crate::cli::value;
 
-/// What `ncfix load --help` says last.
+/// What `ncfix weigh --help` says last.
 pub(in crate::cli) const AFTER_HELP: &str = "\
 STRAIN.csv has a line of column names: the letter of the axis that was moved (X; mm), strain_um_m (µm/m), and where they are there run and t_s \
 (s). [strain] of the machine file says what the gauge reads for a load. Readings of one run share an offset that temperature moves, evenly where \
@@ -15,9 +15,9 @@ there is t_s. Measure every position twice, so that a reading disturbed by a pul
 uncertainties.
 
 Examples:
-  ncfix load strain.csv --machine mill.toml -o state.toml";
+  ncfix weigh strain.csv --machine mill.toml -o state.toml";
 
-/// `ncfix load`.
+/// `ncfix weigh`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct LoadArguments {
     /// Table of readings; - for standard input

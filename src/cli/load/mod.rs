@@ -1,4 +1,4 @@
-//! `ncfix load`: weighs the workpiece from readings of a strain gauge.
+//! `ncfix weigh`: weighs the workpiece from readings of a strain gauge.
 
 pub(in crate::cli) mod arguments;
 

@@ -1,4 +1,4 @@
-//! The arguments of `ncfix steps`.
+//! The arguments of `ncfix max-step`.
 
 use std::path::PathBuf;
 
@@ -7,18 +7,18 @@ use clap::Args;
 use crate::cli::arguments::{MachineChoice, ProgramChoice, RotaryChoice, StateChoice};
 use crate::cli::value;
 
-/// What `ncfix steps --help` says last.
+/// What `ncfix max-step --help` says last.
 pub(in crate::cli) const AFTER_HELP: &str = "\
 Lines through the travel of all axes, or the moves of a program, are cut into pieces of a fixed step along the axis that moves farthest, as \
 --step of ncfix fix does; the ends are corrected exactly, and the largest distance of the tool tip from the line in between is the \
 residual. The answer is the largest step below which it stays within --residual.
 
 Examples:
-  ncfix steps --machine mill.toml
-  ncfix steps part.mpf --machine mill.toml --residual 2um --svg steps.svg
-  ncfix steps --machine mill.toml --report steps.html";
+  ncfix max-step --machine mill.toml
+  ncfix max-step part.mpf --machine mill.toml --residual 2um --svg steps.svg
+  ncfix max-step --machine mill.toml --report steps.html";
 
-/// `ncfix steps`.
+/// `ncfix max-step`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct StepsArguments {
     /// Part program whose moves are looked at; without it lines through the whole travel

@@ -1,4 +1,4 @@
-//! `ncfix steps`: the largest fixed step that keeps a residual, over the working volume or along a program.
+//! `ncfix max-step`: the largest fixed step that keeps a residual, over the working volume or along a program.
 
 pub(in crate::cli) mod arguments;
 

@@ -415,7 +415,7 @@ In a log temperatures and loads may be empty; temperatures are -30 to 150 °C, a
 the result look more certain than it is. The first of them is told, and how many there are. The same is said of a table that is given twice, or held out
 as well, also where its readings are rounded or its rows in another order.";
     LOAD_NOT_TOLD = "E0604" "strain readings that tell no load"
-"ncfix load weighs a workpiece by the change of a strain along an axis. The readings must lie where [strain] of the machine file knows the
+"ncfix weigh weighs a workpiece by the change of a strain along an axis. The readings must lie where [strain] of the machine file knows the
 gauge, at enough positions to tell the weight from the offset (and the drift, where there is a column t_s) of each run, and there must be more
 of them than unknowns, or nothing says how uncertain the result is: measure every position twice. Of two readings of a position that contradict each
 other nothing may say which one is disturbed (a pulse of lubricant); a third run tells. A negative weight means a wrong sign in [strain] or in the
