@@ -1,24 +1,12 @@
 //! Exact stops: they belong to the end of a source block, even if the block becomes several lines.
 
 use super::line::LineBuilder;
-
-/// The words of a language for stops.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct StopWords {
-    /// Modal word: every block stops at its end.
-    pub(super) always: &'static str,
-    /// Word of a line that must not stop while [`Self::always`] is active.
-    pub(super) running: &'static str,
-    /// Word that acts at the end of its block only.
-    pub(super) once: Option<&'static str>,
-    /// All words of the group of [`Self::always`].
-    pub(super) group: &'static [&'static str],
-}
+use ncfix_dialect::BlockEnds;
 
 /// The active exact stop, and the pending one of the current block.
 #[derive(Debug)]
 pub(super) struct Stops {
-    words: StopWords,
+    words: BlockEnds,
     /// `true` if the block has an exact stop that is not written yet.
     stops_once: bool,
     /// `true` if the program has commanded an exact stop for every block.
@@ -28,7 +16,7 @@ pub(super) struct Stops {
 }
 
 impl Stops {
-    pub(super) fn new(words: StopWords) -> Stops {
+    pub(super) fn new(words: BlockEnds) -> Stops {
         Stops { words, stops_once: false, always_stops: false, is_running: false }
     }
 
@@ -40,7 +28,7 @@ impl Stops {
         }
         self.note(word);
         line.word(word.as_bytes());
-        if word == self.words.always {
+        if word == self.words.exact {
             line.mark_last(word.len());
         }
     }
@@ -48,7 +36,7 @@ impl Stops {
     /// Records a word of the group that another part of the writer writes.
     pub(super) fn note(&mut self, word: &str) {
         if self.words.group.contains(&word) {
-            self.always_stops = word == self.words.always;
+            self.always_stops = word == self.words.exact;
         }
     }
 
@@ -63,7 +51,7 @@ impl Stops {
                 line.insert(once);
             }
             if std::mem::take(&mut self.is_running) {
-                line.insert(self.words.always);
+                line.insert(self.words.exact);
             }
         }
     }
@@ -74,7 +62,7 @@ impl Stops {
             return;
         }
         // A block may have one word of a group: the existing one changes.
-        if !line.replace_marked(self.words.always.len(), self.words.running) {
+        if !line.replace_marked(self.words.exact.len(), self.words.running) {
             line.insert(self.words.running);
         }
     }

@@ -3,7 +3,6 @@
 //! Every position and feed has a decimal point: a number without one means whole units on some controls and thousandths on others. The output does
 //! not require optional codes of the control.
 
-use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
 use crate::path::{Centers, Feeds, Turns};
@@ -19,7 +18,6 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     longest: 120,
     is_numbered: false,
     is_plain: true,
-    stops: StopWords { always: "G61", running: "G64", once: Some("G9"), group: &["G61", "G62", "G63", "G64"] },
     // More than one turn requires the spiral option.
     turns: Turns::One,
     centers: Centers::OnBisector,

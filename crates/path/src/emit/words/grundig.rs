@@ -7,7 +7,6 @@
 //! The control moves the tool axis of a rapid move first or last. The execution splits rapid moves accordingly, so each line moves the intended axes.
 //! The order of the few micrometres that the correction adds in other axes has no effect. G27 and G28 are passed through.
 
-use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
 use crate::path::{Centers, Feeds, Turns};
@@ -23,7 +22,6 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     is_numbered: true,
     is_plain: true,
     // G9 sets the pole here, and no code stops at the end of a block.
-    stops: StopWords { always: "", running: "", once: None, group: &[] },
     turns: Turns::OneFlat,
     centers: Centers::OnBisector,
     feeds: Feeds::OfLinearOnly,

@@ -164,7 +164,7 @@ impl<'a, I> Walk<'a, I> {
             on_the_spot: false,
             has_moved: false,
             acts: Acts::default(),
-            passing: Passing::default(),
+            passing: Passing::of(machine),
             number: None,
             transformation: "",
             tail: Tail::default(),
@@ -186,7 +186,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 self.tail.borrow_mut().append(&mut self.acts.0);
                 return None;
             };
-            self.acts.see(&element, self.machine);
+            self.acts.see(&element, self.machine, &self.passing);
             self.passing.see(&element);
             if element.starts_block {
                 // A mark belongs to its own line, which may contain no motion.
