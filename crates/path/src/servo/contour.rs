@@ -17,7 +17,7 @@ const MOST: usize = 4096;
 pub struct OnPath {
     /// The block that it belongs to.
     pub block: u64,
-    /// Whether the block is rapid.
+    /// `true` if the block is rapid.
     pub is_rapid: bool,
     /// Vector from the path to the tool, in the workpiece, mm.
     pub off_mm: Vector,

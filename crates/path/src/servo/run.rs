@@ -1,7 +1,7 @@
 //! Drives the machine by the elements of a program, or by the pieces of a corrected one.
 //!
-//! Blocks are passed without a stop but where the program wants one: exact stop as its language says it, a dwell, a tool or M word, between rapid moves and
-//! moves with feed, and where the axes go on their own, to a reference point, or until a probe touches.
+//! Blocks are passed without stop, except at an exact stop of the language, a dwell, a tool or M word, and between rapid and feed moves. The axes
+//! also stop for motions of the control itself: to a reference point, or until a probe touches.
 
 use std::sync::Arc;
 

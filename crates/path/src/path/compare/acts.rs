@@ -146,13 +146,13 @@ pub(super) struct Passing {
 }
 
 impl Passing {
-    /// Before the first word about it.
+    /// The state before the first such word.
     pub(super) fn of(machine: &Machine) -> Passing {
         let words = ncfix_dialect::find(&machine.controller).map_or(BlockEnds::NONE, |dialect| dialect.block_ends);
         Passing { words, mode: None, stops_once: false }
     }
 
-    /// Whether a word is about it.
+    /// `true` if a word controls the stops at block ends.
     pub(super) fn is_word(&self, word: &str) -> bool {
         self.words.of(word).is_some()
     }
