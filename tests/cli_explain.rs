@@ -15,7 +15,7 @@ fn every_code_is_explained_in_any_case() {
 }
 
 #[test]
-fn without_a_code_all_are_commands() {
+fn without_a_code_all_are_listed() {
     let run = Shop::new().run(["explain"]).exits(0);
     assert_eq!(run.stdout.lines().count(), CODES.len());
 }
