@@ -208,7 +208,7 @@ pub struct Told {
     pub executed: u64,
     /// The lines after the last acknowledged one, and the last lines before them, in order.
     pub lines: VecDeque<Frozen>,
-    /// The last line that left over a link without answers. It, and as many lines before it as fit the buffer of the control, may not have been carried out.
+    /// The last line that went out over a link without answers. It, and as many lines before it as fit the buffer of the control, may not have been carried out.
     pub left: u64,
     /// Maximum number of blocks that the control may have taken and not carried out, and its words; `None` if it stated nothing.
     pub holds: Option<(u64, String)>,

@@ -117,7 +117,7 @@ pub struct Progress {
     pub sent: u64,
     /// Lines that the control has taken.
     pub acknowledged: u64,
-    /// Lines that have left over a link without answers. The number of them that wait in the control is not known.
+    /// Lines that went out over a link without answers. The number of them that wait in the control is not known.
     pub left: u64,
     /// Lines that the control has carried out, if it reports them.
     pub executed: Option<u64>,

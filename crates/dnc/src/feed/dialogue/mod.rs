@@ -32,7 +32,7 @@ pub enum Event {
     Executed(u64),
     /// The control states the maximum number of blocks that are taken and not carried out: the number, and its words.
     Holds(u64, String),
-    /// The last byte of this line, and of all before it, has left over a link without answers. It is not known whether the control has carried the line out.
+    /// The last byte of this line, and of all before it, went out over a link without answers. It is not known whether the control has carried the line out.
     Left(u64),
     /// The control asks to pause (`true`) or to resume.
     Paused(bool),
