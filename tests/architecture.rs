@@ -38,7 +38,7 @@ const CRATES: &[(&str, &[Room])] = &[
             ("results", &["calibrate", "decompose", "diagnose", "measure"]),
         ],
     ),
-    ("tables", &[("tables", &[]), ("realtime", &[])]),
+    ("tables", &[("tables", &[]), ("realtime", &[]), ("results", &["realtime", "tables"])]),
     ("dnc", &[("feed", &[]), ("drip", &["feed"]), ("sense", &[])]),
     ("report", &[]),
 ];

@@ -7,21 +7,21 @@ mod examples;
 mod figures;
 mod help;
 mod machine;
-mod measured;
 mod page;
-mod plan;
-mod realtime;
 mod sensors;
 mod switches;
-mod tables;
 mod work;
 
 pub(super) use super::diff::arguments::DiffArguments;
 pub(super) use super::feed::arguments::{FeedArguments, ResumeArguments};
 pub(super) use super::fix::arguments::{CompensationChoice, CorrectionChoice, RotaryChoice};
 pub(super) use super::load::arguments::LoadArguments;
+pub(super) use super::measured::arguments::MeasuredArguments;
+pub(super) use super::plan::arguments::PlanArguments;
+pub(super) use super::realtime::arguments::RealtimeArguments;
 pub(super) use super::simulate::arguments::SimulateArguments;
 pub(super) use super::steps::arguments::StepsArguments;
+pub(super) use super::tables::arguments::TablesArguments;
 pub(super) use super::verify::arguments::VerifyArguments;
 pub(super) use calibrate::CalibrateArguments;
 pub(super) use decompose::DecomposeArguments;
@@ -29,12 +29,8 @@ pub(super) use diagnose::DiagnoseArguments;
 pub(super) use figures::FiguresArguments;
 pub(super) use help::{CompletionsArguments, EXAMPLES, ManArguments, STATUSES};
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
-pub(super) use measured::MeasuredArguments;
 pub(super) use page::PageChoice;
-pub(super) use plan::PlanArguments;
-pub(super) use realtime::RealtimeArguments;
 pub(super) use sensors::SensorsArguments;
-pub(super) use tables::TablesArguments;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -44,7 +40,7 @@ use clap::error::ErrorKind;
 use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::voice::Voice;
-use super::{diff, feed, load, simulate, steps, value};
+use super::{diff, feed, load, measured, plan, realtime, simulate, steps, tables, value};
 use crate::options::{Compensation, Options};
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::file::nearest;
@@ -139,7 +135,7 @@ pub(super) enum Command {
     #[command(after_help = diff::arguments::AFTER_HELP)]
     Diff(Box<DiffArguments>),
     /// Subtract the corrections from positions that were read on the machine (measurement mode)
-    #[command(after_help = measured::AFTER_HELP)]
+    #[command(after_help = measured::arguments::AFTER_HELP)]
     Measured(MeasuredArguments),
     /// Find the largest fixed step that keeps a residual, and draw residual over step
     #[command(after_help = steps::arguments::AFTER_HELP)]
@@ -160,13 +156,13 @@ pub(super) enum Command {
     #[command(after_help = feed::arguments::AFTER_HELP)]
     Feed(Box<FeedArguments>),
     /// Answer set-points with corrections in the cycle of a control
-    #[command(after_help = realtime::AFTER_HELP)]
+    #[command(after_help = realtime::arguments::AFTER_HELP)]
     Realtime(Box<RealtimeArguments>),
     /// Show how a transfer that was broken off can be taken up again, and do it
     #[command(after_help = feed::arguments::RESUME_HELP)]
     Resume(ResumeArguments),
     /// Plan a measurement: the poses, and the program that runs them
-    #[command(after_help = plan::AFTER_HELP)]
+    #[command(after_help = plan::arguments::AFTER_HELP)]
     Plan(Box<PlanArguments>),
     /// Fit an error model to measured data and write the machine file
     #[command(after_help = calibrate::AFTER_HELP)]
@@ -178,7 +174,7 @@ pub(super) enum Command {
     #[command(after_help = figures::AFTER_HELP)]
     Figures(FiguresArguments),
     /// Make, check and read compensation tables of a control
-    #[command(after_help = tables::AFTER_HELP)]
+    #[command(after_help = tables::arguments::AFTER_HELP)]
     Tables(Box<TablesArguments>),
     /// Check or show a machine file
     #[command(subcommand, after_help = examples::MACHINE)]

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::super::value;
-use super::{MachineChoice, RotaryChoice, StateChoice};
+use crate::cli::arguments::{MachineChoice, RotaryChoice, StateChoice};
 use crate::cli::fix::arguments::MOST_CORRECTION;
+use crate::cli::value;
 
 /// What `ncfix measured --help` says last.
-pub(super) const AFTER_HELP: &str = "\
+pub(in crate::cli) const AFTER_HELP: &str = "\
 DATA.csv has a line of column names. Columns named by the axis letters of the machine (X, Y, Z, C …; mm, deg) are positions that were read and \
 become those that a machine without errors would have read there. tool_x_mm, tool_y_mm, tool_z_mm (from the spindle nose to the tip) and X_dir … \
 (-1, 0, 1: sense of the last motion; else it follows from the order of the rows within a run) are used; they and all other columns are passed \

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::machine_choice::{self, Found, Member};
-use super::stop::Stop;
+use super::machine_file::{self, Found, Member};
+use crate::error::Error;
 use ncfix_base::geometry::{AXES, FrameParts};
 use ncfix_base::source::Source;
 use ncfix_language::exec::apply_archive;
@@ -19,7 +19,7 @@ const ALWAYS: [&str; 3] = ["machine", "spindle", "control"];
 ///
 /// # Errors
 /// Where a set-up file cannot be read.
-pub(super) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Result<Origins, Stop> {
+pub(crate) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Result<Origins, Error> {
     let mut out = Origins::default();
     out.files.push(OriginFile {
         what: "machine file",
@@ -35,7 +35,7 @@ pub(super) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Resu
             file: path.display().to_string(),
             found: "--setup".to_owned(),
         });
-        for Member { source, is_saved_data } in machine_choice::members(path)?.1 {
+        for Member { source, is_saved_data } in machine_file::members(path)?.1 {
             if is_saved_data {
                 let before = machine.clone();
                 // What is wrong with it was said when the machine was read.

@@ -4,13 +4,15 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::super::value;
-use super::{MachineChoice, StateChoice};
+use crate::cli::arguments::{MachineChoice, StateChoice};
+use crate::cli::stop::Stop;
+use crate::cli::value;
+use crate::tables::TableOptions;
 use ncfix_base::geometry::Axis;
 use ncfix_tables::tables::{FORMATS, Format, Multiplication, Orientation, format};
 
 /// What `ncfix tables --help` says last.
-pub(super) const AFTER_HELP: &str = "\
+pub(in crate::cli) const AFTER_HELP: &str = "\
 Formats (--list says what each holds):
   cec  enc  fanuc  heidenhain  grundig  comp  matrixkins  isg  ssfk
 Schemes:
@@ -102,6 +104,46 @@ pub(in crate::cli) struct TablesArguments {
     pub(in crate::cli) json: bool,
 }
 
+impl TablesArguments {
+    /// How the tables are made and checked.
+    pub(super) fn options(&self) -> TableOptions {
+        TableOptions {
+            scheme: self.scheme.clone(),
+            points: self.points as usize,
+            tolerance_mm: self.tolerance,
+            tool: self.tool,
+            poses: self.poses as usize,
+            orientation: self.orientation.map(OrientationChoice::orientation),
+            ranges_mm_deg: self.range.clone(),
+            axis_names: self.axis_name.clone(),
+            multiplication: self.multiplication.map(MultiplicationChoice::multiplication),
+        }
+    }
+
+    /// Refuses two names of one axis, and one name of two.
+    pub(super) fn check_names(&self) -> Result<(), Stop> {
+        once("--axis-name", self.axis_name.iter().map(|(_, name)| name.clone()))?;
+        once("--axis-name", self.axis_name.iter().map(|(axis, _)| format!("axis {axis}")))
+    }
+
+    /// Refuses two ranges of one axis.
+    pub(super) fn check_ranges(&self) -> Result<(), Stop> {
+        once("--range", self.range.iter().map(|(axis, _)| axis.to_string()))
+    }
+}
+
+/// Refuses an option that says something of the same thing twice.
+fn once(option: &str, all: impl Iterator<Item = String>) -> Result<(), Stop> {
+    let mut known: Vec<String> = Vec::new();
+    for one in all.map(|one| one.to_ascii_uppercase()) {
+        if known.contains(&one) {
+            return Err(Stop::Usage(format!("{option} is given twice for {one}; give it once")));
+        }
+        known.push(one);
+    }
+    Ok(())
+}
+
 /// See [`Orientation`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum OrientationChoice {
@@ -117,7 +159,7 @@ pub(in crate::cli) enum OrientationChoice {
 
 impl OrientationChoice {
     /// The same for the tables.
-    pub(in crate::cli) fn orientation(self) -> Orientation {
+    fn orientation(self) -> Orientation {
         match self {
             OrientationChoice::Smooth => Orientation::Smooth,
             OrientationChoice::SixRows => Orientation::SixRows,
@@ -138,7 +180,7 @@ pub(in crate::cli) enum MultiplicationChoice {
 
 impl MultiplicationChoice {
     /// The same for the tables.
-    pub(in crate::cli) fn multiplication(self) -> Multiplication {
+    fn multiplication(self) -> Multiplication {
         match self {
             MultiplicationChoice::Instead => Multiplication::Instead,
             MultiplicationChoice::Beside => Multiplication::Beside,

@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::MachineChoice;
+use crate::cli::arguments::MachineChoice;
 use crate::cli::value;
 use ncfix_base::geometry::{Axis, Plane, Vector};
-use ncfix_metrology::measure::plan::{PLANS, PlanKind, find};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::measure::plan::{PLANS, PlanKind, RowSpacing, Wishes, find};
 use ncfix_model::ErrorName;
 
 /// What `ncfix plan --help` says last.
-pub(super) const AFTER_HELP: &str = "\
+pub(in crate::cli) const AFTER_HELP: &str = "\
 Kinds:
   ballbar  circles in XY, YZ, ZX, both senses, with overlap (ISO 230-4)
            --centre --radius --feed --plane --every --sweep --overlap --dwell
@@ -138,6 +139,45 @@ pub(in crate::cli) struct PlanArguments {
     /// Line of the control at every pose, such as the call of a probing cycle
     #[arg(long, value_name = "TEXT")]
     pub(in crate::cli) line: Option<String>,
+}
+
+impl PlanArguments {
+    /// What is wished, in mm and rad.
+    pub(super) fn wishes(&self, machine: &Machine) -> Wishes {
+        let angle = |degrees: Option<f64>| degrees.map(f64::to_radians);
+        let is_turned = self.axis.is_some_and(Axis::is_rotary);
+        Wishes {
+            tools_mm: self.tool.iter().map(|tool| tool.vector_mm(machine)).collect(),
+            centres_mm: self.centre.clone(),
+            margin_mm: self.margin,
+            forces_n: self.force.clone(),
+            places_mm: self.place.clone(),
+            radius_mm: self.radius,
+            feed: self.feed,
+            planes: self.plane.clone(),
+            every: match self.kind.spacing {
+                RowSpacing::Length => self.every,
+                RowSpacing::Angle => angle(self.every),
+            },
+            sweep: angle(self.sweep),
+            overlap: angle(self.overlap),
+            chord: angle(self.chord),
+            variant: self.variant.clone(),
+            balls_mm: self.ball.clone(),
+            clearance_mm: self.clearance,
+            tilt: angle(self.tilt),
+            axis: self.axis,
+            components: self.component.clone(),
+            range: self.range.map(|range| if is_turned { range.map(f64::to_radians) } else { range }),
+            points: self.points,
+            runs: self.runs,
+            dwell_s: self.dwell,
+            hours: self.hours,
+            speed: self.speed,
+            seed: self.seed.unwrap_or(1),
+            line: self.line.clone(),
+        }
+    }
 }
 
 fn kind(text: &str) -> Result<&'static PlanKind, String> {

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::findings::Findings;
-use super::input;
-use super::stop::Stop;
+use super::files;
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
 use ncfix_base::source::FileId;
 use ncfix_machine::machine::Machine;
 use ncfix_metrology::calibrate::Parameter;
@@ -16,15 +16,15 @@ use ncfix_model::preset::{PRESETS, find};
 ///
 /// # Errors
 /// Where there is neither preset nor file, or the preset does not suit the machine.
-pub(super) fn choose(
+pub(crate) fn choose(
     model: &str,
     machine: &Machine,
     errors: &ErrorModel,
-    findings: &mut Findings,
-) -> Result<Option<Vec<Parameter>>, Stop> {
+    findings: &mut Diagnostics,
+) -> Result<Option<Vec<Parameter>>, Error> {
     if let Some(preset) = find(model) {
         let parameters = (preset.parameters)(machine).map_err(|reason| {
-            Stop::Usage(format!("preset {model} does not suit the machine {}: {reason}", machine.name))
+            Error::usage(format!("preset {model} does not suit the machine {}: {reason}", machine.name))
         })?;
         return Ok(Some(parameters.into_iter().map(Parameter::from).collect()));
     }
@@ -32,9 +32,9 @@ pub(super) fn choose(
     if !path.is_file() {
         let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
         let known = known.join(", ");
-        return Err(Stop::Usage(format!("--model {model} is no file and no preset; the presets are {known}")));
+        return Err(Error::usage(format!("--model {model} is no file and no preset; the presets are {known}")));
     }
-    let source = input::read_written(path, FileId(0), "parameters of the model, --model")?;
+    let source = files::read_written(path, FileId(0), "parameters of the model, --model")?;
     let (parameters, found) = read(&source, machine, errors);
     let is_sound = found.is_empty();
     findings.extend(found, std::slice::from_ref(&source));

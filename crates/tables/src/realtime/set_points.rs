@@ -9,11 +9,18 @@ const LONGEST: u64 = 4096;
 
 /// Why there is no next set-point.
 #[derive(Debug)]
-pub(super) enum Fault {
+pub enum NoSetPoint {
     /// The input cannot be read.
     Unreadable(std::io::Error),
-    /// A line is no set-point: where, from 1, and why.
-    Wrong { line: u64, column: usize, what: String },
+    /// A line is no set-point.
+    Wrong {
+        /// The line, from 1.
+        line: u64,
+        /// The byte in it, from 1.
+        column: usize,
+        /// Why it is none.
+        what: String,
+    },
 }
 
 /// How a line is read.
@@ -25,8 +32,9 @@ enum Form {
     Table(Vec<Axis>, char),
 }
 
-/// The set-points of an input.
-pub(super) struct Lines<R: BufRead> {
+/// The set-points of a text, mm and degrees: words of axes, or a table whose first line has their letters.
+#[derive(Debug)]
+pub struct SetPointLines<R: BufRead> {
     input: R,
     axes: AxisSet,
     form: Option<Form>,
@@ -36,25 +44,27 @@ pub(super) struct Lines<R: BufRead> {
     known: AxisSet,
 }
 
-impl<R: std::io::Read> Lines<std::io::BufReader<R>> {
+impl<R: std::io::Read> SetPointLines<std::io::BufReader<R>> {
     /// Whether a whole line more has come already.
-    pub(super) fn has_more(&self) -> bool {
+    #[must_use]
+    pub fn has_more(&self) -> bool {
         self.input.buffer().contains(&b'\n')
     }
 }
 
-impl<R: BufRead> Lines<R> {
+impl<R: BufRead> SetPointLines<R> {
     /// Set-points of these axes, of which each must be stated.
-    pub(super) fn new(input: R, axes: AxisSet) -> Lines<R> {
+    #[must_use]
+    pub fn new(input: R, axes: AxisSet) -> SetPointLines<R> {
         let buffer = Vec::new();
-        Lines { input, axes, form: None, buffer, line: 0, last: AxisVector::ZERO, known: AxisSet::EMPTY }
+        SetPointLines { input, axes, form: None, buffer, line: 0, last: AxisVector::ZERO, known: AxisSet::EMPTY }
     }
 
     /// The next set-point, mm and rad; `None` at the end.
     ///
     /// # Errors
     /// Where the line is no set-point.
-    pub(super) fn next(&mut self) -> Result<Option<AxisVector>, Fault> {
+    pub fn next(&mut self) -> Result<Option<AxisVector>, NoSetPoint> {
         while self.read()? {
             let text = String::from_utf8_lossy(&self.buffer).into_owned();
             let text = text.trim_end();
@@ -78,10 +88,10 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// Reads a line; `false` at the end.
-    fn read(&mut self) -> Result<bool, Fault> {
+    fn read(&mut self) -> Result<bool, NoSetPoint> {
         self.buffer.clear();
         let mut limited = (&mut self.input).take(LONGEST);
-        let count = limited.read_until(b'\n', &mut self.buffer).map_err(Fault::Unreadable)?;
+        let count = limited.read_until(b'\n', &mut self.buffer).map_err(NoSetPoint::Unreadable)?;
         self.line += 1;
         if count as u64 == LONGEST && self.buffer.last() != Some(&b'\n') {
             return Err(self.wrong(1, format!("the line has more than {LONGEST} bytes")));
@@ -89,12 +99,12 @@ impl<R: BufRead> Lines<R> {
         Ok(count > 0)
     }
 
-    fn wrong(&self, column: usize, what: impl Into<String>) -> Fault {
-        Fault::Wrong { line: self.line, column, what: what.into() }
+    fn wrong(&self, column: usize, what: impl Into<String>) -> NoSetPoint {
+        NoSetPoint::Wrong { line: self.line, column, what: what.into() }
     }
 
     /// The columns of a first line that has letters of axes and no number.
-    fn heading(&self, text: &str) -> Result<Option<Form>, Fault> {
+    fn heading(&self, text: &str) -> Result<Option<Form>, NoSetPoint> {
         if text.bytes().any(|byte| byte.is_ascii_digit()) || text.trim().is_empty() {
             return Ok(None);
         }
@@ -124,7 +134,7 @@ impl<R: BufRead> Lines<R> {
     }
 
     /// Every axis must be stated.
-    fn demand(&self, stated: AxisSet) -> Result<(), Fault> {
+    fn demand(&self, stated: AxisSet) -> Result<(), NoSetPoint> {
         let missing = self.axes.difference(stated);
         if missing.is_empty() {
             return Ok(());
@@ -132,7 +142,7 @@ impl<R: BufRead> Lines<R> {
         Err(self.wrong(1, format!("the position of {} is not stated", letters(missing))))
     }
 
-    fn row(&mut self, text: &str, columns: &[Axis], separator: char) -> Result<(), Fault> {
+    fn row(&mut self, text: &str, columns: &[Axis], separator: char) -> Result<(), NoSetPoint> {
         let mut count = 0;
         for (start, cell) in cells(text, separator) {
             let Some(&axis) = columns.get(count) else {
@@ -147,7 +157,7 @@ impl<R: BufRead> Lines<R> {
         Ok(())
     }
 
-    fn words(&mut self, text: &str) -> Result<(), Fault> {
+    fn words(&mut self, text: &str) -> Result<(), NoSetPoint> {
         let is_gap = |c: char| c.is_whitespace() || c == ',';
         let mut stated = AxisSet::EMPTY;
         let mut rest = text;
@@ -176,7 +186,7 @@ impl<R: BufRead> Lines<R> {
         self.demand(self.known)
     }
 
-    fn set(&mut self, axis: Axis, number: &str, column: usize) -> Result<(), Fault> {
+    fn set(&mut self, axis: Axis, number: &str, column: usize) -> Result<(), NoSetPoint> {
         let value: Option<f64> = number.parse().ok().filter(|value: &f64| value.is_finite());
         let value = value.ok_or_else(|| self.wrong(column, format!("'{number}' is no number")))?;
         self.last[axis] = if axis.is_rotary() { value.to_radians() } else { value };
@@ -207,14 +217,16 @@ mod tests {
     /// The set-points of X, Y and C in degrees, and where and why it ended.
     fn read(text: &str) -> (Vec<[f64; 3]>, Option<String>) {
         let axes = [Axis::X, Axis::Y, Axis::C].into_iter().collect();
-        let mut lines = Lines::new(text.as_bytes(), axes);
+        let mut lines = SetPointLines::new(text.as_bytes(), axes);
         let mut all = Vec::new();
         loop {
             match lines.next() {
                 Ok(Some(at)) => all.push([at[Axis::X], at[Axis::Y], at[Axis::C].to_degrees().round()]),
                 Ok(None) => return (all, None),
-                Err(Fault::Wrong { line, column, what }) => return (all, Some(format!("{line}:{column}: {what}"))),
-                Err(Fault::Unreadable(error)) => panic!("{error}"),
+                Err(NoSetPoint::Wrong { line, column, what }) => {
+                    return (all, Some(format!("{line}:{column}: {what}")));
+                }
+                Err(NoSetPoint::Unreadable(error)) => panic!("{error}"),
             }
         }
     }

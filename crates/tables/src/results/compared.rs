@@ -1,34 +1,55 @@
 //! Compares what two sets of compensation tables add.
 
-use super::stop::Stop;
+use std::fmt;
+
+use super::request::SEED;
+use super::result::{DifferenceUnit, TablesDifference};
+use crate::tables::check::stands;
+use crate::tables::region::Region;
+use crate::tables::{Control, Tables};
 use ncfix_base::geometry::{AXES, Axis, Vector};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{ActiveCompensation as _, Machine};
-use ncfix_report::tables::Difference;
-use ncfix_tables::tables::check::stands;
-use ncfix_tables::tables::region::Region;
-use ncfix_tables::tables::{Control, Tables};
 
-/// What two sets of tables add at poses: of the travel of the machine, or of the range of the tables.
+/// Why two sets of tables cannot be compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotComparable {
+    /// Error functions go through the kinematics of a machine, and there is none.
+    NeedsMachine,
+    /// The machine that stands in where none is needed cannot be read: a slip of this program.
+    NoDemo,
+}
+
+impl fmt::Display for NotComparable {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(match self {
+            NotComparable::NeedsMachine => "error functions need the kinematics of the machine; give --machine",
+            NotComparable::NoDemo => "the demo machine cannot be read",
+        })
+    }
+}
+
+impl std::error::Error for NotComparable {}
+
+/// What two sets of tables add at `count` poses of a region, axis by axis; without a machine the tables must need none.
 ///
 /// # Errors
 /// Where error functions lack the kinematics of a machine.
-pub(super) fn difference(
+pub fn difference(
     both: [&Tables; 2],
     machine: Option<&Machine>,
     region: &Region,
     tool_mm: Vector,
-    seed: u64,
-    count: u32,
-) -> Result<Vec<Difference>, Stop> {
+    count: usize,
+) -> Result<Vec<TablesDifference>, NotComparable> {
     if machine.is_none() && both.iter().any(|tables| tables.errors.is_some()) {
-        return Err(Stop::Usage("error functions need the kinematics of the machine; give --machine".into()));
+        return Err(NotComparable::NeedsMachine);
     }
-    let machine = machine.map_or_else(demo, |machine| Ok(machine.clone()))?;
+    let machine = machine.cloned().or_else(demo).ok_or(NotComparable::NoDemo)?;
     let controls = both.map(|tables| Control::new(&machine, tables));
     let both_have = |axis: &Axis| controls.iter().any(|control| control.has_senses(*axis));
     let with_senses: Vec<Axis> = AXES.into_iter().filter(both_have).collect();
-    let poses = stands(&region.poses(count as usize, seed), &with_senses);
+    let poses = stands(&region.poses(count, SEED), &with_senses);
     let mut axes: Vec<(Axis, f64, f64)> = region.ranges.iter().map(|&(axis, _)| (axis, 0.0, 0.0)).collect();
     for (pose, state) in &poses {
         let [first, second] = [0, 1].map(|index: usize| controls[index].correction(pose, &tool_mm, state));
@@ -40,24 +61,23 @@ pub(super) fn difference(
     }
     let report = |(axis, squares, most): (Axis, f64, f64)| {
         let rms = (squares / poses.len().max(1) as f64).sqrt();
-        let (unit, scale): (_, fn(f64) -> f64) =
-            if axis.is_rotary() { ("urad", urad_from_rad) } else { ("um", um_from_mm) };
-        Difference { axis: axis.to_string(), unit, rms: scale(rms), max: scale(most) }
+        let scale = if axis.is_rotary() { urad_from_rad } else { um_from_mm };
+        TablesDifference { axis: axis.to_string(), unit: DifferenceUnit::of(axis), rms: scale(rms), max: scale(most) }
     };
     Ok(axes.into_iter().map(report).collect())
 }
 
 /// A machine for tables that need none.
-fn demo() -> Result<Machine, Stop> {
+fn demo() -> Option<Machine> {
     let text = ncfix_machine::machine::file::DEMO.as_bytes().to_vec();
-    let source = ncfix_base::source::Source::new(ncfix_base::source::FileId(0), "<demo machine>", text);
-    let source = source.map_err(|_| Stop::Usage("the demo machine is too large".into()))?;
+    let source = ncfix_base::source::Source::new(ncfix_base::source::FileId(0), "<demo machine>", text).ok()?;
     let (loaded, _) = ncfix_model::file::load(&source);
-    loaded.map(|(machine, _)| machine).ok_or_else(|| Stop::Usage("the demo machine cannot be read".into()))
+    loaded.map(|(machine, _)| machine)
 }
 
 /// The positions that tables cover.
-pub(super) fn range_of(both: [&Tables; 2]) -> Region {
+#[must_use]
+pub fn range_of(both: [&Tables; 2]) -> Region {
     let mut region = Region::default();
     let mut cover = |axis: Axis, [low, high]: [f64; 2]| {
         let unit = |value: f64| if axis.is_rotary() { value.to_radians() } else { value };

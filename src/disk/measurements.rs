@@ -2,12 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::findings::Findings;
-use super::input;
-use super::output::Target;
-use super::pages;
-use super::program::protect;
-use super::stop::Stop;
+use super::files;
+use super::hash::input_of;
+use super::output::{Target, protect};
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
 use ncfix_metrology::measure::kind::Instruments;
@@ -20,10 +19,10 @@ use ncfix_report::inputs::Input;
 ///
 /// # Errors
 /// Where there can be none.
-pub(super) fn description_of(table: &Path) -> Result<PathBuf, Stop> {
+pub(crate) fn description_of(table: &Path) -> Result<PathBuf, Error> {
     measurement::description_of(table).ok_or_else(|| {
         let name = table.display();
-        Stop::Usage(format!("a measurement is a pair of files, NAME.csv and NAME.toml; '{name}' is no NAME.csv"))
+        Error::usage(format!("a measurement is a pair of files, NAME.csv and NAME.toml; '{name}' is no NAME.csv"))
     })
 }
 
@@ -31,12 +30,12 @@ pub(super) fn description_of(table: &Path) -> Result<PathBuf, Stop> {
 ///
 /// # Errors
 /// Where a table can have no description.
-pub(super) fn protect_inputs<'a>(
+pub(crate) fn protect_inputs<'a>(
     targets: impl IntoIterator<Item = &'a Target>,
     mut files: Vec<PathBuf>,
     tables: impl Iterator<Item = &'a PathBuf>,
-    findings: &mut Findings,
-) -> Result<(), Stop> {
+    findings: &mut Diagnostics,
+) -> Result<(), Error> {
     for path in tables {
         files.extend([path.clone(), description_of(path)?]);
     }
@@ -48,13 +47,13 @@ pub(super) fn protect_inputs<'a>(
 ///
 /// # Errors
 /// Where a file cannot be read.
-pub(super) fn read(
+pub(crate) fn read(
     table: &Path,
     number: usize,
     is_plan: bool,
     machine: &Machine,
-    findings: &mut Findings,
-) -> Result<Option<Measurement>, Stop> {
+    findings: &mut Diagnostics,
+) -> Result<Option<Measurement>, Error> {
     read_for(if is_plan { Purpose::Plan } else { Purpose::Fit }, table, number, machine, findings)
 }
 
@@ -62,12 +61,12 @@ pub(super) fn read(
 ///
 /// # Errors
 /// Where a file cannot be read.
-pub(super) fn read_with_dead(
+pub(crate) fn read_with_dead(
     table: &Path,
     number: usize,
     (machine, errors): (&Machine, &ErrorModel),
-    findings: &mut Findings,
-) -> Result<Option<Measurement>, Stop> {
+    findings: &mut Diagnostics,
+) -> Result<Option<Measurement>, Error> {
     read_for(Purpose::Diagnosis(errors), table, number, machine, findings)
 }
 
@@ -76,19 +75,19 @@ fn read_for(
     table: &Path,
     number: usize,
     machine: &Machine,
-    findings: &mut Findings,
-) -> Result<Option<Measurement>, Stop> {
+    findings: &mut Diagnostics,
+) -> Result<Option<Measurement>, Error> {
     let description = description_of(table)?;
     let [own, beside] = measurement::ids(number);
     let sources = [
-        input::read(table, own, "measurement")?,
-        input::read_written(&description, beside, "its description, beside it")?,
+        files::read(table, own, "measurement")?,
+        files::read_written(&description, beside, "its description, beside it")?,
     ];
     let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let mut all = sources.to_vec();
-    let control = |described: &Described| -> Result<Option<Source>, Stop> {
+    let control = |described: &Described| -> Result<Option<Source>, Error> {
         let Some(path) = measurement::control_file(table, described) else { return Ok(None) };
-        let file = input::read(&path, FileId(u16::MAX), "what the control recorded")?;
+        let file = files::read(&path, FileId(u16::MAX), "what the control recorded")?;
         all.push(file.clone());
         Ok(Some(file))
     };
@@ -100,12 +99,12 @@ fn read_for(
 }
 
 /// The texts of measurements.
-pub(super) fn sources_of(all: &[Measurement]) -> Vec<Source> {
+pub(crate) fn sources_of(all: &[Measurement]) -> Vec<Source> {
     all.iter().flat_map(|one| one.sources.iter().cloned()).collect()
 }
 
 /// The files of a measurement, as pages name them.
-pub(super) fn inputs(one: &Measurement, is_held_out: bool) -> [Input; 2] {
+pub(crate) fn inputs(one: &Measurement, is_held_out: bool) -> [Input; 2] {
     let roles = if is_held_out { ["readings, held out", "description, held out"] } else { ["readings", "description"] };
-    [pages::input(&one.sources[0], roles[0]), pages::input(&one.sources[1], roles[1])]
+    [input_of(&one.sources[0], roles[0]), input_of(&one.sources[1], roles[1])]
 }

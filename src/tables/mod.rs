@@ -1,23 +1,22 @@
 //! Compensation tables of controls.
 
-use std::path::Path;
+pub(crate) mod reread;
+
+use std::path::{Path, PathBuf};
 
 use crate::diagnostics::Diagnostics;
-use crate::disk::files;
+use crate::disk::files::{self, is_standard_stream};
+use crate::disk::table_files::tool_remark;
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::tool::ToolVector;
-use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::Axis;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::ActiveTables;
-use ncfix_model::Accumulator;
-use ncfix_tables::tables::check::check;
-use ncfix_tables::tables::region::Region;
-use ncfix_tables::tables::scheme::{self, Task};
-use ncfix_tables::tables::{self, Control, Format, Multiplication, Orientation, Wiring};
-
-/// Start of the generator of the poses of a check: none of those of a scheme.
-const SEED: u64 = 0x43_4845_434b;
+use ncfix_tables::results::made::{Filling, MadeTables, make, misfits};
+use ncfix_tables::results::request::{TablesRequest, region};
+use ncfix_tables::results::result::TablesResult;
+use ncfix_tables::tables::{self, Format, Multiplication, Orientation, Scheme, Schemes, Wiring};
 
 /// How tables are made. `TableOptions::default()` is what `ncfix tables` does without options.
 ///
@@ -41,11 +40,29 @@ pub struct TableOptions {
     pub tool: Option<ToolVector>,
     /// Poses at which they are checked.
     pub poses: usize,
+    /// What the rotary axes do about the direction of the tool; `None` for what each scheme is at home in.
+    pub orientation: Option<Orientation>,
+    /// Ranges of axes that the tables cover in place of their travel, mm or deg.
+    pub ranges_mm_deg: Vec<(Axis, [f64; 2])>,
+    /// How the control names axes, where the machine file does not say it.
+    pub axis_names: Vec<(Axis, String)>,
+    /// What the control does with products; without it what the machine file says.
+    pub multiplication: Option<Multiplication>,
 }
 
 impl Default for TableOptions {
     fn default() -> TableOptions {
-        TableOptions { scheme: "auto".into(), points: 37, tolerance_mm: 0.001, tool: None, poses: 2000 }
+        TableOptions {
+            scheme: "auto".into(),
+            points: 37,
+            tolerance_mm: 0.001,
+            tool: None,
+            poses: 2000,
+            orientation: None,
+            ranges_mm_deg: Vec::new(),
+            axis_names: Vec::new(),
+            multiplication: None,
+        }
     }
 }
 
@@ -110,57 +127,38 @@ impl Tables {
     /// Where there is no such format or scheme, an axis has no travel, or the control cannot hold tables that leave less than none.
     pub fn make(machine: &Machine, format: &str, options: &TableOptions) -> Result<Tables, Error> {
         let format = of_name(machine, format)?;
+        let mut found = Diagnostics::default();
+        let made = Tables::make_noting(machine, format, options, &mut TablesResult::default(), &mut found)?;
+        made.ok_or_else(|| Error::found(found))
+    }
+
+    /// Makes tables and notes in the result what was made, tried and checked; `None` where findings forbid it.
+    ///
+    /// # Errors
+    /// Where there is no such scheme, or the machine has no such part of its volume.
+    pub(crate) fn make_noting(
+        machine: &Machine,
+        format: &'static Format,
+        options: &TableOptions,
+        result: &mut TablesResult,
+        found: &mut Diagnostics,
+    ) -> Result<Option<Tables>, Error> {
         let machine = &itself(machine);
-        let own = &machine.machine;
-        let region = travel(machine)?;
-        let wiring = Wiring::of(own);
-        let model = machine.model();
-        let errors = Accumulator::sum(own, &machine.errors, &machine.condition, |_| true);
-        let target = tables::Target {
-            machine: own,
-            model: &model,
-            tool_mm: tool_mm(machine, options),
-            orientation: Orientation::Smooth,
-        };
-        let multiplication = own.active_tables.multiplication.map(Multiplication::from).unwrap_or_default();
-        let task = Task {
-            target,
-            orientation: None,
-            errors: &errors,
-            region: &region,
-            points: options.points,
-            tolerance_mm: options.tolerance_mm,
-            multiplication,
-            format,
-            wiring: &wiring,
-        };
-        let refused = |why: String| {
-            let help = "ncfix tables --list shows what each format holds; try the scheme auto or a larger tolerance";
-            let mut found = Diagnostics::default();
-            found.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, help), &[]);
-            Error::found(found)
-        };
         let schemes = &machine.registry.schemes;
-        let named = schemes.iter().find(|one| one.name.eq_ignore_ascii_case(&options.scheme));
-        let (name, made) = match named {
-            Some(scheme) => (scheme.name, scheme.tables(&task).map_err(refused)?),
-            None if options.scheme.eq_ignore_ascii_case("auto") => {
-                let (best, _) = scheme::choose_with(schemes, &task);
-                let (scheme, made) = best.ok_or_else(|| refused("no scheme reaches the tolerance".into()))?;
-                (scheme.name, made)
+        let scheme = scheme_of(schemes, &options.scheme)?;
+        let request = request(machine, options)?;
+        let (points, tolerance_mm) = (options.points, options.tolerance_mm);
+        let made = match make(&request, &Filling { format, scheme, schemes, points, tolerance_mm }, result) {
+            Ok(made) => made,
+            Err(why) => {
+                found.add(*why, &[]);
+                return Ok(None);
             }
-            None => return Err(Error::usage(format!("there is no scheme '{}'", options.scheme))),
         };
-        if let Some(fault) = format.faults_of(&made, &wiring).into_iter().next() {
-            return Err(refused(fault));
-        }
-        let notes = vec![format!("machine {}, scheme {name}", own.name), format.sign.to_owned()];
-        let made = Tables { tables: made, format, wiring, notes };
-        let left = made.check(machine, options)?;
-        if left.tables_um > left.before_um {
-            return Err(refused("the tables would leave more than no tables".into()));
-        }
-        Ok(made)
+        let notes = notes(machine, &request, format, &made);
+        result.check = Some(made.checked);
+        found.extend(misfits(format, &made.tables, &request.wiring), &[]);
+        Ok((!found.has_errors()).then_some(Tables { tables: made.tables, format, wiring: request.wiring, notes }))
     }
 
     /// Reads a file of tables as the control of a machine has it.
@@ -229,6 +227,32 @@ impl Tables {
         written.into_iter().map(|one| (format!("{name}{}", one.suffix), one.text)).collect()
     }
 
+    /// The files as they are written to `output`: its name, to which formats of several files add.
+    ///
+    /// # Errors
+    /// Where standard output would have several.
+    pub(crate) fn files_at(&self, output: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
+        let written = (self.format.write)(&self.tables, &self.wiring, &self.notes);
+        if is_standard_stream(output) && written.len() > 1 {
+            let what = format!("{} are {} files, and standard output is one", self.format.title, written.len());
+            return Err(Error::usage(format!("{what}; give -o the name that they begin with, such as -o mill")));
+        }
+        let stem = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = |suffix: &str| {
+            if suffix.is_empty() || is_standard_stream(output) {
+                output.to_owned()
+            } else {
+                output.with_file_name(format!("{stem}{suffix}"))
+            }
+        };
+        Ok(written.into_iter().map(|one| (name(&one.suffix), one.text)).collect())
+    }
+
+    /// The tables themselves.
+    pub(crate) fn inner(&self) -> &tables::Tables {
+        &self.tables
+    }
+
     /// What they leave over the travel of a machine, as the control interpolates them.
     ///
     /// ```
@@ -246,28 +270,18 @@ impl Tables {
     /// Where an axis has no travel.
     pub fn check(&self, machine: &Machine, options: &TableOptions) -> Result<TableCheck, Error> {
         let machine = &itself(machine);
-        let own = &machine.machine;
-        let model = machine.model();
-        let target = tables::Target {
-            machine: own,
-            model: &model,
-            tool_mm: tool_mm(machine, options),
-            orientation: Orientation::Smooth,
-        };
-        let poses = travel(machine)?.reached(own).poses(options.poses, SEED);
-        let found = check(&target, &Control::new(own, &self.tables), &poses);
-        let um = |errors: &tables::check::Errors| ncfix_base::units::um_from_mm(errors.rms_mm());
+        let found = request(machine, options)?.check(&self.tables);
         Ok(TableCheck {
-            poses: poses.len(),
-            before_um: um(&found.before),
-            tables_um: um(&found.tables),
-            exact_um: um(&found.exact),
+            poses: found.poses,
+            before_um: found.before.rms_um,
+            tables_um: found.tables.rms_um,
+            exact_um: found.exact.rms_um,
         })
     }
 }
 
 /// The machine without the tables that are active in its control: new ones are for the machine itself, and those that are checked stand for themselves.
-fn itself(machine: &Machine) -> Machine {
+pub(crate) fn itself(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     let multiplication = machine.machine.active_tables.multiplication;
     machine.machine.active_tables = ActiveTables { multiplication, ..ActiveTables::default() };
@@ -281,9 +295,63 @@ fn of_name(machine: &Machine, name: &str) -> Result<&'static Format, Error> {
     found.ok_or_else(|| Error::usage(format!("there is no format '{name}'; the formats are {}", names())))
 }
 
-fn travel(machine: &Machine) -> Result<Region, Error> {
-    Region::travel(&machine.machine)
-        .map_err(|axis| Error::usage(format!("axis {axis} has no travel; write travel_mm of it into the machine file")))
+/// The scheme of a name; `None` for `auto`.
+///
+/// # Errors
+/// Where there is no such scheme.
+pub(crate) fn scheme_of(schemes: &Schemes, name: &str) -> Result<Option<&'static Scheme>, Error> {
+    let scheme = schemes.iter().copied().find(|scheme| scheme.name.eq_ignore_ascii_case(name));
+    if scheme.is_none() && !name.eq_ignore_ascii_case("auto") {
+        let names: Vec<&str> = schemes.iter().map(|scheme| scheme.name).chain(["auto"]).collect();
+        return Err(Error::usage(format!("'{name}' is no scheme; the schemes are {}", names.join(", "))));
+    }
+    Ok(scheme)
+}
+
+/// What tables are made and checked for on a machine [itself].
+///
+/// # Errors
+/// Where the machine has no such part of its volume.
+fn request<'a>(machine: &'a Machine, options: &TableOptions) -> Result<TablesRequest<'a>, Error> {
+    let own = &machine.machine;
+    let products = own.active_tables.multiplication.map(Multiplication::from);
+    Ok(TablesRequest {
+        machine: own,
+        errors: &machine.errors,
+        condition: &machine.condition,
+        region: region(own, &options.ranges_mm_deg).map_err(|reason| Error::usage(reason.to_string()))?,
+        ranges: options.ranges_mm_deg.clone(),
+        wiring: wiring(Wiring::of(own), options),
+        tool_mm: tool_mm(machine, options),
+        orientation: options.orientation,
+        multiplication: options.multiplication.or(products),
+        poses: options.poses,
+    })
+}
+
+/// The names of the axes, with those of the options.
+fn wiring(mut wiring: Wiring, options: &TableOptions) -> Wiring {
+    options.axis_names.iter().for_each(|(axis, name)| wiring.rename(*axis, name));
+    wiring
+}
+
+/// The remarks at the head of new tables.
+fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: &MadeTables) -> Vec<String> {
+    let state = machine.state.as_deref().map_or(String::new(), |state| format!(", state {state}"));
+    let version = env!("CARGO_PKG_VERSION");
+    let (name, hash) = (&machine.machine.name, &machine.hash);
+    let [without, with] = [made.checked.before.rms_um, made.checked.tables.rms_um];
+    let mut notes = vec![
+        format!("ncfix {version}: machine {name} ({hash}{state}), scheme {}", made.scheme),
+        tool_remark(&request.tool_mm),
+        format!("tip error over the volume, rms: {without:.3} um without, {with:.3} um with these tables"),
+        format!("{}; measure before and after: with the wrong sign errors double", format.sign),
+    ];
+    let ranges = request.asked_ranges();
+    if !ranges.is_empty() {
+        notes.push(format!("made for a part of the travel: {}", ranges.join(", ")));
+    }
+    notes
 }
 
 /// The tool that counts: that of the options, else the longest of the machine.

@@ -1,51 +1,17 @@
 //! Writes the files of compensation tables and their picture: all of them, or none.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use super::arguments::TablesArguments;
-use super::findings::Findings;
-use super::input::{self, is_standard_stream};
-use super::output::Target;
-use super::stop::Stop;
-use super::together::Together;
-use super::{pages, program};
-use ncfix_base::diagnostic::{Code, Diagnostic};
+use crate::cli::arguments::TablesArguments;
+use crate::cli::findings::Findings;
+use crate::cli::output::Target;
+use crate::cli::stop::Stop;
+use crate::cli::together::Together;
+use crate::cli::{input, pages, program};
 use ncfix_base::source::FileId;
 use ncfix_report::page;
 use ncfix_report::tables::{TablesReport, charts, picture};
-use ncfix_tables::tables::{Format, Tables, Wiring};
-
-/// The files of tables; none where the control cannot take them, which the findings say.
-pub(super) fn texts(
-    format: &Format,
-    tables: &Tables,
-    wiring: &Wiring,
-    notes: &[String],
-    output: &Path,
-    findings: &mut Findings,
-) -> Result<Vec<(PathBuf, String)>, Stop> {
-    for fault in format.faults_of(tables, wiring) {
-        let help = "try --scheme auto, fewer --points or a larger --tolerance; ncfix tables --list shows the limits";
-        findings.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, fault, help), &[]);
-    }
-    if findings.has_errors() {
-        return Ok(Vec::new());
-    }
-    let written = (format.write)(tables, wiring, notes);
-    if is_standard_stream(output) && written.len() > 1 {
-        let what = format!("{} are {} files, and standard output is one", format.title, written.len());
-        return Err(Stop::Usage(format!("{what}; give -o the name that they begin with, such as -o mill")));
-    }
-    let stem = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let name = |suffix: &str| {
-        if suffix.is_empty() || is_standard_stream(output) {
-            output.to_owned()
-        } else {
-            output.with_file_name(format!("{stem}{suffix}"))
-        }
-    };
-    Ok(written.into_iter().map(|one| (name(&one.suffix), one.text)).collect())
-}
+use ncfix_tables::tables::Tables;
 
 /// Writes all files and the picture, or none.
 pub(super) fn publish(

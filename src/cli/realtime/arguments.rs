@@ -5,11 +5,15 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::super::value;
-use super::{MachineChoice, RotaryChoice, StateChoice};
+use crate::cli::arguments::{MachineChoice, RotaryChoice, StateChoice};
+use crate::cli::value;
+use ncfix_base::geometry::Vector;
+use ncfix_base::units::{mm_from_um, rad_from_urad};
+use ncfix_machine::machine::Machine;
+use ncfix_tables::realtime::{Dosing, KernelRecipe};
 
 /// What `ncfix realtime --help` says last.
-pub(super) const AFTER_HELP: &str = "\
+pub(in crate::cli) const AFTER_HELP: &str = "\
 Standard input has one set-point of all axes per line, uncompensated, machine coordinates in mm and degrees: words (X100 Y50.5 Z-20; behind the first line axes \
 may be left out where they stay), or a table whose first line has the letters of the axes (X,Y,Z). Standard output has a line of titles (dX_um, dA_urad …) and a \
 line for each set-point: what is added to it, and in the last column what there is to be known: beyond (the travel; the correction is that of its end), dosed (the \
@@ -65,4 +69,20 @@ pub(in crate::cli) struct RealtimeArguments {
     /// Write a page with a simulation of scale compensation against set-point compensation, and do nothing else
     #[arg(long, value_name = "FILE.html")]
     pub(in crate::cli) stability: Option<PathBuf>,
+}
+
+impl RealtimeArguments {
+    /// How kernels are made.
+    pub(super) fn recipe(&self, machine: &Machine) -> KernelRecipe {
+        KernelRecipe {
+            tool_mm: self.tool.map_or_else(Vector::zeros, |tool| tool.vector_mm(machine)),
+            mode: self.rotary.solve(),
+            max_correction_mm: self.max_correction,
+        }
+    }
+
+    /// How corrections are dosed.
+    pub(super) fn dosing(&self) -> Dosing {
+        Dosing::new(mm_from_um(self.dose_um), rad_from_urad(self.dose_urad))
+    }
 }

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::findings::Findings;
-use super::input;
-use super::measurement::description_of;
-use super::stop::Stop;
+use super::files;
+use super::measurements::description_of;
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{FileId, Source, Span};
 use ncfix_machine::machine::Machine;
@@ -13,26 +13,26 @@ use ncfix_metrology::measure::trace::{self, Trace, xml};
 use ncfix_metrology::results::measurement::control_file;
 
 /// A trace with its files: table, description, and what the control recorded.
-pub(super) struct Read {
-    pub(super) trace: Trace,
-    pub(super) sources: Vec<Source>,
+pub(crate) struct Read {
+    pub(crate) trace: Trace,
+    pub(crate) sources: Vec<Source>,
 }
 
 /// Reads a trace; `None` where findings forbid to use it. `number` tells files apart.
 ///
 /// # Errors
 /// Where a file cannot be read.
-pub(super) fn read(
+pub(crate) fn read(
     table: &Path,
     number: usize,
     machine: &Machine,
-    findings: &mut Findings,
-) -> Result<Option<Read>, Stop> {
+    findings: &mut Diagnostics,
+) -> Result<Option<Read>, Error> {
     let description = description_of(table)?;
     let id = |offset: usize| FileId(u16::try_from(3 * number + offset).unwrap_or(u16::MAX));
     let mut sources = vec![
-        input::read(table, id(1), "trace")?,
-        input::read_written(&description, id(2), "its description, beside it")?,
+        files::read(table, id(1), "trace")?,
+        files::read_written(&description, id(2), "its description, beside it")?,
     ];
     let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let Some((described, found)) = trace::describe(&name, &sources[1]) else {
@@ -45,7 +45,7 @@ pub(super) fn read(
     let Some(described) = described else { return Ok(None) };
     let mut control = None;
     if let Some(path) = control_file(table, &described) {
-        sources.push(input::read(&path, id(3), "what the control recorded")?);
+        sources.push(files::read(&path, id(3), "what the control recorded")?);
         match xml::read(&sources[2], &described.signals, machine) {
             Ok(signals) => control = Some(signals),
             Err(found) => {
@@ -60,12 +60,12 @@ pub(super) fn read(
 }
 
 /// All files of tables, for those that must not be overwritten; what cannot be read is told later.
-pub(super) fn files(tables: &[PathBuf]) -> Vec<PathBuf> {
+pub(crate) fn files(tables: &[PathBuf]) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for table in tables {
         files.push(table.clone());
         let Ok(description) = description_of(table) else { continue };
-        if let Ok(source) = input::read(&description, FileId(0), "")
+        if let Ok(source) = files::read(&description, FileId(0), "")
             && let Some((Some(described), _)) = trace::describe("", &source)
         {
             files.extend(control_file(table, &described));
@@ -76,7 +76,7 @@ pub(super) fn files(tables: &[PathBuf]) -> Vec<PathBuf> {
 }
 
 /// Traces of one set-up as one.
-pub(super) fn joined(all: Vec<Read>, findings: &mut Findings) -> Option<(Trace, Vec<Source>)> {
+pub(crate) fn joined(all: Vec<Read>, findings: &mut Diagnostics) -> Option<(Trace, Vec<Source>)> {
     let mut sources = Vec::new();
     let mut whole: Option<Trace> = None;
     for one in all {
