@@ -51,6 +51,7 @@ mod steps;
 mod support_file;
 mod tables;
 mod tool;
+mod watch;
 
 #[doc(hidden)]
 pub mod cli;

@@ -1,36 +1,32 @@
 //! The command line: commands, options and their help.
 
-mod calibrate;
-mod decompose;
-mod diagnose;
-mod examples;
-mod figures;
+pub(super) mod examples;
 mod help;
-mod machine;
 mod page;
-mod sensors;
 mod switches;
 mod work;
 
+pub(super) use super::calibrate::arguments::CalibrateArguments;
+pub(super) use super::decompose::arguments::DecomposeArguments;
+pub(super) use super::diagnose::arguments::DiagnoseArguments;
 pub(super) use super::diff::arguments::DiffArguments;
 pub(super) use super::feed::arguments::{FeedArguments, ResumeArguments};
+pub(super) use super::figures::arguments::FiguresArguments;
 pub(super) use super::fix::arguments::{CompensationChoice, CorrectionChoice, RotaryChoice};
 pub(super) use super::load::arguments::LoadArguments;
+pub(super) use super::machine::arguments::{
+    MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice,
+};
 pub(super) use super::measured::arguments::MeasuredArguments;
 pub(super) use super::plan::arguments::PlanArguments;
 pub(super) use super::realtime::arguments::RealtimeArguments;
+pub(super) use super::sensors::arguments::SensorsArguments;
 pub(super) use super::simulate::arguments::SimulateArguments;
 pub(super) use super::steps::arguments::StepsArguments;
 pub(super) use super::tables::arguments::TablesArguments;
 pub(super) use super::verify::arguments::VerifyArguments;
-pub(super) use calibrate::CalibrateArguments;
-pub(super) use decompose::DecomposeArguments;
-pub(super) use diagnose::DiagnoseArguments;
-pub(super) use figures::FiguresArguments;
 pub(super) use help::{CompletionsArguments, EXAMPLES, ManArguments, STATUSES};
-pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use page::PageChoice;
-pub(super) use sensors::SensorsArguments;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -40,7 +36,10 @@ use clap::error::ErrorKind;
 use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::voice::Voice;
-use super::{diff, feed, load, measured, plan, realtime, simulate, steps, tables, value};
+use super::{
+    calibrate, decompose, diagnose, diff, feed, figures, load, measured, plan, realtime, sensors, simulate, steps,
+    tables, value,
+};
 use crate::options::{Compensation, Options};
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::file::nearest;
@@ -144,13 +143,13 @@ pub(super) enum Command {
     #[command(after_help = load::arguments::AFTER_HELP)]
     Load(LoadArguments),
     /// Find what the model gets wrong, and why
-    #[command(after_help = diagnose::AFTER_HELP)]
+    #[command(after_help = diagnose::arguments::AFTER_HELP)]
     Diagnose(DiagnoseArguments),
     /// Divide the errors at speed into servo, link, motion, thermal and dynamic ones, and find what gives way
-    #[command(after_help = decompose::AFTER_HELP)]
+    #[command(after_help = decompose::arguments::AFTER_HELP)]
     Decompose(DecomposeArguments),
     /// Select the sensors of temperature that tell the drift of a machine
-    #[command(after_help = sensors::AFTER_HELP)]
+    #[command(after_help = sensors::arguments::AFTER_HELP)]
     Sensors(SensorsArguments),
     /// Send a program to the control line by line, corrected for the temperatures of the moment
     #[command(after_help = feed::arguments::AFTER_HELP)]
@@ -165,13 +164,13 @@ pub(super) enum Command {
     #[command(after_help = plan::arguments::AFTER_HELP)]
     Plan(Box<PlanArguments>),
     /// Fit an error model to measured data and write the machine file
-    #[command(after_help = calibrate::AFTER_HELP)]
+    #[command(after_help = calibrate::arguments::AFTER_HELP)]
     Calibrate(CalibrateArguments),
     /// Write what instruments would read on a machine with its errors
     #[command(after_help = simulate::arguments::AFTER_HELP)]
     Simulate(SimulateArguments),
     /// Print figures of ISO 230 of measured data: A, E, R, B, M; G, F, D, H; size and form of a sphere
-    #[command(after_help = figures::AFTER_HELP)]
+    #[command(after_help = figures::arguments::AFTER_HELP)]
     Figures(FiguresArguments),
     /// Make, check and read compensation tables of a control
     #[command(after_help = tables::arguments::AFTER_HELP)]

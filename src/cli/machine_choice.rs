@@ -6,7 +6,7 @@ use super::arguments::{MachineChoice, StateChoice};
 use super::findings::Findings;
 use super::state;
 use super::stop::Stop;
-pub(super) use crate::disk::hash::{digest, short_hash};
+pub(super) use crate::disk::hash::digest;
 pub(super) use crate::disk::machine_file::{Found, locate, read, source_of};
 pub(super) use crate::machine::Machine as Chosen;
 

@@ -24,12 +24,10 @@ mod man;
 mod measured;
 mod pages;
 mod plan;
-mod presets;
 mod program;
 mod progress;
 mod realtime;
 mod resume;
-mod select;
 mod sensors;
 mod simulate;
 mod snc;
@@ -40,7 +38,6 @@ mod tables;
 mod value;
 mod verify;
 mod voice;
-mod watch;
 
 pub use exit_code::ExitCode;
 

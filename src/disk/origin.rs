@@ -10,7 +10,7 @@ use ncfix_language::exec::apply_archive;
 use ncfix_machine::machine::file::{MachineFile, apply_setup, read_machine};
 use ncfix_machine::machine::origin::{defaults, written};
 use ncfix_machine::machine::{Machine, Setting, Tool};
-use ncfix_report::origin::{OriginFile, OriginRow, Origins};
+use ncfix_report::origin::{OriginFile, OriginFileKind, OriginRow, Origins};
 
 /// Sections that hold values even where they are not written.
 const ALWAYS: [&str; 3] = ["machine", "spindle", "control"];
@@ -22,7 +22,7 @@ const ALWAYS: [&str; 3] = ["machine", "spindle", "control"];
 pub(crate) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Result<Origins, Error> {
     let mut out = Origins::default();
     out.files.push(OriginFile {
-        what: "machine file",
+        what: OriginFileKind::Machine,
         file: source.name().to_owned(),
         found: found.words().to_owned(),
     });
@@ -31,7 +31,7 @@ pub(crate) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Resu
     out.values = rows(&file, source);
     for path in setups {
         out.files.push(OriginFile {
-            what: "set-up file",
+            what: OriginFileKind::SetUp,
             file: path.display().to_string(),
             found: "--setup".to_owned(),
         });
@@ -50,7 +50,7 @@ pub(crate) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Resu
     let folder = Path::new(source.name()).parent().unwrap_or(Path::new("."));
     for table in &machine.active_tables.files {
         let file = folder.join(table).display().to_string();
-        out.files.push(OriginFile { what: "tables", file, found: "machine.active_tables".to_owned() });
+        out.files.push(OriginFile { what: OriginFileKind::Tables, file, found: "machine.active_tables".to_owned() });
     }
     fill_in(&mut out.values, &machine);
     Ok(out)

@@ -22,6 +22,9 @@ pub mod planned;
 pub mod readings;
 mod repeated;
 pub mod selection;
+pub mod sensors;
+pub mod simulated;
+pub mod weighed;
 
 use ncfix_base::diagnostic::Diagnostic;
 

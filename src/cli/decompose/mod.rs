@@ -1,29 +1,30 @@
 //! `ncfix decompose`: where the error comes from at speed.
 
+pub(in crate::cli) mod arguments;
+
 use std::path::Path;
 
-use super::arguments::DecomposeArguments;
-use super::exit_code::ExitCode;
-use super::findings::Findings;
-use super::input::{self, is_standard_stream, one_stream};
-use super::machine_choice::{self, Chosen};
-use super::output::Target;
-use super::pages::{self, Pages};
-use super::progress::Progress;
-use super::stop::Stop;
-use super::together::Together;
-use super::{print, program, tell, trace};
+use crate::cli::arguments::DecomposeArguments;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::input::{self, is_standard_stream, one_stream};
+use crate::cli::machine_choice::{self, Chosen};
+use crate::cli::output::Target;
+use crate::cli::pages::{self, Pages};
+use crate::cli::progress::Progress;
+use crate::cli::stop::Stop;
+use crate::cli::together::Together;
+use crate::cli::{print, program, tell, trace};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::decompose::{self, Options};
+use ncfix_metrology::decompose::{self, Options, links};
 use ncfix_metrology::results::decomposition::{self, SCHEMA};
-use ncfix_model::ParameterName;
 use ncfix_report::decomposition::DecompositionReport;
 use ncfix_report::{json, page};
 
 /// Divides.
-pub(super) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, Stop> {
+pub(in crate::cli) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, Stop> {
     let goes_out = arguments.output.as_deref().is_some_and(is_standard_stream);
     one_stream(arguments.json, goes_out)?;
     let mut findings = Findings::default();
@@ -117,20 +118,9 @@ fn find(
 }
 
 fn options(arguments: &DecomposeArguments, machine: &Machine) -> Result<Options, Stop> {
-    let mut links = Vec::new();
-    for word in arguments.links.iter().flat_map(|list| list.split(',')).map(str::trim) {
-        let name: ParameterName =
-            word.parse().map_err(|_| Stop::Usage(format!("--links {word} is no parameter such as EC0Y or EXX1")))?;
-        if let Some(axis) = name.component.axis().filter(|&axis| machine.axis(axis).is_none()) {
-            return Err(Stop::Usage(format!("--links {word}: the machine {} has no axis {axis}", machine.name)));
-        }
-        if links.contains(&name) {
-            return Err(Stop::Usage(format!("--links names {word} twice")));
-        }
-        links.push(name);
-    }
+    let links = arguments.links.as_deref().map_or_else(|| Ok(Vec::new()), |list| links(list, machine));
     Ok(Options {
-        links,
+        links: links.map_err(|reason| Stop::Usage(reason.to_string()))?,
         smooth: arguments.motion,
         record_delay_s: arguments.record_delay_ms.map(|ms| ms / 1e3),
         reading_delay_s: arguments.reading_delay_ms.map(|ms| ms / 1e3),

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{MachineChoice, PageChoice};
+use crate::cli::arguments::{MachineChoice, PageChoice};
 use ncfix_metrology::decompose::Smooth;
 
 /// What `ncfix decompose --help` says last.
-pub(super) const AFTER_HELP: &str = "\
+pub(in crate::cli) const AFTER_HELP: &str = "\
 A trace is a table NAME.csv with its description NAME.toml (kind = \"trace\") beside it: t_s, set-points X Y Z A C, encoders X_enc …, the tool from \
 a ball dx_um dy_um dz_um, and feed_mm_min and run where it has several runs over one path. The description may name the XML file that a Sinumerik saved \
 with Diagnostics › Trace (control = \"f1000.xml\") and its signals. docs/decompose.md says more.

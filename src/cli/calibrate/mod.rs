@@ -1,23 +1,23 @@
 //! `ncfix calibrate`: from measured data to the machine file.
 
-use super::arguments::CalibrateArguments;
-use super::exit_code::ExitCode;
-use super::findings::Findings;
-use super::input::{self, is_standard_stream, one_stream};
-use super::machine_choice::{self, Chosen, short_hash};
-use super::measurement;
-use super::output::Target;
-use super::pages::{self, Pages};
-use super::progress::Progress;
-use super::stop::Stop;
-use super::together::Together;
-use super::{parameters, print, select, state, tell};
-use ncfix_base::source::{FileId, Source};
-use ncfix_metrology::calibrate::Fit;
-use ncfix_metrology::results::calibration::{
-    CalibrationSettings, CalibrationStart, check_sizes, machine_text, prepare,
-};
-use ncfix_metrology::results::measurement::Measurement;
+pub(in crate::cli) mod arguments;
+
+use crate::calibration::text_of;
+use crate::cli::arguments::CalibrateArguments;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::input::{self, is_standard_stream, one_stream};
+use crate::cli::machine_choice;
+use crate::cli::measurement;
+use crate::cli::output::Target;
+use crate::cli::pages::{self, Pages};
+use crate::cli::progress::Progress;
+use crate::cli::stop::Stop;
+use crate::cli::together::Together;
+use crate::cli::{parameters, print, state, tell};
+use ncfix_base::source::FileId;
+use ncfix_metrology::calibrate::candidates::Pieces;
+use ncfix_metrology::results::calibration::{CalibrationSettings, CalibrationStart, check_sizes, prepare};
 use ncfix_report::calibration::CalibrationReport;
 use ncfix_report::{json, page};
 
@@ -25,7 +25,7 @@ use ncfix_report::{json, page};
 const MACHINE: FileId = FileId(0);
 
 /// Calibrates.
-pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
+pub(in crate::cli) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
     let goes_out = is_standard_stream(&arguments.output);
     one_stream(arguments.json, goes_out)?;
     let mut findings = Findings::default();
@@ -118,7 +118,9 @@ fn calibrate(
     let candidates = match &arguments.select {
         Some(words) => {
             let data = prepared.data();
-            let found = select::candidates(arguments, words, &chosen.machine, &chosen.errors, &data, findings)?;
+            let pieces = Pieces { spacing_mm: arguments.knots, degree: arguments.degree };
+            let choice = (words.as_str(), pieces);
+            let found = parameters::candidates(choice, &chosen.machine, &chosen.errors, &data, findings)?;
             if found.is_none() {
                 return Ok(());
             }
@@ -133,29 +135,8 @@ fn calibrate(
     line.clear();
     findings.extend(found, &sources);
     let Some(fit) = fit.filter(|_| !findings.has_errors()) else { return Ok(()) };
-    let text = text(arguments, &chosen, &start, &fit, prepared.used())?;
+    let text = text_of(&chosen, &start, &arguments.model, &fit, prepared.used())?;
     files.add(target, text.as_bytes())?;
     report.output = Some(arguments.output.display().to_string());
     Ok(())
-}
-
-/// The new machine file: the text of the old one with the parameters, and a head that says where they come from.
-fn text(
-    arguments: &CalibrateArguments,
-    chosen: &Chosen,
-    start: &Source,
-    fit: &Fit,
-    used: &[Measurement],
-) -> Result<String, Stop> {
-    // A name may have any character; a comment ends with its line.
-    let name = |text: &str| text.replace(char::is_control, " ");
-    let condition = chosen.state.as_ref().map_or_else(String::new, |hash| format!(", condition ({hash})"));
-    let (model, hash) = (name(&arguments.model), short_hash([start.bytes()]));
-    let mut head = vec![format!("model {model}, began with {} ({hash}){condition}", name(start.name()))];
-    head.extend(used.iter().map(|one| {
-        let hash = short_hash(one.sources.iter().map(Source::bytes));
-        format!("{} {} ({hash})", one.data.kind.name, name(one.sources[0].name()))
-    }));
-    machine_text((start, &chosen.registry.model), &chosen.errors, fit, &head)
-        .map_err(|reason| Stop::Usage(format!("cannot write into the text of {}: {reason}", start.name())))
 }

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{MachineChoice, PageChoice};
+use crate::cli::arguments::{MachineChoice, PageChoice};
 
 /// What `ncfix diagnose --help` says last.
-pub(super) const AFTER_HELP: &str = "\
+pub(in crate::cli) const AFTER_HELP: &str = "\
 Each measurement is a table NAME.csv with its description NAME.toml beside it: docs/calibrate.md. Every column of numbers is something that an error may \
 depend on: feed_mm_min, t_s, T_NAME_C, humidity.
 

@@ -1,25 +1,26 @@
 //! `ncfix machine check` and `ncfix machine show`: one machine file on its own, and its errors at a pose.
 
+pub(in crate::cli) mod arguments;
+mod presets;
+
 use std::path::Path;
 
-use super::arguments::{MachineArguments, MachineCommand, ShowArguments};
-use super::exit_code::ExitCode;
-use super::findings::Findings;
-use super::machine_choice::{self, Chosen, Found};
-use super::state;
-use super::stop::Stop;
-use super::value::ToolVector;
-use super::{presets, print, tell};
+use crate::cli::arguments::{MachineArguments, MachineCommand, ShowArguments};
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::machine_choice::{self, Chosen, Found};
+use crate::cli::stop::Stop;
+use crate::cli::{print, state, tell};
 use crate::disk::origin;
-use ncfix_base::geometry::{AXES, AxisVector, Vector};
+use crate::tool::ToolVector;
+use ncfix_base::geometry::Vector;
 use ncfix_base::source::Source;
-use ncfix_machine::machine::AxisData;
 use ncfix_report::json;
 use ncfix_report::machine::table;
 use ncfix_report::shares::Shares;
 
 /// Checks or shows a machine file, or what its error model may have.
-pub(super) fn run(command: &MachineCommand) -> Result<ExitCode, Stop> {
+pub(in crate::cli) fn run(command: &MachineCommand) -> Result<ExitCode, Stop> {
     match command {
         MachineCommand::Check(arguments) => check(arguments),
         MachineCommand::Show(arguments) => show(arguments),
@@ -53,14 +54,16 @@ fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
         chosen = None;
     }
     if let (Some(chosen), Some(at)) = (&chosen, arguments.at) {
-        check_pose(chosen, &at)?;
+        chosen.check_pose(&at)?;
     } else if arguments.at.is_none() && (!arguments.state.state.is_empty() || arguments.state.load.is_some()) {
         return Err(Stop::Usage("--state and --load say something at a pose only: give --at".into()));
     }
-    let shares = chosen.as_ref().zip(arguments.at).map(|(chosen, at)| shares(chosen, at, arguments));
-    if let (Some(mut shares), true) = (shares.clone(), arguments.json) {
-        shares.diagnostics = findings.json();
-        print(&json::line(&shares).map_err(Stop::Usage)?)?;
+    let shares = chosen.as_ref().zip(arguments.at).map(|(chosen, at)| Shares {
+        found: chosen.shares(&at, arguments.tool.unwrap_or_else(gauge_point), &arguments.sense.unwrap_or_default()),
+        diagnostics: findings.json(),
+    });
+    if let (Some(shares), true) = (&shares, arguments.json) {
+        print(&json::line(shares).map_err(Stop::Usage)?)?;
         return Ok(findings.exit_code());
     }
     findings.draw();
@@ -72,32 +75,9 @@ fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
     Ok(findings.exit_code())
 }
 
-/// Refuses a pose that the machine cannot take.
-fn check_pose(chosen: &Chosen, at: &AxisVector) -> Result<(), Stop> {
-    const ROOM: f64 = 1e-9;
-    for axis in AXES {
-        let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
-        match chosen.machine.axis(axis) {
-            None if at[axis] != 0.0 => return Err(Stop::Usage(format!("--at: the machine has no axis {axis}"))),
-            Some(AxisData { travel: Some([low, high]), .. }) if !(low - ROOM..=high + ROOM).contains(&at[axis]) => {
-                let [at, low, high] = [at[axis], *low, *high].map(shown);
-                return Err(Stop::Usage(format!("--at: {axis} {at} is outside the travel from {low} to {high}")));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
-}
-
-/// What each source does to the tool at a pose.
-fn shares(chosen: &Chosen, at: AxisVector, arguments: &ShowArguments) -> Shares {
-    let machine = &chosen.machine;
-    let tool_mm = match arguments.tool {
-        Some(ToolVector::Tip(tip_mm)) => tip_mm,
-        Some(ToolVector::Length(length_mm)) => -machine.spindle.axis * length_mm,
-        None => Vector::zeros(),
-    };
-    Shares::new(machine, &chosen.errors, &chosen.condition, &at, &tool_mm, &arguments.sense.unwrap_or_default())
+/// The end of the spindle, where no tool was said.
+fn gauge_point() -> ToolVector {
+    ToolVector::Tip(Vector::zeros())
 }
 
 /// Shows where the values of a machine come from.

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::MachineChoice;
+use crate::cli::arguments::MachineChoice;
 
 /// What `ncfix figures --help` says last.
-pub(super) const AFTER_HELP: &str = "\
+pub(in crate::cli) const AFTER_HELP: &str = "\
 A measurement is a pair of files, NAME.csv and NAME.toml, as ncfix calibrate reads it. Figures need no error model.
 
 direct:  A, E, R, B, M of ISO 230-2 for every component and set-up; the sense of approach stands in X_dir …, or follows from the order of the rows

@@ -1,17 +1,18 @@
 //! `ncfix figures`: figures of the acceptance tests from measurements.
 
-use super::arguments::FiguresArguments;
-use super::exit_code::ExitCode;
-use super::findings::Findings;
-use super::stop::Stop;
-use super::{deliver, machine_choice, measurement};
-use ncfix_base::diagnostic::{Code, Diagnostic};
+pub(in crate::cli) mod arguments;
+
+use crate::cli::arguments::FiguresArguments;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::stop::Stop;
+use crate::cli::{deliver, machine_choice, measurement};
 use ncfix_metrology::results::figures;
 use ncfix_report::figures::Figures as Report;
 use ncfix_report::json;
 
 /// Prints figures.
-pub(super) fn run(arguments: &FiguresArguments) -> Result<ExitCode, Stop> {
+pub(in crate::cli) fn run(arguments: &FiguresArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     let mut report = Report::default();
     let result = read(arguments, &mut findings, &mut report);
@@ -34,14 +35,8 @@ fn read(arguments: &FiguresArguments, findings: &mut Findings, report: &mut Repo
     if findings.has_errors() {
         return Ok(());
     }
-    for one in &all {
-        let of = figures::of(&one.data, &chosen.machine);
-        if of.figures.is_empty() {
-            let message = format!("{}: a {} measurement has no figures of ISO 230", of.name, of.kind);
-            let help = "give readings of single components (direct) or of a ball-bar";
-            findings.add(Diagnostic::nowhere(Code::DATA_COLUMN, message, help), &one.sources);
-        }
-        report.measurements.push(of);
-    }
+    let (measurements, found) = figures::of_all(&all, &chosen.machine);
+    report.measurements = measurements;
+    findings.extend(found, &[]);
     Ok(())
 }

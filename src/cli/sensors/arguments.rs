@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::MachineChoice;
+use crate::cli::arguments::MachineChoice;
 use crate::cli::value;
+use ncfix_metrology::calibrate::sensors::SelectionOptions;
 
 /// What `ncfix sensors --help` says last.
-pub(super) const AFTER_HELP: &str = "\
+pub(in crate::cli) const AFTER_HELP: &str = "\
 Each table is one run: t_s (s), T_NAME_C for every sensor (°C), and dx_um, dy_um, dz_um (any of them): displacement of the tool relative to the \
 workpiece. A column with the letter of an axis (mm, deg) gives the places at which it was measured; each place gets sensors of its own.
 
@@ -59,4 +60,11 @@ pub(in crate::cli) struct SensorsArguments {
     /// End after so many seconds
     #[arg(long = "for", value_name = "SECONDS", requires = "watch", value_parser = value::seconds)]
     pub(in crate::cli) duration: Option<std::time::Duration>,
+}
+
+impl SensorsArguments {
+    /// How sensors are selected.
+    pub(super) fn options(&self) -> SelectionOptions {
+        SelectionOptions { most: usize::from(self.most), lags: self.lags, fault_k: self.ridge.unwrap_or_default() }
+    }
 }

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::arguments::PresetArguments;
-use super::exit_code::ExitCode;
-use super::findings::Findings;
-use super::stop::Stop;
-use super::{machine_choice, print};
+use crate::cli::arguments::PresetArguments;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::stop::Stop;
+use crate::cli::{machine_choice, print};
 use ncfix_model::preset::{PRESETS, find};
 use ncfix_report::presets::{list, page};
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::{MachineChoice, examples};
+use crate::cli::arguments::{MachineChoice, examples};
 use crate::cli::value;
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::{Load, State};

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{PageChoice, StateChoice};
+use crate::cli::arguments::{PageChoice, StateChoice};
 use crate::cli::value;
 
 /// What `ncfix calibrate --help` says last.
-pub(super) const AFTER_HELP: &str = "\
+pub(in crate::cli) const AFTER_HELP: &str = "\
 A measurement is a table NAME.csv and its description NAME.toml beside it: docs/calibrate.md. All measurements are fitted together, with what is \
 unknown of each set-up. START.toml gives axes and chain, and the errors to begin with; its text stays, and only the parameters of the model change. \
 Where the data cannot tell the parameters apart the message says which, and nothing is written.

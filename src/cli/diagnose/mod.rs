@@ -1,18 +1,20 @@
 //! `ncfix diagnose`: what the model gets wrong, and why.
 
+pub(in crate::cli) mod arguments;
+
 use std::path::{Path, PathBuf};
 
-use super::arguments::DiagnoseArguments;
-use super::exit_code::ExitCode;
-use super::findings::Findings;
-use super::input::{self, is_standard_stream, one_stream};
-use super::machine_choice;
-use super::output::Target;
-use super::pages::{self, Pages};
-use super::progress::Progress;
-use super::stop::Stop;
-use super::together::Together;
-use super::{measurement, print, tell};
+use crate::cli::arguments::DiagnoseArguments;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::input::{self, is_standard_stream, one_stream};
+use crate::cli::machine_choice;
+use crate::cli::output::Target;
+use crate::cli::pages::{self, Pages};
+use crate::cli::progress::Progress;
+use crate::cli::stop::Stop;
+use crate::cli::together::Together;
+use crate::cli::{measurement, print, tell};
 use ncfix_base::source::{FileId, Source};
 use ncfix_metrology::results::diagnosis::{self, DiagnosisSettings, SCHEMA};
 use ncfix_metrology::results::measurement::{Measurement, check_copies};
@@ -20,7 +22,7 @@ use ncfix_report::diagnosis::{DiagnosisReport, Shown};
 use ncfix_report::{json, page};
 
 /// Diagnoses.
-pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
+pub(in crate::cli) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
     let goes_out = arguments.output.as_deref().is_some_and(is_standard_stream);
     one_stream(arguments.json, goes_out)?;
     let mut findings = Findings::default();
