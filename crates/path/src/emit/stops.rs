@@ -1,24 +1,12 @@
 //! Exact stops: they belong to the end of a block of the source, however many lines the block becomes.
 
 use super::line::LineBuilder;
-
-/// The words of a language for stops.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct StopWords {
-    /// From here on every block stops at its end.
-    pub(super) always: &'static str,
-    /// What a line says that is not to stop while that is in force.
-    pub(super) running: &'static str,
-    /// Acts at the end of its block.
-    pub(super) once: Option<&'static str>,
-    /// All of the group of [`Self::always`].
-    pub(super) group: &'static [&'static str],
-}
+use ncfix_dialect::BlockEnds;
 
 /// What is in force, and what the block that is being written has still to say.
 #[derive(Debug)]
 pub(super) struct Stops {
-    words: StopWords,
+    words: BlockEnds,
     /// Whether the block has an exact stop that is not written yet.
     stops_once: bool,
     /// Whether the program has said that every block stops exactly.
@@ -28,7 +16,7 @@ pub(super) struct Stops {
 }
 
 impl Stops {
-    pub(super) fn new(words: StopWords) -> Stops {
+    pub(super) fn new(words: BlockEnds) -> Stops {
         Stops { words, stops_once: false, always_stops: false, is_running: false }
     }
 
@@ -40,7 +28,7 @@ impl Stops {
         }
         self.note(word);
         line.word(word.as_bytes());
-        if word == self.words.always {
+        if word == self.words.exact {
             line.mark_last(word.len());
         }
     }
@@ -48,7 +36,7 @@ impl Stops {
     /// Takes note of a word of the group that something else writes.
     pub(super) fn note(&mut self, word: &str) {
         if self.words.group.contains(&word) {
-            self.always_stops = word == self.words.always;
+            self.always_stops = word == self.words.exact;
         }
     }
 
@@ -63,7 +51,7 @@ impl Stops {
                 line.insert(once);
             }
             if std::mem::take(&mut self.is_running) {
-                line.insert(self.words.always);
+                line.insert(self.words.exact);
             }
         }
     }
@@ -75,7 +63,7 @@ impl Stops {
             return;
         }
         // One word of a group in a block: the one that is there changes.
-        if !line.replace_marked(self.words.always.len(), self.words.running) {
+        if !line.replace_marked(self.words.exact.len(), self.words.running) {
             line.insert(self.words.running);
         }
     }

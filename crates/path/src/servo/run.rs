@@ -1,6 +1,6 @@
 //! Drives the machine by the elements of a program, or by the pieces of a corrected one.
 //!
-//! Blocks are passed without a stop but where the program wants one: exact stop (G60, G9; G61, G61.1), a dwell, a tool or M word, between rapid moves and
+//! Blocks are passed without a stop but where the program wants one: exact stop as its language says it, a dwell, a tool or M word, between rapid moves and
 //! moves with feed, and where the axes go on their own, to a reference point, or until a probe touches.
 
 use std::sync::Arc;
@@ -10,14 +10,10 @@ use super::drive::Drive;
 use super::follow::Moment;
 use crate::path::{Increments, Options, Output, OutputFrame, Piece, PieceArc};
 use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
+use ncfix_dialect::{BlockEnd, BlockEnds};
 use ncfix_machine::machine::{Machine, Servo};
 use ncfix_machine::snc::{Dwell, Element, FeedUnit, Kind, Manner, Setup, Word, WordValue};
 use ncfix_model::Model;
-
-/// Modal words: exact stop from here on, no more, and for one block.
-const EXACT: &[&str] = &["G60", "G61", "G61.1"];
-const RUNNING: &[&str] = &["G64", "G641", "G642", "G643", "G644", "G645", "G62", "G63"];
-const ONCE: &[&str] = &["G9", "G09"];
 
 /// A program on a machine.
 #[derive(Clone, Debug)]
@@ -31,6 +27,7 @@ pub struct Run<'a> {
     unit: FeedUnit,
     /// Turns per minute, where the program has said.
     spindle_rpm: f64,
+    block_ends: BlockEnds,
     stops: bool,
     stops_once: bool,
     /// Whether the last move was rapid.
@@ -70,6 +67,7 @@ impl<'a> Run<'a> {
             setup: Arc::default(),
             unit: FeedUnit::default(),
             spindle_rpm: 0.0,
+            block_ends: ncfix_dialect::find(&machine.controller).map_or(BlockEnds::NONE, |dialect| dialect.block_ends),
             stops: false,
             stops_once: false,
             is_rapid: false,
@@ -263,13 +261,11 @@ impl<'a> Run<'a> {
     }
 
     fn mode(&mut self, word: &str) {
-        let is_of = |words: &[&str]| words.contains(&word);
-        if is_of(EXACT) {
-            self.stops = true;
-        } else if is_of(RUNNING) {
-            self.stops = false;
-        } else if is_of(ONCE) {
-            self.stops_once = true;
+        match self.block_ends.of(word) {
+            Some(BlockEnd::Exact) => self.stops = true,
+            Some(BlockEnd::Running) => self.stops = false,
+            Some(BlockEnd::Once) => self.stops_once = true,
+            None => {}
         }
     }
 }

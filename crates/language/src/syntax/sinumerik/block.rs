@@ -32,6 +32,8 @@ pub(super) struct Parser {
     pub(super) tail: Vec<u8>,
     pub(super) expanded: Vec<(u32, Span)>,
     pub(super) depth: u32,
+    /// Operators of the expression at hand so far.
+    pub(super) operators: u32,
     has_too_many_parts: bool,
 }
 
@@ -52,6 +54,7 @@ impl Parser {
             tail: Vec::new(),
             expanded: Vec::new(),
             depth: 0,
+            operators: 0,
             has_too_many_parts: false,
         }
     }

@@ -17,6 +17,9 @@ use ncfix_base::source::Span;
 
 /// Brackets and signs may be nested this deep.
 const MAX_DEPTH: u32 = 64;
+/// Operators may join this many operands to one another: what evaluates them follows one after the other down to the first operand. A block
+/// of a control has 512 characters.
+const MAX_OPERATORS: u32 = 500;
 
 const UNCLOSED: &str = "this bracket is not closed in the block";
 
@@ -120,6 +123,9 @@ impl Parser {
     /// Productions `expr` and `frame`: a whole expression.
     pub(super) fn expression<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         self.depth += 1;
+        if self.depth == 1 {
+            self.operators = 0;
+        }
         let result = if self.depth > MAX_DEPTH {
             fault(Code::TOO_DEEP, input, 1, "brackets are nested more than 64 deep")
         } else {
@@ -144,6 +150,10 @@ impl Parser {
             let Some((behind, operator)) = operator.filter(|(_, operator)| strength(*operator) >= weakest) else {
                 return Ok((rest, left));
             };
+            self.operators += 1;
+            if self.operators > MAX_OPERATORS {
+                return fault(Code::TOO_DEEP, at, 1, "more than 500 operators in one expression");
+            }
             // Operators of one strength join from left to right, so the right side takes only stronger ones.
             let (behind, right) = self.binary(behind, strength(operator) + 1)?;
             let span = self.span_of(left).to(self.span_of(right));

@@ -15,17 +15,11 @@ use ncfix_machine::snc::{BlockNumber, FeedUnit, Kind, Origin};
 use super::block_number::BlockNumbers;
 use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_value, to_digits};
-use super::stops::{StopWords, Stops};
+use super::stops::Stops;
 use super::{Writer, WriterEntry, WriterOptions, is_compensation};
 
 /// What the output takes for granted: absolute coordinates. Written before the first motion where the program does not say it.
 const ASSUMED: &str = "G90";
-const STOPS: StopWords = StopWords {
-    always: "G60",
-    running: "G64",
-    once: Some("G9"),
-    group: &["G60", "G64", "G641", "G642", "G643", "G644", "G645"],
-};
 /// Digits of a feed: what conversions and cycles compute has noise in the last ones.
 const FEED_DIGITS: i32 = 12;
 
@@ -49,7 +43,7 @@ fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         is_stamped: false,
         has_assumed: false,
         line: LineBuilder::new(options.crlf),
-        stops: Stops::new(STOPS),
+        stops: Stops::new(ncfix_dialect::sinumerik().block_ends),
         block_numbers: BlockNumbers::default(),
         labels: HashSet::new(),
         is_again: false,

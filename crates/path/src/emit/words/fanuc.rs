@@ -3,7 +3,6 @@
 //! Every position and feed has a decimal point, as a number without one means whole units on one control and thousandths on the
 //! other. Codes that are options of the control are not taken for granted, so that nobody needs an option to run a corrected program.
 
-use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
 use crate::path::{Centers, Feeds, Turns};
@@ -19,7 +18,6 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     longest: 120,
     is_numbered: false,
     is_plain: true,
-    stops: StopWords { always: "G61", running: "G64", once: Some("G9"), group: &["G61", "G62", "G63", "G64"] },
     // Turns beyond the first need the option for spirals.
     turns: Turns::One,
     centers: Centers::OnBisector,

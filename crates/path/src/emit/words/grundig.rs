@@ -7,7 +7,6 @@
 //! The control moves the tool axis of a rapid move first or last. The execution has split rapid moves already, so each line moves what
 //! it should; where the correction adds some micrometers in the other axes, their order does not matter. G27 and G28 stay as they are.
 
-use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
 use crate::path::{Centers, Feeds, Turns};
@@ -23,7 +22,6 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     is_numbered: true,
     is_plain: true,
     // G9 is the pole here, and no code stops at the end of a block.
-    stops: StopWords { always: "", running: "", once: None, group: &[] },
     turns: Turns::OneFlat,
     centers: Centers::OnBisector,
     feeds: Feeds::OfLinearOnly,

@@ -21,7 +21,7 @@ use ncfix_machine::snc::{BlockNumber, Origin};
 use super::block_number::{BlockNumbers, NumberSet};
 use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_pointed, push_value, to_digits};
-use super::stops::{StopWords, Stops};
+use super::stops::Stops;
 use super::{Writer, WriterEntry, WriterOptions};
 
 pub(super) const FANUC: WriterEntry = fanuc::FLAVOUR.entry(fanuc::create);
@@ -55,7 +55,6 @@ struct Flavour {
     is_numbered: bool,
     /// Whether comments are known in parentheses only, and texts in capitals.
     is_plain: bool,
-    stops: StopWords,
     /// How far one block may lead around a circle.
     turns: Turns,
     /// Where its controls have the center of an arc.
@@ -86,6 +85,7 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         numbers.rotary = numbers.rotary.pointed();
     }
     let line = LineBuilder::new(options.crlf).no_longer_than(flavour.longest);
+    let block_ends = ncfix_dialect::find(flavour.dialect)?.block_ends;
     let stamp = &options.stamp;
     Some(Box::new(Words {
         flavour,
@@ -96,7 +96,7 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         is_tape: false,
         unit_mm: options.increments.unit_mm,
         line: if flavour.is_numbered { line.numbered(options.last_block_number.unwrap_or(u32::MAX)) } else { line },
-        stops: Stops::new(flavour.stops),
+        stops: Stops::new(block_ends),
         block_numbers: BlockNumbers::default(),
         has_p: false,
         place: None,
@@ -256,22 +256,5 @@ impl Words {
         let place = Place { file: origin.file, span: origin.span };
         let dialect = self.flavour.dialect;
         Diagnostic::at(Code::NOT_SUPPORTED, place, format!("{what} cannot be written in the dialect {dialect}"), help)
-    }
-}
-
-#[cfg(test)]
-mod stop_tests {
-    use super::{fanuc, rs274};
-
-    /// A code of the group that a writer did not know would be ended at the control by what it writes around the lines of a block.
-    #[test]
-    fn writers_know_every_code_of_exact_stops_that_is_passed_on() {
-        for flavour in [fanuc::FLAVOUR, rs274::FLAVOUR] {
-            let codes = ncfix_dialect::find(flavour.dialect).unwrap().codes();
-            let group = codes.rows().iter().find(|row| row.name == flavour.stops.always).unwrap().group;
-            let all: Vec<&str> = codes.rows().iter().filter(|row| row.group == group).map(|row| row.name).collect();
-            assert!(all.len() >= 3, "{all:?}");
-            assert_eq!(all, flavour.stops.group, "{}", flavour.dialect);
-        }
     }
 }

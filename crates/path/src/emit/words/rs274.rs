@@ -3,7 +3,6 @@
 //! G61.1 stops at the end of each block; lines of a block that are not its last say G61 instead, which keeps to the path without
 //! stopping: G64 would round the places where pieces meet.
 
-use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
 use crate::path::{Centers, Feeds, Turns};
@@ -20,7 +19,6 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     longest: 240,
     is_numbered: false,
     is_plain: false,
-    stops: StopWords { always: "G61.1", running: "G61", once: None, group: &["G61", "G61.1", "G64"] },
     turns: Turns::Several,
     centers: Centers::AsWritten,
     feeds: Feeds::OfLinear,

@@ -4,6 +4,7 @@
 //! are to be read have no place here: what they mean is seen in the motion.
 
 use super::same_text::is_same_text;
+use ncfix_dialect::{BlockEnd, BlockEnds};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Dwell, Element, FrameWords, Kind, Origin, Word, WordValue};
 
@@ -25,13 +26,6 @@ const OF_COORDINATES: [&str; 21] = [
 ];
 /// More of them; the unit of a feed is compared with the feed.
 const OF_FEEDS: [&str; 4] = ["G19", "G93", "G94", "G95"];
-/// Words about stops at the ends of blocks: they stay in force.
-const STOPS: [&str; 12] = ["G60", "G61", "G61.1", "G62", "G63", "G64", "G641", "G642", "G643", "G644", "G645", "G9"];
-/// Stops exactly at the end of its block only.
-const ONCE: &str = "G9";
-/// What lines of a block say that are not its last, where the program stops exactly at the end of each block.
-const RUNNING: [&str; 2] = ["G64", "G61"];
-const EXACT: [&str; 3] = ["G60", "G61", "G61.1"];
 
 /// Comments that do something in RS274/NGC.
 const ACTIVE_COMMENTS: [&str; 7] = ["MSG", "DEBUG", "PRINT", "LOG", "LOGOPEN", "LOGAPPEND", "PROBEOPEN"];
@@ -77,7 +71,7 @@ pub(super) struct Acts(pub(super) Vec<Act>);
 
 impl Acts {
     /// Takes note of an element.
-    pub(super) fn see(&mut self, element: &Element, machine: &Machine) {
+    pub(super) fn see(&mut self, element: &Element, machine: &Machine, passing: &Passing) {
         if self.0.len() >= MOST_ACTS {
             return;
         }
@@ -95,11 +89,11 @@ impl Acts {
                 let subject = if matches!(dwell, Dwell::Seconds(_)) { "dwell" } else { "dwell in turns" };
                 self.0.push(Act { number: Some(number), ..Act::new(origin, subject, text) });
             }
-            Kind::Keep(word) if is_of_coordinates(word, machine) || STOPS.contains(word) => {}
+            Kind::Keep(word) if is_of_coordinates(word, machine) || passing.is_word(word) => {}
             Kind::Keep(word) => self.0.push(Act::new(origin, "mode", (*word).to_owned())),
             Kind::Verbatim(text) => {
                 let text = String::from_utf8_lossy(text).trim().to_owned();
-                if !STOPS.contains(&first_word(&text)) && !text.is_empty() {
+                if !passing.is_word(first_word(&text)) && !text.is_empty() {
                     self.0.push(Act::new(origin, "statement", text));
                 }
             }
@@ -141,15 +135,28 @@ impl Acts {
 }
 
 /// How the ends of blocks are passed: what stays in force, and what is for one block.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Passing {
+    /// The words of the language.
+    words: BlockEnds,
     /// G64, G60 …; `None` where the program has said nothing.
     pub(super) mode: Option<std::sync::Arc<Act>>,
-    /// G9.
+    /// An exact stop at the end of this block.
     pub(super) stops_once: bool,
 }
 
 impl Passing {
+    /// Before the first word about it.
+    pub(super) fn of(machine: &Machine) -> Passing {
+        let words = ncfix_dialect::find(&machine.controller).map_or(BlockEnds::NONE, |dialect| dialect.block_ends);
+        Passing { words, mode: None, stops_once: false }
+    }
+
+    /// Whether a word is about it.
+    pub(super) fn is_word(&self, word: &str) -> bool {
+        self.words.of(word).is_some()
+    }
+
     /// Takes note of an element.
     pub(super) fn see(&mut self, element: &Element) {
         if element.starts_block {
@@ -160,22 +167,22 @@ impl Passing {
             Kind::Verbatim(text) if text.first() == Some(&b'G') => String::from_utf8_lossy(text).trim().to_owned(),
             _ => return,
         };
-        match first_word(&text) {
-            ONCE => self.stops_once = true,
-            word if STOPS.contains(&word) => {
+        match self.words.of(first_word(&text)) {
+            Some(BlockEnd::Once) => self.stops_once = true,
+            Some(BlockEnd::Exact | BlockEnd::Running) => {
                 self.mode = Some(std::sync::Arc::new(Act::new(element.origin, "passing of block ends", text)));
             }
-            _ => {}
+            None => {}
         }
     }
 
     /// As it is written.
     pub(super) fn text(&self) -> Option<String> {
         let mode = self.mode.as_ref().map(|mode| mode.text.clone());
-        match (mode, self.stops_once) {
-            (Some(mode), true) => Some(format!("{mode} and {ONCE}")),
-            (None, true) => Some(ONCE.to_owned()),
-            (mode, false) => mode,
+        match (mode, self.words.once.filter(|_| self.stops_once)) {
+            (Some(mode), Some(once)) => Some(format!("{mode} and {once}")),
+            (None, Some(once)) => Some(once.to_owned()),
+            (mode, None) => mode,
         }
     }
 
@@ -189,10 +196,8 @@ impl Passing {
         if is_last {
             return is_alike && self.stops_once == piece.stops_once;
         }
-        let is = |passing: &Passing, words: &[&str]| {
-            passing.mode.as_ref().is_some_and(|mode| words.contains(&mode.text.as_str()))
-        };
-        !piece.stops_once && (is_alike || is(self, &EXACT) && is(piece, &RUNNING))
+        let is = |passing: &Passing, word: &str| passing.mode.as_ref().is_some_and(|mode| mode.text == word);
+        !piece.stops_once && (is_alike || is(self, self.words.exact) && is(piece, self.words.running))
     }
 }
 

@@ -165,7 +165,7 @@ impl<'a, I> Walk<'a, I> {
             on_the_spot: false,
             has_moved: false,
             acts: Acts::default(),
-            passing: Passing::default(),
+            passing: Passing::of(machine),
             number: None,
             transformation: "",
             tail: Tail::default(),
@@ -187,7 +187,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 self.tail.borrow_mut().append(&mut self.acts.0);
                 return None;
             };
-            self.acts.see(&element, self.machine);
+            self.acts.see(&element, self.machine, &self.passing);
             self.passing.see(&element);
             if element.starts_block {
                 // A mark belongs to its own line, which may move nothing.
