@@ -1,4 +1,4 @@
-//! What a weighing found: the table for people and the object for programs.
+//! Result of weighing: table for people and the JSON object.
 
 use serde::Serialize;
 
@@ -7,62 +7,62 @@ use super::json::Finding;
 use super::number::significant;
 use ncfix_metrology::measure::weighing::{Coordinate as Weighed, Weighing};
 
-/// The result of `ncfix load`. Uncertainties are standard uncertainties.
+/// Output of `ncfix load`. Uncertainties are standard uncertainties.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Load {
-    /// The weight; `null` where it could not be told.
+    /// Weight; `null` if it could not be determined.
     #[serde(rename = "force_N")]
     pub force_n: Option<f64>,
-    /// Its uncertainty.
+    /// Uncertainty of the weight.
     #[serde(rename = "force_sigma_N")]
     pub force_sigma_n: Option<f64>,
-    /// The place from the center of the table along X, Y and Z.
+    /// Position from the center of the table along X, Y and Z.
     pub place: Option<[Coordinate; 3]>,
     /// Uncertainty of a reading.
     pub noise_um_m: Option<f64>,
-    /// Readings that are used less unknowns.
+    /// Degrees of freedom: readings used minus unknowns.
     pub degrees_of_freedom: usize,
-    /// Readings that are used.
+    /// Number of readings used.
     pub readings: usize,
-    /// Readings that are left out.
+    /// Number of readings left out.
     pub left_out: usize,
-    /// The written state file; `null` where there is none.
+    /// State file that was written; `null` if there is none.
     pub output: Option<String>,
     /// Name of the machine.
     pub machine: String,
-    /// Findings in the order in which they were met.
+    /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
 }
 
-/// A coordinate of the load.
+/// Coordinate of the load.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coordinate {
-    /// Its value.
+    /// Value.
     pub value_mm: f64,
-    /// Its uncertainty; `null` where it was not measured.
+    /// Uncertainty; `null` if it was not measured.
     pub sigma_mm: Option<f64>,
-    /// Where it comes from.
+    /// Basis of the value.
     pub basis: PlaceBasis,
 }
 
-/// Where a coordinate comes from.
+/// Basis of a coordinate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum PlaceBasis {
-    /// From the readings.
+    /// Determined from the readings.
     Measured,
-    /// As stated.
+    /// Given.
     Known,
-    /// Taken for 0.
+    /// Assumed to be 0.
     #[default]
     Assumed,
 }
 
 impl PlaceBasis {
-    /// Its word.
+    /// Returns its word.
     fn word(self) -> &'static str {
         match self {
             PlaceBasis::Measured => "measured",
@@ -73,7 +73,7 @@ impl PlaceBasis {
 }
 
 impl Load {
-    /// Takes a weighing into the report.
+    /// Adds a weighing to the report.
     pub fn note(&mut self, weighing: &Weighing) {
         self.force_n = Some(weighing.force_n.value);
         self.force_sigma_n = Some(weighing.force_n.sigma);
@@ -91,7 +91,7 @@ impl Load {
         self.left_out = weighing.left_out.len();
     }
 
-    /// The table for people, with a line feed behind every line.
+    /// Returns the table for people, with a line feed after every line.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();

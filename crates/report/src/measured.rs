@@ -1,4 +1,4 @@
-//! What measurement mode did: the corrections that were taken out of a table of readings.
+//! Result of measurement mode: the corrections that were removed from a table of readings.
 
 use std::fmt::Write as _;
 
@@ -6,27 +6,27 @@ use super::number::{grouped, significant};
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 
-/// The result of `ncfix measured`.
+/// Result of `ncfix measured`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     /// Axes with a column.
     pub axes: Vec<Axis>,
-    /// Rows of data.
+    /// Number of data rows.
     pub rows: u64,
-    /// Sum of the sizes of the corrections, mm and rad.
+    /// Sum of the absolute corrections, mm and rad.
     pub sum: AxisVector,
-    /// The largest, mm and rad.
+    /// Largest absolute correction, mm and rad.
     pub max: AxisVector,
-    /// Rows in which an axis with backlash has no sense of motion yet.
+    /// Number of rows in which an axis with backlash has no direction of motion yet.
     pub without_sense: u64,
     /// Name of the machine.
     pub machine: String,
-    /// The written file.
+    /// File that was written.
     pub output: String,
 }
 
 impl Measured {
-    /// Notes the correction of a row.
+    /// Adds the correction of a row.
     pub fn note(&mut self, correction: &AxisVector) {
         self.rows += 1;
         for ((sum, max), size) in self.sum.0.iter_mut().zip(&mut self.max.0).zip(correction.0) {
@@ -35,7 +35,7 @@ impl Measured {
         }
     }
 
-    /// The table for people, with a line feed behind every line.
+    /// Returns the table for people, with a line feed after every line.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();

@@ -1,4 +1,4 @@
-//! What a selection of sensors found: tables, plots in the terminal and the object for programs.
+//! Result of a sensor selection: tables, plots in the terminal and the JSON object.
 
 use std::fmt::Write as _;
 
@@ -7,70 +7,70 @@ use serde::Serialize;
 use super::json::Finding;
 use super::number::significant;
 
-/// Rows of a plot.
+/// Number of rows of a plot.
 const HEIGHT: usize = 8;
-/// Columns of a number of sensors.
+/// Width of a number of sensors in columns.
 const STEP: usize = 4;
 
-/// The result of `ncfix sensors`.
+/// Output of `ncfix sensors`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorReport {
-    /// By direction and place.
+    /// Selections by direction and place.
     pub selections: Vec<SelectionReport>,
-    /// The independent runs; `null` where the last third of every run was held back instead.
+    /// Independent runs; `null` if the last third of every run was held out instead.
     pub independent: Option<Vec<String>>,
-    /// The written file; `null` where there is none.
+    /// File that was written; `null` if there is none.
     pub output: Option<String>,
     /// Name of the machine.
     pub machine: String,
-    /// Findings in the order in which they were met.
+    /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
 }
 
-/// One direction at one place.
+/// Selection for one direction at one place.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SelectionReport {
     /// `X`, `Y` or `Z`.
     pub direction: &'static str,
-    /// Axis and position; `null` where there is one place.
+    /// Axis and position; `null` if there is only one place.
     pub place: Option<String>,
-    /// Readings that were learned from.
+    /// Number of training readings.
     pub readings: usize,
     /// Drift on the independent readings (RMS).
     pub drift_um: f64,
-    /// What the chosen model leaves of it.
+    /// Residual of the selected model on them.
     pub left_um: Option<f64>,
-    /// The number of sensors; `null` where none tell the independent readings.
+    /// Selected number of sensors; `null` if none predicts the independent readings.
     pub chosen: Option<usize>,
-    /// The best sensors of each number.
+    /// Best sensors for each number.
     pub sizes: Vec<SizeRow>,
 }
 
-/// The best sensors of one number.
+/// Best sensors for one number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SizeRow {
-    /// Their names.
+    /// Names.
     pub sensors: Vec<String>,
-    /// Their coefficients.
+    /// Coefficients.
     #[serde(rename = "um_per_K")]
     pub um_per_k: Vec<f64>,
-    /// Their time constants.
+    /// Time constants.
     pub lag_s: Vec<f64>,
     /// Mallows' Cp.
     pub cp: Option<f64>,
-    /// Efficiency on the data, 1 for all.
+    /// Efficiency on the training readings, 1 if everything is explained.
     pub efficiency: f64,
     /// Efficiency on the independent readings.
     pub independent_efficiency: f64,
-    /// Whether the search was complete.
+    /// True if the search was exhaustive.
     pub is_exact: bool,
 }
 
 impl SensorReport {
-    /// The page for people.
+    /// Returns the page for people.
     #[must_use]
     pub fn page(&self) -> String {
         let mut out = String::new();
@@ -132,7 +132,7 @@ impl SelectionReport {
         out
     }
 
-    /// Efficiencies over the number of sensors.
+    /// Returns the plot of efficiencies over the number of sensors.
     fn plot(&self) -> String {
         let values: Vec<[f64; 2]> =
             self.sizes.iter().map(|size| [size.efficiency, size.independent_efficiency]).collect();
@@ -141,7 +141,7 @@ impl SelectionReport {
         if values.len() < 2 {
             return String::new();
         }
-        // Whole tenths, and some room.
+        // Whole tenths with a margin.
         let low = ((low * 10.0).floor() / 10.0).min(0.9);
         let row_of = |value: f64| {
             let share = (value.clamp(low, 1.0) - low) / (1.0 - low);
@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(lines[0], "Y at Z200: 1440 readings, drift 31.4 µm (RMS)");
         assert_eq!(lines[3], ">    2      6.17    95.0 %        92.0 %  T0 T1 (600 s)");
         assert!(lines[4].starts_with("    ~3") && !lines[3].contains('~'));
-        // 60 to 100 % in eight rows: 92, 95 and 97 % are nearest to the second from above.
+        // 60 to 100 % in eight rows: 92, 95 and 97 % are nearest to the second row from the top.
         assert_eq!(lines[6], "     94 %│       ●   ○");
         assert_eq!(lines[7], "     89 %│");
         assert!(lines[13].starts_with("         └────────────") && lines[14].contains("1   2   3"), "{page}");

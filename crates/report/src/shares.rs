@@ -1,4 +1,4 @@
-//! Why the tool is where it is: what each source of error does at one pose.
+//! Contribution of each error source to the position of the tool at one pose.
 
 use std::fmt::Write as _;
 
@@ -10,59 +10,59 @@ use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{ActiveTables, Condition, Machine, State};
 use ncfix_model::{Accumulator, Effect, ErrorModel, Model};
 
-/// Smaller shares of single components are not listed, µm at the tip and µrad.
+/// Smallest share of a component that is listed, µm at the tip and µrad.
 const LISTED: f64 = 0.05;
 
-/// Errors at a pose: of the tool relative to the workpiece, along F's directions.
+/// Errors at a pose: of the tool relative to the workpiece, along the directions of F.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shares {
-    /// The pose: `X_mm`, `C_deg`.
+    /// Pose: `X_mm`, `C_deg`.
     pub at: Vec<(String, f64)>,
     /// From the spindle gauge point to the tip, in F at the zero pose.
     pub tool_mm: [f64; 3],
     /// Sources in their order, each with its components by size.
     pub sources: Vec<Share>,
-    /// All of them together.
+    /// Sum of all sources.
     pub sum: Deviation,
-    /// What the correction would add to the commands: `X_um`, `C_urad`; empty where none was found.
+    /// Correction that would be added to the commands: `X_um`, `C_urad`; empty if none was found.
     pub correction: Vec<(String, f64)>,
-    /// Findings about the files.
+    /// Diagnostics of the files.
     pub diagnostics: Vec<Finding>,
 }
 
-/// What one source does.
+/// Contribution of one source.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Share {
-    /// The source.
+    /// Name of the source.
     pub source: &'static str,
-    /// What it is.
+    /// Description of the source.
     pub title: &'static str,
-    /// Its deviation alone.
+    /// Deviation due to this source alone.
     pub deviation: Deviation,
     /// Its components, the largest first.
     pub components: Vec<(String, Deviation)>,
 }
 
-/// A deviation.
+/// Deviation of the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Deviation {
-    /// Of the tip along X, Y, Z.
+    /// Displacement of the tip along X, Y, Z.
     pub position_um: [f64; 3],
-    /// Of the tool about X, Y, Z.
+    /// Rotation of the tool about X, Y, Z.
     pub rotation_urad: [f64; 3],
 }
 
 impl Deviation {
-    /// Distance of the tip.
+    /// Returns the distance of the tip.
     #[must_use]
     pub fn distance_um(&self) -> f64 {
         Vector::from(self.position_um).norm()
     }
 
-    /// What this is more than another.
+    /// Returns the difference from another deviation.
     fn less(&self, other: &Deviation) -> Deviation {
         let apart = |own: [f64; 3], other: [f64; 3]| [0, 1, 2].map(|index| own[index] - other[index]);
         Deviation {
@@ -77,7 +77,7 @@ impl Deviation {
 }
 
 impl Shares {
-    /// The shares of all sources that the model has.
+    /// Returns the shares of all sources in the model.
     #[must_use]
     pub fn new(
         machine: &Machine,
@@ -87,7 +87,7 @@ impl Shares {
         tool_mm: &Vector,
         state: &State,
     ) -> Shares {
-        // Tables that are active in the control have a row of their own: without this every row would have them in it.
+        // Active tables of the control have their own row; otherwise every row would include them.
         let bare = Machine { active_tables: ActiveTables::default(), ..machine.clone() };
         let of = |machine: &Machine, wanted: &dyn Fn(&dyn Effect) -> bool| {
             let model = Model::summed(&Accumulator::sum(machine, errors, condition, wanted));
@@ -142,7 +142,7 @@ impl Shares {
         }
     }
 
-    /// The table for people.
+    /// Returns the table for people.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
@@ -197,13 +197,13 @@ impl Shares {
     }
 }
 
-/// Two decimals, without a minus before nothing.
+/// Formats two decimals, without a minus sign before zero.
 fn fixed(value: f64) -> String {
     let text = format!("{value:.2}");
     if text == "-0.00" { "0.00".into() } else { text }
 }
 
-/// Up to so many decimals, trailing zeros dropped.
+/// Formats a value with up to `digits` decimals, without trailing zeros.
 fn plain(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };

@@ -1,4 +1,4 @@
-//! What `ncfix tables` says: the tables, what they leave, pictures and the object for programs.
+//! Output of `ncfix tables`: the tables, their residual, pictures and the JSON object.
 
 use std::fmt::Write as _;
 
@@ -12,68 +12,68 @@ use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_tables::tables::check::{Check, Errors};
 use ncfix_tables::tables::{Lookup, Sense, Tables};
 
-/// Tables that are listed one by one.
+/// Maximum number of tables that are listed individually.
 const MOST_ROWS: usize = 80;
 
-/// The report.
+/// Output of `ncfix tables`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TablesReport {
-    /// Name of the machine; empty where none was needed.
+    /// Name of the machine; empty if none was needed.
     pub machine: String,
     /// Format that was written or read.
     pub format: String,
-    /// Scheme that filled them; empty for tables that were read.
+    /// Scheme that filled the tables; empty for tables that were read.
     pub scheme: String,
-    /// How many tables.
+    /// Number of tables.
     pub tables: usize,
-    /// How many values.
+    /// Number of values.
     pub entries: usize,
-    /// Nodes of a grid.
+    /// Number of grid nodes along X, Y, Z.
     pub grid: Option<[usize; 3]>,
-    /// Rows.
+    /// List of the tables.
     pub rows: Vec<Row>,
-    /// What they leave.
+    /// Residual of the tables.
     pub check: Option<CheckReport>,
-    /// The tool that the file says its tables are for, mm from the gauge point, where another one was checked.
+    /// Tool vector for which the file says its tables are made, mm from the gauge point, if another one was checked.
     pub made_for_tool_mm: Option<[f64; 3]>,
-    /// What two sets of tables differ by, µm or µrad: root mean square and largest for each axis.
+    /// Difference of two sets of tables, µm or µrad: root mean square and largest for each axis.
     pub difference: Vec<Difference>,
-    /// What `auto` aimed at: less than the tolerance, for the poses that it did not see.
+    /// Target of `auto`: below the tolerance, as a margin for poses that were not checked.
     pub aim: Option<String>,
-    /// Ranges that were asked for in place of the travel.
+    /// Ranges that were requested in place of the travel.
     pub ranges: Vec<String>,
-    /// What was tried by `auto`.
+    /// Schemes that `auto` tried.
     pub tried: Vec<TriedReport>,
     /// Files that were written.
     pub written: Vec<String>,
-    /// Findings.
+    /// Diagnostics.
     pub diagnostics: Vec<Finding>,
 }
 
-/// A table.
+/// A compensation table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
-    /// Its number, from 1.
+    /// Number, from 1.
     pub number: usize,
     /// Corrected axis.
     pub output: String,
-    /// Axis that is looked up.
+    /// Axis whose position is looked up.
     pub input: String,
-    /// Points.
+    /// Number of points.
     pub points: usize,
     /// First and last position, mm or deg.
     pub range: [f64; 2],
-    /// Largest value without its sign, mm or deg.
+    /// Largest absolute value, mm or deg.
     pub largest: f64,
-    /// Number of the table that it is multiplied by.
+    /// Number of the table by which it is multiplied.
     pub times: Option<usize>,
-    /// `both`, `+` or `-`.
+    /// Direction of motion: `both`, `+` or `-`.
     pub sense: &'static str,
-    /// Whether it repeats.
+    /// True if it repeats.
     pub modulo: bool,
-    /// Whether the control evaluates it.
+    /// True if the control evaluates it.
     pub enabled: bool,
 }
 
@@ -81,19 +81,19 @@ pub struct Row {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CheckReport {
-    /// Poses.
+    /// Number of poses.
     pub poses: usize,
-    /// Without correction.
+    /// Errors without correction.
     pub before: ErrorsReport,
-    /// With the tables.
+    /// Errors with the tables.
     pub tables: ErrorsReport,
-    /// With the exact correction of the kinematics.
+    /// Errors with the exact correction of the kinematics.
     pub exact: ErrorsReport,
-    /// Where the tables leave most.
+    /// Place of the largest residual with the tables.
     pub worst: String,
-    /// From the gauge point to the tip, mm.
+    /// Tool vector from the gauge point to the tip, mm.
     pub tool_mm: [f64; 3],
-    /// Axes whose sense of motion counts: every pose was reached in both.
+    /// Axes whose direction of motion matters: every pose was reached in both directions.
     pub senses: Vec<String>,
     /// Tip errors of all poses without correction and with the tables, µm, for pictures.
     #[serde(skip)]
@@ -112,7 +112,7 @@ pub struct ErrorsReport {
     pub tilt_max_urad: f64,
 }
 
-/// What two sets of tables differ by.
+/// Difference of two sets of tables.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
@@ -123,7 +123,7 @@ pub struct Difference {
     pub max: f64,
 }
 
-/// A scheme that `auto` tried.
+/// Scheme that `auto` tried.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
@@ -149,14 +149,14 @@ impl From<&Errors> for ErrorsReport {
     }
 }
 
-/// A tool to a nanometre, without the digits that a direction of the spindle makes and without a minus in front of zero, mm.
+/// Rounds a tool vector to one nanometre, mm: without the digits due to the direction of the spindle, and without a minus sign before zero.
 #[must_use]
 pub fn rounded_mm(tool_mm: &Vector) -> [f64; 3] {
     [0, 1, 2].map(|index| (tool_mm[index] * 1e6).round() / 1e6 + 0.0)
 }
 
 impl CheckReport {
-    /// The figures of a check; `worst` says where, the tool runs from the gauge point to the tip.
+    /// Creates the figures of a check; `worst` is the place, the tool runs from the gauge point to the tip.
     #[must_use]
     pub fn new(check: &Check, worst: String, tool_mm: &Vector) -> CheckReport {
         CheckReport {
@@ -173,7 +173,7 @@ impl CheckReport {
 }
 
 impl TablesReport {
-    /// Takes the tables into the report.
+    /// Adds the tables to the report.
     pub fn note(&mut self, tables: &Tables) {
         self.tables = tables.count();
         self.entries = tables.entries();
@@ -181,7 +181,7 @@ impl TablesReport {
         self.rows = tables.lookups.iter().enumerate().map(|(index, one)| row(index, one)).collect();
     }
 
-    /// The page for a person.
+    /// Returns the page for people.
     #[must_use]
     pub fn page(&self) -> String {
         let mut page = String::new();
@@ -301,13 +301,14 @@ fn row(index: usize, one: &Lookup) -> Row {
     }
 }
 
-/// A picture of all tables: what each adds over its axis, mm or degrees; error functions in µm and µrad; a grid along lines through its middle.
+/// Returns a picture of all tables: the contribution of each over its axis, mm or degrees; error functions in µm and µrad; a grid along lines through its
+/// middle.
 #[must_use]
 pub fn picture(sets: &[(&str, &Tables)]) -> String {
     stacked(&charts(sets))
 }
 
-/// The same one by one.
+/// Returns the pictures of all tables one by one.
 #[must_use]
 pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
     let mut charts: Vec<Chart> = Vec::new();
@@ -367,7 +368,7 @@ pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
     charts
 }
 
-/// Pictures one below the other as a file.
+/// Returns pictures one below the other as a file.
 fn stacked(charts: &[Chart]) -> String {
     let height: f64 = charts.iter().map(Picture::height).sum::<f64>().max(1.0);
     let mut out = Markup::new();

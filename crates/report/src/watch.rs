@@ -4,42 +4,42 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-/// What `ncfix sensors --watch` saw at one instant.
+/// Output of `ncfix sensors --watch` at one instant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WatchReport {
-    /// The shape of this object.
+    /// Version of this object.
     pub schema: u32,
     /// Time since the start, s.
     pub t_s: f64,
-    /// `good`, `waiting`, `freeze`, or what is to be done: `continue`, `stop`, `hold`.
+    /// `good`, `waiting`, `freeze`, or the action that is due: `continue`, `stop`, `hold`.
     pub verdict: &'static str,
-    /// Why it is not good.
+    /// Reason if it is not good.
     pub why: Option<String>,
-    /// The channels, in the order of the file.
+    /// Channels, in the order of the file.
     pub channels: Vec<WatchChannel>,
 }
 
-/// A channel.
+/// Channel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WatchChannel {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// The last good value, °C.
+    /// Last good value, °C.
     #[serde(rename = "value_C")]
     pub value_c: Option<f64>,
-    /// How old that is, s.
+    /// Age of the last good value, s.
     pub age_s: Option<f64>,
     /// `waiting`, `good` or `held`.
     pub state: &'static str,
-    /// Why it is held.
+    /// Reason why it is held.
     pub fault: Option<&'static str>,
-    /// The last number that came, as it came.
+    /// Last raw number.
     pub raw: Option<f64>,
-    /// What is wrong, as a sentence.
+    /// Description of the fault, as a sentence.
     pub note: Option<String>,
-    /// Where it comes from.
+    /// Source of the values.
     pub source: String,
 }
 
@@ -54,7 +54,7 @@ impl WatchChannel {
 }
 
 impl WatchReport {
-    /// A line.
+    /// Returns a line.
     #[must_use]
     pub fn line(&self) -> String {
         let mut text = format!("{:.1} s  {}", self.t_s, self.verdict);
@@ -68,7 +68,7 @@ impl WatchReport {
         text
     }
 
-    /// A table.
+    /// Returns a table.
     #[must_use]
     pub fn page(&self) -> String {
         let width = |of: fn(&WatchChannel) -> usize, least: usize| self.channels.iter().map(of).fold(least, usize::max);

@@ -1,33 +1,33 @@
-//! The page about where a correction is looked up: limit cycle and virtual hysteresis under scale compensation, what is left of them under
-//! set-point compensation (Spaan 1995, Figs. 6.4–6.8).
+//! Page about the place of the table look-up: limit cycle and virtual hysteresis under scale compensation, and their residuals under set-point compensation
+//! (Spaan 1995, Figs. 6.4–6.8).
 
 use super::{figure, page, pictures};
 use crate::markup::Markup;
 use crate::plot::{Chart, Series, Shape};
 
-/// An axis over time.
+/// Axis over time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Step of the table at the grid point, µm.
     pub step_um: f64,
-    /// How far it goes to and fro at the end, from peak to peak, µm.
+    /// Peak-to-peak oscillation at the end, µm.
     pub unrest_um: f64,
     /// Time, s, and measured position, µm from the grid point.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Where an axis comes to rest.
+/// Rest positions of an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rest {
     /// Step of the table at the grid point, µm.
     pub step_um: f64,
-    /// Set-point and position, µm from the grid point, with set-points that rise.
+    /// Set-point and position, µm from the grid point, for rising set-points.
     pub up: Vec<(f64, f64)>,
-    /// The same with set-points that fall.
+    /// Set-point and position, µm from the grid point, for falling set-points.
     pub down: Vec<(f64, f64)>,
 }
 
-/// What is drawn.
+/// Data of the page.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stability {
     /// Under scale compensation.
@@ -42,7 +42,7 @@ pub struct Stability {
     pub forbidden: Rest,
 }
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn stability(data: &Stability) -> String {
     page("Scale compensation and set-point compensation", |out| {

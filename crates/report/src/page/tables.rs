@@ -1,4 +1,4 @@
-//! The page about compensation tables: what they leave over the volume, and what each of them adds.
+//! Page about compensation tables: their residual over the volume, and the contribution of each.
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures, strip, table};
@@ -8,7 +8,7 @@ use crate::number::{grouped, micrometers, significant};
 use crate::plot::{Chart, Histogram};
 use crate::tables::{CheckReport, TablesReport};
 
-/// The page; `charts` are the pictures of the tables.
+/// Returns the page; `charts` are the pictures of the tables.
 #[must_use]
 pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[Input]) -> String {
     let machine = if report.machine.is_empty() { "a control" } else { &report.machine };
