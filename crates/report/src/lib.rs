@@ -1,6 +1,6 @@
-//! Draws plain data of the other rooms for people and for programs: findings, numbers of a correction, machines.
+//! Formats plain data of the other crates for people and for programs: diagnostics, results of a correction, machines.
 //!
-//! Everything here returns text or serializable values; nothing opens a file or asks what a terminal can do.
+//! Everything here returns text or serializable values. Nothing opens a file or queries the capabilities of a terminal.
 
 pub mod calibration;
 pub mod correction;
@@ -17,8 +17,10 @@ pub mod markup;
 pub mod measured;
 pub mod origin;
 pub mod page;
+pub mod plan;
 pub mod plot;
 pub mod presets;
+pub mod realtime;
 pub mod residual;
 pub mod review;
 mod scale;

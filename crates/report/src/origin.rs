@@ -1,54 +1,80 @@
-//! Where the values of a machine come from: for people, and as JSON.
+//! Origins of the values of a machine: for people, and as JSON.
 
 use std::fmt::Write as _;
 
 use serde::Serialize;
 
-/// Columns of a value; longer ones, such as tables of errors, are cut.
+/// Maximum width of a value in characters; longer ones, such as error tables, are cut.
 const WIDEST_VALUE: usize = 32;
 
-/// A value and its origin.
+/// Value and its origin.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OriginRow {
     /// Keys from the top of the file: `axis.X.travel_mm`.
     pub path: String,
-    /// As it is written, units as in the key.
+    /// Value as written, with the unit of the key.
     pub value: String,
-    /// `file:line`, the file alone where the line cannot be told, or `default`.
+    /// `file:line`; only the file if the line is unknown; or `default`.
     pub origin: String,
 }
 
-/// A file and how it was found.
+/// File, and how it was found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OriginFile {
-    /// What it is: `machine file`, `set-up file`, `tables`.
-    pub what: &'static str,
-    /// Its path.
+    /// What it is.
+    pub what: OriginFileKind,
+    /// Path.
     pub file: String,
-    /// How it was found: an option, a variable, a place.
+    /// Source of its path: an option, a variable, a place.
     pub found: String,
+}
+
+/// What a file with values of a machine is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum OriginFileKind {
+    /// The machine file.
+    #[serde(rename = "machine file")]
+    Machine,
+    /// A set-up file.
+    #[serde(rename = "set-up file")]
+    SetUp,
+    /// Compensation tables that are active in the control.
+    #[serde(rename = "tables")]
+    Tables,
+}
+
+impl OriginFileKind {
+    /// As JSON has it.
+    fn word(self) -> &'static str {
+        match self {
+            OriginFileKind::Machine => "machine file",
+            OriginFileKind::SetUp => "set-up file",
+            OriginFileKind::Tables => "tables",
+        }
+    }
 }
 
 /// All values of a machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Origins {
-    /// The files, in the order in which they were laid over each other.
+    /// Files in the order in which they were applied.
     pub files: Vec<OriginFile>,
-    /// The values that hold in the end.
+    /// Resulting values.
     pub values: Vec<OriginRow>,
 }
 
 impl Origins {
-    /// The page.
+    /// Returns the page.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
         // Writing into a String cannot fail.
         for OriginFile { what, file, found } in &self.files {
-            let _ = writeln!(out, "{what:<13}{file} ({found})");
+            let _ = writeln!(out, "{:<13}{file} ({found})", what.word());
         }
         let width = |of: fn(&OriginRow) -> usize| self.values.iter().map(of).max().unwrap_or(0);
         let path = width(|row| row.path.chars().count());
@@ -66,7 +92,7 @@ impl Origins {
     }
 }
 
-/// A value that fits its column.
+/// Shortens a value to fit its column.
 fn shortened(value: &str) -> String {
     if value.chars().count() <= WIDEST_VALUE {
         return value.to_owned();
