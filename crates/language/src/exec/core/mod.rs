@@ -39,23 +39,23 @@
 //! | in the program | for the core |
 //! | --- | --- |
 //! | `CALL LBL 5` | `AfterBlock::Call`; `call` begins a level in the same file at the block of the label |
-//! | `LBL 0` | `AfterBlock::Return` where a call is open, else `AfterBlock::Next` |
+//! | `LBL 0` | `AfterBlock::Return` if a call is open, otherwise `AfterBlock::Next` |
 //! | `CALL LBL 5 REP 3` | `AfterBlock::Repeat` of the section from the label to the block before, three passes |
 //! | `FN 9: IF Q1 EQU Q2 GOTO LBL 7` | `AfterBlock::Goto`; labels are looked up once and kept in `Family::Prepared` |
-//! | `CALL PGM SUB` | `AfterBlock::Call`; `find_once` by name; the level keeps the QL of its caller, gives them back when it ends |
+//! | `CALL PGM SUB` | `AfterBlock::Call`; `find_once` by name; the level keeps the QL of its caller, restores them at its end |
 //! | `M2`, `M30`, `END PGM` | `AfterBlock::End`, the latter by `end_of_blocks` |
-//! | `Q1 = Q2 + SIN 30` | no business of the core: the channel keeps Q, QL, QR, QS |
+//! | `Q1 = Q2 + SIN 30` | not part of the core: the channel keeps Q, QL, QR, QS |
 //! | `L X+10 IY+5 R0 FMAX M3` | words gathered, axis by axis absolute or incremental; `Shape::Line`, `ContourModal::side` of R0, RL, RR |
-//! | `CC`, `C`, `CR`, `CT` | the pole is state; `Shape::Arc`; `CT` takes the direction of the path before |
-//! | `RND`, `CHF`, `APPR`, `DEP` | `Wish::corner`, `Wish::soft`, as contour words of Grundig are |
-//! | cycle 7, 8, 10, 11, 26, `PLANE` | frames of the channel; [`standing::InForce`] puts what they add up to in force |
-//! | `CYCL DEF 200 …` | state: the parameters are Q; DEF-active cycles act at once |
-//! | `CYCL CALL`, `M99` | [`step`]s of the cycle, carried out at the position |
-//! | `M89` | `modal_call`: there is one behind each block that has moved |
-//! | `TOOL CALL 5 Z S2500` | [`tool::ToolState`] with its one length, found by [`tool::ToolTable`]; the axis chooses the plane |
-//! | `TOOL DEF 5`, `DL`, `DR` | `ToolState::selected`; allowances are the family's, as G39 of Grundig is |
+//! | `CC`, `C`, `CR`, `CT` | the pole is state; `Shape::Arc`; `CT` uses the final direction of the previous path |
+//! | `RND`, `CHF`, `APPR`, `DEP` | `Wish::corner`, `Wish::soft`, as contour words of Grundig |
+//! | cycle 7, 8, 10, 11, 26, `PLANE` | frames of the channel; [`standing::InForce`] holds their product |
+//! | `CYCL DEF 200 …` | state: the parameters are Q; DEF-active cycles act immediately |
+//! | `CYCL CALL`, `M99` | [`step`]s of the cycle, executed at the position |
+//! | `M89` | `modal_call`: begun after each block with motion |
+//! | `TOOL CALL 5 Z S2500` | [`tool::ToolState`] with its single length, found by [`tool::ToolTable`]; the axis selects the plane |
+//! | `TOOL DEF 5`, `DL`, `DR` | `ToolState::selected`; allowances belong to the family, as G39 of Grundig |
 //! | `F MAX`, `FU`, `M136` | [`modal::Modes`]; M functions with a group in [`modal::CodesInForce`] |
-//! | `M91`, `M92` | positions of the machine for one block; where the axes are is a [`position::Position`] as ever |
+//! | `M91`, `M92` | positions of the machine for one block; axis positions are a [`position::Position`] as usual |
 //!
 //! A program that only the control knows (such as a cycle of the machine builder) is passed through, as `[[opaque]]` defines.
 //!
