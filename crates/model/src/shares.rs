@@ -46,33 +46,33 @@ pub struct Share {
     pub components: Vec<(String, Deviation)>,
 }
 
-/// A number of an axis with its unit; in JSON a pair such as `["X_um", 12.5]`.
+/// Number of an axis with its unit; in JSON a pair such as `["X_um", 12.5]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(into = "(String, f64)")]
 pub struct AxisValue {
-    /// The axis.
+    /// Axis.
     pub axis: Axis,
-    /// The unit.
+    /// Unit.
     pub unit: AxisUnit,
-    /// The number in it.
+    /// Number in this unit.
     pub value: f64,
 }
 
-/// The unit of a number of an axis.
+/// Unit of a number of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisUnit {
-    /// mm.
+    /// Millimetres.
     Millimeter,
     /// Degrees.
     Degree,
-    /// µm.
+    /// Micrometres.
     Micrometer,
-    /// µrad.
+    /// Microradians.
     Microradian,
 }
 
 impl AxisUnit {
-    /// As keys have it: `mm`, `deg`, `um`, `urad`.
+    /// Returns the unit as in JSON keys: `mm`, `deg`, `um`, `urad`.
     #[must_use]
     pub fn key(self) -> &'static str {
         match self {
@@ -85,7 +85,7 @@ impl AxisUnit {
 }
 
 impl AxisValue {
-    /// A position, mm or rad.
+    /// Converts a position from mm or rad to mm or degrees.
     fn position(axis: Axis, at: f64) -> AxisValue {
         match axis.is_rotary() {
             true => AxisValue { axis, unit: AxisUnit::Degree, value: at.to_degrees() },
@@ -93,7 +93,7 @@ impl AxisValue {
         }
     }
 
-    /// A correction, mm or rad.
+    /// Converts a correction from mm or rad to µm or µrad.
     fn correction(axis: Axis, correction: f64) -> AxisValue {
         match axis.is_rotary() {
             true => AxisValue { axis, unit: AxisUnit::Microradian, value: urad_from_rad(correction) },

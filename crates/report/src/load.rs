@@ -7,7 +7,7 @@ use super::json::Finding;
 use super::number::significant;
 use ncfix_metrology::results::weighed::WeighingResult;
 
-/// What `ncfix load` prints: the result, and where it went.
+/// Output of `ncfix load`: the result, with its output file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Load {

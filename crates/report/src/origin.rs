@@ -23,7 +23,7 @@ pub struct OriginRow {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OriginFile {
-    /// What it is.
+    /// Kind of the file.
     pub what: OriginFileKind,
     /// Path.
     pub file: String,
@@ -31,14 +31,14 @@ pub struct OriginFile {
     pub found: String,
 }
 
-/// What a file with values of a machine is.
+/// Kind of a file with values of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum OriginFileKind {
-    /// The machine file.
+    /// Machine file.
     #[serde(rename = "machine file")]
     Machine,
-    /// A set-up file.
+    /// Set-up file.
     #[serde(rename = "set-up file")]
     SetUp,
     /// Compensation tables that are active in the control.
@@ -47,7 +47,7 @@ pub enum OriginFileKind {
 }
 
 impl OriginFileKind {
-    /// As JSON has it.
+    /// Returns its name as in JSON.
     fn word(self) -> &'static str {
         match self {
             OriginFileKind::Machine => "machine file",

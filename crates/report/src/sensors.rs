@@ -13,7 +13,7 @@ const HEIGHT: usize = 8;
 /// Width of a number of sensors in columns.
 const STEP: usize = 4;
 
-/// What `ncfix sensors` prints: the result, and where it went.
+/// Output of `ncfix sensors`: the result, with its output file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorReport {
@@ -55,7 +55,7 @@ impl SensorReport {
     }
 }
 
-/// The table of a direction at a place, with a plot.
+/// Returns the table of a direction at a place, with a plot.
 fn selection_page(selection: &SensorChoice) -> String {
     let mut out = selection.direction.letter().to_owned();
     if let Some(place) = &selection.place {

@@ -1,4 +1,4 @@
-//! What `ncfix machine show --at` prints: what each source of error does at one pose.
+//! Output of `ncfix machine show --at`: the contribution of each error source at one pose.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::json::Finding;
 use ncfix_model::shares::{AxisUnit, AxisValue, Deviation, ErrorShares};
 
-/// Errors at a pose, and findings about the files that say them.
+/// Errors at a pose, with the diagnostics of the files from which they come.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shares {

@@ -14,7 +14,7 @@ use ncfix_tables::tables::{FORMATS, SCHEMES, Sense, Tables};
 /// Maximum number of tables that are listed individually.
 const MOST_ROWS: usize = 80;
 
-/// What `ncfix tables` prints: the result, and where it went.
+/// Output of `ncfix tables`: the result, with its output files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TablesReport {
@@ -133,7 +133,7 @@ impl TablesReport {
     }
 }
 
-/// Formats and schemes, a line each.
+/// Lists formats and schemes, one per line.
 #[must_use]
 pub fn list() -> String {
     let mut text = String::from("formats\n");

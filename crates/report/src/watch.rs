@@ -12,7 +12,7 @@ pub struct WatchReport {
     pub schema: u32,
     /// Time since the start, s.
     pub t_s: f64,
-    /// Whether they are good, or what is to be done.
+    /// Verdict on all sensors, or the action that is due.
     pub verdict: WatchVerdict,
     /// Reason if it is not good.
     pub why: Option<String>,
@@ -31,7 +31,7 @@ pub struct WatchChannel {
     pub value_c: Option<f64>,
     /// Age of the last good value, s.
     pub age_s: Option<f64>,
-    /// Whether its value is good.
+    /// State of the value.
     pub state: WatchedState,
     /// Reason why it is held.
     pub fault: Option<&'static str>,
@@ -43,40 +43,40 @@ pub struct WatchChannel {
     pub source: String,
 }
 
-/// What live sensors are good for.
+/// Verdict on live sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum WatchVerdict {
-    /// All are good.
+    /// All sensors are good.
     Good,
-    /// Some had no good value yet.
+    /// Some sensors had no good value yet.
     Waiting,
-    /// Some are held: nothing is dosed.
+    /// Some sensors are held: nothing is dosed.
     Freeze,
-    /// One is without a good value for too long, and the work goes on.
+    /// A sensor has been without a good value for too long, and the work continues.
     Continue,
-    /// For the same reason the work stops.
+    /// A sensor has been without a good value for too long, and the work stops.
     Stop,
-    /// For the same reason the axes are held.
+    /// A sensor has been without a good value for too long, and the axes are held.
     Hold,
 }
 
-/// What the value of a live sensor is.
+/// State of the value of a live sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum WatchedState {
-    /// There is none yet.
+    /// No value yet.
     Waiting,
-    /// It is good.
+    /// The value is good.
     Good,
-    /// It is the last good one.
+    /// The value is the last good one.
     Held,
 }
 
 impl WatchVerdict {
-    /// As JSON has it.
+    /// Returns its name as in JSON.
     fn word(self) -> &'static str {
         match self {
             WatchVerdict::Good => "good",
@@ -90,7 +90,7 @@ impl WatchVerdict {
 }
 
 impl WatchedState {
-    /// As JSON has it.
+    /// Returns its name as in JSON.
     fn word(self) -> &'static str {
         match self {
             WatchedState::Waiting => "waiting",

@@ -116,7 +116,8 @@ pub fn read(texts: &SensorTexts<'_>, machine: &Machine, findings: &mut Vec<Diagn
     (!has_errors(findings)).then_some(runs)
 }
 
-/// Selects sensors from runs of which the first `learned` are learned from, and gives the text of drift entries for a machine file; `None` where findings forbid it.
+/// Selects sensors from runs, the first `learned` of which are training runs. The selections go into `result`. Returns the text of drift entries for a
+/// machine file; `None` if there are errors.
 pub fn selected(
     mut runs: Vec<SensorRun>,
     learned: usize,

@@ -91,8 +91,8 @@ impl From<&Weighing> for WeighingResult {
     }
 }
 
-/// Weighs the workpiece from the text of a table of readings of the strain gauge of a machine; `known` coordinates of its place, mm, are not looked for. `None` where
-/// findings forbid it.
+/// Weighs the workpiece from a table of readings of the strain gauge of a machine. `known` coordinates of its position, mm, are not determined.
+/// `None` if there are errors.
 pub fn weigh(
     source: &Source,
     machine: &Machine,
