@@ -1,4 +1,4 @@
-//! The page about compensation tables: what they leave over the volume, and what each of them adds.
+//! Page about compensation tables: their residual over the volume, and the contribution of each.
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures, strip, table};
@@ -9,7 +9,7 @@ use crate::plot::{Chart, Histogram};
 use crate::tables::{TablesReport, key};
 use ncfix_tables::results::result::TablesCheck;
 
-/// The page; `charts` are the pictures of the tables.
+/// Returns the page; `charts` are the pictures of the tables.
 #[must_use]
 pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[Input]) -> String {
     let machine = if report.found.machine.is_empty() { "a control" } else { &report.found.machine };

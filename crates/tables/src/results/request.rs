@@ -28,7 +28,7 @@ pub struct TablesRequest<'a> {
     pub ranges: Vec<(Axis, [f64; 2])>,
     /// How the control names the axes.
     pub wiring: Wiring,
-    /// From the gauge point to the tip, mm.
+    /// Tool vector from the gauge point to the tip, mm.
     pub tool_mm: Vector,
     /// What the rotary axes do about the direction of the tool; `None` for what each scheme is at home in.
     pub orientation: Option<Orientation>,
