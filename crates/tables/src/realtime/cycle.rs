@@ -21,7 +21,7 @@ impl Signals {
     /// A new kernel was installed in this cycle.
     pub const RENEWED: Signals = Signals(16);
 
-    /// All of them with their names.
+    /// All status bits with their names.
     pub const NAMED: [(Signals, &str); 5] = [
         (Signals::HELD, "held"),
         (Signals::BEYOND, "beyond"),
@@ -30,7 +30,7 @@ impl Signals {
         (Signals::RENEWED, "renewed"),
     ];
 
-    /// `beyond dosed`: the names of those that are set.
+    /// `beyond dosed`: the names of the set bits.
     #[must_use]
     pub fn words(self) -> String {
         let set = Signals::NAMED.into_iter().filter(|&(signal, _)| self.has(signal));

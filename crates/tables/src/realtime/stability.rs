@@ -119,11 +119,11 @@ pub fn there_and_back_um(compensation: Compensation, step_um: f64, reach_um: f64
     [up.to_vec(), down.to_vec()]
 }
 
-/// Steps of the table in the pictures over time, µm: that of the limit cycle, and the one of an increment, both as measured by Spaan.
+/// Steps of the table in the time plots, µm: the one with a limit cycle, and one of an increment, both as measured by Spaan.
 const STEPS_UM: [f64; 2] = [-2.0, -1.0];
-/// Where the axis is sent, µm from the grid point: where the step of 2 µm leaves no rest.
+/// Target position of the axis, µm from the grid point, where the step of 2 µm has no rest position.
 const PLACE_UM: f64 = 0.25;
-/// How far from the grid point the axis is looked at, µm.
+/// Range around the grid point in the plots, µm.
 const REACH_UM: f64 = 6.0;
 
 /// An axis over time.
@@ -132,21 +132,21 @@ const REACH_UM: f64 = 6.0;
 pub struct AxisTrace {
     /// Step of the table at the grid point, µm.
     pub step_um: f64,
-    /// How far it goes to and fro at the end, from peak to peak, µm.
+    /// Peak-to-peak oscillation at the end, µm.
     pub unrest_um: f64,
     /// Time, s, and measured position, µm from the grid point.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Where an axis comes to rest.
+/// Rest positions of an axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RestCurve {
     /// Step of the table at the grid point, µm.
     pub step_um: f64,
-    /// Set-point and position, µm from the grid point, with set-points that rise.
+    /// Set-point and position, µm from the grid point, for rising set-points.
     pub up: Vec<(f64, f64)>,
-    /// The same with set-points that fall.
+    /// Set-point and position, µm from the grid point, for falling set-points.
     pub down: Vec<(f64, f64)>,
 }
 
@@ -158,11 +158,11 @@ pub struct StabilityResult {
     pub scale: [AxisTrace; 2],
     /// Under set-point compensation.
     pub set_point: [AxisTrace; 2],
-    /// Scale compensation, a step up.
+    /// Scale compensation, an upward step.
     pub hysteresis: RestCurve,
-    /// Set-point compensation, a step down.
+    /// Set-point compensation, a downward step.
     pub ambiguity: RestCurve,
-    /// Set-point compensation, a step up.
+    /// Set-point compensation, an upward step.
     pub forbidden: RestCurve,
 }
 

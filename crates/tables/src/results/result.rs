@@ -1,4 +1,4 @@
-//! What was found about compensation tables: each of them, what they leave of the error, what two sets differ by.
+//! Results for compensation tables: the tables, their residual errors, and the differences of two sets.
 
 use serde::Serialize;
 
@@ -26,7 +26,7 @@ pub struct TablesResult {
     pub grid: Option<[usize; 3]>,
     /// Rows.
     pub rows: Vec<TableRow>,
-    /// What they leave.
+    /// Residual errors.
     pub check: Option<TablesCheck>,
     /// Tool vector for which the file says its tables are made, mm from the gauge point, if another one was checked.
     pub made_for_tool_mm: Option<[f64; 3]>,
@@ -58,9 +58,9 @@ pub struct TableRow {
     pub largest: f64,
     /// Number of the table by which it is multiplied.
     pub times: Option<usize>,
-    /// In which sense of the motion of its axis it adds.
+    /// Direction of motion of its axis for which it is valid.
     pub sense: Sense,
-    /// True if it repeats.
+    /// True if it is periodic.
     pub modulo: bool,
     /// True if the control evaluates it.
     pub enabled: bool,
@@ -138,14 +138,14 @@ impl From<&Errors> for VolumeErrors {
     }
 }
 
-/// Rounds a tool vector to one nanometre, mm: without the digits due to the direction of the spindle, and without a minus sign before zero.
+/// Rounds a tool vector to one nanometre, mm, to remove rounding noise of the spindle direction and negative zero.
 #[must_use]
 pub fn rounded_mm(tool_mm: &Vector) -> [f64; 3] {
     [0, 1, 2].map(|index| (tool_mm[index] * 1e6).round() / 1e6 + 0.0)
 }
 
 impl TablesCheck {
-    /// Creates the figures of a check; `worst` is the place, the tool runs from the gauge point to the tip.
+    /// Creates the results of a check; `worst` is the place, the tool vector leads from the gauge point to the tip.
     #[must_use]
     pub fn new(check: &Check, worst: String, tool_mm: &Vector) -> TablesCheck {
         TablesCheck {
@@ -162,7 +162,7 @@ impl TablesCheck {
 }
 
 impl TablesResult {
-    /// Takes the tables into the result.
+    /// Adds the tables to the result.
     pub fn note(&mut self, tables: &Tables) {
         self.tables = tables.count();
         self.entries = tables.entries();
