@@ -40,6 +40,22 @@ fn nothing_at_all_is_wrong_usage() {
 }
 
 #[test]
+fn contradictions_are_refused() {
+    for line in [
+        "a.mpf",
+        "a.mpf -o b.mpf --in-place",
+        "a.mpf -o b.mpf --tolerance 5",
+        "a.mpf -o b.mpf --tolerance=-5um",
+        "a.mpf -o b.mpf --arcs maybe",
+        "-q check -v a.mpf",
+    ] {
+        // Nothing is read: there is no a.mpf, and it is not named.
+        let shown = Shop::new().run(line.split(' ')).exits(2).stderr;
+        assert!(!shown.contains("cannot read"), "{line}: {shown}");
+    }
+}
+
+#[test]
 fn the_help_of_every_command_says_its_statuses_and_ends_with_examples() {
     let shop = Shop::new();
     let all = crate::command_pages::commands(&shop.run(["--help"]).exits(0).stdout);

@@ -116,22 +116,6 @@ pub(super) fn sense(text: &str) -> Result<State, String> {
     text.parse()
 }
 
-/// `X0,Z-280`: coordinates in mm, `None` where they are not given.
-pub(super) fn place(text: &str) -> Result<[Option<f64>; 3], String> {
-    let mut place = [None; 3];
-    for part in text.split(',').map(str::trim) {
-        let wrong = || format!("'{part}' is no coordinate; write for example X0,Z-280");
-        let letter = part.bytes().next().ok_or_else(wrong)?.to_ascii_uppercase();
-        let index = b"XYZ".iter().position(|&known| known == letter).ok_or_else(wrong)?;
-        let number: f64 = part.get(1..).and_then(|number| number.trim().parse().ok()).ok_or_else(wrong)?;
-        if !number.is_finite() || place[index].is_some() {
-            return Err(wrong());
-        }
-        place[index] = Some(number);
-    }
-    Ok(place)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,14 +154,6 @@ mod tests {
         assert!(start("Xinf").is_err());
         assert!(start("X1,,Y1").is_err());
         assert!(start("ü1").is_err());
-    }
-
-    #[test]
-    fn a_place_names_some_coordinates() {
-        assert_eq!(place("Z-280, x1.5"), Ok([Some(1.5), None, Some(-280.0)]));
-        for wrong in ["", "A1", "X", "Xnan", "X1,X2", "X1,", "é"] {
-            assert!(place(wrong).is_err(), "{wrong}");
-        }
     }
 
     #[test]

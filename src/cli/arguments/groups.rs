@@ -96,24 +96,4 @@ mod tests {
         listed.sort();
         assert_eq!(own, listed);
     }
-
-    #[test]
-    fn the_overview_fits_a_terminal() {
-        let text = overview(&definition());
-        assert!(text.lines().count() <= 25, "{text}");
-        assert!(text.lines().all(|line| line.chars().count() <= 88), "{text}");
-        assert!(text.contains("Measure  plan "), "{text}");
-    }
-
-    #[test]
-    fn an_old_name_is_known_where_the_command_stands() {
-        let renamed = |line: &str| renamed(&line.split(' ').map(OsString::from).collect::<Vec<_>>());
-        assert_eq!(renamed("ncfix -q measured a.csv"), Some(("measured", "correct-readings")));
-        assert_eq!(renamed("ncfix weigh load"), None);
-        for (old, new) in RENAMED {
-            let definition = definition();
-            let found = definition.find_subcommand(old).unwrap();
-            assert_eq!(found.get_name(), *new);
-        }
-    }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::arguments::MachineChoice;
-use crate::cli::value;
+use ncfix_metrology::measure::weighing::known_place;
 
 /// What `ncfix weigh --help` says last.
 pub(in crate::cli) const AFTER_HELP: &str = "\
@@ -30,7 +30,7 @@ pub(in crate::cli) struct LoadArguments {
     /// Which machine.
     pub(in crate::cli) machine: MachineChoice,
     /// Where the load stands along some directions, mm from the center of the table; the others are measured
-    #[arg(long, value_name = "X0,Z-280", value_parser = value::place, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X0,Z-280", value_parser = known_place, allow_hyphen_values = true)]
     pub(in crate::cli) known: Option<[Option<f64>; 3]>,
     /// Print one JSON object on standard output
     #[arg(long)]
