@@ -217,7 +217,7 @@ pub(super) struct ProgramChoice {
     pub(super) skip: Option<value::SkipLevels>,
     /// Axis positions before the first block (mm, deg, machine coordinates; axes left out are at 0), for programs that begin with an
     /// incremental move or an arc
-    #[arg(long, value_name = "X0,Y0,Z0", value_parser = value::start, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X0,Y0,Z0", allow_hyphen_values = true)]
     pub(super) start: Option<AxisVector>,
 }
 
@@ -329,10 +329,6 @@ pub(super) struct ExplainArguments {
 mod tests {
     use super::*;
 
-    fn parse(line: &str) -> Result<Command, clap::Error> {
-        super::parse(line.split(' ')).map(|(_, command)| command)
-    }
-
     #[test]
     fn the_switches_of_all_commands_stand_before_and_behind_the_command() {
         for (line, expected) in [
@@ -346,7 +342,7 @@ mod tests {
             ("ncfix -v a.mpf -o b.mpf", Voice::Verbose),
             ("ncfix a.mpf -o b.mpf -q", Voice::Quiet),
         ] {
-            assert_eq!(super::parse(line.split(' ')).unwrap().0, expected, "{line}");
+            assert_eq!(parse(line.split(' ')).unwrap().0, expected, "{line}");
         }
         assert!(parse("ncfix -q check -v a.mpf").is_err());
     }

@@ -3,12 +3,8 @@
 use std::time::Duration;
 
 use crate::correction::MOST_THREADS;
-use crate::error::Error;
-pub(super) use crate::tool::ToolVector;
-use ncfix_base::geometry::AxisVector;
 use ncfix_base::units::parse_length_mm;
 use ncfix_machine::machine::range::range_of;
-use ncfix_machine::machine::{Load, State};
 
 /// Which levels of `/` blocks are skipped; `/` alone is level 0.
 pub(super) type SkipLevels = [bool; 10];
@@ -96,30 +92,9 @@ pub(super) fn skip_levels(text: &str) -> Result<SkipLevels, String> {
     Ok(levels)
 }
 
-/// `X0,Y0,Z100,A90`: mm and degrees; axes that are not given are zero.
-pub(super) fn start(text: &str) -> Result<AxisVector, String> {
-    text.parse()
-}
-
-/// `120` or `0,0,-120`.
-pub(super) fn tool(text: &str) -> Result<ToolVector, String> {
-    text.parse().map_err(|error: Error| error.to_string())
-}
-
-/// `1700` or `1700@0,0,-280`.
-pub(super) fn load(text: &str) -> Result<Load, String> {
-    text.parse()
-}
-
-/// `X+,Y-`.
-pub(super) fn sense(text: &str) -> Result<State, String> {
-    text.parse()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ncfix_base::geometry::{Axis, Vector};
 
     #[test]
     fn levels_are_listed() {
@@ -129,31 +104,6 @@ mod tests {
         assert!(levels[0] && levels[3]);
         assert!(skip_levels("10").is_err());
         assert!(skip_levels("").is_err());
-    }
-
-    #[test]
-    fn tools_loads_and_senses() {
-        assert_eq!(tool("120"), Ok(ToolVector::Length(120.0)));
-        assert_eq!(tool("0, 1,-120"), Ok(ToolVector::Tip(Vector::new(0.0, 1.0, -120.0))));
-        assert!(tool("1,2").is_err());
-        assert_eq!(load("1700N"), Ok(Load { force_n: 1700.0, position_mm: Vector::zeros() }));
-        assert_eq!(load("5@1,2,-3").unwrap().position_mm, Vector::new(1.0, 2.0, -3.0));
-        assert!(load("-5").is_err() && load("5@1").is_err() && load("x").is_err());
-        assert_eq!(sense("X+,c-").unwrap().direction, [1, 0, 0, 0, 0, 0, 0, 0, -1]);
-        assert!(sense("X").is_err());
-        assert_eq!(start("X=5").unwrap()[Axis::X], 5.0);
-    }
-
-    #[test]
-    fn a_start_names_axes_in_mm_and_degrees() {
-        let position = start("X-1.5, z100,A90").unwrap();
-        assert_eq!((position[Axis::X], position[Axis::Y], position[Axis::Z]), (-1.5, 0.0, 100.0));
-        assert!((position[Axis::A] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
-        assert!(start("Q1").is_err());
-        assert!(start("X").is_err());
-        assert!(start("Xinf").is_err());
-        assert!(start("X1,,Y1").is_err());
-        assert!(start("ü1").is_err());
     }
 
     #[test]

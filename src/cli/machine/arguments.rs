@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use crate::cli::arguments::{MachineChoice, examples};
-use crate::cli::value;
+use crate::tool::ToolVector;
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::{Load, State};
 
@@ -23,11 +23,11 @@ pub(in crate::cli) struct StateChoice {
     #[arg(long, value_name = "SECONDS", requires = "state", allow_hyphen_values = true)]
     pub(in crate::cli) zero_time: Option<f64>,
     /// Where the axes stood when the zero point was set (mm, deg): only what the drift did there ends with it
-    #[arg(long, value_name = "X..,Y..,Z..", value_parser = value::start, allow_hyphen_values = true, requires = "state")]
+    #[arg(long, value_name = "X..,Y..,Z..", allow_hyphen_values = true, requires = "state")]
     pub(in crate::cli) zero_at: Option<AxisVector>,
     /// Weight on the table in N, and where it stands from the center of the table in mm: 1700, 1700@0,0,-280; instead of those of
     /// --state
-    #[arg(long, value_name = "N[@X,Y,Z]", value_parser = value::load, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N[@X,Y,Z]", allow_hyphen_values = true)]
     pub(in crate::cli) load: Option<Load>,
 }
 
@@ -63,13 +63,13 @@ pub(in crate::cli) struct ShowArguments {
     /// Which file.
     pub(in crate::cli) file: MachineArguments,
     /// Axis positions (mm, deg, machine coordinates; axes left out are at 0) at which the errors are shown: X100,Y=50,C30
-    #[arg(long, value_name = "X..,Y..,Z..", value_parser = value::start, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X..,Y..,Z..", allow_hyphen_values = true)]
     pub(in crate::cli) at: Option<AxisVector>,
     /// Tool: its length in mm along the spindle, or X,Y,Z from the gauge point to the tip in F's directions
-    #[arg(long, value_name = "LENGTH|X,Y,Z", value_parser = value::tool, allow_hyphen_values = true, requires = "at")]
-    pub(in crate::cli) tool: Option<value::ToolVector>,
+    #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true, requires = "at")]
+    pub(in crate::cli) tool: Option<ToolVector>,
     /// Sense of the last motion of axes: X+,Y-; without it backlash counts nothing
-    #[arg(long, value_name = "X+,Y-", value_parser = value::sense, requires = "at", allow_hyphen_values = true)]
+    #[arg(long, value_name = "X+,Y-", requires = "at", allow_hyphen_values = true)]
     pub(in crate::cli) sense: Option<State>,
     #[command(flatten)]
     /// The condition of the machine.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::arguments::MachineChoice;
-use crate::cli::value;
+use crate::tool::ToolVector;
 use ncfix_base::geometry::{Axis, Plane, Vector};
 use ncfix_machine::machine::Machine;
 use ncfix_metrology::measure::plan::{PLANS, PlanKind, RowSpacing, Wishes, find};
@@ -62,8 +62,8 @@ pub(in crate::cli) struct PlanArguments {
     #[arg(long, value_name = "N", requires = "model")]
     pub(in crate::cli) improve: Option<usize>,
     /// Tool: its length in mm along the spindle, or X,Y,Z from the gauge point to the tip in F's directions; may be given several times
-    #[arg(long, value_name = "LENGTH|X,Y,Z", value_parser = value::tool, allow_hyphen_values = true)]
-    pub(in crate::cli) tool: Vec<value::ToolVector>,
+    #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
+    pub(in crate::cli) tool: Vec<ToolVector>,
     /// What stays free at both ends of the travel of linear axes, mm: errors of the machine lead beyond a position: 2mm
     #[arg(long, value_name = "MM", value_parser = margin)]
     pub(in crate::cli) margin: Option<f64>,

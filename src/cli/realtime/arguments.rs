@@ -7,6 +7,7 @@ use clap::Args;
 
 use crate::cli::arguments::{MachineChoice, RotaryChoice, StateChoice};
 use crate::cli::value;
+use crate::tool::ToolVector;
 use ncfix_base::geometry::Vector;
 use ncfix_base::units::{mm_from_um, rad_from_urad};
 use ncfix_machine::machine::Machine;
@@ -40,8 +41,8 @@ pub(in crate::cli) struct RealtimeArguments {
     /// In which condition.
     pub(in crate::cli) state: StateChoice,
     /// Length of the tool in mm, or vector from the spindle to its tip; without it the gauge point of the spindle is corrected
-    #[arg(long, value_name = "LENGTH|X,Y,Z", value_parser = value::tool, allow_hyphen_values = true)]
-    pub(in crate::cli) tool: Option<value::ToolVector>,
+    #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
+    pub(in crate::cli) tool: Option<ToolVector>,
     /// Rotary axes
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) rotary: RotaryChoice,

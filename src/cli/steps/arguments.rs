@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::cli::arguments::{MachineChoice, ProgramChoice, RotaryChoice, StateChoice};
 use crate::cli::value;
+use crate::tool::ToolVector;
 
 /// What `ncfix max-step --help` says last.
 pub(in crate::cli) const AFTER_HELP: &str = "\
@@ -38,8 +39,8 @@ pub(in crate::cli) struct StepsArguments {
     pub(in crate::cli) residual: f64,
     /// Length of the tool in mm, or vector from the spindle to its tip; without it that of the longest tool of the machine file, or those of
     /// the program
-    #[arg(long, value_name = "LENGTH|X,Y,Z", value_parser = value::tool, allow_hyphen_values = true)]
-    pub(in crate::cli) tool: Option<value::ToolVector>,
+    #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
+    pub(in crate::cli) tool: Option<ToolVector>,
     /// Rotary axes
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) rotary: RotaryChoice,

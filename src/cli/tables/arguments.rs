@@ -8,6 +8,7 @@ use crate::cli::arguments::{MachineChoice, StateChoice};
 use crate::cli::stop::Stop;
 use crate::cli::value;
 use crate::tables::TableOptions;
+use crate::tool::ToolVector;
 use ncfix_base::geometry::Axis;
 use ncfix_tables::tables::{FORMATS, Format, Multiplication, Orientation, format};
 
@@ -88,8 +89,8 @@ pub(in crate::cli) struct TablesArguments {
     #[arg(long, value_enum)]
     pub(in crate::cli) multiplication: Option<MultiplicationChoice>,
     /// Tool: its length in mm along the spindle, or X,Y,Z from the gauge point to the tip; without it that of the longest tool of the machine file
-    #[arg(long, value_name = "LENGTH|X,Y,Z", value_parser = value::tool, allow_hyphen_values = true)]
-    pub(in crate::cli) tool: Option<value::ToolVector>,
+    #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
+    pub(in crate::cli) tool: Option<ToolVector>,
     /// Draws the tables into a file
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) svg: Option<PathBuf>,

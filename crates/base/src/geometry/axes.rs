@@ -242,6 +242,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_position_names_axes_in_mm_and_degrees() {
+        let position: AxisVector = "X-1.5, z100,A90".parse().unwrap();
+        assert_eq!((position[Axis::X], position[Axis::Y], position[Axis::Z]), (-1.5, 0.0, 100.0));
+        assert!((position[Axis::A] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        assert_eq!("X=5".parse::<AxisVector>().unwrap()[Axis::X], 5.0);
+        for wrong in ["Q1", "X", "Xinf", "X1,,Y1", "ü1"] {
+            assert!(wrong.parse::<AxisVector>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
     fn letters_and_slots_agree() {
         for axis in AXES {
             assert_eq!(Axis::from_letter(axis.letter().to_ascii_lowercase()), Some(axis));

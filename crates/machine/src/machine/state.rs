@@ -66,3 +66,14 @@ impl FromStr for State {
         Ok(state)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_direction_follows_its_axis() {
+        assert_eq!("X+,c-".parse::<State>().unwrap().direction, [1, 0, 0, 0, 0, 0, 0, 0, -1]);
+        assert!("X".parse::<State>().is_err());
+    }
+}

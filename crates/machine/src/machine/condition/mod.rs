@@ -294,6 +294,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_load_is_a_weight_and_where_it_stands() {
+        assert_eq!("1700N".parse(), Ok(Load { force_n: 1700.0, position_mm: Vector::zeros() }));
+        assert_eq!("5@1,2,-3".parse::<Load>().unwrap().position_mm, Vector::new(1.0, 2.0, -3.0));
+        for wrong in ["-5", "5@1", "x"] {
+            assert!(wrong.parse::<Load>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
     fn temperatures_of_many_conditions_are_those_of_each() {
         let with = |offset_c: f64, count: u32| {
             let mut log = Condition::default();
