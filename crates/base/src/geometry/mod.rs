@@ -1,4 +1,4 @@
-//! Axis vectors, frames, lines and arcs: values that evaluate and split themselves, without knowledge of machines.
+//! Axis vectors, frames, lines and arcs: values with their evaluation and subdivision, independent of machines.
 
 mod arc;
 mod axes;
@@ -18,7 +18,7 @@ pub use frame_parts::FrameParts;
 pub use rotation::{RotationOrder, about, by_solid_angles};
 pub use spline::{BSpline, SplineEnd, akima_slopes, cubic_slopes};
 
-/// A vector in space, mm or a direction.
+/// Vector in space, mm or a direction.
 pub type Vector = nalgebra::Vector3<f64>;
-/// A 3 × 3 matrix, here always a rotation or a frame's linear part.
+/// 3 × 3 matrix, here always a rotation or the linear part of a frame.
 pub type Matrix = nalgebra::Matrix3<f64>;

@@ -1,4 +1,4 @@
-//! A block in a canned cycle: collects its words, asks [`super::drill`] what is to be done, and puts that into the stream.
+//! A block in a canned cycle: collects its words, gets the steps from [`super::drill`], and emits them.
 
 use super::channel::Cycles;
 use super::feed;
@@ -31,7 +31,7 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Manner, Word, WordValue};
 
-/// Whether a code in tenths is a canned cycle of holes.
+/// `true` if a code in tenths is a canned cycle for holes.
 fn is_cycle(code: u16, is_rs274: bool) -> bool {
     match code {
         760 => !is_rs274,
@@ -44,7 +44,7 @@ fn is_tapping(code: u16) -> bool {
     matches!(code, 740 | 840 | 842 | 843)
 }
 
-/// Notes the kind of motion that comes into force.
+/// Records the motion mode that becomes active.
 pub(super) fn note_motion(channel: &mut Channel<'_>, code: u16) {
     let before = std::mem::replace(&mut channel.modal.modes.motion, code);
     if before == code || is_cycle(code, channel.is_rs274()) {
@@ -60,7 +60,7 @@ pub(super) fn note_motion(channel: &mut Channel<'_>, code: u16) {
     }
 }
 
-/// Does a block in a cycle.
+/// Executes a block in a cycle.
 pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let span = gathered.code_span(if channel.is_rs274() { Group::Motion } else { Group::Cycle });
     let span = if span == Span::default() { gathered.span } else { span };
@@ -194,7 +194,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     Ok(())
 }
 
-/// The operator has moved an axis: where it is now is an assumption.
+/// Handles an axis that the operator has moved: its position is an assumption.
 fn brought(
     settings: &RunSettings<'_>,
     standing: &InForce,
@@ -214,7 +214,7 @@ fn brought(
     Ok(())
 }
 
-/// What a cycle does beside moving.
+/// Emits an action of a cycle other than motion.
 fn aside(modal: &mut Modal, outlet: &mut Outlet<'_>, action: CycleStep) {
     let word = |number: u16| Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) };
     let before = modal.spindle;
@@ -227,7 +227,7 @@ fn aside(modal: &mut Modal, outlet: &mut Outlet<'_>, action: CycleStep) {
     }
 }
 
-/// The words of a block and what else matters to its cycle.
+/// The words of a block and the other inputs of its cycle.
 fn call(
     channel: &mut Channel<'_>,
     gathered: &Gathered,
@@ -252,14 +252,14 @@ fn call(
             repeats = Some(whole(value, gathered.span_of(*letter), &name)?);
         }
     }
-    // Only a block that says where or how deep drills.
+    // Only a block with a position or depth drills.
     if !is_rs274 && gathered.axes.is_empty() && !gathered.has(b'R') {
         repeats = Some(0);
     }
     if is_rs274 {
         gathered.use_up(b"$");
     }
-    // Scaling holds for places alone: pecks and clearances are those of the machine.
+    // Scaling applies to positions only: pecks and clearances are those of the machine.
     let growth = channel.modal.transforms.growth(if matches!(code, 760 | 870) { abscissa } else { applicate });
     let iso = &channel.settings.machine.control.iso;
     let clearance = match code {
@@ -290,7 +290,7 @@ fn call(
     })
 }
 
-/// A direction of the machine in the program's plane.
+/// A machine direction in the plane of the program.
 fn direction_of(modal: &Modal, standing: &InForce, axis: Axis, sign: f64) -> [f64; 2] {
     let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let direction = standing.setup.frame.unapply_direction(Vector::ith(axis.dimension(), sign));
@@ -301,7 +301,7 @@ fn word_of(channel: &mut Channel<'_>, gathered: &Gathered, axis: Axis) -> Result
     Ok(if gathered.axes.contains(axis) { Some(target::axis_value(channel, gathered, axis)?) } else { None })
 }
 
-/// Refuses what does not go together with a cycle.
+/// Rejects state that is incompatible with a cycle.
 fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
     let name = name_of(code);
     let refused = if channel.modal.contour.compensates() {
@@ -331,7 +331,7 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
     Ok(())
 }
 
-/// K of a peck cycle is a depth on a Haas, with G91 too.
+/// K of a peck cycle is a depth on a Haas, also under G91.
 fn check_count(machine: &Machine, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     if !matches!(code, 730 | 830) || machine.control.iso.reads_as_fanuc {
         return Ok(());
@@ -342,7 +342,7 @@ fn check_count(machine: &Machine, gathered: &Gathered, code: u16) -> Result<(), 
     Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'K'), message, help))
 }
 
-/// Refuses tapping that keeps spindle and axis in step, or may do so.
+/// Rejects tapping that synchronizes, or may synchronize, spindle and axis.
 fn check_rigid(machine: &Machine, cycles: &Cycles, code: u16, name: &str, span: Span) -> Result<(), Fault> {
     let rigid = machine.control.iso.rigid_tapping;
     let is_rigid = cycles.is_rigid || matches!(code, 842 | 843) || rigid == Some(true);
@@ -359,7 +359,7 @@ fn check_rigid(machine: &Machine, cycles: &Cycles, code: u16, name: &str, span: 
     Ok(())
 }
 
-/// LinuxCNC stops exactly within cycles; the motions that stand for them must not be blended.
+/// LinuxCNC stops exactly within cycles; the equivalent motions must not be blended.
 fn stop_exactly(language: Language, modal: &Modal, cycles: &mut Cycles, outlet: &mut Outlet<'_>) {
     if (language == Language::Rs274)
         && !modal.codes.is(Group::Control, 610)
