@@ -23,6 +23,7 @@ mod orientation;
 pub mod parameter;
 pub mod preset;
 mod rotation;
+pub mod shares;
 pub mod source;
 pub mod write;
 
