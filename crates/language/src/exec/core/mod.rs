@@ -23,8 +23,9 @@
 //! 2. **Types**, [`family::Family`]: what is worked out of a file once, what a call is, what a level keeps.
 //! 3. **A channel**: plain state and an [`outlet::Outlet`]. The state is made of [`modal::Modes`] with the family's kinds of motion,
 //!    [`modal::CodesInForce`] with its other groups and their codes at the start, a [`tool::ToolState`] with its length, a
-//!    [`tool::ToolTable`] with what its control keeps of an edge, and a [`position::Position`]. Gathering words, working out values, and executing a block in the order of
-//!    the control are its own; motions become a [`path::Path`] with a [`contour::Wish`] and go to the outlet.
+//!    [`tool::ToolTable`] with what its control keeps of an edge, and a [`position::Position`]. Gathering words, working out values, and
+//!    executing a block in the order of the control are its own; motions become a [`path::Path`] with a [`contour::Wish`] and go to the
+//!    outlet.
 //! 4. **Answers**, [`interpreter::Execute`]: what a block does, how a call is found and begun, what an end means.
 //!
 //! In return the core counts blocks and ends endless programs, leaves skipped blocks out, gives each element its origin, repeats
