@@ -8,6 +8,7 @@ use super::json::Finding;
 use super::markup::Markup;
 use super::plot::{Chart, Picture, STYLE, Series, Shape, WIDTH};
 use ncfix_base::geometry::Axis;
+use ncfix_base::units::UnitKey;
 use ncfix_tables::results::result::TablesResult;
 use ncfix_tables::tables::{FORMATS, SCHEMES, Sense, Tables};
 
@@ -101,7 +102,7 @@ impl TablesReport {
                 one.axis,
                 one.rms,
                 one.max,
-                unit = one.unit.word()
+                unit = key(one.unit)
             );
         }
         for file in &self.written {
@@ -130,6 +131,14 @@ impl TablesReport {
                 _ => Ok(()),
             };
         }
+    }
+}
+
+/// The unit as keys have it, in letters that every terminal has.
+pub(crate) fn key(unit: UnitKey) -> &'static str {
+    match unit {
+        UnitKey::Um => "um",
+        UnitKey::Urad => "urad",
     }
 }
 

@@ -6,7 +6,7 @@ use crate::inputs::Input;
 use crate::markup::Markup;
 use crate::number::{grouped, micrometers, significant};
 use crate::plot::{Chart, Histogram};
-use crate::tables::TablesReport;
+use crate::tables::{TablesReport, key};
 use ncfix_tables::results::result::TablesCheck;
 
 /// Returns the page; `charts` are the pictures of the tables.
@@ -97,7 +97,7 @@ fn differences(out: &mut Markup, report: &TablesReport) {
         .iter()
         .map(|one| {
             let [rms, max] = [one.rms, one.max].map(significant);
-            Row { class: "", cells: vec![one.axis.clone(), rms, max, one.unit.word().to_owned()] }
+            Row { class: "", cells: vec![one.axis.clone(), rms, max, key(one.unit).to_owned()] }
         })
         .collect();
     table(out, &columns(["axis", "#RMS", "#largest", "unit"]), &rows, "", MOST_ROWS);

@@ -64,7 +64,7 @@ impl<R: BufRead> SetPointLines<R> {
     ///
     /// # Errors
     /// An error if the line is not a set-point.
-    pub fn next(&mut self) -> Result<Option<AxisVector>, NoSetPoint> {
+    pub fn next_set_point(&mut self) -> Result<Option<AxisVector>, NoSetPoint> {
         while self.read()? {
             let text = String::from_utf8_lossy(&self.buffer).into_owned();
             let text = text.trim_end();
@@ -220,7 +220,7 @@ mod tests {
         let mut lines = SetPointLines::new(text.as_bytes(), axes);
         let mut all = Vec::new();
         loop {
-            match lines.next() {
+            match lines.next_set_point() {
                 Ok(Some(at)) => all.push([at[Axis::X], at[Axis::Y], at[Axis::C].to_degrees().round()]),
                 Ok(None) => return (all, None),
                 Err(NoSetPoint::Wrong { line, column, what }) => {

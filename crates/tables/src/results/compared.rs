@@ -3,12 +3,12 @@
 use std::fmt;
 
 use super::request::SEED;
-use super::result::{DifferenceUnit, TablesDifference};
+use super::result::TablesDifference;
 use crate::tables::check::stands;
 use crate::tables::region::Region;
 use crate::tables::{Control, Tables};
 use ncfix_base::geometry::{AXES, Axis, Vector};
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::units::{UnitKey, um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{ActiveCompensation as _, Machine};
 
 /// Reason why two sets of tables cannot be compared.
@@ -62,7 +62,12 @@ pub fn difference(
     let report = |(axis, squares, most): (Axis, f64, f64)| {
         let rms = (squares / poses.len().max(1) as f64).sqrt();
         let scale = if axis.is_rotary() { urad_from_rad } else { um_from_mm };
-        TablesDifference { axis: axis.to_string(), unit: DifferenceUnit::of(axis), rms: scale(rms), max: scale(most) }
+        TablesDifference {
+            axis: axis.to_string(),
+            unit: UnitKey::of(axis.is_rotary()),
+            rms: scale(rms),
+            max: scale(most),
+        }
     };
     Ok(axes.into_iter().map(report).collect())
 }

@@ -5,8 +5,8 @@ use serde::Serialize;
 use crate::tables::check::{Check, Errors};
 use crate::tables::scheme::Tried;
 use crate::tables::{Lookup, Sense, Tables};
-use ncfix_base::geometry::{Axis, Vector};
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::geometry::Vector;
+use ncfix_base::units::{UnitKey, um_from_mm, urad_from_rad};
 
 /// Compensation tables that were made or read.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -107,21 +107,9 @@ pub struct VolumeErrors {
 #[expect(missing_docs, reason = "the names say it")]
 pub struct TablesDifference {
     pub axis: String,
-    pub unit: DifferenceUnit,
+    pub unit: UnitKey,
     pub rms: f64,
     pub max: f64,
-}
-
-/// The unit of a difference of corrections.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub enum DifferenceUnit {
-    /// µm, of a linear axis.
-    #[serde(rename = "um")]
-    Micrometer,
-    /// µrad, of a rotary axis.
-    #[serde(rename = "urad")]
-    Microradian,
 }
 
 /// Scheme that `auto` tried.
@@ -136,23 +124,6 @@ pub struct TriedScheme {
     pub rms_um: Option<f64>,
     pub tilt_rms_urad: Option<f64>,
     pub reason: Option<String>,
-}
-
-impl DifferenceUnit {
-    /// The unit of the corrections of an axis.
-    #[must_use]
-    pub fn of(axis: Axis) -> DifferenceUnit {
-        if axis.is_rotary() { DifferenceUnit::Microradian } else { DifferenceUnit::Micrometer }
-    }
-
-    /// Its ASCII name: `um`, `urad`.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        match self {
-            DifferenceUnit::Micrometer => "um",
-            DifferenceUnit::Microradian => "urad",
-        }
-    }
 }
 
 impl From<&Errors> for VolumeErrors {

@@ -142,8 +142,8 @@ impl PlanKind {
     /// # Errors
     /// The supported alternatives.
     pub fn check(&self, wishes: &Wishes, is_seeded: bool, machine: &Machine) -> Result<(), Refused> {
-        let given = wishes.given().into_iter().chain([("seed", is_seeded)]);
-        if let Some((name, _)) = given.into_iter().find(|(name, is_given)| *is_given && !self.wishes.contains(name)) {
+        let mut given = wishes.given().into_iter().chain([("seed", is_seeded)]);
+        if let Some((name, _)) = given.find(|(name, is_given)| *is_given && !self.wishes.contains(name)) {
             let known: Vec<String> = self.wishes.iter().map(|wish| format!("--{wish}")).collect();
             let known = known.join(", ");
             return Err(Refused(format!("a plan {} has no --{name}; it has --tool, {known}", self.name)));
