@@ -32,13 +32,13 @@ pub struct Machine {
     pub(crate) machine: ncfix_machine::machine::Machine,
     /// Its errors.
     pub(crate) errors: ErrorModel,
-    /// What its file may say, and what is looked for in its measurements.
+    /// The registry: the keys that the machine file may use, and the causes that are searched in its measurements.
     pub(crate) registry: Arc<Registry>,
     /// Its condition.
     pub(crate) condition: Condition,
     /// Hash of what was said of its condition; `None` where nothing was.
     pub(crate) state: Option<String>,
-    /// Whether it is the embedded demo machine because no other was found.
+    /// True if this is the embedded demo machine, used because no other was found.
     pub(crate) is_demo: bool,
     /// Hash of machine file and set-up file, 12 hexadecimal digits.
     pub(crate) hash: String,
@@ -63,8 +63,8 @@ impl Machine {
         Machine::from_files(path, &[])
     }
 
-    /// The same with set-up files of a job, whose zero offsets and tools override those of the machine file: TOML, or data as a control saves them; the
-    /// last one wins.
+    /// Opens a machine with set-up files of a job, whose zero offsets and tools override those of the machine file: TOML, or data saved by a control.
+    /// A later file overrides an earlier one.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -170,7 +170,7 @@ impl Machine {
         &self.machine.name
     }
 
-    /// What its file may say, and what is looked for in its measurements.
+    /// The registry: the keys that the machine file may use, and the causes that are searched in its measurements.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -222,7 +222,7 @@ impl Machine {
         }
     }
 
-    /// What each source of error does at a pose; as for [`deviation`](Self::deviation).
+    /// The deviation by each error source at a pose, in the frame and units of [`deviation`](Self::deviation).
     pub(crate) fn shares(&self, pose: &AxisVector, tool: ToolVector, state: &State) -> ErrorShares {
         let tool_mm = tool.vector_mm(&self.machine);
         ErrorShares::new(&self.machine, &self.errors, &self.condition, pose, &tool_mm, state)

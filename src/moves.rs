@@ -45,7 +45,7 @@ impl<'m> Elements<'m> {
         Elements { running, found }
     }
 
-    /// What was found so far, warnings too.
+    /// The findings so far, including warnings.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -185,7 +185,7 @@ impl<'a> FlatText<'a> {
     }
 }
 
-/// Whether a program is a flat stream already.
+/// True if a program is already a flat stream.
 pub(crate) fn is_flat(program: &Program) -> bool {
     program.bytes().starts_with(HEAD.as_bytes())
 }

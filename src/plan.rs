@@ -11,14 +11,14 @@ use ncfix_metrology::measure::plan::{PlanKind, Wishes, table};
 use ncfix_metrology::results::planned::{PlanResult, has_reading, judge};
 use ncfix_path::emit::flat;
 
-/// What plan is wanted.
+/// The request for a plan.
 #[derive(Clone, Debug)]
 pub(crate) struct PlanRequest<'a> {
     /// The kind of measurement.
     pub(crate) kind: &'static PlanKind,
-    /// What of it is wished.
+    /// The options of the plan.
     pub(crate) wishes: &'a Wishes,
-    /// Whether a seed was given.
+    /// True if a seed was given.
     pub(crate) is_seeded: bool,
     /// A preset or a file of the parameters that it shall tell.
     pub(crate) model: Option<&'a str>,
@@ -26,14 +26,14 @@ pub(crate) struct PlanRequest<'a> {
     pub(crate) with: &'a [PathBuf],
     /// Poses that are added for the model.
     pub(crate) more: usize,
-    /// Whether a program is wanted.
+    /// True if a program is to be written.
     pub(crate) has_program: bool,
 }
 
 /// A plan as it is written.
 #[derive(Clone, Debug)]
 pub(crate) struct MadePlan {
-    /// What it is and tells.
+    /// The result.
     pub(crate) result: PlanResult,
     /// The table of poses.
     pub(crate) table: String,

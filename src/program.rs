@@ -206,7 +206,7 @@ impl Program {
         }
     }
 
-    /// Whether the program carries the stamp of a correction, which is a finding.
+    /// True if the program has the stamp of a correction, which is reported as a finding.
     pub(crate) fn was_corrected_before(&self, found: &mut Diagnostics) -> bool {
         let is_stamped = emit::is_stamped(self.bytes());
         if is_stamped {
@@ -220,7 +220,7 @@ impl Program {
         &self.source
     }
 
-    /// How it is read.
+    /// The options for reading it.
     pub(crate) fn reading(&self) -> &Reading {
         &self.reading
     }
@@ -230,7 +230,7 @@ impl Program {
         Program { source, ..self.clone() }
     }
 
-    /// The same without a limit of its own.
+    /// The program without its own block limit.
     pub(crate) fn without_block_limit(mut self) -> Program {
         self.reading.max_blocks = None;
         self

@@ -24,16 +24,16 @@ use ncfix_tables::results::realtime::KernelResult;
 /// Where memory that has a name is found on Linux.
 const SHARED: &str = "/dev/shm";
 
-/// Who is told what forbids to renew a kernel.
+/// Reports the findings that prevent the update of a kernel.
 pub(crate) type Complain = fn(&Diagnostics);
 
 /// Ready for set-points.
 pub(crate) struct RealtimeCorrection {
     cycle: Cycle,
     axes: AxisSet,
-    /// What is to be known of the kernel.
+    /// The properties of the kernel.
     pub(crate) kernel: KernelResult,
-    /// What was answered.
+    /// The counts of the answers.
     pub(crate) counts: CycleCounts,
     /// Renews the kernel as long as this lives.
     _updater: Updater,
@@ -102,7 +102,7 @@ impl RealtimeCorrection {
         Ok(None)
     }
 
-    /// Rings of so many records in a file.
+    /// Opens the rings in a file, each with `records` records.
     ///
     /// # Errors
     /// Where they cannot be made.
@@ -115,7 +115,7 @@ impl RealtimeCorrection {
         serve(ring, &mut self.cycle, &mut self.counts, is_over)
     }
 
-    /// What is said where a control goes over the end of a ring of so many records.
+    /// The finding for a control that writes past the end of a ring with `records` records.
     pub(crate) fn overrun(&self, overrun: Overrun, records: u64) -> Diagnostic {
         let what = match overrun {
             Overrun::SetPoints(count) => format!("the control wrote {count} set-points into a ring of {records}"),

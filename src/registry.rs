@@ -42,7 +42,7 @@ pub struct Registry {
     pub links: Links,
     /// Dialogues that links may name.
     pub protocols: Protocols,
-    /// What gives the dialect of a file away.
+    /// The detectors of the dialect of a file.
     pub detectors: Detectors,
     /// Kinds of sources of live readings.
     pub sensor_sources: SensorSources,

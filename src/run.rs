@@ -181,7 +181,7 @@ pub(crate) fn keep_unit(
     control.output_inch = last_unit(source.bytes()).or_else(|| last_unit(control.iso.startup_code.as_bytes()));
 }
 
-/// Whether the last G20 or G21 outside of comments is G20.
+/// True if the last G20 or G21 outside of comments is G20.
 fn last_unit(bytes: &[u8]) -> Option<bool> {
     let (mut found, mut at) = (None, 0);
     while let Some(&byte) = bytes.get(at) {
@@ -219,15 +219,15 @@ pub(crate) fn read(path: &Path) -> Result<Source, Error> {
     files::read(path, FileId(0), "program")
 }
 
-/// Whether a program lies in an archive of the control.
+/// True if a program is in an archive of the control.
 pub(crate) fn is_in_archive(path: &Path) -> bool {
     path.ancestors().any(|ancestor| ancestor.is_file() && archive::is_archive(ancestor))
 }
 
-/// Who is told how far a program is while it runs.
+/// Receives the progress of a program while it runs.
 pub(crate) trait Watch {
-    /// So many blocks were executed, and the current one starts at byte `offset` of the `length` of the main program; without an offset it is
-    /// in a subprogram.
+    /// Called after `blocks` blocks; the current block starts at byte `offset` of the `length` bytes of the main program, or is in a subprogram if
+    /// there is no offset.
     fn note(&mut self, blocks: u64, offset: Option<u32>, length: usize);
     /// The program has ended.
     fn end(&mut self);
@@ -265,7 +265,7 @@ impl<'a> Running<'a> {
         Running { execution, watch: None, loaded, length, moves: false }
     }
 
-    /// The same with somebody who is told how far it is.
+    /// The run with an observer of its progress.
     pub(crate) fn watched(self, watch: Box<dyn Watch>) -> Self {
         Running { watch: Some(watch), ..self }
     }
@@ -285,7 +285,7 @@ impl<'a> Running<'a> {
         self.execution.executed_blocks()
     }
 
-    /// Whether a motion has come by so far.
+    /// True if a motion has occurred so far.
     pub(crate) fn moves(&self) -> bool {
         self.moves
     }
@@ -317,7 +317,7 @@ impl Iterator for Running<'_> {
     }
 }
 
-/// Whether the control is to have nothing but wear in the registers of a program's tools: its stamp says so.
+/// True if the stamp of a program says that the control must have only wear in its tool registers.
 pub(crate) fn is_wear_alone(source: &Source) -> bool {
     emit::stamped_promise(source.bytes()).is_some_and(|promise| promise.keeps_wear)
 }

@@ -25,7 +25,7 @@ use ncfix_report::number::grouped;
 /// Rows of a trace at most: 3 GB of text, and more than any recorder of a control keeps.
 const MOST_ROWS: u64 = 20_000_000;
 
-/// How a program is simulated.
+/// Options of a simulation.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -44,7 +44,7 @@ pub struct SimulateOptions {
     pub seed: u64,
 }
 
-/// What was recorded of a simulated program.
+/// The recorded data of a simulated program.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -66,7 +66,7 @@ pub struct Recorded {
     pub rows: u64,
     /// Time on the machine, s.
     pub time_s: f64,
-    /// How far the tool was off its path.
+    /// The path deviation of the tool.
     pub(crate) tally: Tally,
     /// Where the tool is off its path most: `part.mpf:12`.
     pub worst: Option<String>,

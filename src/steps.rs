@@ -16,7 +16,7 @@ use ncfix_language::exec::RapidOrder;
 use ncfix_path::path::{Answer, Line, Moves, Rotary, StepTrial, Steps, volume};
 use ncfix_report::steps::{StepAnswer, StepReport, StepRow, Worst};
 
-/// What is looked for.
+/// The options of the search.
 #[derive(Clone, Debug)]
 pub(crate) struct StepSearch<'a> {
     /// The program whose moves are looked at; without it lines through the whole travel.
@@ -25,7 +25,7 @@ pub(crate) struct StepSearch<'a> {
     pub(crate) tool: Option<ToolVector>,
     /// Largest residual allowed, mm.
     pub(crate) residual_mm: f64,
-    /// Whether rotary axes take part in the correction.
+    /// The rotary axes that are corrected, if any.
     pub(crate) rotary: Rotary,
 }
 
@@ -37,7 +37,7 @@ struct Gathered<'m> {
 }
 
 impl StepSearch<'_> {
-    /// Searches; the report has no answer where findings forbid it. `share` is told how far it is, 0 to 1.
+    /// Runs the search; the report has no answer if there are errors. `share` receives the progress, 0 to 1.
     ///
     /// # Errors
     /// Where the dialect does not exist, or there is neither a program nor travel.

@@ -13,9 +13,9 @@ use ncfix_base::source::FileId;
 use ncfix_dnc::sense::{Action, ChannelState, Config, Panel, Reading, Verdict};
 use ncfix_report::watch::{WatchChannel, WatchReport, WatchVerdict, WatchedState};
 
-/// How often the sources are looked after.
+/// Interval in which the sources are checked.
 const LOOK: Duration = Duration::from_millis(50);
-/// What is drawn is drawn anew so often.
+/// Shortest interval between two drawings.
 const REDRAW: Duration = Duration::from_millis(500);
 
 /// Sensors that are watched.

@@ -72,7 +72,7 @@ fn at(origin: &Origin, sources: &[Source]) -> String {
     format!("line {} of {name}", origin.line)
 }
 
-/// The same with its text: `line 12 of part.mpf, "G1 X20",`.
+/// The line with its text: `line 12 of part.mpf, "G1 X20",`.
 pub(crate) fn line(origin: &Origin, source: Option<&Source>) -> String {
     let Some(source) = source else { return format!("line {}", origin.line) };
     let text = String::from_utf8_lossy(source.slice(origin.span)).trim().to_owned();

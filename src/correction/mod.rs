@@ -153,7 +153,7 @@ impl<'a> Correction<'a> {
         Ok(String::from_utf8_lossy(&text).into_owned())
     }
 
-    /// What the correction does, without its text: errors along the path before and after, corrections, times.
+    /// The effect of the correction, without its text: errors along the path before and after, corrections, times.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -24,7 +24,7 @@ const NEAREST: &str = "ncfix.toml";
 /// The variable of the environment that names a machine file.
 const VARIABLE: &str = "NCFIX_MACHINE";
 
-/// How a machine file was found.
+/// The way in which a machine file was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
     /// It is the argument of the command.
@@ -42,7 +42,7 @@ pub(crate) enum Found {
 }
 
 impl Found {
-    /// The same in words.
+    /// The way as text.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Found::Named => "named on the command line",
@@ -229,10 +229,10 @@ fn read_with(
     }))
 }
 
-/// What a set-up file holds.
+/// A set-up file with its content.
 pub(crate) struct Member {
     pub(crate) source: Source,
-    /// Whether it is in the control's own language rather than TOML.
+    /// True if it is in the control's own language rather than TOML.
     pub(crate) is_saved_data: bool,
 }
 
@@ -253,7 +253,7 @@ pub(crate) fn members(path: &Path) -> Result<(Source, Vec<Member>), Error> {
     Ok((setup, members))
 }
 
-/// Whether a set-up file is in the control's own language rather than TOML.
+/// True if a set-up file is in the control's own language rather than TOML.
 fn is_saved_data(path: &Path, bytes: &[u8]) -> bool {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
         return false;

@@ -86,7 +86,7 @@ fn lay_over(values: &mut Vec<OriginRow>, over: Vec<OriginRow>) {
     over.into_iter().for_each(|row| insert(values, row));
 }
 
-/// Puts a value behind the others of its section, else of its kind.
+/// Inserts a value after the others of its section, or else of its kind.
 fn insert(values: &mut Vec<OriginRow>, row: OriginRow) {
     let kind = |path: &str| path.split(['.', '[']).next().unwrap_or_default().to_owned();
     let same_section = values.iter().rposition(|other| section(&other.path) == section(&row.path));
@@ -119,7 +119,7 @@ fn fill_in(values: &mut Vec<OriginRow>, machine: &Machine) {
     }
 }
 
-/// What data that a control has saved changes in a machine.
+/// The changes of a machine by data that a control saved.
 fn changes(before: &Machine, after: &Machine, source: &Source) -> Vec<OriginRow> {
     let mut out = Vec::new();
     let mut add = |path: String, value: String, mark: &str| {

@@ -81,10 +81,10 @@ impl Spool {
         }
     }
 
-    /// Brings the text to the disk: what is published then has room there.
+    /// Flushes the text to the disk, so that there is room for it when it is published.
     ///
     /// # Errors
-    /// A sentence where there is none.
+    /// A sentence if there is no room.
     pub(crate) fn settle(&mut self) -> Result<(), Error> {
         let settled = self.file.flush().and_then(|()| self.file.get_ref().sync_all());
         settled.map_err(|error| self.fault(&error))

@@ -11,7 +11,7 @@ use super::target::{OneFile, folder_of};
 #[cfg(unix)]
 const NEW_FILE: u32 = 0o666;
 
-/// What becomes of a file that was there.
+/// Handling of an existing file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Old<'a> {
     /// It is replaced.
@@ -21,14 +21,14 @@ pub(crate) enum Old<'a> {
 }
 
 impl<'a> Old<'a> {
-    /// What must be in the place of a file for it to be written.
+    /// The file that must be at the path for it to be written.
     pub(crate) fn expected(self, file: &OneFile) -> Expected<'a> {
         let content = if let Old::Kept(content) = self { Some(content) } else { None };
         Expected { before: file.before, content }
     }
 }
 
-/// What became of a text.
+/// The result for a text.
 pub(crate) enum Put {
     /// It is in its place; the path of the file that was there, where it is kept.
     There(Option<PathBuf>),

@@ -30,16 +30,16 @@ impl ReadTables {
     }
 }
 
-/// How files are read.
+/// Options for reading files.
 #[derive(Clone, Copy)]
 pub(crate) struct Reading<'a> {
     /// The format; told by the files where it is not said.
     pub(crate) format: Option<&'static Format>,
-    /// What the control does with products; that of the files where it is not said.
+    /// How the control multiplies tables; that stated in the files if not given.
     pub(crate) multiplication: Option<Multiplication>,
     /// The machine whose control has the tables, where it is known.
     pub(crate) machine: Option<&'a Machine>,
-    /// How the control names the axes.
+    /// The axis names of the control.
     pub(crate) wiring: &'a Wiring,
 }
 
@@ -49,7 +49,7 @@ struct Files {
     /// The tables of each format.
     sets: Vec<(&'static Format, Tables)>,
     earlier: Vec<(Source, BTreeSet<usize>)>,
-    /// What tables without numbers correct, over what, and in which sense.
+    /// The corrected axis, the input axis and the sign convention of tables without numbers.
     unnumbered: Vec<(Axis, Axis, Sense)>,
     /// For which reading of products the files say that they are.
     mark: Option<Multiplication>,
@@ -74,7 +74,7 @@ impl Files {
         (found, source)
     }
 
-    /// What a file says of products must be what the others say.
+    /// The multiplication stated in a file must be that of the other files.
     fn note_mark(&mut self, source: &Source) -> Option<Diagnostic> {
         let mark = format::multiplication_of(source);
         let fault = self.mark.zip(mark).filter(|(known, own)| known != own).map(|_| {
@@ -176,7 +176,7 @@ fn joined(
     all
 }
 
-/// What the control does with products: what was asked for, or what the files say, or the usual reading.
+/// How the control multiplies tables: as requested, or as stated in the files, or the usual interpretation.
 fn multiplication(
     names: &str,
     asked: Option<Multiplication>,
@@ -216,7 +216,7 @@ fn left_out(
     told.collect()
 }
 
-/// What is written before and behind the tool in a remark.
+/// The text before and after the tool in a remark.
 const TOOL: [&str; 2] = ["tool ", " mm from the gauge point"];
 /// Lines in which such a remark stands.
 const REMARKS: usize = 40;
@@ -296,7 +296,7 @@ fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Error> {
     const PROGRAMS: [&str; 3] = [".MPF", ".SPF", ".CPF"];
     let source = files::read(path, FileId(0), "compensation tables")?;
     let Some(files) = archive::members(path, source.bytes())? else { return Ok((vec![source], Vec::new())) };
-    // Only formats that name their variables are told from anything else that a control saves.
+    // Only formats that name their variables can be distinguished from other data that a control saves.
     let is_table =
         |file: &Source| format::guess(file.name(), file.bytes()).is_some_and(|format| !format.beside.is_empty());
     let is_program = |file: &Source| {
@@ -306,7 +306,7 @@ fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Error> {
     Ok(files.into_iter().filter(is_table).partition(|file| !is_program(file)))
 }
 
-/// A program that sets tables when it runs: whether it ran, an archive does not tell.
+/// The finding for a program that sets tables when it runs: an archive does not show whether it ran.
 fn not_read(program: &Source) -> Diagnostic {
     let place = Place { file: program.id(), span: Span::new(0, 1) };
     let help = "save the tables of the control as they are now, NC active data, if it ran";

@@ -59,7 +59,7 @@ pub(crate) fn read(
     Ok(trace.map(|trace| Read { trace, sources }))
 }
 
-/// All files of tables, for those that must not be overwritten; what cannot be read is told later.
+/// All table files, which must not be overwritten; a file that cannot be read is reported later.
 pub(crate) fn files(tables: &[PathBuf]) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for table in tables {

@@ -28,7 +28,7 @@ const IDLE: Duration = Duration::from_millis(5);
 const BUSY: Duration = Duration::from_micros(200);
 /// Sensors that have said nothing for so long before the start are not there.
 const FIRST_READING: Duration = Duration::from_secs(180);
-/// What goes out last, a hold, has so long to leave.
+/// The time for sending the last message, a feed hold.
 const LAST: Duration = Duration::from_millis(500);
 
 /// Why a transfer did not begin.
@@ -46,7 +46,7 @@ impl From<Error> for NotBegun {
     }
 }
 
-/// What a transfer goes over.
+/// The link of a transfer.
 pub(crate) struct Lane<'a> {
     pub(crate) port: Box<dyn Port>,
     /// Characters a second that it takes.
@@ -114,7 +114,7 @@ pub(crate) struct Begin {
     pub(crate) port: String,
     /// Elements of the program up to this one are not sent.
     pub(crate) skip: u64,
-    /// What is sent before.
+    /// The lines that are sent before.
     pub(crate) lines: Vec<String>,
     /// The words of the command line that began the job.
     pub(crate) words: Vec<String>,
@@ -123,7 +123,7 @@ pub(crate) struct Begin {
     pub(crate) journal: Option<Vec<u8>>,
 }
 
-/// What must be the same when the job is taken up again.
+/// The settings that must be the same when the job is resumed.
 fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(&'static str, String)> {
     let mut head = vec![
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -183,7 +183,7 @@ struct Drive<'a> {
     started: Instant,
     /// From an answer to the bytes of the next line.
     meter: Meter,
-    /// What a person or a sensor has asked for, with its status, why, and what was said of it.
+    /// A stop requested by the user or a sensor, with its status, its reason and its message.
     halted: Option<(Halt, FeedEnd, String, String)>,
 }
 
@@ -232,7 +232,7 @@ impl Drive<'_> {
         }
     }
 
-    /// What ended it, with its status.
+    /// The end, with its status.
     fn code(&self, ended: Ended) -> (Ended, FeedEnd) {
         let code = match &ended {
             Ended::Done => FeedEnd::Done,
@@ -293,7 +293,7 @@ impl Drive<'_> {
         Ok(())
     }
 
-    /// What a job leaves that is lost.
+    /// The message for the lines of a job that are lost.
     fn lost(&self, why: &str, progress: &Progress) -> String {
         let taken = progress.acknowledged.max(progress.left);
         if progress.sent == 0 {
@@ -308,7 +308,7 @@ impl Drive<'_> {
         what + ": each of these may have been carried out or not"
     }
 
-    /// What the control has taken and may not have carried out.
+    /// The message for blocks that the control has received and possibly not executed.
     fn held(&self) -> String {
         match self.sender.progress().holds.max(self.bound) {
             Some(most) => format!("up to {most} blocks that the control holds"),

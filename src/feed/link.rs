@@ -107,10 +107,10 @@ impl ControlLink {
         &self.profile.name
     }
 
-    /// A profile that is shipped, or that of a file; `None` where findings forbid to use it.
+    /// A shipped profile, or that of a file; `None` if there are errors in it.
     ///
     /// # Errors
-    /// Where there is none, or it cannot be read.
+    /// Where it does not exist or cannot be read.
     pub(crate) fn find(link: &str, found: &mut Diagnostics) -> Result<Option<ControlLink>, Error> {
         let links = Links::default();
         let is_shipped = links.iter().any(|shipped| shipped.name.eq_ignore_ascii_case(link));

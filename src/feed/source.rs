@@ -22,7 +22,7 @@ use super::thermal::Thermal;
 pub(super) const AHEAD: usize = 4;
 /// Outputs of a batch: to wake the other thread for each costs more than to make it.
 const BATCH: usize = 64;
-/// What was made waits no longer than this for others.
+/// The longest time that finished lines wait for a batch to fill.
 const BATCH_WITHIN: Duration = Duration::from_millis(1);
 
 /// Below this share of the limit for a warning the next one counts anew.
@@ -30,7 +30,7 @@ const BELOW: f64 = 0.9;
 /// Elements that are passed over in one go.
 const MOST_PASSED: usize = 256;
 
-/// What the thread hands over.
+/// The messages from the thread.
 pub(super) enum Made {
     /// The next outputs of the first step.
     Outputs(Vec<Output>),
@@ -73,13 +73,13 @@ pub(super) fn produce(job: &Transfer, model: &Model, opened: Opened, to: &SyncSe
 pub(super) struct Source<'a> {
     made: Receiver<Made>,
     batch: std::vec::IntoIter<Output>,
-    /// How the execution ended, behind the last batch.
+    /// The result of the execution, after the last batch.
     ended: Option<Result<(), String>>,
     lines: Lines<'a>,
     thermal: &'a Thermal,
     /// Elements that are taken without being sent, up to this one.
     skip: u64,
-    /// What goes out before the first line, and that line meanwhile.
+    /// The lines that are sent before the first line, and meanwhile that line.
     first: VecDeque<Line>,
     held: Option<Line>,
     max_shift_mm: f64,
@@ -87,18 +87,18 @@ pub(super) struct Source<'a> {
     is_beyond: bool,
     passed: u64,
     is_over: bool,
-    /// The temperatures of the moment, until a line has told them.
+    /// The current temperatures, until a line has carried them.
     temperatures_c: Option<Arc<[(String, f64)]>>,
     told: Option<Arc<[(String, f64)]>>,
-    /// Whether a shift beyond the limit for a warning was met: how far, and the line of the source.
+    /// The first shift beyond the limit for a warning, if any: its size, and the line of the source.
     pub(super) warned: Option<(String, u32)>,
-    /// How long the control is busy with what was supplied, s.
+    /// The time that the control needs for the supplied lines, s.
     pub(super) busy_s: f64,
     number: u64,
 }
 
 impl<'a> Source<'a> {
-    /// Begins behind the element `skip`, with some lines before.
+    /// Begins after the element `skip`, with some lines before.
     pub(super) fn new(
         options: &FeedOptions,
         made: Receiver<Made>,
@@ -247,12 +247,12 @@ impl Supply for Source<'_> {
     }
 }
 
-/// The model of the moment.
+/// The current model.
 #[derive(Clone, Default)]
 pub(super) struct Now {
     /// It; `None` without sensors.
     pub(super) model: Option<Arc<Model>>,
-    /// Whether sensors are in doubt.
+    /// True if a sensor is in doubt.
     pub(super) is_frozen: bool,
     /// The temperatures of the model, °C.
     pub(super) temperatures_c: Option<Arc<[(String, f64)]>>,

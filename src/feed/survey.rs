@@ -16,7 +16,7 @@ use ncfix_report::feed::{Before, FeedEvent, Late, rate};
 
 use super::job::Transfer;
 
-/// Lines that the link cannot take are shown up to so many.
+/// The largest number of lines shown that the link cannot take.
 const MOST_SHOWN: usize = 20;
 /// The control may stand still for so much of the motion before that is an error.
 const MOST_STARVED: f64 = 0.01;
@@ -92,7 +92,7 @@ pub(crate) fn run(
     Ok(Some(before))
 }
 
-/// What comes up while a program is walked through.
+/// The steps of the survey of a program.
 pub(crate) enum Step<'a> {
     /// The next element, before its lines.
     Element(&'a Output),
@@ -152,7 +152,7 @@ pub(crate) fn walk(
     Ok(short_hash(sources.iter().map(Source::bytes)))
 }
 
-/// Whether the link keeps up.
+/// Checks whether the link is fast enough.
 fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
     let Some(worst) = before.late.first() else { return };
     let [first, last] = worst.source_lines;

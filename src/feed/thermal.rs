@@ -1,4 +1,4 @@
-//! The temperatures of the moment: a thread of its own looks at the sensors and makes a model of them, so that no sensor delays a line.
+//! The current temperatures: a separate thread reads the sensors and makes a model from them, so that no sensor delays a line.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -15,10 +15,10 @@ use super::source::Now;
 /// Time between two looks at what the sensors have brought.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// How the sensors stand.
+/// The status of the sensors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) enum Standing {
-    /// All are good, or there are none.
+    /// All are good, or no sensor is configured.
     #[default]
     Good,
     /// Some have not said anything yet.
@@ -38,14 +38,14 @@ struct Shared {
     age: Option<Duration>,
 }
 
-/// The temperatures of the moment.
+/// The current temperatures.
 #[derive(Default)]
 pub(super) struct Thermal {
     shared: Arc<Mutex<Shared>>,
     is_over: Arc<AtomicBool>,
 }
 
-/// What the thread works on.
+/// The state of the thread.
 struct Watch {
     job: Arc<Transfer>,
     panel: Panel,
@@ -83,12 +83,12 @@ impl Thermal {
         thermal
     }
 
-    /// The model of the moment.
+    /// The current model.
     pub(super) fn now(&self) -> Now {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).now.clone()
     }
 
-    /// How the sensors stand, and how old the oldest of their values is.
+    /// The status of the sensors, and the age of the oldest of their values.
     pub(super) fn standing(&self) -> (Standing, Option<Duration>) {
         let shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
         (shared.standing.clone(), shared.age)

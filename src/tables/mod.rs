@@ -18,7 +18,7 @@ use ncfix_tables::results::request::{TablesRequest, region};
 use ncfix_tables::results::result::TablesResult;
 use ncfix_tables::tables::{self, Format, Multiplication, Orientation, Scheme, Schemes, Wiring};
 
-/// How tables are made. `TableOptions::default()` is what `ncfix tables` does without options.
+/// Options for making tables. `TableOptions::default()` gives the options of `ncfix tables` without arguments.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -30,23 +30,24 @@ use ncfix_tables::tables::{self, Format, Multiplication, Orientation, Scheme, Sc
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct TableOptions {
-    /// What fills them: a scheme such as `fik`, `grid` or `own`, or `auto` for the fewest tables that reach the tolerance (`ncfix tables --list`).
+    /// The scheme that fills the tables: `fik`, `grid`, `own` or another, or `auto` for the fewest tables that reach the tolerance (`ncfix tables
+    /// --list`).
     pub scheme: String,
     /// Points of a table.
     pub points: usize,
-    /// How much of the error may be left, mm: its root mean square over the travel.
+    /// The permitted residual, mm: root mean square over the travel.
     pub tolerance_mm: f64,
     /// The tool for which they are made and checked; without it the longest of the machine file.
     pub tool: Option<ToolVector>,
     /// Poses at which they are checked.
     pub poses: usize,
-    /// What the rotary axes do about the direction of the tool; `None` for what each scheme is at home in.
+    /// How the rotary axes treat the tool orientation; `None` for the default of each scheme.
     pub orientation: Option<Orientation>,
     /// Ranges of axes that the tables cover in place of their travel, mm or deg.
     pub ranges_mm_deg: Vec<(Axis, [f64; 2])>,
-    /// How the control names axes, where the machine file does not say it.
+    /// The axis names of the control, where the machine file does not give them.
     pub axis_names: Vec<(Axis, String)>,
-    /// What the control does with products; without it what the machine file says.
+    /// How the control multiplies tables; `None` for the setting of the machine file.
     pub multiplication: Option<Multiplication>,
 }
 
@@ -66,7 +67,7 @@ impl Default for TableOptions {
     }
 }
 
-/// What a set of tables leaves over the travel of a machine, root of the mean square.
+/// The residual of a set of tables over the travel of a machine, root mean square.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -261,7 +262,7 @@ impl Tables {
         &self.tables
     }
 
-    /// What they leave over the travel of a machine, as the control interpolates them.
+    /// The residual over the travel of a machine, as the control interpolates the tables.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -316,7 +317,7 @@ pub(crate) fn scheme_of(schemes: &Schemes, name: &str) -> Result<Option<&'static
     Ok(scheme)
 }
 
-/// What tables are made and checked for on a machine [itself].
+/// The request for making and checking tables on a machine [itself].
 ///
 /// # Errors
 /// Where the machine has no such part of its volume.

@@ -16,7 +16,7 @@ use ncfix_tables::tables::{Format, Tables as ControlTables, Wiring};
 /// Tools whose tips are no farther apart are one, mm.
 const SAME_TOOL_MM: f64 = 1e-6;
 
-/// What is done with tables that are read.
+/// Options for tables that are read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reread<'a> {
     /// The files: one, several that belong together, or an archive.
@@ -25,9 +25,9 @@ pub(crate) struct Reread<'a> {
     pub(crate) compare: Option<&'a Path>,
     /// The format to which they are converted, or where nothing is converted that in which they are read.
     pub(crate) format: Option<&'static Format>,
-    /// Whether they are converted.
+    /// True if they are converted.
     pub(crate) is_converted: bool,
-    /// Whether they are checked, which needs the machine.
+    /// True if they are checked, which needs the machine.
     pub(crate) is_checked: bool,
 }
 
