@@ -1,4 +1,4 @@
-//! Checks of programs: parsed, executed, and looked at whether the axes reach where they lead.
+//! Checks programs: parses and executes them, and tests whether the axes reach all positions.
 
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
@@ -36,7 +36,7 @@ impl Checked {
 }
 
 impl Program {
-    /// Parses and executes the program, and looks whether the axes reach where it leads; everything that is found is reported.
+    /// Parses and executes the program, and tests whether the axes reach all positions; all findings are reported.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -7,13 +7,13 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place, Severity};
 use ncfix_base::source::{Source, Span};
 use ncfix_report::{json, terminal};
 
-/// Diagnostics kept. A program with a fault in every block is understood after fewer; memory stays bounded.
+/// Diagnostics kept. A program with an error in every block is clear after fewer; memory stays bounded.
 const MOST_KEPT: usize = 1000;
 
 /// Diagnostics drawn.
 const MOST_DRAWN: usize = 50;
 
-/// Faults drawn of a file that reads like another language.
+/// Number of errors drawn for a file that is probably in another language.
 const MOST_MISREAD: usize = 3;
 
 /// Diagnostics of which there may be several in one line: those about a file as a whole, and words of one block.
@@ -30,7 +30,7 @@ const ABOUT_FILES: &[Code] = &[
 /// The identity of a finding, used to report it once although a loop meets it in every pass. Without a place the message is the identity.
 type Identity = (Code, String, Option<Place>);
 
-/// Diagnostics of a run, each once, in the order in which they were met; at most a thousand are kept.
+/// Diagnostics of a run, each once, in order of occurrence; at most a thousand are kept.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -326,7 +326,7 @@ impl Diagnostics {
         self.kept.iter().map(|(diagnostic, source)| Located { diagnostic, source: source.as_ref() })
     }
 
-    /// Those that forbid output.
+    /// The errors, which prevent output.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -374,7 +374,7 @@ impl Diagnostics {
         self.kept.iter().map(|(diagnostic, source)| json::Finding::new(diagnostic, source.as_ref())).collect()
     }
 
-    /// The drawing of the first findings, errors before warnings (or alone), each group in the order in which it was met.
+    /// The drawing of the first findings, errors before warnings (or alone), each group in order of occurrence.
     pub(crate) fn drawing(&self, colors: terminal::Colors, with_warnings: bool) -> String {
         let mut shown: Vec<&(Diagnostic, Option<Source>)> = self.kept.iter().collect();
         shown.retain(|(diagnostic, _)| with_warnings || diagnostic.is_error());

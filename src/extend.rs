@@ -21,7 +21,7 @@ pub mod source {
     pub use ncfix_model::{Accumulator, Effect, ErrorModel, ErrorSource, SourceInfo};
 }
 
-/// Causes that a diagnosis looks for.
+/// Causes that a diagnosis searches for.
 pub mod cause {
     pub use ncfix_base::geometry::Axis;
     pub use ncfix_machine::machine::edit::Given;

@@ -36,7 +36,7 @@ pub struct Machine {
     pub(crate) registry: Arc<Registry>,
     /// Its condition.
     pub(crate) condition: Condition,
-    /// Hash of what was said of its condition; `None` where nothing was.
+    /// Hash of the given condition; `None` if none was given.
     pub(crate) state: Option<String>,
     /// True if this is the embedded demo machine, used because no other was found.
     pub(crate) is_demo: bool,
@@ -58,7 +58,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where a file cannot be read, or diagnostics forbid to use it.
+    /// Where a file cannot be read or has errors.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Machine, Error> {
         Machine::from_files(path, &[])
     }
@@ -80,7 +80,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where a file cannot be read, or diagnostics forbid to use it.
+    /// Where a file cannot be read or has errors.
     pub fn from_files(path: impl AsRef<Path>, setups: &[PathBuf]) -> Result<Machine, Error> {
         Machine::read(path.as_ref(), setups, &Registry::default())
     }
@@ -97,7 +97,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where a file cannot be read, or diagnostics forbid to use it.
+    /// Where a file cannot be read or has errors.
     pub fn from_file_with(path: impl AsRef<Path>, registry: &Registry) -> Result<Machine, Error> {
         Machine::read(path.as_ref(), &[], registry)
     }
@@ -118,7 +118,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where diagnostics forbid to use it, or where it names tables in files as active.
+    /// Where the text has errors, or names table files as active.
     pub fn from_text(name: &str, text: &str) -> Result<Machine, Error> {
         Machine::from_text_with(name, text, &Registry::default())
     }
@@ -134,7 +134,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where diagnostics forbid to use it, or where it names tables in files as active.
+    /// Where the text has errors, or names table files as active.
     pub fn from_text_with(name: &str, text: &str, registry: &Registry) -> Result<Machine, Error> {
         let too_large = |_| Error::usage(format!("{name} is too large"));
         let source = Source::new(FileId(0), name, text.as_bytes().to_vec()).map_err(too_large)?;
@@ -142,8 +142,7 @@ impl Machine {
         machine_file::of_text(&source, registry, &mut found)?.ok_or_else(|| Error::found(found))
     }
 
-    /// The machine that is built in for trying things out: three axes, made-up errors. What is corrected for it is good for looking at, not for
-    /// cutting.
+    /// The built-in machine for trials: three axes, invented errors. Programs corrected for it are for inspection, not for cutting.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -83,7 +83,7 @@ impl<'m> Elements<'m> {
 impl Iterator for Elements<'_> {
     type Item = Result<Element, Error>;
 
-    /// The next element. After an error the program goes on, so that one run shows all of them.
+    /// The next element. After an error the program continues, so that one run reports all errors.
     fn next(&mut self) -> Option<Self::Item> {
         loop {
             match self.running.next()? {
@@ -135,7 +135,7 @@ pub(crate) struct FlatText<'a> {
 }
 
 impl<'a> FlatText<'a> {
-    /// Parses the program; `None` where findings forbid to execute it.
+    /// Parses the program; `None` if there are errors.
     ///
     /// # Errors
     /// Where the dialect does not exist.
@@ -190,7 +190,7 @@ pub(crate) fn is_flat(program: &Program) -> bool {
     program.bytes().starts_with(HEAD.as_bytes())
 }
 
-/// Reads a flat stream in its text form and writes it again; `None` where findings forbid it.
+/// Reads a flat stream in its text form and writes it again; `None` if there are errors.
 pub(crate) fn written_again(program: &Program, machine: &Machine, found: &mut Diagnostics) -> Option<Vec<u8>> {
     let (source, machine) = (program.source(), &machine.machine);
     let text = String::from_utf8_lossy(source.bytes());

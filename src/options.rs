@@ -22,7 +22,7 @@ const SAMPLE_MM: f64 = 1.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum DialectChoice {
-    /// That of the machine's control, else what the name of the file or its first lines tell.
+    /// That of the machine's control, or else the one detected from the file name or the first lines.
     #[default]
     Guess,
     /// Siemens Sinumerik 840D, 828D.
@@ -36,7 +36,7 @@ pub enum DialectChoice {
 }
 
 impl DialectChoice {
-    /// Its name, `None` where it is guessed.
+    /// Its name; `None` for `Guess`.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -139,7 +139,7 @@ pub struct Options {
     pub frame: OutputFrame,
     /// Handling of five-axis transformations.
     pub five_axis: FiveAxis,
-    /// The rotary axes that are corrected, if any.
+    /// Participation of rotary axes in the correction.
     pub rotary: Rotary,
     /// Smallest increment of linear axes in the output, mm; `None`: that of the machine file.
     pub increment_mm: Option<f64>,
@@ -147,7 +147,7 @@ pub struct Options {
     pub max_correction_mm: f64,
     /// Handling of radius compensation.
     pub compensation: Compensation,
-    /// Feeds are lowered where the axes would leave the tool farther off its path than this, mm; needs `[servo]` in the machine file.
+    /// The feed is lowered where the path deviation of the axes would exceed this, mm; needs `[servo]` in the machine file.
     pub feed_limit_mm: Option<f64>,
     /// Threads to work in, 1 to 3; `None`: as many as help. The output does not depend on it.
     pub threads: Option<usize>,

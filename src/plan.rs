@@ -1,4 +1,4 @@
-//! Plans of measurements: rows, the program that runs them, and what they tell of a model.
+//! Measurement plans: rows, the program that runs them, and the parameters of a model that they determine.
 
 use std::path::PathBuf;
 
@@ -20,9 +20,9 @@ pub(crate) struct PlanRequest<'a> {
     pub(crate) wishes: &'a Wishes,
     /// True if a seed was given.
     pub(crate) is_seeded: bool,
-    /// A preset or a file of the parameters that it shall tell.
+    /// A preset or a file with the parameters that the plan is to determine.
     pub(crate) model: Option<&'a str>,
-    /// Measurements and plans that are there already: their tables.
+    /// Tables of existing measurements and plans.
     pub(crate) with: &'a [PathBuf],
     /// Poses that are added for the model.
     pub(crate) more: usize,
@@ -39,12 +39,12 @@ pub(crate) struct MadePlan {
     pub(crate) table: String,
     /// Its description.
     pub(crate) description: String,
-    /// The program that runs the poses, where one is wanted.
+    /// The program that runs the poses, if requested.
     pub(crate) program: Option<Vec<u8>>,
 }
 
 impl PlanRequest<'_> {
-    /// Makes the plan; `None` where findings forbid it.
+    /// Makes the plan; `None` if there are errors.
     ///
     /// # Errors
     /// Where there is no such plan on this machine, a file cannot be read, or the plan cannot be asked about the model.
@@ -75,8 +75,8 @@ impl PlanRequest<'_> {
     }
 }
 
-/// Measurements and plans that are there already; `None` where one is no such thing. Empty cells of a measurement say nothing, a table without any
-/// reading is a plan.
+/// Existing measurements and plans; `None` if a table is neither. Empty cells of a measurement are missing readings; a table without any reading is a
+/// plan.
 fn others(tables: &[PathBuf], chosen: &Machine, found: &mut Diagnostics) -> Result<Option<Vec<DataSet>>, Error> {
     let machine = &chosen.machine;
     let mut out = Vec::new();

@@ -76,7 +76,7 @@ impl Program {
         Program { source, reading, subprograms: Subprograms::of(path) }
     }
 
-    /// The program, where it is understood.
+    /// The program, if it can be parsed.
     fn parsed(mut self, dialect: DialectChoice) -> Result<Program, Error> {
         self.reading.dialect = dialect.name().map(str::to_owned);
         let mut found = Diagnostics::default();
@@ -84,7 +84,8 @@ impl Program {
         if opened.is_some() { Ok(self) } else { Err(Error::found(found)) }
     }
 
-    /// Says where the axes are before the first block, in machine coordinates, mm and rad: for programs that begin with an incremental move or an arc.
+    /// Sets the axis positions before the first block, in machine coordinates, mm and rad: for programs that begin with an incremental move or an
+    /// arc.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -194,7 +195,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the program is not understood; the stream says what is met while it runs.
+    /// Where the program cannot be parsed; errors during execution are in the stream.
     pub fn moves<'m>(&self, machine: &'m Machine) -> Result<Elements<'m>, Error> {
         let mut found = Diagnostics::default();
         match self.open(Some(machine), &mut found)?.filter(|_| !found.has_errors()) {

@@ -35,12 +35,12 @@ pub(crate) struct RealtimeCorrection {
     pub(crate) kernel: KernelResult,
     /// The counts of the answers.
     pub(crate) counts: CycleCounts,
-    /// Renews the kernel as long as this lives.
+    /// Updates the kernel until it is dropped.
     _updater: Updater,
 }
 
 impl RealtimeCorrection {
-    /// Makes a kernel for a machine in its condition, which is read again in every period; `None` where findings forbid it.
+    /// Makes a kernel for a machine in its condition, which is read again in every period; `None` if there are errors.
     pub(crate) fn new(
         machine: Machine,
         recipe: KernelRecipe,
@@ -59,7 +59,7 @@ impl RealtimeCorrection {
         Some(RealtimeCorrection { cycle, axes, kernel: result, counts: CycleCounts::default(), _updater: updater })
     }
 
-    /// Answers the lines of a text, each at once or those that came together at once; what in it is no set-point ends it.
+    /// Answers the lines of a text, each immediately, or those that arrive together at once; a line that is not a set-point ends it.
     ///
     /// # Errors
     /// Where it cannot be read or an answer cannot be written.
@@ -94,7 +94,7 @@ impl RealtimeCorrection {
                 write!(out, "{value:.4},")
             });
             let written = written.and_then(|()| writeln!(out, "{}", answer.signals.words()));
-            // Who writes line by line gets every answer at once; who writes many at once gets theirs together.
+            // A sender of single lines gets every answer immediately; a sender of several lines gets the answers together.
             let written = if lines.has_more() { written } else { written.and_then(|()| out.flush()) };
             written.map_err(failed)?;
         }
@@ -133,7 +133,7 @@ impl RealtimeCorrection {
     }
 }
 
-/// The file of rings in shared memory, which goes when this goes.
+/// The file of rings in shared memory, which is removed when this is dropped.
 pub(crate) struct RingFile {
     file: File,
     path: PathBuf,
@@ -170,7 +170,7 @@ impl Drop for RingFile {
     }
 }
 
-/// A kernel for the condition of a machine; `None` where findings forbid it.
+/// A kernel for the condition of a machine; `None` if there are errors.
 fn make(recipe: &KernelRecipe, machine: &Machine, found: &mut Diagnostics) -> Option<(Kernel, Agreement)> {
     let mut own = Vec::new();
     let made = recipe.make(&machine.machine, &machine.model(), &mut own);
@@ -178,7 +178,7 @@ fn make(recipe: &KernelRecipe, machine: &Machine, found: &mut Diagnostics) -> Op
     made
 }
 
-/// Reads the condition again in every period, in a thread of its own. What cannot be used is said, and the kernel in force stays.
+/// Reads the condition again in every period, in a separate thread. An unusable condition is reported, and the kernel in use stays.
 fn renew(
     publisher: Publisher,
     period: Duration,

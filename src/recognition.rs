@@ -1,4 +1,4 @@
-//! Refuses programs that are not what the machine file says: those of lathes, and of controls whose language is not read.
+//! Refuses programs that do not match the machine file: those of lathes, and of controls whose language is not supported.
 
 use crate::machine::Machine;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};

@@ -66,7 +66,7 @@ pub(crate) fn open(
     }
     if let Some(other) = ncfix_dialect::guess(source.name(), source.bytes()).filter(|other| other.name != dialect.name)
     {
-        // Where the program is understood all the same nothing is said.
+        // Nothing is reported if the program can be parsed nevertheless.
         let help =
             format!("the file reads like {}: try --dialect {} and a machine file of it", other.title, other.name);
         let sentence = format!(
@@ -134,7 +134,7 @@ fn library_of(subprograms: &Subprograms, search_path: &[String]) -> (Box<dyn Lib
 
 /// The dialect: the option, then the machine file, then file name and content. The demo machine was not chosen by anybody,
 /// so its dialect is the last resort.
-/// The second value says why it is this one.
+/// The second value is the reason for the choice.
 pub(crate) fn resolve(
     name: Option<&str>,
     chosen: Option<&Machine>,
@@ -243,7 +243,7 @@ pub(crate) struct Running<'a> {
 }
 
 impl<'a> Running<'a> {
-    /// Starts a program. A program that leaves wear to the control is read with the radius that its registers have: none.
+    /// Starts a program. A program that leaves wear to the control is read with the radius in its registers: none.
     pub(crate) fn start(
         opened: Opened,
         subprograms: &Subprograms,

@@ -174,7 +174,7 @@ impl Pass<'_> {
 }
 
 impl<'a> Recorder<'a> {
-    /// A recorder of a program; `None` where findings forbid it.
+    /// A recorder of a program; `None` if there are errors.
     pub(crate) fn new(
         program: &'a Program,
         machine: &'a Machine,
@@ -211,7 +211,7 @@ impl<'a> Recorder<'a> {
             if feeds.is_empty() { vec![None] } else { feeds.iter().copied().map(Some).collect() };
         let mut noise = Noise::new(self.options.seed);
         for feed in each {
-            // Each pass begins anew: variables, counters and what a program asks for are those of a first run.
+            // Each pass starts with new variables, counters and inputs of the program, as in a first run.
             let mut own = Diagnostics::default();
             let Some(opened) = self.program.open(Some(self.machine), &mut own)? else {
                 found.absorb(own);
@@ -226,7 +226,7 @@ impl<'a> Recorder<'a> {
                 return Ok(Err(error));
             }
             guard(&running.files(), &mut own);
-            // What a second pass finds has been said.
+            // The findings of a second pass were already reported.
             let is_over = own.has_errors();
             if feed == feeds.first().copied() {
                 found.absorb(own);

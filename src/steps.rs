@@ -19,13 +19,13 @@ use ncfix_report::steps::{StepAnswer, StepReport, StepRow, Worst};
 /// The options of the search.
 #[derive(Clone, Debug)]
 pub(crate) struct StepSearch<'a> {
-    /// The program whose moves are looked at; without it lines through the whole travel.
+    /// The program whose moves are searched; without it, lines through the whole travel.
     pub(crate) program: Option<&'a Program>,
     /// The tool; without it that of the longest tool of the machine file, or those of the program.
     pub(crate) tool: Option<ToolVector>,
     /// Largest residual allowed, mm.
     pub(crate) residual_mm: f64,
-    /// The rotary axes that are corrected, if any.
+    /// Participation of rotary axes in the correction.
     pub(crate) rotary: Rotary,
 }
 
@@ -88,7 +88,7 @@ impl StepSearch<'_> {
         StepReport { residual_limit_um: um_from_mm(self.residual_mm), ..StepReport::default() }
     }
 
-    /// Executes the program and gathers its moves; `None` where findings forbid it.
+    /// Executes the program and gathers its moves; `None` if there are errors.
     fn gather<'m>(
         &self,
         (program, machine): (&Program, &'m Machine),

@@ -35,7 +35,7 @@ pub(crate) enum ShownAt {
 }
 
 impl SensorWatch {
-    /// Opens the sensors of a file, and the log that is written; `None` where findings forbid it.
+    /// Opens the sensors of a file, and the log that is written; `None` if there are errors.
     ///
     /// # Errors
     /// Where the file cannot be read, or the log cannot be written or is there already.
@@ -136,7 +136,7 @@ impl SensorWatch {
     }
 }
 
-/// A log as `--state` and the source `replay` read it, written as it comes: whoever ends the watch has what was read.
+/// A log in the format of `--state` and the source `replay`, written as values arrive: after an interrupt the file is complete up to that time.
 struct TemperatureLog {
     file: File,
     path: PathBuf,

@@ -148,7 +148,7 @@ fn shown(feed: f64, unit: FeedUnit) -> String {
     if feed > 0.0 { format!("F{}{unit}", (feed * 1e6).round() / 1e6) } else { format!("no F{unit}") }
 }
 
-/// A finding for every line of a corrected program that a switch of the control leaves out: ncfix writes none.
+/// A finding for every line of a corrected program that a skip switch of the control leaves out: ncfix never writes such lines.
 pub(crate) fn skipped(corrected: &Source) -> Vec<Diagnostic> {
     let mut at = 0;
     let mut out = Vec::new();

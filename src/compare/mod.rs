@@ -37,7 +37,7 @@ const LEAST_LINE: usize = 16;
 /// An angle counts what it makes at this arm, mm.
 const ARM_MM: f64 = 1000.0;
 
-/// Rows of a comparison where nothing else is said.
+/// The default number of rows of a comparison.
 pub(crate) const ROWS: usize = 20;
 
 /// Options of a comparison.
@@ -152,7 +152,7 @@ impl Pair<'_> {
         Ok(Some(outcome))
     }
 
-    /// Compares both move by move; `None` where findings forbid it.
+    /// Compares both move by move; `None` if there are errors.
     ///
     /// # Errors
     /// Where their dialect does not exist.

@@ -38,7 +38,7 @@ pub(crate) struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// Opens both programs and walks them side by side; `None` where findings forbid it.
+    /// Opens both programs and walks them side by side; `None` if there are errors.
     ///
     /// # Errors
     /// Where their dialect does not exist.

@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 use std::time::SystemTime;
 
-/// Which file it was, how long, and when somebody last wrote to it.
+/// Identity, length and modification time of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Fingerprint {
     length: u64,
@@ -15,7 +15,7 @@ pub(crate) struct Fingerprint {
 }
 
 impl Fingerprint {
-    /// Of a file that was looked at.
+    /// The fingerprint of an open file.
     pub(crate) fn of(found: &Metadata) -> Fingerprint {
         #[cfg(unix)]
         let identity = {

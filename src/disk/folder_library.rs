@@ -32,7 +32,7 @@ const LEVELS_UP: usize = 2;
 /// Folders that one program may add with CALLPATH.
 const MAX_ADDED: usize = 100;
 
-/// A folder whose files are listed when the first one is looked for.
+/// A folder whose files are listed at the first search.
 struct Folder {
     path: PathBuf,
     /// Files by lower-case name; several where only the case differs.
@@ -52,7 +52,7 @@ pub(crate) struct FolderLibrary {
     /// Where paths from the root of the control's file system may begin.
     roots: Vec<PathBuf>,
     loaded: Rc<RefCell<Vec<PathBuf>>>,
-    /// Why a file that was looked for was not read; a further name under which it is looked for, and is not there, does not change that.
+    /// The reason why a file was not read; a further name without a file does not change it.
     refused: Option<String>,
 }
 

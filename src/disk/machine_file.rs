@@ -18,7 +18,7 @@ use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::file::{DEMO, apply_setup};
 use ncfix_model::file::load_with;
 
-/// The machine file that is looked for in the folder of the program and above it.
+/// The name of the machine file that is searched in the folder of the program and above it.
 const NEAREST: &str = "ncfix.toml";
 
 /// The variable of the environment that names a machine file.
@@ -55,7 +55,7 @@ impl Found {
     }
 }
 
-/// Chooses and reads the machine for `program`; `None` where findings forbid to use it.
+/// Chooses and reads the machine for `program`; `None` if there are errors.
 ///
 /// # Errors
 /// Where a file that was named cannot be read.
@@ -74,7 +74,7 @@ pub(crate) fn choose(
     Ok(Some(chosen))
 }
 
-/// Reads the machine of a file; `None` where findings forbid to use it.
+/// Reads the machine of a file; `None` if there are errors.
 ///
 /// # Errors
 /// Where the file or a set-up file cannot be read.
@@ -91,7 +91,7 @@ pub(crate) fn read_file(
     Ok(Some(machine))
 }
 
-/// The machine of a text alone; `None` where findings forbid to use it.
+/// The machine of a text alone; `None` if there are errors.
 ///
 /// # Errors
 /// Where it names tables in files.
@@ -142,7 +142,7 @@ pub(crate) fn source_of(path: Option<&Path>, found: Found, findings: &mut Diagno
     }
 }
 
-/// Reads a machine from its file and its set-up files; `None` where findings forbid to use it.
+/// Reads a machine from its file and its set-up files; `None` if there are errors.
 ///
 /// # Errors
 /// Where a set-up file cannot be read.

@@ -38,7 +38,7 @@ pub(crate) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Resu
         for Member { source, is_saved_data } in machine_file::members(path)?.1 {
             if is_saved_data {
                 let before = machine.clone();
-                // What is wrong with it was said when the machine was read.
+                // Errors in it were reported when the machine was read.
                 let _ = apply_archive(&source, &mut machine);
                 lay_over(&mut out.values, changes(&before, &machine, &source));
             } else if let Ok(file) = MachineFile::parse(&source) {
@@ -75,7 +75,7 @@ fn section(path: &str) -> &str {
     path.rsplit_once('.').map_or("", |(section, _)| section)
 }
 
-/// Lays values of a set-up file over others: a tool and a zero offset replace those of the same name as a whole, a variable itself.
+/// Overrides values by those of a set-up file: a tool and a zero offset replace the complete entry of the same name, a variable only itself.
 fn lay_over(values: &mut Vec<OriginRow>, over: Vec<OriginRow>) {
     let is_whole = |section: &str| section.starts_with("tool[") || section.starts_with("zero_offset.");
     values.retain(|row| {

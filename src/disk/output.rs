@@ -90,10 +90,10 @@ impl Spool {
         settled.map_err(|error| self.fault(&error))
     }
 
-    /// Refuses to write over what somebody has written since the run began.
+    /// Refuses to overwrite a file that was written since the run began.
     ///
     /// # Errors
-    /// A finding that names the file, or a sentence where nobody can tell.
+    /// A finding that names the file, or a sentence if the check fails.
     pub(crate) fn is_expected(&self, old: Old<'_>) -> Result<(), Error> {
         let Target::File(file) = &self.target else { return Ok(()) };
         match old.expected(file).is(&file.path) {
@@ -192,7 +192,7 @@ mod tests {
             assert_eq!(left, [""; 0]);
             fs::read_to_string(&path).unwrap()
         };
-        // It came into being.
+        // The file was created meanwhile.
         let ours = spool(&path, "ours");
         fs::write(&path, "theirs").unwrap();
         assert!(ours.is_expected(Old::Replaced).is_err_and(|error| error.code() == Some(Code::NEWER_FILE)));
@@ -205,9 +205,9 @@ mod tests {
         fs::write(folder.path().join("new"), "their third").unwrap();
         fs::rename(folder.path().join("new"), &path).unwrap();
         assert_eq!(is_newer(ours.publish(Old::Replaced)), "their third");
-        // It was written before the run looked where it would write, but after it had read.
+        // The file was written after the run had read it, but before the run checked the target.
         assert_eq!(is_newer(spool(&path, "ours").publish(Old::Kept(b"what we read"))), "their third");
-        // Of two runs at once one is refused.
+        // Only one of two simultaneous runs may write.
         let (one, two) = (spool(&path, "one"), spool(&path, "two"));
         let backup = one.publish(Old::Kept(b"their third")).unwrap().unwrap();
         let code = two.publish(Old::Kept(b"their third")).err().and_then(|error| error.code());

@@ -48,7 +48,7 @@ pub(crate) fn choose(
 /// Candidates at most.
 const MOST: usize = 2000;
 
-/// The candidates of `--select`: presets, files, errors, parameters, `motion`; `None` where findings forbid to use them.
+/// The candidates of `--select`: presets, files, errors, parameters, `motion`; `None` if there are errors.
 ///
 /// # Errors
 /// Where a word is nothing, or there are too many of them.

@@ -62,7 +62,7 @@ fn name_beside(text: &File, names: &tempfile::Builder<'_, '_>, folder: &Path) ->
     names.make_in(folder, link).map(tempfile::NamedTempFile::into_temp_path)
 }
 
-/// Elsewhere a file without a name stays without.
+/// Other systems cannot give a name to a file without one.
 #[cfg(not(target_os = "linux"))]
 fn name_beside(_: &File, _: &tempfile::Builder<'_, '_>, _: &Path) -> io::Result<tempfile::TempPath> {
     Err(io::ErrorKind::Unsupported.into())
@@ -142,7 +142,7 @@ fn exchange(one: &Path, other: &Path) -> io::Result<()> {
     renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE).map_err(io::Error::from)
 }
 
-/// Elsewhere there is no such call.
+/// Other systems have no such call.
 #[cfg(not(target_os = "linux"))]
 fn exchange(_: &Path, _: &Path) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
@@ -160,7 +160,7 @@ pub(crate) fn backups(path: &Path) -> impl Iterator<Item = PathBuf> {
     })
 }
 
-/// Gives the file a second name that does not exist yet, so that a rename over the first leaves it.
+/// Gives the file a second name that does not exist yet, so that a rename over the first name keeps it.
 fn back_up(path: &Path) -> io::Result<PathBuf> {
     for backup in backups(path) {
         let made = fs::hard_link(path, &backup).or_else(|error| {

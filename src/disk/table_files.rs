@@ -33,9 +33,9 @@ impl ReadTables {
 /// Options for reading files.
 #[derive(Clone, Copy)]
 pub(crate) struct Reading<'a> {
-    /// The format; told by the files where it is not said.
+    /// The format; detected from the files if not given.
     pub(crate) format: Option<&'static Format>,
-    /// How the control multiplies tables; that stated in the files if not given.
+    /// The value of a table that is multiplied by another one; as stated in the files if not given.
     pub(crate) multiplication: Option<Multiplication>,
     /// The machine whose control has the tables, where it is known.
     pub(crate) machine: Option<&'a Machine>,
@@ -90,7 +90,7 @@ impl Files {
 /// Reads tables from files; `None` where findings forbid to use them.
 ///
 /// # Errors
-/// Where a file cannot be read, or nothing tells its format.
+/// Where a file cannot be read, or its format cannot be detected.
 pub(crate) fn read(
     paths: &[PathBuf],
     reading: &Reading<'_>,
@@ -156,7 +156,7 @@ fn joined(
         findings.add(Diagnostic::nowhere(Code::BAD_TABLES, format!("{names}: {message}"), help), &[]);
     };
     for (format, tables) in sets {
-        // What the control would not take is damaged, or not what it seems. Cells that a file leaves blank are no fault.
+        // Values that the control would refuse are an error. Cells that a file leaves blank are allowed.
         let mut whole = tables.clone();
         whole.multiplication = Multiplication::Instead;
         (format.round)(&mut whole);
@@ -176,7 +176,7 @@ fn joined(
     all
 }
 
-/// How the control multiplies tables: as requested, or as stated in the files, or the usual interpretation.
+/// The value of a table that is multiplied by another one: as requested, or as stated in the files, or the default.
 fn multiplication(
     names: &str,
     asked: Option<Multiplication>,
@@ -218,7 +218,7 @@ fn left_out(
 
 /// The text before and after the tool in a remark.
 const TOOL: [&str; 2] = ["tool ", " mm from the gauge point"];
-/// Lines in which such a remark stands.
+/// Lines in which such a remark can be.
 const REMARKS: usize = 40;
 
 /// The remark that says for which tool the tables are.
@@ -274,7 +274,7 @@ fn second(source: &Source, new: &[(Axis, Axis, Sense)], known: &[(Axis, Axis, Se
 /// The control with the tables that a machine file names as active, and the files; `None` where findings forbid to use them.
 ///
 /// # Errors
-/// Where a file cannot be read, or nothing tells its format.
+/// Where a file cannot be read, or its format cannot be detected.
 pub(crate) fn active(
     paths: &[PathBuf],
     machine: &Machine,

@@ -1,4 +1,4 @@
-//! Where a text goes: which file a name on the command line is, by whatever name, link or folder.
+//! The target of a text: the file that a name on the command line means, by whatever name, link or folder.
 
 use std::fmt;
 use std::fs;

@@ -1,4 +1,4 @@
-//! The file of a journal: only ever added to, written through to the disk by a thread of its own, so that a slow disk delays no line.
+//! The file of a journal: append-only, written to the disk by a separate thread, so that a slow disk delays no line.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Write};
@@ -93,7 +93,7 @@ fn is_there(_file: &File, path: &Path) -> bool {
     path.exists()
 }
 
-/// Takes an old journal out of the way of a new one, while nobody else can have it. `expected` are the bytes by which its job is taken up again.
+/// Moves an old journal out of the way of a new one, while it is locked. `expected` is the content of the journal from which its job is resumed.
 fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Error> {
     let fault = |error: &io::Error| Error::file("write", path, error);
     let file = match OpenOptions::new().read(true).append(true).open(path) {
@@ -119,8 +119,8 @@ fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Error> {
     std::fs::rename(path, kept(path)).and_then(|()| supersede(&file, &bytes, path)).map_err(|error| fault(&error))
 }
 
-/// True if a journal may be replaced by that of a new job: its job ended without an error, or none of its lines was sent. A journal that another job
-/// was to continue counts as interrupted nevertheless.
+/// True if a journal may be replaced by that of a new job: its job ended without an error, or none of its lines was sent. A journal of a job that
+/// itself resumed another one is kept even if none of its lines was sent.
 fn gives_way(told: &Told) -> bool {
     told.ended.as_deref() == Some("done") || told.frozen == 0 && told.head.iter().all(|(name, _)| name != "resumed")
 }
@@ -138,7 +138,7 @@ fn kept(path: &Path) -> PathBuf {
 
 impl Book {
     /// Begins a journal, in place of that of a job that is done or, with the bytes of its journal, taken up again, which is kept as `….old`, `….old1` ….
-    /// From here on nobody else has it: this goes before everything that waits.
+    /// The lock is held from here on: this comes before all operations that may wait.
     ///
     /// # Errors
     /// Where it cannot be written, is that of a job that is running, or has changed.
@@ -146,7 +146,7 @@ impl Book {
         let fault = |error: &io::Error| Error::file("write", path, error);
         take(path, expected)?;
         let file = OpenOptions::new().append(true).create_new(true).open(path).map_err(|error| fault(&error))?;
-        // As long as it is held nobody takes the job up again.
+        // The lock prevents that another job resumes it.
         file.try_lock().map_err(|error| Error::usage(format!("cannot lock {}: {error}", path.display())))?;
         let second = file.try_clone().map_err(|error| fault(&error))?;
         let (ask, asked) = sync_channel::<()>(1);

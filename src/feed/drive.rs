@@ -22,11 +22,11 @@ use ncfix_dnc::feed::{Ended, Event, Halt, Journal, Port, Progress, Sender};
 use ncfix_dnc::sense::Panel;
 use ncfix_report::feed::{Before, FeedEvent, FeedOutcome, Status};
 
-/// Time between two looks at the clock, the keyboard and the sensors, where nothing comes.
+/// Interval between two checks of the clock, the keyboard and the sensors while nothing arrives.
 const IDLE: Duration = Duration::from_millis(5);
 /// The same where bytes wait for the port, or lines for the execution.
 const BUSY: Duration = Duration::from_micros(200);
-/// Sensors that have said nothing for so long before the start are not there.
+/// Sensors without a value for this time before the start are missing.
 const FIRST_READING: Duration = Duration::from_secs(180);
 /// The time for sending the last message, a feed hold.
 const LAST: Duration = Duration::from_millis(500);
@@ -118,7 +118,7 @@ pub(crate) struct Begin {
     pub(crate) lines: Vec<String>,
     /// The words of the command line that began the job.
     pub(crate) words: Vec<String>,
-    /// The plan by which it is taken up again, and the journal as it was read for that.
+    /// The plan for resuming, and the journal from which it was made.
     pub(crate) resumed: Option<String>,
     pub(crate) journal: Option<Vec<u8>>,
 }
@@ -142,7 +142,7 @@ fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(&'static str, St
     head
 }
 
-/// Waits until every sensor has said something.
+/// Waits until every sensor has given a value.
 fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant) -> Result<(), NotBegun> {
     loop {
         let (standing, _) = thermal.standing();
@@ -282,7 +282,7 @@ impl Drive<'_> {
         self.halted = Some((halt, code, why.to_owned(), message));
     }
 
-    /// Lets what was said last go out.
+    /// Waits until the last message is sent.
     fn flush(&mut self, supply: &mut Source) -> io::Result<()> {
         let from = Instant::now();
         while self.sender.wants_to_write() && from.elapsed() < LAST {

@@ -88,7 +88,7 @@ impl Transfer {
         (profile.protocol.create)(profile).map_err(|why| Error::usage(format!("the link {}: {why}", profile.name)))
     }
 
-    /// Why nothing may be sent before somebody has looked at the machine: the link cannot ask whether it stands still.
+    /// The reason why nothing may be sent before a person has checked the machine: the link cannot query whether it stands still.
     pub(crate) fn unasked(&self) -> Option<Diagnostic> {
         let profile = &self.link.profile;
         if profile.protocol.asks_idle || self.options.machine_stands_still {

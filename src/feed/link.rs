@@ -73,7 +73,7 @@ impl ControlLink {
     /// ```
     ///
     /// # Errors
-    /// If the file cannot be read, or diagnostics forbid to use it.
+    /// Where the file cannot be read or has errors.
     pub fn from_file(path: impl AsRef<Path>) -> Result<ControlLink, Error> {
         ControlLink::from_file_with(path, &Registry::default())
     }
@@ -88,7 +88,7 @@ impl ControlLink {
     /// ```
     ///
     /// # Errors
-    /// If the file cannot be read, or diagnostics forbid to use it.
+    /// Where the file cannot be read or has errors.
     pub fn from_file_with(path: impl AsRef<Path>, registry: &Registry) -> Result<ControlLink, Error> {
         let mut found = Diagnostics::default();
         let source = files::read_written(path.as_ref(), FileId(0), "profile of the link")?;

@@ -58,7 +58,7 @@ pub enum FeedEnd {
     Fault,
     /// The link is gone.
     Link,
-    /// The control has refused a line, or says nothing any more.
+    /// The control has refused a line, or no longer answers.
     Control,
     /// The sensors stay bad.
     Sensors,
@@ -85,7 +85,7 @@ pub struct Sent {
     pub end: FeedEnd,
 }
 
-/// Who looks at a transfer. Times count from its start.
+/// The observer of a transfer. Times count from its start.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -318,7 +318,7 @@ impl Transfer {
         })
     }
 
-    /// Runs the program without sending anything; `None` where findings forbid it.
+    /// Runs the program without sending anything; `None` if there are errors.
     ///
     /// # Errors
     /// Where it cannot be written.

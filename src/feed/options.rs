@@ -16,9 +16,9 @@ use std::time::Duration;
 pub struct FeedOptions {
     /// Sends even where the control will have to wait for lines.
     pub allow_starvation: bool,
-    /// Somebody has looked: the machine stands still. Needed for links that cannot ask.
+    /// The user has checked that the machine stands still. Needed for links that cannot query it.
     pub machine_stands_still: bool,
-    /// Time between two looks at the temperatures.
+    /// Interval between two evaluations of the temperatures.
     pub every: Duration,
     /// The zero point of the workpiece is set in the condition in which the job begins: drift counts from there.
     pub zero_now: bool,

@@ -1,4 +1,4 @@
-//! Jobs that were broken off: what their journals say, and where they can be taken up again.
+//! Interrupted jobs: the content of their journals, and the places where they can be resumed.
 
 use std::path::Path;
 
@@ -122,7 +122,7 @@ fn holds(told: &Told, job: &Transfer) -> Option<(u64, String)> {
     [bound, stated].into_iter().flatten().max_by_key(|(most, _)| *most)
 }
 
-/// Why nothing is taken up again.
+/// The reason why the job cannot be resumed.
 fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
     let by_hand = "lift the tool by hand, remove the journal, and feed the program from its beginning";
     let stated_mm = clearance_mm.unwrap_or_default();
@@ -176,7 +176,7 @@ fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
     Some(Diagnostic::nowhere(code, message, help))
 }
 
-/// Where the job is taken up again; a finding where it is not.
+/// The place where the job is resumed; a finding if it cannot be resumed.
 pub(crate) fn plan(
     told: &Told,
     (input, port): (String, String),

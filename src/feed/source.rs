@@ -25,7 +25,7 @@ const BATCH: usize = 64;
 /// The longest time that finished lines wait for a batch to fill.
 const BATCH_WITHIN: Duration = Duration::from_millis(1);
 
-/// Below this share of the limit for a warning the next one counts anew.
+/// A new warning is possible after the shift has fallen below this share of the limit.
 const BELOW: f64 = 0.9;
 /// Elements that are passed over in one go.
 const MOST_PASSED: usize = 256;
@@ -40,7 +40,7 @@ pub(super) enum Made {
     End,
 }
 
-/// Executes and corrects until the program ends, or nobody wants it any more.
+/// Executes and corrects until the program ends, or the receiver closes.
 pub(super) fn produce(job: &Transfer, model: &Model, opened: Opened, to: &SyncSender<Made>) {
     let machine = &job.machine.machine;
     let running = job.program.start_as(opened, machine, run::strict(RapidOrder::All));
@@ -186,7 +186,7 @@ impl Source<'_> {
 
     /// The next line that is to be sent.
     fn advance(&mut self) -> Supplied {
-        // What is passed over takes time too, and somebody may press a key meanwhile.
+        // Skipped elements take time too, and the user may press a key meanwhile.
         for _ in 0..MOST_PASSED {
             while let Some(line) = self.lines.pop() {
                 if line.element > self.skip {

@@ -25,7 +25,7 @@ const UNNOTICED_S: f64 = 0.05;
 /// And for so long, s.
 const LEAST_STARVED_S: f64 = 0.5;
 
-/// Runs the program without sending anything; `None` where findings forbid it.
+/// Runs the program without sending anything; `None` if there are errors.
 ///
 /// # Errors
 /// Where it cannot be written.
@@ -100,7 +100,8 @@ pub(crate) enum Step<'a> {
     Line(&'a Line),
 }
 
-/// Executes and corrects a program without temperatures; behind an error without lines, so that all findings come up. Returns the hash of all of its files.
+/// Executes and corrects a program without temperatures; after an error without lines, so that all findings are reported. Returns the hash of all of
+/// its files.
 ///
 /// # Errors
 /// Where it cannot be written.

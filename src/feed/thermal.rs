@@ -12,7 +12,7 @@ use ncfix_model::Model;
 use super::job::Transfer;
 use super::source::Now;
 
-/// Time between two looks at what the sensors have brought.
+/// Interval between two checks for new sensor values.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// The status of the sensors.
@@ -21,7 +21,7 @@ pub(super) enum Standing {
     /// All are good, or no sensor is configured.
     #[default]
     Good,
-    /// Some have not said anything yet.
+    /// Some have not given a value yet.
     Waiting(String),
     /// Some are in doubt: the last good values count, nothing is dosed.
     Frozen(String),
@@ -115,7 +115,7 @@ impl Watch {
         let model = (is_due && standing == Standing::Good).then(|| self.model(now));
         let age = self.panel.channels().filter_map(|reading| reading.age).max();
         let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
-        // What was good stays in force as long as something is in doubt.
+        // The last good values stay in use while a sensor is in doubt.
         shared.now.is_frozen = standing != Standing::Good;
         if let Some((model, readings)) = model {
             shared.now.model = Some(model);

@@ -47,7 +47,7 @@ pub struct TableOptions {
     pub ranges_mm_deg: Vec<(Axis, [f64; 2])>,
     /// The axis names of the control, where the machine file does not give them.
     pub axis_names: Vec<(Axis, String)>,
-    /// How the control multiplies tables; `None` for the setting of the machine file.
+    /// The value of a table that is multiplied by another one; `None` for the setting of the machine file.
     pub multiplication: Option<Multiplication>,
 }
 
@@ -133,7 +133,7 @@ impl Tables {
         made.ok_or_else(|| Error::found(found))
     }
 
-    /// Makes tables and notes in the result what was made, tried and checked; `None` where findings forbid it.
+    /// Makes tables and notes in the result what was made, tried and checked; `None` if there are errors.
     ///
     /// # Errors
     /// Where there is no such scheme, or the machine has no such part of its volume.

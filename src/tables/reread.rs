@@ -42,10 +42,10 @@ pub(crate) struct RereadTables {
 }
 
 impl Reread<'_> {
-    /// Reads the tables and does what is asked on a machine [itself](super::itself), which is noted in the result; `None` where findings forbid it.
+    /// Reads the tables and does what is asked on a machine [itself](super::itself), which is noted in the result; `None` if there are errors.
     ///
     /// # Errors
-    /// Where a file cannot be read, nothing tells its format, or what is asked needs more.
+    /// Where a file cannot be read, its format cannot be detected, or the request needs more input.
     pub(crate) fn run(
         &self,
         machine: Option<&Machine>,
