@@ -1,4 +1,4 @@
-//! Corrections in the cycle of a control: a kernel that is renewed with the condition of a machine, for set-points as text or in shared memory.
+//! Corrections in the cycle of a control: a kernel that is updated with the condition of a machine, for set-points as text or in shared memory.
 
 use std::fs::{self, File};
 use std::io::{BufReader, Read, Write};
@@ -21,13 +21,13 @@ use ncfix_tables::realtime::{
 };
 use ncfix_tables::results::realtime::KernelResult;
 
-/// Where memory that has a name is found on Linux.
+/// The folder of named shared memory on Linux.
 const SHARED: &str = "/dev/shm";
 
 /// Reports the findings that prevent the update of a kernel.
 pub(crate) type Complain = fn(&Diagnostics);
 
-/// Ready for set-points.
+/// A correction that is ready for set-points.
 pub(crate) struct RealtimeCorrection {
     cycle: Cycle,
     axes: AxisSet,
@@ -140,10 +140,10 @@ pub(crate) struct RingFile {
 }
 
 impl RingFile {
-    /// A new file: a name in the memory that has names, or a path with a separator.
+    /// A new file: a name in the shared memory, or a path with a separator.
     ///
     /// # Errors
-    /// Where it cannot be made, or is there already.
+    /// Where it cannot be made, or exists already.
     pub(crate) fn create(name: &str) -> Result<RingFile, Error> {
         let path = if name.contains(['/', '\\']) { PathBuf::from(name) } else { PathBuf::from(SHARED).join(name) };
         let file = File::options().read(true).write(true).create_new(true).open(&path);
@@ -157,7 +157,7 @@ impl RingFile {
         Ok(RingFile { file, path })
     }
 
-    /// Where it is.
+    /// Its path.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
@@ -165,7 +165,7 @@ impl RingFile {
 
 impl Drop for RingFile {
     fn drop(&mut self) {
-        // Somebody else may have removed it; either way it is gone.
+        // Another process may have removed it already.
         let _ = fs::remove_file(&self.path);
     }
 }
@@ -205,7 +205,7 @@ fn renew(
             found.add(not_renewed(&why), &[]);
             complain(&found);
         }
-        // What was refused is not tried again until the state changes.
+        // A refused condition is not tried again until the state changes.
         last.clone_from(&machine.state);
         made.map(|(kernel, _)| kernel)
     })

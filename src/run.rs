@@ -23,10 +23,10 @@ use ncfix_machine::machine::file::nearest;
 use ncfix_machine::snc::{Element, Kind};
 use ncfix_path::emit;
 
-/// Blocks executed in search of further findings in a program that was not understood.
+/// Blocks executed in search of further findings in a program with syntax errors.
 const BLOCKS_IN_SEARCH: u64 = 100_000;
 
-/// A program that was understood.
+/// A program that was parsed.
 pub(crate) struct Opened {
     /// Its bytes.
     pub(crate) source: Source,
@@ -36,7 +36,7 @@ pub(crate) struct Opened {
     pub(crate) dialect: &'static Dialect,
 }
 
-/// Parses the program in `source`; `None` where it was not understood, which findings say.
+/// Parses the program in `source`; `None` if it has syntax errors, which are among the findings.
 ///
 /// # Errors
 /// Where the dialect does not exist.
@@ -86,7 +86,7 @@ pub(crate) fn open(
     let is_understood = !found.iter().any(Diagnostic::is_error);
     findings.extend(found, std::slice::from_ref(source));
     if let (false, Some(chosen)) = (is_understood, chosen) {
-        // What is not supported yet should come up in the same run; anything else may only follow from the faulty blocks.
+        // Unsupported functions should be reported in the same run; other findings may only be consequences of the blocks with errors.
         let options = Options { max_blocks: Some(BLOCKS_IN_SEARCH), ..Options::default() };
         let execution = Execution::new(program, &chosen.machine, Box::new(NoLibrary), options);
         let unsupported = execution.filter_map(Result::err).filter(|found| found.code == Code::NOT_SUPPORTED);
@@ -97,10 +97,10 @@ pub(crate) fn open(
     Ok(is_understood.then(|| Opened { source: source.clone(), program, dialect }))
 }
 
-/// Where the subprograms of a program come from.
+/// The source of the subprograms of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Subprograms {
-    /// From nowhere: the program is alone.
+    /// None: the program is alone.
     None,
     /// From the disk: the folders of the program in this file, if it is in one, and those of the machine file.
     Disk(Option<PathBuf>),
@@ -132,9 +132,8 @@ fn library_of(subprograms: &Subprograms, search_path: &[String]) -> (Box<dyn Lib
     (Box::new(library), loaded)
 }
 
-/// The dialect: the option, then the machine file, then file name and content. The demo machine was not chosen by anybody,
-/// so its dialect is the last resort.
-/// The second value is the reason for the choice.
+/// The dialect: the option, then the machine file, then file name and content. The demo machine was not chosen by the user, so its dialect is the
+/// last resort. The second value is the reason for the choice.
 pub(crate) fn resolve(
     name: Option<&str>,
     chosen: Option<&Machine>,
@@ -164,8 +163,8 @@ pub(crate) fn resolve(
         .unwrap_or_else(|| (ncfix_dialect::sinumerik(), "as nothing says otherwise".to_owned())))
 }
 
-/// The output keeps the unit of the program: G20 or G21 outlives it on these controls, and a Fanuc reads its offsets by it. With `is_sent`
-/// line by line only a Fanuc's does.
+/// The output keeps the unit of the program: on these controls G20 or G21 remains active after the program, and a Fanuc interprets its offsets in
+/// that unit. With `is_sent`, line by line, only a Fanuc keeps it.
 pub(crate) fn keep_unit(
     source: &Source,
     dialect: &Dialect,
@@ -305,7 +304,7 @@ impl Iterator for Running<'_> {
         match &item {
             Some(Ok(element)) if element.starts_block => {
                 if let Some(watch) = &mut self.watch {
-                    // In a subprogram the main program stands still.
+                    // While a subprogram runs, the main program does not advance.
                     let offset = (element.origin.file == FileId(0)).then_some(element.origin.span.start);
                     watch.note(self.execution.executed_blocks(), offset, self.length);
                 }
@@ -322,13 +321,13 @@ pub(crate) fn is_wear_alone(source: &Source) -> bool {
     emit::stamped_promise(source.bytes()).is_some_and(|promise| promise.keeps_wear)
 }
 
-/// Options of a program that will be written: a position that is not known for sure is an error, and the control loses radius compensation.
-/// `rapid_order` says which rapid moves are taken apart.
+/// Options for a program that will be written: an uncertain position is an error, and radius compensation of the control is removed. `rapid_order`
+/// selects the rapid moves that are split.
 pub(crate) fn strict(rapid_order: RapidOrder) -> Options {
     Options { strict: true, tells_compensation: true, rapid_order, ..Options::default() }
 }
 
-/// The finding for a program that moves nothing.
+/// The finding for a program without motion.
 pub(crate) fn without_motion(source: &Source, code: Code) -> Diagnostic {
     let place = Place { file: source.id(), span: Span::new(0, 1) };
     let help = "look where its motions are: behind M30, in a program that nothing calls, in skip blocks";

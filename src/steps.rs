@@ -1,4 +1,4 @@
-//! The largest fixed step into which moves may be cut, over the working volume or along a program.
+//! The largest fixed step for the subdivision of moves, over the working volume or along a program.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +29,7 @@ pub(crate) struct StepSearch<'a> {
     pub(crate) rotary: Rotary,
 }
 
-/// Lines with the program that they are of.
+/// Lines, with the program that they belong to.
 struct Gathered<'m> {
     lines: Vec<Line>,
     trial: StepTrial<'m>,
@@ -126,7 +126,7 @@ impl StepSearch<'_> {
     }
 }
 
-/// Takes the result into the report.
+/// Enters the result in the report.
 fn note(report: &mut StepReport, steps: &Steps, lines: &[Line], files: &[Source], machine: &Machine) {
     (report.answer, report.largest_step_mm) = match steps.answer {
         Answer::Any => (Some(StepAnswer::Any), None),

@@ -39,17 +39,17 @@ impl Spool {
         Ok(Spool { file: BufWriter::with_capacity(BUFFER, file), target })
     }
 
-    /// Where the text is written to.
+    /// The writer of the text.
     pub(crate) fn writer(&mut self) -> &mut (dyn io::Write + Send) {
         &mut self.file
     }
 
-    /// Where the text will go.
+    /// The target of the text.
     pub(crate) fn target(&self) -> &Target {
         &self.target
     }
 
-    /// The reason of a failed write, in words.
+    /// The reason of a failed write, as text.
     pub(crate) fn fault(&self, error: &io::Error) -> Error {
         target_fault(&self.target, error)
     }
@@ -65,7 +65,7 @@ impl Spool {
         Ok(text)
     }
 
-    /// Refuses to write over what this run has read.
+    /// Refuses to overwrite files that this run has read.
     ///
     /// # Errors
     /// A sentence that names the file.
@@ -103,10 +103,10 @@ impl Spool {
         }
     }
 
-    /// Puts the complete text in its place. The path of the file that was there, where it is kept.
+    /// Puts the complete text at its target. Returns the path of the old file if it is kept.
     ///
     /// # Errors
-    /// A sentence where that fails, a finding where something newer is there; the target is then as it was before.
+    /// A sentence where that fails, a finding where a newer file is there; the target is then unchanged.
     pub(crate) fn publish(self, old: Old<'_>) -> Result<Option<PathBuf>, Error> {
         if old == Old::Replaced {
             self.spare_inputs()?;
@@ -136,7 +136,7 @@ impl Spool {
     }
 }
 
-/// The finding about something newer in the place of an output.
+/// The finding for a newer file at the target of an output.
 fn newer(file: &OneFile, old: Old<'_>) -> Error {
     let path = file.path.display();
     let message = match (old, file.before) {
@@ -197,7 +197,7 @@ mod tests {
         fs::write(&path, "theirs").unwrap();
         assert!(ours.is_expected(Old::Replaced).is_err_and(|error| error.code() == Some(Code::NEWER_FILE)));
         assert_eq!(is_newer(ours.publish(Old::Replaced)), "theirs");
-        // It was written, in place and by another file.
+        // The file was written, in place and by another file.
         let ours = spool(&path, "ours");
         fs::write(&path, "their second").unwrap();
         assert_eq!(is_newer(ours.publish(Old::Kept(b"theirs"))), "their second");

@@ -1,4 +1,4 @@
-//! Reads compensation tables of a control: files, several that belong together, archives.
+//! Reads compensation tables of a control: single files, sets of files, archives.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -17,9 +17,9 @@ use ncfix_tables::tables::{Control, FORMATS, Format, Multiplication, Sense, Tabl
 /// Tables that were read.
 pub(crate) struct ReadTables {
     pub(crate) tables: Tables,
-    /// The formats that they were in: a control may save tables of several kinds in one file.
+    /// The formats that were found: a control may save tables of several kinds in one file.
     pub(crate) formats: Vec<&'static Format>,
-    /// The tool that remarks of the file say they are for, from the gauge point to the tip, mm.
+    /// The tool stated in remarks of the file, from the gauge point to the tip, mm.
     pub(crate) tool_mm: Option<Vector>,
 }
 
@@ -37,13 +37,13 @@ pub(crate) struct Reading<'a> {
     pub(crate) format: Option<&'static Format>,
     /// The value of a table that is multiplied by another one; as stated in the files if not given.
     pub(crate) multiplication: Option<Multiplication>,
-    /// The machine whose control has the tables, where it is known.
+    /// The machine whose control has the tables, if known.
     pub(crate) machine: Option<&'a Machine>,
     /// The axis names of the control.
     pub(crate) wiring: &'a Wiring,
 }
 
-/// Files as far as they were read.
+/// The files read so far.
 #[derive(Default)]
 struct Files {
     /// The tables of each format.
@@ -51,7 +51,7 @@ struct Files {
     earlier: Vec<(Source, BTreeSet<usize>)>,
     /// The corrected axis, the input axis and the sign convention of tables without numbers.
     unnumbered: Vec<(Axis, Axis, Sense)>,
-    /// For which reading of products the files say that they are.
+    /// The interpretation of products stated in the files.
     mark: Option<Multiplication>,
 }
 
@@ -87,7 +87,7 @@ impl Files {
     }
 }
 
-/// Reads tables from files; `None` where findings forbid to use them.
+/// Reads tables from files; `None` if there are errors.
 ///
 /// # Errors
 /// Where a file cannot be read, or its format cannot be detected.
@@ -199,7 +199,7 @@ fn multiplication(
     asked.or(mark).unwrap_or_default()
 }
 
-/// Tables of the file that a format which was asked for does not have.
+/// Tables of the file that are not in the requested format.
 fn left_out(
     source: &Source,
     format: &'static Format,
@@ -221,7 +221,7 @@ const TOOL: [&str; 2] = ["tool ", " mm from the gauge point"];
 /// Lines in which such a remark can be.
 const REMARKS: usize = 40;
 
-/// The remark that says for which tool the tables are.
+/// The remark that names the tool of the tables.
 pub(crate) fn tool_remark(tool_mm: &Vector) -> String {
     let [x, y, z] = rounded_mm(tool_mm);
     format!("{}{x} {y} {z}{}", TOOL[0], TOOL[1])
@@ -242,7 +242,7 @@ fn tool_of(bytes: &[u8]) -> Option<Vector> {
         })
 }
 
-/// A file that is there again, or that has a table of an earlier one: in the control the later one takes the place of the other.
+/// A duplicate file, or one with a table of an earlier file: in the control the later one replaces the earlier one.
 fn again(source: &Source, numbers: &BTreeSet<usize>, earlier: &[(Source, BTreeSet<usize>)]) -> Option<Diagnostic> {
     let fault = |message: String, help: &str| {
         Some(Diagnostic::at(Code::BAD_TABLES, Place { file: source.id(), span: Span::new(0, 1) }, message, help))
@@ -271,7 +271,7 @@ fn second(source: &Source, new: &[(Axis, Axis, Sense)], known: &[(Axis, Axis, Se
     Some(Diagnostic::at(Code::BAD_TABLES, place, message, "name the files that are in the control now"))
 }
 
-/// The control with the tables that a machine file names as active, and the files; `None` where findings forbid to use them.
+/// The control with the tables that a machine file names as active, and the files; `None` if there are errors.
 ///
 /// # Errors
 /// Where a file cannot be read, or its format cannot be detected.
@@ -291,7 +291,7 @@ pub(crate) fn active(
     Ok(read.map(|read| (Control::new(machine, &read.tables), sources)))
 }
 
-/// The files with tables at a path: the file itself, or those in an archive; and programs of the archive that have such variables.
+/// The files with tables at a path: the file itself, or those in an archive; and programs of the archive with such variables.
 fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Error> {
     const PROGRAMS: [&str; 3] = [".MPF", ".SPF", ".CPF"];
     let source = files::read(path, FileId(0), "compensation tables")?;

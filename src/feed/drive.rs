@@ -31,12 +31,12 @@ const FIRST_READING: Duration = Duration::from_secs(180);
 /// The time for sending the last message, a feed hold.
 const LAST: Duration = Duration::from_millis(500);
 
-/// Why a transfer did not begin.
+/// The reason why a transfer did not begin.
 #[derive(Debug)]
 pub(crate) enum NotBegun {
     /// Something cannot be read or written.
     Error(Error),
-    /// It has ended before its first line.
+    /// It ended before its first line.
     Ended(FeedEnd, String),
 }
 
@@ -106,13 +106,13 @@ pub(crate) fn run(
     Ok(Sent { status, end })
 }
 
-/// Where a transfer begins.
+/// The place where a transfer begins.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Begin {
     /// The names of the program and of the port, as they were given.
     pub(crate) input: String,
     pub(crate) port: String,
-    /// Elements of the program up to this one are not sent.
+    /// Elements of the program up to this one are skipped.
     pub(crate) skip: u64,
     /// The lines that are sent before.
     pub(crate) lines: Vec<String>,
@@ -170,7 +170,7 @@ fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant
     }
 }
 
-/// The loop.
+/// The main loop of a transfer.
 struct Drive<'a> {
     sender: Sender<'a>,
     port: Box<dyn Port>,
@@ -178,10 +178,10 @@ struct Drive<'a> {
     before: &'a Before,
     /// Characters a second that the link takes.
     speed: f64,
-    /// Blocks that the control has taken and not carried out, at most, as the profile says.
+    /// Largest number of blocks that the control has received and not executed, from the profile.
     bound: Option<u64>,
     started: Instant,
-    /// From an answer to the bytes of the next line.
+    /// The time from an answer to the bytes of the next line.
     meter: Meter,
     /// A stop requested by the user or a sensor, with its status, its reason and its message.
     halted: Option<(Halt, FeedEnd, String, String)>,
@@ -263,7 +263,7 @@ impl Drive<'_> {
     fn halt(&mut self, halt: Halt, code: FeedEnd, why: &str, now: Duration) {
         let said = self.sender.halt(halt, now);
         let halt = match (&said, halt) {
-            // It has no word for a hold: what it has runs out.
+            // Without a hold command, the received blocks run to their end.
             (None, Halt::Hold) if self.halted.is_none() => {
                 self.halt(Halt::Stop, code, why, now);
                 return;
@@ -321,7 +321,7 @@ impl Drive<'_> {
         let elapsed_s = self.started.elapsed().as_secs_f64();
         let (standing, age) = thermal.standing();
         let left_s = (self.before.motion_s - supply.busy_s).max(0.0);
-        // What is sent is nearly what is done; it is as slow as it has been.
+        // The sent blocks approximate the executed ones; the future pace is assumed to be the pace so far.
         let pace = if supply.busy_s > 0.0 { (elapsed_s / supply.busy_s).max(1.0) } else { 1.0 };
         let (word, message) = match ended {
             None => (None, None),
@@ -378,7 +378,7 @@ impl Drive<'_> {
     }
 }
 
-/// Axes with a shift, or for which one is asked.
+/// Axes with a shift, or with a requested shift.
 fn axes(values: &[f64; AXIS_COUNT], others: &[f64; AXIS_COUNT]) -> BTreeMap<String, f64> {
     let mut out = BTreeMap::new();
     for axis in AXES {

@@ -161,7 +161,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the program is not understood or refused.
+    /// Where the program cannot be parsed or refused.
     pub fn feed(
         &self,
         machine: &Machine,

@@ -84,11 +84,11 @@ impl Default for TableOptions {
 pub struct TableCheck {
     /// Poses.
     pub poses: usize,
-    /// Of the tip without tables, µm.
+    /// Root mean square error of the tool tip without tables, µm.
     pub before_um: f64,
-    /// Of the tip with them, µm.
+    /// Root mean square error of the tool tip with them, µm.
     pub tables_um: f64,
-    /// Of the tip with the exact correction of the kinematics, µm.
+    /// Root mean square error of the tool tip with the exact correction of the kinematics, µm.
     pub exact_um: f64,
 }
 
@@ -125,7 +125,7 @@ impl Tables {
     /// ```
     ///
     /// # Errors
-    /// Where there is no such format or scheme, an axis has no travel, or the control cannot hold tables that leave less than none.
+    /// Where there is no such format or scheme, an axis has no travel, or the control cannot hold tables that reduce the error.
     pub fn make(machine: &Machine, format: &str, options: &TableOptions) -> Result<Tables, Error> {
         let format = of_name(machine, format)?;
         let mut found = Diagnostics::default();
@@ -162,7 +162,7 @@ impl Tables {
         Ok((!found.has_errors()).then_some(Tables { tables: made.tables, format, wiring: request.wiring, notes }))
     }
 
-    /// Reads a file of tables as the control of a machine has it.
+    /// Reads a file of tables as the control of a machine interprets it.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -187,7 +187,7 @@ impl Tables {
         Tables::parse(source.name(), source.bytes(), format, machine)
     }
 
-    /// Tables of the text of a file as the control of a machine has it. No file is read.
+    /// Tables from the text of a file, as the control of a machine interprets it. No file is read.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -203,7 +203,7 @@ impl Tables {
     /// ```
     ///
     /// # Errors
-    /// Where there is no such format, or the text is not in it.
+    /// Where there is no such format, or the text cannot be parsed in it.
     pub fn parse(name: &str, text: impl Into<Vec<u8>>, format: &str, machine: &Machine) -> Result<Tables, Error> {
         let format = of_name(machine, format)?;
         let wiring = Wiring::of(&machine.machine);
@@ -218,7 +218,7 @@ impl Tables {
         Ok(Tables { tables: read, format, wiring, notes: vec![format!("read from {name}")] })
     }
 
-    /// The files as the control reads them: names, of which `name` is the beginning, and texts.
+    /// The files in the format of the control: names that begin with `name`, and texts.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -236,10 +236,10 @@ impl Tables {
         written.into_iter().map(|one| (format!("{name}{}", one.suffix), one.text)).collect()
     }
 
-    /// The files as they are written to `output`: its name, to which formats of several files add.
+    /// The files as they are written to `output`: its name, which formats with several files extend.
     ///
     /// # Errors
-    /// Where standard output would have several.
+    /// Where several files would go to standard output.
     pub(crate) fn files_at(&self, output: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
         let written = (self.format.write)(&self.tables, &self.wiring, &self.notes);
         if is_standard_stream(output) && written.len() > 1 {
@@ -289,7 +289,7 @@ impl Tables {
     }
 }
 
-/// The machine without the tables that are active in its control: new ones are for the machine itself, and those that are checked stand for themselves.
+/// The machine without the tables that are active in its control: new tables apply to the machine itself, and checked tables are evaluated alone.
 pub(crate) fn itself(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     let multiplication = machine.machine.active_tables.multiplication;
@@ -344,7 +344,7 @@ fn wiring(mut wiring: Wiring, options: &TableOptions) -> Wiring {
     wiring
 }
 
-/// The remarks at the head of new tables.
+/// The remarks at the begin of new tables.
 fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: &MadeTables) -> Vec<String> {
     let state = machine.state.as_deref().map_or(String::new(), |state| format!(", state {state}"));
     let version = env!("CARGO_PKG_VERSION");
@@ -363,7 +363,7 @@ fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: 
     notes
 }
 
-/// The tool that counts: that of the options, else the longest of the machine.
+/// The tool for the tables: that of the options, else the longest of the machine.
 fn tool_mm(machine: &Machine, options: &TableOptions) -> ncfix_base::geometry::Vector {
     let longest = || machine.machine.tools.iter().map(|tool| tool.length_mm[0].abs()).fold(0.0, f64::max);
     options.tool.unwrap_or_else(|| ToolVector::Length(longest())).vector_mm(&machine.machine)
