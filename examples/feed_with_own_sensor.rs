@@ -55,6 +55,6 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sent = transfer.send(port, Some(sensors), &journal)?;
     std::fs::remove_file(&journal)?;
     println!("{}", sent.status.table());
-    assert!(sent.status.applied["Z_um"] < -10.0, "10 K, 2 µm each: {:?}", sent.status.applied);
+    assert!(sent.status.applied[&AxisKey::of_deviation(Axis::Z)] < -10.0, "10 K, 2 µm each: {:?}", sent.status.applied);
     Ok(())
 }

@@ -16,7 +16,7 @@ pub use crate::simulate::{Recorded, SimulateOptions};
 pub use crate::tables::{TableCheck, TableOptions, Tables};
 pub use crate::tool::ToolVector;
 pub use ncfix_base::diagnostic::{Code, Severity};
-pub use ncfix_base::geometry::{Axis, AxisVector, Vector};
+pub use ncfix_base::geometry::{Axis, AxisKey, AxisVector, Vector};
 pub use ncfix_dnc::feed::Port;
 pub use ncfix_dnc::sense::Panel;
 pub use ncfix_machine::machine::{Condition, Load, State};

@@ -9,7 +9,7 @@ use crate::program::Program;
 use crate::run::{self, Watch};
 use crate::tool::ToolVector;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{AXES, Axis, AxisVector};
+use ncfix_base::geometry::{AXES, Axis, AxisKey, AxisVector};
 use ncfix_base::source::Source;
 use ncfix_base::units::um_from_mm;
 use ncfix_language::exec::RapidOrder;
@@ -147,9 +147,9 @@ fn note(report: &mut StepReport, steps: &Steps, lines: &[Line], files: &[Source]
         .collect();
     let place = |position: &AxisVector| {
         let axes = AXES.into_iter().filter(|&axis| machine.machine.axis(axis).is_some());
-        let entry = |axis: Axis| match axis.is_rotary() {
-            true => (format!("{axis}_deg"), position[axis].to_degrees()),
-            false => (format!("{axis}_mm"), position[axis]),
+        let entry = |axis: Axis| {
+            let key = AxisKey::of_position(axis);
+            (key, key.shown(position[axis]))
         };
         axes.map(entry).collect::<BTreeMap<_, _>>()
     };

@@ -45,7 +45,7 @@ fn named(case: &Case, found: &[(String, fault::Fault)]) -> [usize; 2] {
         found.iter().any(|(file, one)| {
             let common = (one.rows[1].min(truth.rows[1]) + 1).saturating_sub(one.rows[0].max(truth.rows[0]));
             let both = one.rows[1].max(truth.rows[1]) + 1 - one.rows[0].min(truth.rows[0]);
-            one.kind == truth.kind
+            one.kind.word() == truth.kind
                 && *file == truth.file
                 && one.what == truth.what
                 && (truth.name.is_empty() || names(&one.name) == names(&truth.name))
@@ -68,7 +68,7 @@ fn clean(bench: Bench, size_in_noise: f64, seed: u64) -> Vec<Case> {
 
 /// Faults other than single readings, of which the plant makes some everywhere.
 fn claims(found: &[(String, fault::Fault)]) -> Vec<String> {
-    let claimed = found.iter().filter(|(_, one)| one.kind != "outlier");
+    let claimed = found.iter().filter(|(_, one)| one.kind.word() != "outlier");
     claimed.map(|(file, one)| format!("{file} {} {} {:?}: {}", one.kind, one.what, one.rows, one.evidence)).collect()
 }
 
@@ -172,7 +172,7 @@ fn other_names_of_sensors_and_other_times_change_no_fault() {
                 .map(|(file, one)| {
                     let mut names: Vec<String> = one.name.split(' ').map(name).collect();
                     names.sort();
-                    (file, one.kind, names, one.what, one.rows)
+                    (file, one.kind.word(), names, one.what, one.rows)
                 })
                 .collect();
             all.sort();

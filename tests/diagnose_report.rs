@@ -340,6 +340,7 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
     let driver = |name: &str| Driver {
         name: name.into(),
         title: format!("{name} in mm"),
+        is_time: false,
         values: (0..COUNT).map(|k| at(k) * 500.0).collect(),
     };
     let circle = |setup: usize| Circle {

@@ -15,11 +15,11 @@ use ncfix_machine::machine::{Condition, Machine, State};
 use ncfix_metrology::calibrate::{Options, Parameter, fit};
 use ncfix_metrology::diagnose::cause::{self, Candidate, Cause, Correctable, Effect as CauseEffect, Weight};
 use ncfix_metrology::diagnose::extend::{Change, again, extension};
-use ncfix_metrology::diagnose::fault::{self, Check, Checks, Fault, Then};
+use ncfix_metrology::diagnose::fault::{self, Check, Checks, DefectKind, Fault, Then};
 use ncfix_metrology::diagnose::scene::{Scene, Through};
 use ncfix_metrology::diagnose::{Causes, diagnose_with};
 use ncfix_metrology::measure::data::{self, DataSet, Observation, ReadAs};
-use ncfix_metrology::measure::kind::{self, Equation, Instruments, Kind, Seen};
+use ncfix_metrology::measure::kind::{self, Equation, Instruments, Kind, Measurand, Seen};
 use ncfix_model::motion::{Entry, Function, MotionFunction, MotionKind};
 use ncfix_model::source::{Parameter as SourceParameter, Reading, Written};
 use ncfix_model::{
@@ -356,6 +356,7 @@ fn a_cause_is_named_and_its_term_written_fitted_and_read_again() {
 static GAUGE: Kind = Kind {
     name: "height",
     title: "height of the tool above the table",
+    measurand: Measurand::Other,
     free: &[],
     read: |_, row, sign, observation| {
         let column = kind::needed(row, "height_um")?;
@@ -405,7 +406,7 @@ static BEYOND: Check = Check {
             let rows = [first, data.observations.len() - 1];
             let (what, evidence) = ("rows beyond the part".into(), format!("from row {first} on"));
             out.push(Fault {
-                kind: "beyond",
+                kind: DefectKind::Own("beyond"),
                 set,
                 name: data.name.clone(),
                 what,
@@ -424,7 +425,7 @@ fn a_fault_of_the_data_is_found() {
     let scene = Scene::new(&machine, &errors, &sets).unwrap();
     let found = |checks: &Checks| -> Vec<[usize; 2]> {
         let all = fault::find_with(checks, &scene);
-        all.iter().filter(|one| one.kind == "beyond").map(|one| one.rows).collect()
+        all.iter().filter(|one| one.kind == DefectKind::Own("beyond")).map(|one| one.rows).collect()
     };
     assert_eq!(found(&Checks::default().with(&BEYOND)), [[61, 70]]);
     assert!(found(&Checks::default()).is_empty());

@@ -3,7 +3,7 @@
 use super::CompareOptions;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::Source;
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::units::{UnitKey, um_from_mm};
 use ncfix_path::review::words::{Word, block_number, decimals, words};
 use ncfix_path::review::{Row, moves};
 use ncfix_report::review::{Changed, Look, Row as Shown};
@@ -166,8 +166,8 @@ impl<'a> Listing<'a> {
 /// A word that is changed, from that of the corrected program and that of the original.
 fn changed(row: &Row, axis: Axis, word: Option<&Word<'_>>, written: Option<&Word<'_>>) -> Changed {
     let added = row.added(axis);
-    let (unit, shown) = if axis.is_rotary() { ("urad", urad_from_rad(added)) } else { ("um", um_from_mm(added)) };
-    let mut out = Changed { axis: axis.to_string(), added: shown, unit, ..Changed::default() };
+    let unit = UnitKey::of(axis.is_rotary());
+    let mut out = Changed { axis: axis.to_string(), added: unit.unit().shown(added), unit, ..Changed::default() };
     let Some(word) = word else { return out };
     let digits = decimals(word.value);
     let was = word.number.unwrap_or_default() - if axis.is_rotary() { added.to_degrees() } else { added };

@@ -8,7 +8,7 @@ use crate::correction::spread;
 use crate::diagnostics::Diagnostics;
 use crate::disk::hash::whole_hash;
 use ncfix_base::source::Source;
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::units::{UnitKey, um_from_mm, urad_from_rad};
 use ncfix_path::emit;
 use ncfix_path::review::{Summary, Trace};
 use ncfix_report::review::{Beyond, Figures, Limit, Review, Step};
@@ -34,7 +34,7 @@ impl ComparedPrograms<'_> {
         let figures = found.axes.iter().map(|one| {
             let scale: fn(f64) -> f64 = if one.axis.is_rotary() { urad_from_rad } else { um_from_mm };
             let [max, mean, rms, p99] = [one.max, one.mean, one.rms, one.p99].map(scale);
-            let unit = if one.axis.is_rotary() { "urad" } else { "um" };
+            let unit = UnitKey::of(one.axis.is_rotary());
             let (file, line) = one.max_at.original;
             (
                 one.axis.to_string(),

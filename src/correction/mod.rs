@@ -20,7 +20,7 @@ use crate::options::{Compensation, Options};
 use crate::program::Program;
 use crate::run::{self, Opened, Running, Watch};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::geometry::AXES;
+use ncfix_base::geometry::{AXES, AxisKey};
 use ncfix_base::source::{Source, Span};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_dialect::Language;
@@ -399,9 +399,8 @@ fn note(prediction: &Prediction, running: &Running, report: &mut CorrectionRepor
         .into_iter()
         .filter(|&axis| prediction.max_correction[axis] > 0.0)
         .map(|axis| {
-            let size = prediction.max_correction[axis];
-            let (unit, size) = if axis.is_rotary() { ("urad", urad_from_rad(size)) } else { ("um", um_from_mm(size)) };
-            (format!("{}_{unit}", char::from(axis.letter())), size)
+            let key = AxisKey::of_deviation(axis);
+            (key, key.shown(prediction.max_correction[axis]))
         })
         .collect::<BTreeMap<_, _>>();
 }

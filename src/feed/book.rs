@@ -10,10 +10,7 @@ use std::thread;
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_dnc::feed::{Store, Told, read_journal};
-
-/// How the record begins of the end of a job that went on in another journal.
-pub(crate) const TAKEN_UP: &str = "taken up again in ";
+use ncfix_dnc::feed::{HeadKey, JournalEnd, Store, Told, read_journal};
 
 /// A file that another thread writes through.
 pub(super) struct Book {
@@ -75,7 +72,7 @@ fn supersede(mut file: &File, bytes: &[u8], path: &Path) -> io::Result<()> {
     // Behind a record that was cut off.
     let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
     file.set_len(whole as u64)?;
-    writeln!(file, "0 E {TAKEN_UP}{}", path.display())?;
+    writeln!(file, "0 E {}", JournalEnd::TakenUp(path.display().to_string()))?;
     file.sync_data()
 }
 
@@ -122,7 +119,8 @@ fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Error> {
 /// Whether a journal gives way to that of a new job: its own has ended well, or none of its lines was sent. One that was to be taken up again is broken
 /// off all the same.
 fn gives_way(told: &Told) -> bool {
-    told.ended.as_deref() == Some("done") || told.frozen == 0 && told.head.iter().all(|(name, _)| name != "resumed")
+    told.ended == Some(JournalEnd::Done)
+        || told.frozen == 0 && told.head.iter().all(|(key, _)| *key != HeadKey::Resumed)
 }
 
 /// A name beside a journal that no file has.

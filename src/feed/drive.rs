@@ -15,10 +15,9 @@ use super::source::{self, AHEAD, Source};
 use super::thermal::{Standing, Thermal};
 use super::{FeedEnd, FeedView, Sent};
 use crate::error::Error;
-use ncfix_base::geometry::{AXES, AXIS_COUNT};
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisKey};
 use ncfix_dnc::drip::Lines;
-use ncfix_dnc::feed::{Ended, Event, Halt, Journal, Port, Progress, Sender};
+use ncfix_dnc::feed::{Ended, Event, Halt, HeadKey, Journal, Port, Progress, Sender};
 use ncfix_dnc::sense::Panel;
 use ncfix_report::feed::{Before, FeedEvent, FeedOutcome, Status};
 
@@ -73,7 +72,7 @@ pub(crate) fn run(
     let dialogue = job.dialogue()?;
     let mut book = Book::create(lane.journal, begin.journal.as_deref())?;
     let head = head(&job, before, begin);
-    let head: Vec<(&str, &str)> = head.iter().map(|(name, value)| (*name, value.as_str())).collect();
+    let head: Vec<(HeadKey, &str)> = head.iter().map(|(key, value)| (*key, value.as_str())).collect();
     let unwritten = |error: &io::Error| Error::file("write", lane.journal, error);
     let mut journal = Journal::new(&mut book, &head).map_err(|error| unwritten(&error))?;
     let thermal = match lane.panel {
@@ -124,21 +123,21 @@ pub(crate) struct Begin {
 }
 
 /// What must be the same when the job is taken up again.
-fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(&'static str, String)> {
+fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(HeadKey, String)> {
     let mut head = vec![
-        ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("program", format!("{} {}", before.program, begin.input)),
-        ("machine", format!("{} {}", job.machine.hash, job.machine.machine.name)),
-        ("state", job.machine.state.clone().unwrap_or_default()),
-        ("link", format!("{} {}", job.link.hash, job.link.profile.name)),
-        ("sensors", job.sensors_hash.clone()),
-        ("port", begin.port.clone()),
-        ("lines", before.lines.to_string()),
+        (HeadKey::Version, env!("CARGO_PKG_VERSION").to_owned()),
+        (HeadKey::Program, format!("{} {}", before.program, begin.input)),
+        (HeadKey::Machine, format!("{} {}", job.machine.hash, job.machine.machine.name)),
+        (HeadKey::State, job.machine.state.clone().unwrap_or_default()),
+        (HeadKey::Link, format!("{} {}", job.link.hash, job.link.profile.name)),
+        (HeadKey::Sensors, job.sensors_hash.clone()),
+        (HeadKey::Port, begin.port.clone()),
+        (HeadKey::Lines, before.lines.to_string()),
     ];
     let folder = std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default();
-    head.push(("folder", folder));
-    head.extend(begin.resumed.clone().map(|resumed| ("resumed", resumed)));
-    head.extend(begin.words.iter().map(|word| ("argument", word.clone())));
+    head.push((HeadKey::Folder, folder));
+    head.extend(begin.resumed.clone().map(|resumed| (HeadKey::Resumed, resumed)));
+    head.extend(begin.words.iter().map(|word| (HeadKey::Argument, word.clone())));
     head
 }
 
@@ -379,14 +378,13 @@ impl Drive<'_> {
 }
 
 /// Axes with a shift, or for which one is asked.
-fn axes(values: &[f64; AXIS_COUNT], others: &[f64; AXIS_COUNT]) -> BTreeMap<String, f64> {
+fn axes(values: &[f64; AXIS_COUNT], others: &[f64; AXIS_COUNT]) -> BTreeMap<AxisKey, f64> {
     let mut out = BTreeMap::new();
     for axis in AXES {
         let (value, other) = (values[axis.slot()], others[axis.slot()]);
         if value != 0.0 || other != 0.0 {
-            let (unit, shown) =
-                if axis.is_rotary() { ("urad", urad_from_rad(value)) } else { ("um", um_from_mm(value)) };
-            out.insert(format!("{axis}_{unit}"), (shown * 100.0).round() / 100.0);
+            let key = AxisKey::of_deviation(axis);
+            out.insert(key, (key.shown(value) * 100.0).round() / 100.0);
         }
     }
     out

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::book::{TAKEN_UP, is_held};
+use super::book::is_held;
 use super::drive::Begin;
 use super::job::Transfer;
 use super::survey::{Step, walk};
@@ -15,7 +15,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 use ncfix_dnc::drip::restart::{CLEAR_MM, Found, Place, Search, Why};
 use ncfix_dnc::drip::{Ends, Grammar, Heights};
-use ncfix_dnc::feed::{Frozen, Told, read_journal};
+use ncfix_dnc::feed::{Frozen, HeadKey, JournalEnd, Told, read_journal};
 use ncfix_machine::machine::ToolChange;
 use ncfix_path::path::Tips;
 use ncfix_report::feed::{Before, Plan};
@@ -44,15 +44,15 @@ pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
     }
     let text = String::from_utf8_lossy(source.bytes()).into_owned();
     let told = read_journal(&text).map_err(|(line, why)| Error::usage(format!("{shown}:{line}: {why}")))?;
-    if told.ended.as_deref() == Some("done") {
+    if told.ended == Some(JournalEnd::Done) {
         return Err(Error::usage(format!("the job of {shown} is done: there is nothing to take up again")));
     }
-    if let Some(other) = told.ended.as_deref().and_then(|ended| ended.strip_prefix(TAKEN_UP))
+    if let Some(JournalEnd::TakenUp(other)) = &told.ended
         && !is_empty(other)
     {
         return Err(Error::usage(format!("the job of {shown} was taken up again: its journal is {other}")));
     }
-    if told.frozen == 0 && !head(&told, "resumed").is_empty() {
+    if told.frozen == 0 && !head(&told, HeadKey::Resumed).is_empty() {
         return Err(Error::usage(format!(
             "{shown} has no line: the control took none when the job was to be taken up again; look at the newest journal beside it, `ncfix resume {shown}.old` or .old1 …"
         )));
@@ -66,11 +66,11 @@ pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
 /// Where it began in another folder.
 pub(crate) fn began_with(told: &Told) -> Result<impl Iterator<Item = &str>, Error> {
     let folder = std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default();
-    let began_in = head(told, "folder");
+    let began_in = head(told, HeadKey::Folder);
     if folder != began_in {
         return Err(Error::usage(format!("the job began in the folder {began_in}; go there first")));
     }
-    Ok(told.head.iter().filter(|(name, _)| name == "argument").map(|(_, value)| value.as_str()))
+    Ok(told.head.iter().filter(|(key, _)| *key == HeadKey::Argument).map(|(_, value)| value.as_str()))
 }
 
 /// Whether a journal says that no line was sent.
@@ -79,22 +79,22 @@ fn is_empty(journal: &str) -> bool {
     text.is_ok_and(|text| read_journal(&text).is_ok_and(|told| told.frozen == 0))
 }
 
-/// The value of a name in the head of a journal.
-fn head<'t>(told: &'t Told, name: &str) -> &'t str {
-    told.head.iter().find(|(known, _)| known == name).map_or("", |(_, value)| value)
+/// The value of a key in the head of a journal.
+fn head(told: &Told, key: HeadKey) -> &str {
+    told.head.iter().find(|(known, _)| *known == key).map_or("", |(_, value)| value)
 }
 
 /// Refuses what is not as it was.
 pub(crate) fn check_same(told: &Told, job: &Transfer, before: &Before, findings: &mut Diagnostics) {
     let state = job.machine.state.clone().unwrap_or_default();
-    let first = |name: &str| head(told, name).split(' ').next().unwrap_or_default().to_owned();
+    let first = |key: HeadKey| head(told, key).split(' ').next().unwrap_or_default().to_owned();
     for (what, was, is) in [
-        ("the program, or one that it calls,", first("program"), before.program.as_str()),
-        ("the machine file", first("machine"), job.machine.hash.as_str()),
-        ("the state of the machine", first("state"), state.as_str()),
-        ("the profile of the link", first("link"), job.link.hash.as_str()),
-        ("the file of the sensors", first("sensors"), job.sensors_hash.as_str()),
-        ("the version of ncfix", first("version"), env!("CARGO_PKG_VERSION")),
+        ("the program, or one that it calls,", first(HeadKey::Program), before.program.as_str()),
+        ("the machine file", first(HeadKey::Machine), job.machine.hash.as_str()),
+        ("the state of the machine", first(HeadKey::State), state.as_str()),
+        ("the profile of the link", first(HeadKey::Link), job.link.hash.as_str()),
+        ("the file of the sensors", first(HeadKey::Sensors), job.sensors_hash.as_str()),
+        ("the version of ncfix", first(HeadKey::Version), env!("CARGO_PKG_VERSION")),
     ] {
         if was != is {
             let message = format!("{what} is not the one with which the job began ({was}, now {is})");
@@ -242,7 +242,7 @@ pub(crate) fn plan(
         schema: 1,
         plan: number.clone(),
         program: input.clone(),
-        ended: told.ended.clone(),
+        ended: told.ended.as_ref().map(ToString::to_string),
         acknowledged: told.acknowledged,
         acknowledged_line: line_of(told.acknowledged),
         executed: sure,
@@ -261,6 +261,6 @@ pub(crate) fn plan(
         clearance: clearance_mm.map(|mm| format!("{mm}mm")),
         port: port.clone(),
     };
-    let words = told.head.iter().filter(|(name, _)| name == "argument").map(|(_, word)| word.clone()).collect();
+    let words = told.head.iter().filter(|(key, _)| *key == HeadKey::Argument).map(|(_, word)| word.clone()).collect();
     Ok(Ok((plan, Begin { input, port, skip, lines, words, resumed: Some(number), journal: Some(journal.to_vec()) })))
 }

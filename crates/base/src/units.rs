@@ -101,6 +101,12 @@ impl UnitKey {
             UnitKey::Urad => Unit::Urad,
         }
     }
+
+    /// `µm`, `µrad`.
+    #[must_use]
+    pub fn sign(self) -> &'static str {
+        self.unit().sign()
+    }
 }
 
 /// Sine of degrees, exact at multiples of 90 and 30: a bolt circle's zero must be zero.

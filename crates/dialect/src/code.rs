@@ -84,6 +84,12 @@ pub struct CodeTable {
 }
 
 impl CodeEntry {
+    /// Whether it uses any address.
+    #[must_use]
+    pub fn has_words(&self) -> bool {
+        self.words != "-"
+    }
+
     /// Whether it uses an address letter, `X`, upper case; `@`, `^` and `$` of RS274/NGC count as letters.
     #[must_use]
     pub fn uses(&self, letter: u8) -> bool {

@@ -30,6 +30,23 @@ pub struct Mark {
     pub what: &'static str,
     /// How much it says for a lathe.
     pub(super) weight: u32,
+    /// What of the rest of the program decides whether it counts, and how much.
+    pub(super) hangs_on: HangsOn,
+}
+
+/// What of a whole program a mark hangs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum HangsOn {
+    /// Nothing: it counts as it is.
+    Nothing,
+    /// Whether tools are changed by their numbers alone.
+    Tools,
+    /// Whether there is a Y.
+    Flat,
+    /// Whether there are canned cycles.
+    Cycles,
+    /// Whether the feed is one of a turn.
+    FeedMode,
 }
 
 /// The marks of a lathe program, the weightiest first; `None` where they are too few. `axes` are the letters of the machine's axes.
@@ -103,8 +120,12 @@ impl<'a> Search<'a> {
     }
 
     fn note(&mut self, place: (usize, u32), what: &'static str, weight: u32) {
+        self.note_on(HangsOn::Nothing, place, what, weight);
+    }
+
+    fn note_on(&mut self, hangs_on: HangsOn, (at, line): (usize, u32), what: &'static str, weight: u32) {
         if !self.marks.iter().any(|mark| mark.what == what) {
-            self.marks.push(Mark { at: place.0, line: place.1, what, weight });
+            self.marks.push(Mark { at, line, what, weight, hangs_on });
         }
     }
 
@@ -151,7 +172,7 @@ impl<'a> Search<'a> {
         if let Some(tool) = block.word_of(b'T').filter(|word| word.digits >= 3 && !word.has_point)
             && let Some(number) = tool.value.filter(|&number| tool.digits > 3 || number >= 100.0)
         {
-            self.note(place, "T with station and offset", 2);
+            self.note_on(HangsOn::Tools, place, "T with station and offset", 2);
             let (first, others) = self.tools.unwrap_or((number, false));
             self.tools = Some((first, others || first != number));
         }
@@ -159,10 +180,10 @@ impl<'a> Search<'a> {
             && feed < FEED_PER_TURN[usize::from(self.is_inch)]
             && self.is_fanuc
         {
-            self.note(place, "a feed of one turn", 4);
+            self.note_on(HangsOn::FeedMode, place, "a feed of one turn", 4);
         }
         if code(990) {
-            self.note(place, "G99 without a canned cycle", 2);
+            self.note_on(HangsOn::Cycles, place, "G99 without a canned cycle", 2);
         }
         let is_arc = matches!(self.motion, 20 | 30) && block.has(b'K') && block.has_any(b"XZ");
         if is_arc && self.is_fanuc && !self.has_plane && !block.has(b'Y') && !block.has_any(b"J") {
@@ -191,7 +212,7 @@ impl<'a> Search<'a> {
         let is_plain = !has_motion && !has(b'Y') && across && along;
         let is_pass = block.words.iter().all(|word| matches!(word.letter, b'X' | b'N')) && has(b'X');
         if let Some(thread) = self.set_place.take().filter(|_| is_pass) {
-            self.note(thread, MODAL_THREAD, if self.is_fanuc { 6 } else { 4 });
+            self.note_on(HangsOn::Flat, thread, MODAL_THREAD, if self.is_fanuc { 6 } else { 4 });
         }
         if code(920) && is_plain && !has(b'F') {
             self.set_place = Some(place);
@@ -230,24 +251,24 @@ impl<'a> Search<'a> {
         let (has_m6, has_cycle, has_own_feed, has_turn_feed, is_fanuc) =
             (self.has_m6, self.has_cycle, self.has_own_feed, self.has_turn_feed, self.is_fanuc);
         let several = self.tools.is_some_and(|(_, others)| others);
-        self.marks.retain_mut(|mark| match mark.what {
-            "T with station and offset" => {
+        self.marks.retain_mut(|mark| match mark.hangs_on {
+            HangsOn::Tools => {
                 mark.weight = if several && !has_m6 { 4 } else { 2 };
                 true
             }
-            MODAL_THREAD => is_flat,
-            "G99 without a canned cycle" => !has_cycle,
-            "a feed of one turn" => {
+            HangsOn::Flat => is_flat,
+            HangsOn::Cycles => !has_cycle,
+            HangsOn::FeedMode => {
                 mark.weight = if has_turn_feed { 3 } else { 4 };
                 is_flat && !has_own_feed
             }
-            _ => true,
+            HangsOn::Nothing => true,
         });
         if is_flat
             && is_fanuc
             && let Some(first) = self.marks.first().cloned()
         {
-            self.marks.push(Mark { what: NO_Y, weight: 2, ..first });
+            self.marks.push(Mark { what: NO_Y, weight: 2, hangs_on: HangsOn::Nothing, ..first });
         }
         if self.has_length {
             // G43 is a matter of mills: as much again must speak for a lathe.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::correction::push_row;
+use super::correction::{output_name, push_row};
 use super::figures;
 use super::inputs::Input;
 use super::json::Finding;
@@ -131,10 +131,10 @@ impl CalibrationReport {
         push_row(&mut out, "model", &format!("{}{rest}", found.model));
         push_row(&mut out, "machine", &found.machine);
         if let Some(output) = &self.output {
-            push_row(&mut out, "written", if output == "-" { "standard output" } else { output });
+            push_row(&mut out, "written", output_name(output));
         }
         if let Some(report) = &self.report {
-            push_row(&mut out, "report", if report == "-" { "standard output" } else { report });
+            push_row(&mut out, "report", output_name(report));
         }
         out
     }

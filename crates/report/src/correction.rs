@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::json::{AtFeed, FeedLimit, Finding, Remaining, Spread};
 use super::number::{duration, grouped, micrometers, significant};
 use super::verdict::Verdict;
+use ncfix_base::geometry::AxisKey;
 
 /// The result of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted on the error model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -18,7 +19,7 @@ pub struct Correction {
     /// As emitted, rounding included.
     pub after: Option<Spread>,
     /// Largest correction of each axis by its size: `X_um`, `C_urad`.
-    pub max_correction: BTreeMap<String, f64>,
+    pub max_correction: BTreeMap<AxisKey, f64>,
     /// What limiting the feed did; not there where none was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub feed_limit: Option<FeedLimit>,
@@ -65,8 +66,8 @@ impl Correction {
         if !self.max_correction.is_empty() {
             let mut sizes: Vec<_> = self.max_correction.iter().collect();
             // Linear axes first.
-            sizes.sort_by_key(|(key, _)| key.ends_with("urad"));
-            let parts: Vec<String> = sizes.into_iter().map(|(key, &size)| largest(key, size)).collect();
+            sizes.sort_by_key(|(key, _)| key.is_rotary());
+            let parts: Vec<String> = sizes.into_iter().map(|(&key, &size)| largest(key, size)).collect();
             row("correction", &format!("up to {}", parts.join(", ")));
         }
         for (name, size) in [
@@ -107,7 +108,7 @@ impl Correction {
         row("time", &duration(self.seconds));
         row("machine", &self.machine);
         if let Some(output) = &self.output {
-            row("written", if output == "-" { "standard output" } else { output });
+            row("written", output_name(output));
         }
         if let Some(backup) = &self.backup {
             row("original", backup);
@@ -163,6 +164,11 @@ fn left_over(all: &[Remaining], size: fn(&Remaining) -> f64, least: f64, unit: &
     (!parts.is_empty()).then(|| format!("left up to {}", parts.join(", ")))
 }
 
+/// A file that was written, as people read it.
+pub(super) fn output_name(output: &str) -> &str {
+    if output == "-" { "standard output" } else { output }
+}
+
 /// One row of a table.
 pub(super) fn push_row(out: &mut String, name: &str, text: &str) {
     // Writing into a String cannot fail.
@@ -190,22 +196,21 @@ fn improvement(before: Spread, after: Spread) -> String {
     }
 }
 
-/// `X 12.3 µm`, `C 4.56 µrad` from a key such as `X_um`.
-fn largest(key: &str, size: f64) -> String {
-    let (axis, unit) = key.split_once('_').unwrap_or((key, ""));
-    let unit = if unit == "urad" { "µrad" } else { "µm" };
-    format!("{axis} {} {unit}", significant(size))
+/// `X 12.3 µm`, `C 4.56 µrad`.
+fn largest(key: AxisKey, size: f64) -> String {
+    format!("{} {} {}", key.letter(), significant(size), key.sign())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ncfix_base::geometry::Axis;
 
     fn sample() -> Correction {
         Correction {
             before: Some(Spread { mean_um: 25.04, rms_um: 28.1, max_um: 103.2 }),
             after: Some(Spread { mean_um: 0.25, rms_um: 0.31, max_um: 0.98 }),
-            max_correction: [("X_um".to_owned(), 41.26), ("C_urad".to_owned(), 3.0)].into(),
+            max_correction: [(AxisKey::of_deviation(Axis::X), 41.26), (AxisKey::of_deviation(Axis::C), 3.0)].into(),
             feed_limit: None,
             remaining: Vec::new(),
             rapids_as_programmed: 12,

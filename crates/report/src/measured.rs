@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::correction::output_name;
 use super::number::{grouped, significant};
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
@@ -58,7 +59,7 @@ impl Measured {
             row("sense", &format!("unknown in {rows}: as in the middle of the backlash; give X_dir …"));
         }
         row("machine", &self.machine);
-        row("written", if self.output == "-" { "standard output" } else { &self.output });
+        row("written", output_name(&self.output));
         out
     }
 }

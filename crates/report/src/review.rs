@@ -9,6 +9,7 @@ use super::correction::error_rows;
 use super::json::{Finding, Spread};
 use super::number::{grouped, micrometers, significant};
 use super::verdict::Verdict;
+use ncfix_base::units::UnitKey;
 
 /// The result of `ncfix diff`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -67,7 +68,7 @@ pub struct Review {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct Figures {
-    pub unit: &'static str,
+    pub unit: UnitKey,
     pub max: f64,
     pub max_line: u32,
     /// The file of that line, where it is a subprogram.
@@ -141,8 +142,8 @@ pub struct Changed {
     pub after: String,
     /// What was added, in `unit`.
     pub added: f64,
-    /// `um` or `urad`.
-    pub unit: &'static str,
+    /// Its unit.
+    pub unit: UnitKey,
 }
 
 /// Width of a word that is changed, with the space behind it.
@@ -200,7 +201,7 @@ impl Review {
         for (axis, one) in &self.axes {
             let [max, mean] = [one.max, one.mean].map(signed);
             let [rms, p99] = [one.rms, one.p99].map(significant);
-            let (unit, line) = (unit_of(one.unit), one.max_line);
+            let (unit, line) = (one.unit.sign(), one.max_line);
             let file = one.max_file.as_ref().map_or(String::new(), |file| format!("  line {line} is of {file}"));
             let _ = writeln!(out, "  {axis:<4} {max:>10} {line:>10} {mean:>10} {rms:>10} {p99:>10}  {unit}{file}");
         }
@@ -216,11 +217,6 @@ impl Review {
 #[must_use]
 pub fn place(line: u32, file: Option<&str>) -> String {
     file.map_or_else(|| format!("line {line}"), |file| format!("line {line} of {file}"))
-}
-
-/// `µm`.
-fn unit_of(unit: &str) -> &'static str {
-    if unit == "urad" { "µrad" } else { "µm" }
 }
 
 /// A number with its sign.
@@ -275,7 +271,7 @@ impl Changed {
         let added = if added.contains('.') { added.trim_end_matches('0').trim_end_matches('.') } else { &added };
         let sign = if self.added > 0.0 { "+" } else { "" };
         let text = |after: &str| {
-            let (axis, before, unit) = (&self.axis, &self.before, unit_of(self.unit));
+            let (axis, before, unit) = (&self.axis, &self.before, self.unit.sign());
             format!("{axis:<2}{before:>NUMBER$} → {after}{blanks} ({sign}{added} {unit})")
         };
         (text(&self.colored(look)), text(&self.after).chars().count())

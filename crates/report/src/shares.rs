@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::json::Finding;
-use ncfix_base::geometry::{AXES, AxisVector, Vector};
+use ncfix_base::geometry::{AXES, AxisKey, AxisVector, Vector};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{ActiveTables, Condition, Machine, State};
 use ncfix_model::{Accumulator, Effect, ErrorModel, Model};
@@ -18,7 +18,7 @@ const LISTED: f64 = 0.05;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shares {
     /// The pose: `X_mm`, `C_deg`.
-    pub at: Vec<(String, f64)>,
+    pub at: Vec<(AxisKey, f64)>,
     /// From the spindle gauge point to the tip, in F at the zero pose.
     pub tool_mm: [f64; 3],
     /// Sources in their order, each with its components by size.
@@ -26,7 +26,7 @@ pub struct Shares {
     /// All of them together.
     pub sum: Deviation,
     /// What the correction would add to the commands: `X_um`, `C_urad`; empty where none was found.
-    pub correction: Vec<(String, f64)>,
+    pub correction: Vec<(AxisKey, f64)>,
     /// Findings about the files.
     pub diagnostics: Vec<Finding>,
 }
@@ -123,20 +123,16 @@ impl Shares {
         }
         let model = Model::at(machine, errors, condition);
         let own = || AXES.into_iter().filter(|&axis| machine.axis(axis).is_some());
-        let shown = |axis: ncfix_base::geometry::Axis, units: [&str; 2], values: [f64; 2]| {
-            let which = usize::from(axis.is_rotary());
-            (format!("{axis}_{}", units[which]), values[which])
-        };
+        let shown = |key: AxisKey, value: f64| (key, key.shown(value));
         let solved = model.solve(at, tool_mm, state, at, ncfix_model::Solve::Full).ok();
         let correction = solved.map(|command| command - *at);
         Shares {
-            at: own().map(|axis| shown(axis, ["mm", "deg"], [at[axis], at[axis].to_degrees()])).collect(),
+            at: own().map(|axis| shown(AxisKey::of_position(axis), at[axis])).collect(),
             tool_mm: (*tool_mm).into(),
             sources,
             sum,
             correction: correction.map_or(Vec::new(), |correction| {
-                let value = |axis| [um_from_mm(correction[axis]), urad_from_rad(correction[axis])];
-                own().map(|axis| shown(axis, ["um", "urad"], value(axis))).collect()
+                own().map(|axis| shown(AxisKey::of_deviation(axis), correction[axis])).collect()
             }),
             diagnostics: Vec::new(),
         }
@@ -150,17 +146,9 @@ impl Shares {
         let mut line = |text: String| {
             let _ = writeln!(out, "{}", text.trim_end());
         };
-        let listed = |values: &[(String, f64)], digits: usize| -> String {
-            let parts = values.iter().map(|(key, value)| {
-                let (axis, unit) = key.split_once('_').unwrap_or((key, ""));
-                let unit = match unit {
-                    "um" => " µm",
-                    "urad" => " µrad",
-                    "deg" => "°",
-                    _ => "",
-                };
-                format!("{axis} {}{unit}", plain(*value, digits))
-            });
+        let listed = |values: &[(AxisKey, f64)], digits: usize| -> String {
+            let parts =
+                values.iter().map(|(key, value)| format!("{} {}{}", key.letter(), plain(*value, digits), key.suffix()));
             parts.collect::<Vec<_>>().join(", ")
         };
         let [x, y, z] = self.tool_mm.map(|part| plain(part, 4));

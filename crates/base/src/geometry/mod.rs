@@ -2,6 +2,7 @@
 
 mod arc;
 mod axes;
+mod axis_key;
 mod basis;
 mod bezier;
 mod frame;
@@ -11,6 +12,7 @@ mod spline;
 
 pub use arc::{Arc, CenterFault, Plane};
 pub use axes::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
+pub use axis_key::AxisKey;
 pub use basis::PlaneBasis;
 pub use bezier::{Bezier, CurveFault, Weighted, weighted};
 pub use frame::Frame;

@@ -167,7 +167,7 @@ impl Grammar {
         }
         if entry.group == 0 {
             // Fanuc: look-ahead and smoothness, which stay until they are switched off, each by itself.
-            let is_mode = entry.effect == Effect::Keep && entry.words != "-";
+            let is_mode = entry.effect == Effect::Keep && entry.has_words();
             return if is_mode { Rule::State((OWN, name), Axes::Values) } else { Rule::Never };
         }
         let plain = Rule::State(key, Axes::Refused);
@@ -192,7 +192,7 @@ impl Grammar {
             (Language::Sinumerik, _) if entry.group <= 3 => Rule::Never,
             (Language::Sinumerik, _) => plain,
             // What a cycle, a scale or a turned plane has for words cannot be told beside the place.
-            _ if entry.words == "-" || entry.effect == Effect::Keep => plain,
+            _ if !entry.has_words() || entry.effect == Effect::Keep => plain,
             _ => Rule::InForce(key),
         }
     }

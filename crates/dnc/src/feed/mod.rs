@@ -28,7 +28,7 @@ mod wire;
 pub use dialogue::{Dialogue, Event, Halt, PROTOCOLS, Protocol, Protocols};
 pub use dosing::{Dose, Limits, LineDosing};
 pub use forecast::{Forecast, Forecaster, Link, Stretch};
-pub use journal::{Frozen, Journal, Store, Told, read as read_journal};
+pub use journal::{Frozen, HeadKey, Journal, JournalEnd, Store, Told, read as read_journal};
 pub use line::{Line, crc32};
 pub use profile::{Bound, Flow, Framing, LinkFile, Links, PROFILES, Parity, Profile, Serial, Window};
 pub use sender::{Ended, GONE, Port, Progress, Record, Sender, Supplied, Supply};

@@ -40,7 +40,7 @@ pub use grundig_control::{GrundigControl, ScaledAxes};
 pub use iso_control::{DecimalPoint, IncrementSystem, IsoControl, LengthAxis, OneAxis};
 pub use kinematics::Kinematics;
 pub use macro_control::MacroControl;
-pub use opaque::Opaque;
+pub use opaque::{AllowedSynchronised, Opaque};
 pub use servo::{AxisServo, Servo};
 pub use setting::Setting;
 pub use state::State;
@@ -190,7 +190,7 @@ pub struct Control {
     /// Programs and cycles that the control runs by itself: their calls are passed on.
     pub opaque: Vec<Opaque>,
     /// Synchronised actions that may move axes, by their ID.
-    pub allow_synchronised: Vec<String>,
+    pub allow_synchronised: Vec<AllowedSynchronised>,
     /// The axis whose positions are diameters behind DIAMON (Sinumerik MD20100).
     pub transverse_axis: Axis,
     /// How A2, B2, C2 turn the tool (Sinumerik MD21100).

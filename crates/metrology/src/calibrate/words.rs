@@ -7,7 +7,7 @@
 use nalgebra::DVector;
 
 use crate::measure::data::DataSet;
-use crate::measure::kind::Unknown;
+use crate::measure::kind::{Measurand, Unknown};
 use ncfix_model::parameter::{ParameterName, Term};
 
 use super::cause::{UndeterminedCause, cause};
@@ -239,7 +239,7 @@ fn phrases(columns: &[&Column], data: &[DataSet]) -> Vec<String> {
             Unknown::RodTemperature(_) => "the temperature of the rod",
             Unknown::Drift(_) => "the drift of the instrument",
             Unknown::Level(_) => "the zeros of the cycles",
-            Unknown::Offset(..) if set.kind.name == "direct" => "the zero of the instrument",
+            Unknown::Offset(..) if set.kind.measurand == Measurand::Component => "the zero of the instrument",
             Unknown::Offset(..) => "the place of the artefact",
             Unknown::Rotation(..) => "the rotation of the artefact",
             Unknown::Place(..) => "the places of the balls",

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::measure::data::{DataSet, Observation};
-use crate::measure::kind;
+use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisVector};
 use ncfix_model::ErrorName;
 
@@ -113,7 +113,7 @@ fn move_along(data: &DataSet, rows: &mut [Row]) {
         for ((&place, velocity), acceleration) in places.iter().zip(velocities).zip(accelerations) {
             rows[place].velocity = velocity;
             // What encoders say at their own rate is better than differences of the rows that are left of them.
-            rows[place].acceleration = if data.kind.name == kind::TRACE.name {
+            rows[place].acceleration = if data.kind.measurand == Measurand::MovingDisplacement {
                 data.observations.get(rows[place].number).map(|one| one.reading.state.acceleration)
             } else {
                 acceleration

@@ -7,7 +7,7 @@ mod description;
 mod drivers;
 mod rows;
 
-pub use drivers::Driver;
+pub use drivers::{Driver, TIME};
 
 use std::sync::LazyLock;
 

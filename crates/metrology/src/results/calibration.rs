@@ -9,6 +9,7 @@ use super::selection;
 use super::{conditions, figures, has_errors, not_told, repeated};
 use crate::calibrate::{Compared, Fit, Options, Parameter, Refusal, Rule, fit, quality, reversals, select};
 use crate::measure::data::DataSet;
+use crate::measure::kind::Measurand;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
 use ncfix_base::number::{micrometers, significant};
@@ -321,7 +322,7 @@ pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_
 /// Says which probing is far from the others of its ball.
 fn check_balls(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: f64, findings: &mut Vec<Diagnostic>) {
     let data = &measurement.data;
-    if data.kind.name != "probe" || !data.free.is_empty() {
+    if data.kind.measurand != Measurand::BallPlace || !data.free.is_empty() {
         return;
     }
     let model = begin.model();

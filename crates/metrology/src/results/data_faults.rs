@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::measurement::{Measurement, data_of};
 use crate::diagnose::Scene;
-use crate::diagnose::fault::{Checks, Fault, Then, find_with, mend_sensors};
+use crate::diagnose::fault::{Checks, DefectKind, Fault, Then, find_with, mend_sensors};
 use crate::measure::data::DataSet;
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -21,7 +21,8 @@ use ncfix_model::ErrorModel;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DataFault {
     /// `outlier`, `sensor` …
-    pub kind: String,
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
+    pub kind: DefectKind,
     /// The measurement, sensor or column.
     pub name: String,
     /// What is wrong with it.
@@ -64,8 +65,9 @@ fn look_in(
     // Where readings cannot even tell the set-ups, who goes on says so.
     let mut faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find_with(checks, &scene));
     // Rows that judge stay in: then the sensor says nothing.
-    for fault in
-        faults.iter_mut().filter(|fault| is_held_out && fault.kind == "sensor" && fault.then == Then::WithoutRows)
+    for fault in faults
+        .iter_mut()
+        .filter(|fault| is_held_out && fault.kind == DefectKind::Sensor && fault.then == Then::WithoutRows)
     {
         fault.then = Then::WithoutSensors(vec![fault.name.clone()]);
     }
@@ -82,7 +84,8 @@ fn look_in(
 
 /// Whether nothing can be made of the measurement. An old model looks like a table that is active: in data held out both are for the reader.
 fn is_refused(fault: &Fault, is_held_out: bool) -> bool {
-    fault.then == Then::Refuse && !(is_held_out && ["compensated", "topology"].contains(&fault.kind))
+    fault.then == Then::Refuse
+        && !(is_held_out && [DefectKind::Compensated, DefectKind::Topology].contains(&fault.kind))
 }
 
 /// What the search goes without.
@@ -104,7 +107,7 @@ fn excluded(fault: &Fault, is_held_out: bool) -> String {
 
 /// Readings that are far out are single ones, all others those of some rows.
 fn is_range(fault: &Fault) -> bool {
-    fault.kind != "outlier"
+    fault.kind != DefectKind::Outlier
 }
 
 fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
@@ -118,7 +121,7 @@ fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
         _ => fault.rows.map(|row| row + 1).to_vec(),
     };
     DataFault {
-        kind: fault.kind.into(),
+        kind: fault.kind,
         name: fault.name.clone(),
         what: fault.what.clone(),
         rows,
@@ -151,26 +154,26 @@ fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>
     let message = format!("{of}{}{name}: {}{rows}: {}", set.name, fault.what, fault.evidence);
     let is_refused = is_refused(fault, is_held_out);
     let help = match fault.kind {
-        "unit" => {
+        DefectKind::Unit => {
             "convert the column to the unit that its name says, and check sigma_um (or sigma_urad) in the description".into()
         }
-        "axes" if fault.what.starts_with("not ") => {
+        DefectKind::Positions => {
             "check the unit of the readings, the columns of positions, and centre_mm and length_mm in the description".into()
         }
-        "axes" => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again".into(),
-        "topology" => {
+        DefectKind::Axes => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again".into(),
+        DefectKind::Topology => {
             "check topology and direction of the axes in the machine file; errors that it knows act elsewhere on another machine"
                 .into()
         }
-        "compensated" if is_refused => {
+        DefectKind::Compensated if is_refused => {
             "measure with the table of the control switched off, or give with --machine what the control does not take out"
                 .into()
         }
-        "sensor" if matches!(fault.then, Then::InFahrenheit(_)) => {
+        DefectKind::Sensor if matches!(fault.then, Then::InFahrenheit(_)) => {
             "converted for this diagnosis; convert the column, (°F − 32) / 1.8, for all that reads it".into()
         }
-        "compensated" => "check whether a table of the control was active; if not, the model has expired".into(),
-        "order" => "give the rows in the order in which they were taken, or the senses of motion in columns X_dir …".into(),
+        DefectKind::Compensated => "check whether a table of the control was active; if not, the model has expired".into(),
+        DefectKind::Order => "give the rows in the order in which they were taken, or the senses of motion in columns X_dir …".into(),
         _ => format!("left out: {}", excluded(fault, is_held_out)),
     };
     let code = if is_refused { Code::DATA_FAULT } else { Code::FAULTY_DATA };

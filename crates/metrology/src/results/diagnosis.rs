@@ -11,7 +11,7 @@ use super::readings::{self, ShownReadings};
 use super::{data_faults, has_errors};
 use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
-use crate::diagnose::fault::Checks;
+use crate::diagnose::fault::{Checks, DefectKind};
 use crate::diagnose::{
     self, Causes, Compared, Diagnosis as Found, FAR_OUT, Gate, Scene, Source, diagnose, diagnose_with, fault,
     freedom_of, reads_angles, shape,
@@ -435,7 +435,7 @@ fn tell_all(found: &Found, scene: &Scene<'_>, (sets, used): (&[DataSet], usize),
         if !rows.is_empty() {
             let times = FAR_OUT;
             report.data_faults.push(DataFault {
-                kind: "outlier".into(),
+                kind: DefectKind::Outlier,
                 name: set.name.clone(),
                 what: "far from all others".to_owned(),
                 evidence: format!(

@@ -5,6 +5,7 @@ use super::compared::{Circle, Part, Point, Readings};
 use crate::calibrate::{Compared, Fit, Quality};
 use crate::measure::circles::{self, circles};
 use crate::measure::data::{DataSet, Observation};
+use crate::measure::kind::Measurand;
 use ncfix_base::geometry::Axis;
 use ncfix_base::units::Unit;
 use ncfix_machine::machine::Machine;
@@ -148,7 +149,7 @@ impl Held<'_> {
     }
 
     fn circles(&self, machine: &Machine, points: &[Point]) -> Vec<Circle> {
-        if self.data.kind.name != "ballbar" {
+        if self.data.kind.measurand != Measurand::BallDistance {
             return Vec::new();
         }
         // Readings of a ball-bar are one to a row, in its order.

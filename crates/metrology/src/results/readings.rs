@@ -7,6 +7,8 @@ use super::held::{shown_circle, timed};
 use crate::diagnose::scene::Item;
 use crate::diagnose::{self, Diagnosis, Scene, shape};
 use crate::measure::circles::circles;
+use crate::measure::data::TIME;
+use crate::measure::kind::Measurand;
 use ncfix_base::units::Unit;
 
 /// What a page shows beside the object for programs.
@@ -65,6 +67,8 @@ pub struct Driver {
     pub name: String,
     /// The same with its unit: `X in mm`.
     pub title: String,
+    /// Whether it is the time of the readings.
+    pub is_time: bool,
     /// Its value at each reading.
     pub values: Vec<f64>,
 }
@@ -108,7 +112,7 @@ fn tried(one: &diagnose::Tried) -> Tried {
 /// All drivers there are: time, axes and their senses, further columns.
 fn drivers(scene: &Scene<'_>) -> Vec<shape::Driver> {
     let axes: Vec<String> = scene.machine.axes.iter().flatten().map(|data| data.axis.to_string()).collect();
-    let mut names = vec!["t_s".to_owned()];
+    let mut names = vec![TIME.to_owned()];
     names.extend(axes.iter().cloned());
     names.extend(axes.iter().map(|axis| format!("{axis}_dir")));
     for driver in scene.sets.iter().flat_map(|set| &set.drivers) {
@@ -184,17 +188,16 @@ fn along(driver: &shape::Driver, rows: &[usize]) -> Option<Driver> {
         return None;
     }
     let name = driver.name.clone();
-    if name == "t_s"
-        && let Some((title, values)) = timed(values.clone())
-    {
-        return Some(Driver { name, title, values });
+    let is_time = name == TIME;
+    if is_time && let Some((title, values)) = timed(values.clone()) {
+        return Some(Driver { name, title, is_time, values });
     }
     let title = match name.strip_suffix("_dir") {
         Some(axis) => format!("sense of {axis}"),
         None if driver.unit.is_empty() => name.clone(),
         None => format!("{name} in {}", driver.unit),
     };
-    Some(Driver { name, title, values })
+    Some(Driver { name, title, is_time, values })
 }
 
 /// The direction or component of a reading.
@@ -211,7 +214,9 @@ fn part_name(scene: &Scene<'_>, item: &Item) -> String {
 }
 
 fn shown_circles(scene: &Scene<'_>, number: usize, readings: &[Reading]) -> Vec<Circle> {
-    let Some(data) = scene.sets.get(number).filter(|data| data.kind.name == "ballbar") else { return Vec::new() };
+    let Some(data) = scene.sets.get(number).filter(|data| data.kind.measurand == Measurand::BallDistance) else {
+        return Vec::new();
+    };
     let places: HashMap<usize, usize> =
         readings.iter().enumerate().map(|(place, reading)| (reading.row - 1, place)).collect();
     let found = circles(scene.machine, data);

@@ -41,8 +41,8 @@ mod volume;
 mod way;
 
 pub use compare::{
-    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Difference, Follow, Grouping, How, ON_THE_SPOT, Parting,
-    Promise, What, compare, compare_seeing,
+    ActSubject, CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Difference, Follow, Grouping, How, ON_THE_SPOT,
+    Parting, Promise, What, compare, compare_seeing,
 };
 pub use corrector::Corrector;
 pub use increment::Increments;

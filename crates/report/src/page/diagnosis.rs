@@ -232,7 +232,7 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
         let excluded = if one.excluded.is_empty() { "these readings".to_owned() } else { one.excluded.clone() };
         let name = one.name.clone();
         let cells = vec![
-            one.kind.clone(),
+            one.kind.to_string(),
             name,
             one.what.clone(),
             named(one.is_range, &one.rows),

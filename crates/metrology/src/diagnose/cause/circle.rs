@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::{Candidate, Cause, Correctable, Effect, Values, Weight};
 use crate::diagnose::scene::{Scene, Through};
+use crate::measure::kind::Measurand;
 
 pub(super) const CHORDS: Cause = Cause {
     name: "chords in place of the circle",
@@ -72,7 +73,9 @@ pub(in crate::diagnose) fn places(scene: &Scene<'_>) -> Option<Places> {
     // Circles of several planes may have one set-up.
     let mut by_run: HashMap<(usize, usize), Vec<Placed>> = HashMap::new();
     for row in &scene.rows {
-        let Some(set) = scene.sets.get(row.set).filter(|set| set.kind.name == "ballbar") else { continue };
+        let Some(set) = scene.sets.get(row.set).filter(|set| set.kind.measurand == Measurand::BallDistance) else {
+            continue;
+        };
         let Some(setup) = set.setups.get(row.setup) else { continue };
         let at = [0, 1, 2].map(|k| {
             let axis = super::linear(scene).find(|axis| axis.dimension() == k);

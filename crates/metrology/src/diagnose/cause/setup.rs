@@ -6,6 +6,7 @@ use super::{Candidate, Cause, Correctable, Effect, Values, Weight, column, tip};
 use crate::diagnose::row::Row;
 use crate::diagnose::scene::{Scene, Through};
 use crate::measure::data::Free;
+use crate::measure::kind::Measurand;
 
 pub(super) const PLACE: Cause = Cause {
     name: "place of the artefact",
@@ -66,9 +67,12 @@ fn point(row: &Row, scene: &Scene<'_>) -> [f64; 3] {
 }
 
 /// Set-ups of measurements of which something is not free.
-fn setups(scene: &Scene<'_>, kinds: &[&str], free: Free) -> Vec<(usize, usize)> {
-    let sets =
-        scene.sets.iter().enumerate().filter(|(_, set)| kinds.contains(&set.kind.name) && !set.free.contains(&free));
+fn setups(scene: &Scene<'_>, measurands: &[Measurand], free: Free) -> Vec<(usize, usize)> {
+    let sets = scene
+        .sets
+        .iter()
+        .enumerate()
+        .filter(|(_, set)| measurands.contains(&set.kind.measurand) && !set.free.contains(&free));
     let all: Vec<_> = sets.flat_map(|(set, data)| (0..data.setups.len()).map(move |setup| (set, setup))).collect();
     if all.len() > MOST { Vec::new() } else { all }
 }
@@ -89,11 +93,11 @@ fn push(
 
 fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let of = |own: (usize, usize)| move |row: &Row| f64::from(u8::from((row.set, row.setup) == own));
-    let centres = setups(scene, &["ballbar"], Free::Centre);
+    let centres = setups(scene, &[Measurand::BallDistance], Free::Centre);
     let columns = centres.iter().flat_map(|&own| (0..3).map(move |k| vec![part(Through::Tip(k), of(own))])).collect();
     push(out, &PLACE, "centre", columns, &["setup"]);
     let mut lengths: BTreeMap<u64, Vec<(usize, usize)>> = BTreeMap::new();
-    for own in setups(scene, &["ballbar"], Free::Length) {
+    for own in setups(scene, &[Measurand::BallDistance], Free::Length) {
         let length = scene.sets.get(own.0).and_then(|set| set.setups.get(own.1)).map_or(0.0, |setup| setup.length_mm);
         lengths.entry((length * 1e3).round() as u64).or_default().push(own);
     }
@@ -107,7 +111,7 @@ fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         .collect();
     push(out, &PLACE, "length", columns, &["setup"]);
     let mut columns = Vec::new();
-    for own in setups(scene, &["displacement"], Free::Rotation) {
+    for own in setups(scene, &[Measurand::Displacement], Free::Rotation) {
         let rows = scene.rows.iter().filter(|row| (row.set, row.setup) == own);
         let points: Vec<[f64; 3]> = rows.map(|row| point(row, scene)).collect();
         let middle = [0, 1, 2].map(|k| points.iter().map(|at| at[k]).sum::<f64>() / points.len().max(1) as f64);
@@ -132,7 +136,7 @@ fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
 }
 
 fn tool(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let all = setups(scene, &["probe", "displacement", "ballbar"], Free::Tool);
+    let all = setups(scene, &[Measurand::BallPlace, Measurand::Displacement, Measurand::BallDistance], Free::Tool);
     if all.is_empty() {
         return;
     }
@@ -164,7 +168,7 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let axis = name.axis()?;
         (name == super::own(axis) && !axis.is_rotary()).then(|| row.position[axis])
     };
-    let is_direct = |set: usize| scene.sets.get(set).is_some_and(|set| set.kind.name == "direct");
+    let is_direct = |set: usize| scene.sets.get(set).is_some_and(|set| set.kind.measurand == Measurand::Component);
     // One set-up of a laser is wrong.
     let mut all: Vec<(usize, usize)> = scene
         .rows
@@ -193,7 +197,7 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             length.map_or(0.0, |length| length * warm(&own, row))
         };
         push(out, &SCALE, "scale", vec![vec![part(Through::Reading(false), of_direct)]], &[name]);
-        let plates: Vec<bool> = scene.sets.iter().map(|set| set.kind.name == "displacement").collect();
+        let plates: Vec<bool> = scene.sets.iter().map(|set| set.kind.measurand == Measurand::Displacement).collect();
         let mut parts = Vec::new();
         for axis in super::linear(scene) {
             let k = axis.dimension();
@@ -217,7 +221,7 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
 
 fn probe(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     if let Some(feed) = column(scene.sets, "feed_mm_min") {
-        let is_probe: Vec<bool> = scene.sets.iter().map(|set| set.kind.name == "probe").collect();
+        let is_probe: Vec<bool> = scene.sets.iter().map(|set| set.kind.measurand == Measurand::BallPlace).collect();
         if is_probe.contains(&true) {
             let weight = Weight::new(move |row| {
                 let feed = feed.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(0.0);
@@ -234,7 +238,7 @@ fn probe(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         return;
     };
     let touches = |row: &Row| {
-        scene.sets.get(row.set).is_some_and(|set| set.kind.name == "probe")
+        scene.sets.get(row.set).is_some_and(|set| set.kind.measurand == Measurand::BallPlace)
             && row.sense_of(first) != 0.0
             && row.sense_of(second) != 0.0
     };

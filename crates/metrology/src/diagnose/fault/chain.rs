@@ -4,7 +4,7 @@
 //! explains nearly as well: with other bodies the errors that are known predict all readings, with nothing that is fitted.
 
 use super::single::{MOST, by_one_cause, left, thinned};
-use super::{Check, Fault, Then, View, median};
+use super::{Check, DefectKind, Fault, Then, View, median};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::{Machine, Topology};
@@ -16,9 +16,6 @@ pub(super) const CHECK: Check = Check {
     source: "likelihood over permutations",
     look,
 };
-
-/// Its kind.
-pub(super) const KIND: &str = "topology";
 
 /// What is left in squares of the noise where readings fit.
 const FITS: f64 = 1.4;
@@ -75,7 +72,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     );
     let rows = view.scene.sets.get(first).map_or(0, |data| data.observations.len().saturating_sub(1));
     out.push(Fault {
-        kind: KIND,
+        kind: DefectKind::Topology,
         set: first,
         name: scene.machine.name.clone(),
         what: format!("another order of the axes: {}", names.join(" or ")),

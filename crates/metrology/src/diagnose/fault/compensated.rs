@@ -2,7 +2,7 @@
 
 use super::readings::WeighedReadings;
 use super::single::{MOST, by_one_cause, left, thinned};
-use super::{Check, Fault, Then, View};
+use super::{Check, DefectKind, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
     name: "active compensation",
@@ -59,7 +59,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 let single =
                     if is_sure { "; no single cause explains as much" } else { "; a single cause does the same" };
                 out.push(Fault {
-                    kind: "compensated",
+                    kind: DefectKind::Compensated,
                     set,
                     name: data.name.clone(),
                     what: what.into(),

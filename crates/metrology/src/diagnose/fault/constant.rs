@@ -1,6 +1,6 @@
 //! Readings that are the same number on and on while the machine goes elsewhere: a channel that is dead, a probe that hangs.
 
-use super::{Check, Fault, Then, View};
+use super::{Check, DefectKind, Fault, Then, View};
 use crate::measure::data::DataSet;
 
 pub(super) const CHECK: Check = Check {
@@ -50,7 +50,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 let excluded = rows.iter().filter(|row| (run.first..=run.last).contains(row));
                 let excluded = excluded.map(|&row| (row, value)).collect();
                 out.push(Fault {
-                    kind: "reading",
+                    kind: DefectKind::Reading,
                     set,
                     name: target.and_then(|number| data.targets.get(number)).unwrap_or(&data.name).clone(),
                     what: "constant".into(),

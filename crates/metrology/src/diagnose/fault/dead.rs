@@ -1,6 +1,6 @@
 //! A sensor that is dead: −180 °C of an open circuit, exactly 0 of a logger without a signal, anything that no machine has.
 
-use super::{Check, Fault, Then, View};
+use super::{Check, DefectKind, Fault, Then, View};
 use ncfix_machine::machine::condition::file::PLAUSIBLE_C;
 
 pub(super) const CHECK: Check = Check {
@@ -35,7 +35,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 let (Some(&first), Some(&last)) = (piece.first(), piece.last()) else { continue };
                 let value = sensor.values[first];
                 out.push(Fault {
-                    kind: "sensor",
+                    kind: DefectKind::Sensor,
                     set,
                     name: sensor.name.clone(),
                     what: "dead".into(),

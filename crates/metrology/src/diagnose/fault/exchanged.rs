@@ -3,7 +3,7 @@
 //! Only the change shows it: two sensors that were exchanged from the beginning are two sensors with each other's names, which no reading contradicts.
 
 use super::cells::{Sensor, TableClock};
-use super::{Check, Fault, Then, View, spread};
+use super::{Check, DefectKind, Fault, Then, View, spread};
 
 pub(super) const CHECK: Check = Check {
     name: "exchanged sensors",
@@ -39,7 +39,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         let Some(best) = best(sensors, &clock).or_else(|| over_rows(sensors, &clock)) else { continue };
         let names = best.pair.map(|number| sensors[number].name.clone());
         out.push(Fault {
-            kind: "sensor",
+            kind: DefectKind::Sensor,
             set,
             name: names.join(" "),
             what: "exchanged".into(),

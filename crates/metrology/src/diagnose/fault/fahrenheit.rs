@@ -1,7 +1,7 @@
 //! A sensor in degrees Fahrenheit in a column of degrees Celsius.
 
 use super::cells::Sensor;
-use super::{Check, Fault, Then, View};
+use super::{Check, DefectKind, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
     name: "degrees Fahrenheit",
@@ -35,7 +35,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             let rest = super::median(lows);
             let [from, to] = [low, high].map(celsius);
             out.push(Fault {
-                kind: "sensor",
+                kind: DefectKind::Sensor,
                 set,
                 name: sensor.name.clone(),
                 what: "degrees Fahrenheit".into(),

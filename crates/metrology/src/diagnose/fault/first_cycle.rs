@@ -3,7 +3,7 @@
 use super::sharp::{CHANCE, EACH};
 use super::step::{ChangePoint, change, evidence};
 use super::trail::Trail;
-use super::{Check, Fault, Then, View, spread};
+use super::{Check, DefectKind, Fault, Then, View, spread};
 use crate::measure::data::DataSet;
 
 pub(super) const CHECK: Check = Check {
@@ -34,7 +34,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         });
         let Some((last, evidence)) = found else { continue };
         out.push(Fault {
-            kind: "first-cycle",
+            kind: DefectKind::FirstCycle,
             set,
             name: data.observations.first().and_then(|one| data.runs.get(one.run)).cloned().unwrap_or_default(),
             what: "first cycle".into(),

@@ -34,6 +34,9 @@ mod visits;
 
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
 
 use super::scene::{Scene, Through};
 use crate::measure::data::DataSet;
@@ -114,11 +117,80 @@ pub enum Then {
     MoreNoise(f64),
 }
 
+/// What is wrong with data. Results have it as its word ([`DefectKind::word`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DefectKind {
+    /// Columns of positions are exchanged or reversed.
+    Axes,
+    /// Readings are of other positions than the file says.
+    Positions,
+    /// A table of the control was active.
+    Compensated,
+    /// The first cycle is not like the others.
+    FirstCycle,
+    /// Rows are in another order than they were taken in.
+    Order,
+    /// Single readings are far from the others.
+    #[default]
+    Outlier,
+    /// Rows of a short disturbance.
+    Pulse,
+    /// Readings in coarse steps.
+    Quantised,
+    /// A reading that stays.
+    Reading,
+    /// A sensor.
+    Sensor,
+    /// The zero moved.
+    Step,
+    /// The axes of the machine carry one another in another order than its file says.
+    Topology,
+    /// Readings are in another unit.
+    Unit,
+    /// A kind of a check that a caller brings: its word.
+    Own(&'static str),
+}
+
+impl DefectKind {
+    /// Its word in results.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            DefectKind::Axes | DefectKind::Positions => "axes",
+            DefectKind::Compensated => "compensated",
+            DefectKind::FirstCycle => "first-cycle",
+            DefectKind::Order => "order",
+            DefectKind::Outlier => "outlier",
+            DefectKind::Pulse => "pulse",
+            DefectKind::Quantised => "quantised",
+            DefectKind::Reading => "reading",
+            DefectKind::Sensor => "sensor",
+            DefectKind::Step => "step",
+            DefectKind::Topology => "topology",
+            DefectKind::Unit => "unit",
+            DefectKind::Own(word) => word,
+        }
+    }
+}
+
+impl fmt::Display for DefectKind {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.pad(self.word())
+    }
+}
+
+impl Serialize for DefectKind {
+    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        out.serialize_str(self.word())
+    }
+}
+
 /// A fault that was found.
 #[derive(Clone, Debug)]
 pub struct Fault {
-    /// `unit`, `axes`, `topology`, `compensated`, `sensor`, `pulse`, `first-cycle`, `step`, `outlier`, `quantised`, `order`.
-    pub kind: &'static str,
+    /// What kind of fault it is.
+    pub kind: DefectKind,
     /// Number of the measurement.
     pub set: usize,
     /// Column, sensor, component or measurement.
@@ -187,7 +259,7 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<Fault> {
         for fault in &found {
             match &fault.then {
                 // Of another machine nothing else can be said.
-                Then::Refuse if fault.kind == chain::KIND => view.refused.extend(0..scene.sets.len()),
+                Then::Refuse if fault.kind == DefectKind::Topology => view.refused.extend(0..scene.sets.len()),
                 Then::Refuse => {
                     view.refused.insert(fault.set);
                 }

@@ -1,7 +1,7 @@
 //! A sensor that reads some kelvin more or less from one row on: it came off and was fixed elsewhere, or its amplifier changed.
 
 use super::cells::TableClock;
-use super::{Check, Fault, Then, View, spread};
+use super::{Check, DefectKind, Fault, Then, View, spread};
 use crate::measure::data::DataSet;
 
 pub(super) const CHECK: Check = Check {
@@ -51,7 +51,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 continue;
             }
             out.push(Fault {
-                kind: "sensor",
+                kind: DefectKind::Sensor,
                 set,
                 name: sensor.name.clone(),
                 what: "offset".into(),

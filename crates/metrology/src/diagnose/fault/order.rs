@@ -1,6 +1,6 @@
 //! Rows that do not stand in the order in which they were taken, where the senses of motion follow from it.
 
-use super::{Check, Fault, Then, View};
+use super::{Check, DefectKind, Fault, Then, View};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::AXES;
 
@@ -23,7 +23,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, data) in view.sets().filter(|(_, data)| !data.has_senses) {
         let Some(evidence) = out_of_order(data) else { continue };
         out.push(Fault {
-            kind: "order",
+            kind: DefectKind::Order,
             set,
             name: data.name.clone(),
             what: "rows in no order".into(),

@@ -1,7 +1,7 @@
 //! Single readings far from the one before, the one behind and their own repetitions. A spike behind a reversal comes again at the next visit and is none.
 
 use super::trail::ReadingTrail;
-use super::{Check, Fault, Then, View};
+use super::{Check, DefectKind, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
     name: "single readings far out",
@@ -21,7 +21,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         readings.sort_unstable();
         let (Some(first), Some(last)) = (readings.first(), readings.last()) else { continue };
         out.push(Fault {
-            kind: "outlier",
+            kind: DefectKind::Outlier,
             set,
             name: data.name.clone(),
             what: "far from neighbours and repetitions".into(),

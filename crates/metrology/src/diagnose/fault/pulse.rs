@@ -3,7 +3,7 @@
 
 use super::sharp::{CHANCE, EACH, END, sharpness};
 use super::trail::{ReadingTrail, Trail};
-use super::{Check, Fault, Then, View, spread, switched};
+use super::{Check, DefectKind, Fault, Then, View, spread, switched};
 
 pub(super) const CHECK: Check = Check {
     name: "isolated pulse",
@@ -116,7 +116,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         }
         for (window, evidence) in found.into_iter().filter(|(window, _)| !switched::is_on_in(data, window.rows)) {
             out.push(Fault {
-                kind: "pulse",
+                kind: DefectKind::Pulse,
                 set,
                 name: data.name.clone(),
                 what: "pulse".into(),

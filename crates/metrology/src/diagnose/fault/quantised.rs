@@ -1,6 +1,6 @@
 //! Readings in steps of a display that are wide beside the noise: no error of the machine, but more noise than the instrument has.
 
-use super::{Check, Fault, Then, View};
+use super::{Check, DefectKind, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
     name: "steps of a display",
@@ -33,7 +33,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         let stated = if is_angle { data.sigma_rad } else { data.sigma }.is_some();
         let (micro, unit) = if is_angle { (1e6, "µrad") } else { (1e3, "µm") };
         out.push(Fault {
-            kind: "quantised",
+            kind: DefectKind::Quantised,
             set,
             name: data.name.clone(),
             what: "steps of the display".into(),

@@ -5,7 +5,7 @@
 use super::cells::TableClock;
 use super::sharp::{CHANCE, EACH, END, sharpness, usual};
 use super::trail::{ReadingTrail, Trail};
-use super::{Check, Fault, Then, View, drifting, switched};
+use super::{Check, DefectKind, Fault, Then, View, drifting, switched};
 use crate::measure::data::DataSet;
 
 pub(super) const CHECK: Check = Check {
@@ -73,7 +73,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             continue;
         }
         out.push(Fault {
-            kind: "step",
+            kind: DefectKind::Step,
             set,
             name: data.name.clone(),
             what: "step".into(),

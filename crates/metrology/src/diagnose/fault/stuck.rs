@@ -1,7 +1,7 @@
 //! A sensor that is stuck: the very same number in row after row, while it else changes from row to row or while the others go on.
 
 use super::cells::Sensor;
-use super::{Check, Fault, Then, View};
+use super::{Check, DefectKind, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
     name: "stuck sensor",
@@ -56,7 +56,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             let spared: usize = out.iter().filter(|one| one.set == set).map(|one| one.rows[1] - one.rows[0] + 1).sum();
             let rows = of_run.filter(|&rows| SPARED * (spared + length(rows)) < sensor.values.len());
             out.push(Fault {
-                kind: "sensor",
+                kind: DefectKind::Sensor,
                 set,
                 name: sensor.name.clone(),
                 what: "stuck".into(),

@@ -1,7 +1,7 @@
 //! Readings by a factor: millimetres in a column of micrometres, micrometres in one of millimetres, inches.
 
 use super::readings::WeighedReadings;
-use super::{Check, Fault, Then, View};
+use super::{Check, DefectKind, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
     name: "factor of units",
@@ -88,7 +88,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 format!("the model knows too little here to tell{of_noise}{tiny}")
             };
             out.push(Fault {
-                kind: "unit",
+                kind: DefectKind::Unit,
                 set,
                 name: data.name.clone(),
                 what: what.into(),

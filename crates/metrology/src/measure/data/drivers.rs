@@ -14,8 +14,10 @@ pub struct Driver {
     pub values: Vec<f64>,
 }
 
+/// The column with the time of a row, s.
+pub const TIME: &str = "t_s";
 /// Columns that have a meaning of their own.
-const OWN: [&str; 8] = ["setup", "run", "t_s", "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
+const OWN: [&str; 8] = ["setup", "run", TIME, "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
 
 /// Reads all columns that only have numbers.
 pub(super) fn read(table: &Table, machine: &Machine, sign: DecimalSign, data: &DataSet) -> Vec<Driver> {

@@ -13,6 +13,7 @@ use super::circle::{self, CirclePoint};
 use super::positioning::{self, ApproachReading};
 use super::{drift, sphere};
 use crate::measure::data::{DataSet, Free, Observation};
+use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine};
 
@@ -88,9 +89,9 @@ pub struct Path {
 /// All figures of a measurement.
 #[must_use]
 pub fn figures(data: &DataSet, machine: &Machine) -> Vec<Found> {
-    match data.kind.name {
-        "direct" => components(data),
-        "ballbar" => circles_and_spheres(data, machine),
+    match data.kind.measurand {
+        Measurand::Component => components(data),
+        Measurand::BallDistance => circles_and_spheres(data, machine),
         _ => Vec::new(),
     }
 }

@@ -4,7 +4,7 @@
 //! c shifts by three unknowns, L grows by one: for every set-up, or for every extension rod that set-ups share. L is the length at 20 °C; a rod of
 //! known expansion is longer where it is warmer, and how warm it was may be unknown in place of the length. The table ball goes with the workpiece.
 
-use super::{Equation, Kind, Seen, Unknown, at, needed, no_expansion, no_ties, three, vector_at, zeros};
+use super::{Equation, Kind, Measurand, Seen, Unknown, at, needed, no_expansion, no_ties, three, vector_at, zeros};
 use crate::measure::data::{DataSet, Free, Observation};
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -15,6 +15,7 @@ use ncfix_base::units::mm_from_um;
 pub(super) const KIND: Kind = Kind {
     name: "ballbar",
     title: "distance of two balls",
+    measurand: Measurand::BallDistance,
     free: &[Free::Centre, Free::Length, Free::Rod, Free::RodTemperature],
     read,
     check,

@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 
-use super::{Equation, Kind, Seen, Unknown, at, needed, no_ties, optional, zeros};
+use super::{Equation, Kind, Measurand, Seen, Unknown, at, needed, no_ties, optional, zeros};
 use crate::measure::data::{DataSet, Free, Observation, number_of, text};
 use crate::measure::iso230::drift;
 use crate::measure::iso230::positioning::ApproachReading;
@@ -22,6 +22,7 @@ use ncfix_model::name::ErrorKind;
 pub(super) const KIND: Kind = Kind {
     name: "direct",
     title: "one error component at a time",
+    measurand: Measurand::Component,
     free: &[Free::Offset, Free::Drift],
     read,
     check,

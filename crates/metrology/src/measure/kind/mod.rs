@@ -28,6 +28,8 @@ pub struct Kind {
     pub name: &'static str,
     /// What it is.
     pub title: &'static str,
+    /// What its readings are of.
+    pub measurand: Measurand,
     /// What may be unknown of its set-ups.
     pub free: &'static [Free],
     /// Reads what it needs of a row into the values of the observation, mm or rad, and names what is missing ([`needed`], [`optional`]). Axes, tool, set-up, run
@@ -48,6 +50,26 @@ pub struct Kind {
     pub temperature: Option<&'static str>,
     /// The columns of its readings, with the unit of each.
     pub columns: &'static [&'static str],
+}
+
+/// What the readings of a kind of measurement are of. Descriptions, plans, figures and causes decide by it, never by the name of the kind: one of a
+/// caller that says what it measures is treated like those that are built in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Measurand {
+    /// The change of the distance between a ball in the spindle and one on the table. A set-up has the place of that ball and the nominal distance; a row
+    /// has one value.
+    BallDistance,
+    /// The axis positions at which the tip is at a ball of unknown place, which is the target of the row.
+    BallPlace,
+    /// One error component, which the row names. Numbers of [`Unknown::Offset`] count set-ups and, within each, the components.
+    Component,
+    /// The displacement of the tool from the points of an artefact along F's directions.
+    Displacement,
+    /// That displacement while the machine moves, at samples of the encoders. A reading has the acceleration of the axes.
+    MovingDisplacement,
+    /// Something else.
+    Other,
 }
 
 /// The kinds of measurement that a description may name: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.

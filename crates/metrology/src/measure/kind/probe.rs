@@ -5,7 +5,7 @@
 
 use nalgebra::{Rotation3, Unit};
 
-use super::{Equation, Kind, Seen, Unknown, needed, optional, three, vector_at};
+use super::{Equation, Kind, Measurand, Seen, Unknown, needed, optional, three, vector_at};
 use crate::measure::data::{DataSet, Free, Observation, number_of, text};
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -16,6 +16,7 @@ use ncfix_model::Model;
 pub(super) const KIND: Kind = Kind {
     name: "probe",
     title: "probing of balls of unknown place",
+    measurand: Measurand::BallPlace,
     free: &[Free::Tool],
     read,
     check,

@@ -4,13 +4,14 @@
 //! clock, is a displacement at the positions that the encoders say, with the accelerations there. Every run is a set-up of its own, whose offset is
 //! unknown: the machine drifts from run to run.
 
-use super::{Kind, displacement, no_ties, zeros};
+use super::{Kind, Measurand, displacement, no_ties, zeros};
 use crate::measure::data::Free;
 
 /// The kind.
 pub(super) const KIND: Kind = Kind {
     name: "trace",
     title: "displacement of the tool from the workpiece while the machine moves",
+    measurand: Measurand::MovingDisplacement,
     free: &[Free::Offset],
     read: displacement::read,
     check: displacement::check,

@@ -84,24 +84,44 @@ const RUMBA_CHECK: [[i16; 2]; 60] = [
     [0, -180], [0, -300], [0, -240], [0, -90],
 ];
 
+/// A strategy of probing.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum ProbeStrategy {
+    Samba,
+    Rumba,
+    RumbaCheck,
+    /// Generated for any machine with rotary axes.
+    Indexed,
+}
+
+impl ProbeStrategy {
+    fn from_word(word: &str) -> Option<ProbeStrategy> {
+        Some(match word {
+            "samba" => ProbeStrategy::Samba,
+            "rumba" => ProbeStrategy::Rumba,
+            "rumba-check" => ProbeStrategy::RumbaCheck,
+            "indexed" => ProbeStrategy::Indexed,
+            _ => return None,
+        })
+    }
+}
+
 /// Rotary axes, spindle angle and ball of a probing.
 type Pose = (AxisVector, i16, usize);
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let tool_mm = wishes.tool_mm();
-    let variant = wishes.variant.as_deref().unwrap_or("indexed");
-    let (poses, balls_needed, free): (Vec<Pose>, usize, &[Free]) = match variant {
-        "samba" => (samba(machine)?, 6, &[]),
-        "rumba" => (rumba(machine, &RUMBA, 4)?, 4, &[Free::Tool]),
-        "rumba-check" => (rumba(machine, &RUMBA_CHECK, 1)?, 1, &[Free::Tool]),
-        "indexed" => {
+    let word = wishes.variant.as_deref().unwrap_or("indexed");
+    let strategy = ProbeStrategy::from_word(word).ok_or_else(|| {
+        Refused(format!("there is no way of probing '{word}'; the variants are samba, rumba, rumba-check, indexed"))
+    })?;
+    let (poses, balls_needed, free): (Vec<Pose>, usize, &[Free]) = match strategy {
+        ProbeStrategy::Samba => (samba(machine)?, 6, &[]),
+        ProbeStrategy::Rumba => (rumba(machine, &RUMBA, 4)?, 4, &[Free::Tool]),
+        ProbeStrategy::RumbaCheck => (rumba(machine, &RUMBA_CHECK, 1)?, 1, &[Free::Tool]),
+        ProbeStrategy::Indexed => {
             let balls = if wishes.balls_mm.is_empty() { 4 } else { wishes.balls_mm.len() };
             (indexed(machine, wishes, balls)?, balls, &[Free::Tool])
-        }
-        other => {
-            let message =
-                format!("there is no way of probing '{other}'; the variants are samba, rumba, rumba-check, indexed");
-            return Err(Refused(message));
         }
     };
     let balls_mm = balls(machine, wishes, balls_needed)?;
@@ -134,7 +154,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let mut label = String::new();
     for pose in &poses {
         let (rotary, turned, ball) = pose;
-        if variant == "samba" && spindle != Some(*turned) {
+        if strategy == ProbeStrategy::Samba && spindle != Some(*turned) {
             spindle = Some(*turned);
             label = format!("S{turned}");
             plan.data.setups.push(Setup { label: label.clone(), ..Setup::default() });
@@ -145,7 +165,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         }
         let setup = plan.data.setups.len().saturating_sub(1);
         let row = row(&plan, pose, setup)?;
-        if variant == "indexed"
+        if strategy == ProbeStrategy::Indexed
             && !(is_reachable(&plan, &row, clearance_mm) && is_clear(&plan, &row, &balls_mm, clearance_mm))
         {
             left_out += 1;
@@ -173,7 +193,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         let shown: Vec<String> = shown.collect();
         plan.notes.push(format!("the balls are taken to be at {}; give --ball X,Y,Z for each", shown.join(" and ")));
     }
-    if variant == "samba" {
+    if strategy == ProbeStrategy::Samba {
         plan.notes.push("the stylus is taken as calibrated: angles of the spindle only repeat its pose".into());
     }
     if plan.data.observations.is_empty() {

@@ -42,6 +42,28 @@ const SPAAN: [(u32, f64, [f64; 3], f64); 8] = [
     (137, 300.0, [350.0, 210.0, 0.0], 245.0),
 ];
 
+/// The spheres, and how they are run.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum SphereVariant {
+    /// Every meridian once.
+    Meridians,
+    /// Each forth and back.
+    Esmaeili,
+    /// The eight of Table 3.1.
+    Spaan,
+}
+
+impl SphereVariant {
+    fn from_word(word: &str) -> Option<SphereVariant> {
+        Some(match word {
+            "meridians" => SphereVariant::Meridians,
+            "esmaeili" => SphereVariant::Esmaeili,
+            "spaan" => SphereVariant::Spaan,
+            _ => return None,
+        })
+    }
+}
+
 /// A sphere.
 struct Sphere {
     label: String,
@@ -114,9 +136,11 @@ fn forth_and_back() -> Vec<Leg> {
 }
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
-    let variant = wishes.variant.as_deref().unwrap_or("meridians");
+    let word = wishes.variant.as_deref().unwrap_or("meridians");
+    let variant = SphereVariant::from_word(word)
+        .ok_or_else(|| Refused(format!("there is no sphere '{word}'; the variants are meridians, esmaeili, spaan")))?;
     let spheres = match variant {
-        "meridians" | "esmaeili" => {
+        SphereVariant::Meridians | SphereVariant::Esmaeili => {
             let tool_mm = wishes.tool_mm();
             vec![Sphere {
                 label: "A".to_owned(),
@@ -125,7 +149,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
                 tool_mm,
             }]
         }
-        "spaan" => SPAAN
+        SphereVariant::Spaan => SPAAN
             .iter()
             .map(|&(number, radius_mm, [x, y, z], length_mm)| Sphere {
                 label: number.to_string(),
@@ -134,20 +158,16 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
                 tool_mm: machine.spindle.axis * -length_mm,
             })
             .collect(),
-        other => {
-            let message = format!("there is no sphere '{other}'; the variants are meridians, esmaeili, spaan");
-            return Err(Refused(message));
-        }
     };
     let feed = wishes.feed.unwrap_or(200.0);
     let chord = wishes.chord.unwrap_or(0.1_f64.to_radians()).clamp(1e-4, 0.2);
-    let is_partial = variant == "spaan";
+    let is_partial = variant == SphereVariant::Spaan;
     let manner = Manner {
         chord,
         every: wishes.every.unwrap_or(5_f64.to_radians()).max(chord),
         feed,
         pole: if is_partial { (1, 1.0) } else { along_spindle(machine) },
-        legs: if variant == "esmaeili" { forth_and_back() } else { once() },
+        legs: if variant == SphereVariant::Esmaeili { forth_and_back() } else { once() },
         is_partial,
     };
     let mut data = empty(kind("ballbar")?, &[Free::Centre, Free::Length]);

@@ -3,6 +3,7 @@
 use super::Refused;
 use super::builder::{Builder, Extra, PlanReach, ROOM};
 use crate::measure::data::Observation;
+use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 
 /// How far from the end of travel a way is led that would leave it, mm.
@@ -42,7 +43,7 @@ impl Builder {
             }
         }
         // Where a ball is probed nobody commands: the row is exact.
-        let exact = self.data.kind.name == "probe";
+        let exact = self.data.kind.measurand == Measurand::BallPlace;
         let row = if exact { candidate.reading.position } else { position };
         self.row(&row, tool_mm, candidate.setup, extra)?;
         self.of_last(candidate.target, candidate.component);

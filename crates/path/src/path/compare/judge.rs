@@ -7,7 +7,7 @@ use ncfix_machine::snc::{Origin, Turning};
 use super::acts::{Act, ActPairing, differences};
 use super::course::Course;
 use super::detour::Detour;
-use super::difference::{Difference, What};
+use super::difference::{ActSubject, Difference, What};
 use super::group::MoveGroup;
 use super::manner;
 use super::promise::Promise;
@@ -189,7 +189,7 @@ impl<'d> Judge<'d> {
     /// A thread has its lead, and a probing motion stays one.
     fn manner(&mut self, step: &ComparedMove, piece: &ComparedMove) {
         if let Some([before, after]) = manner::difference(&step.manner, &piece.manner) {
-            let what = What::Act { subject: "thread", before: Some(before), after: Some(after) };
+            let what = What::Act { subject: ActSubject::Thread, before: Some(before), after: Some(after) };
             (self.differ)(Difference { original: step.origin, corrected: piece.origin, what });
         }
     }
@@ -229,9 +229,10 @@ impl<'d> Judge<'d> {
 
     fn differ<'a>(&mut self, pairs: impl IntoIterator<Item = ActPairing<'a>>) {
         for (before, after) in pairs {
+            let Some(subject) = before.or(after).map(|act| act.subject) else { continue };
             let [own, other] = [before, after].map(|act| act.map(|act| act.origin));
             let what = What::Act {
-                subject: before.or(after).map_or("", |act| act.subject),
+                subject,
                 before: before.map(|act| act.text.clone()),
                 after: after.map(|act| act.text.clone()),
             };
@@ -254,7 +255,7 @@ impl<'d> Judge<'d> {
         }
         self.passing = Some(both.clone());
         let [before, after] = both;
-        let what = What::Act { subject: "passing of block ends", before, after };
+        let what = What::Act { subject: ActSubject::Passing, before, after };
         let origin = |one: &ComparedMove| one.passing.mode.as_ref().map_or(one.origin, |mode| mode.origin);
         let corrected = if is_last { origin(piece) } else { piece.origin };
         (self.differ)(Difference { original: origin(step), corrected, what });
@@ -289,7 +290,7 @@ impl<'d> Judge<'d> {
         }
         self.setups = Some(both.clone());
         let [before, after] = both.map(Some);
-        let what = What::Act { subject: "plane and transformation", before, after };
+        let what = What::Act { subject: ActSubject::Plane, before, after };
         (self.differ)(Difference { original: step.origin, corrected: piece.origin, what });
     }
 

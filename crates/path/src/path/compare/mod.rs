@@ -27,7 +27,7 @@ use ncfix_machine::snc::{Element, Origin, WordValue};
 use ncfix_model::Model;
 
 pub use course::Course;
-pub use difference::{Difference, What};
+pub use difference::{ActSubject, Difference, What};
 pub use parting::Parting;
 pub use promise::Promise;
 

@@ -1,6 +1,6 @@
 //! A finding with its evidence and its rivals.
 
-use super::pictures::{driver_of, mean_lines, means, title_of};
+use super::pictures::{driver_of, mean_lines, means, time_of, title_of};
 use super::{figure, polar, side_by_side};
 use crate::diagnosis::{CauseText as _, DiagnosisReport, Shown, chance, differing};
 use crate::markup::Markup;
@@ -200,9 +200,10 @@ fn times(out: &mut Markup, set: &Set, part: usize, one: &Cause, does: &[f64]) {
     let rows = Driver {
         name: "row".into(),
         title: "row of the table".into(),
+        is_time: false,
         values: set.readings.iter().map(|reading| reading.row as f64).collect(),
     };
-    let time = driver_of(set, part, "t_s").unwrap_or(&rows);
+    let time = time_of(set, part).unwrap_or(&rows);
     let before: Vec<(f64, f64)> =
         points(set, part, time, |k| set.readings.get(k).map_or(f64::NAN, |one| one.before)).collect();
     let after: Vec<(f64, f64)> =
@@ -244,7 +245,7 @@ fn shape(out: &mut Markup, one: &Cause, shown: &Shown) {
     let with_unit = |name: &String| {
         let mut all = shown.readings.sets.iter().flat_map(|set| &set.drivers);
         // Time has a unit of its own in pictures of readings.
-        let known = all.find(|driver| driver.name == *name).filter(|_| name != "t_s");
+        let known = all.find(|driver| driver.name == *name).filter(|driver| !driver.is_time);
         known.map_or(name.clone(), |driver| driver.title.clone())
     };
     let along = |k: usize| -> Vec<f64> {

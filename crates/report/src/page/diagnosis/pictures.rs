@@ -25,15 +25,16 @@ pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &Shown)
         let rows = Driver {
             name: "row".into(),
             title: "row of the table".into(),
+            is_time: false,
             values: set.readings.iter().map(|reading| reading.row as f64).collect(),
         };
         // First what findings depend on and time, then the rest.
         let is_named = |driver: &Driver| {
-            driver.name == "t_s"
+            driver.is_time
                 || report.found.findings.iter().any(|one| one.drivers.contains(&driver.name))
                 || report.found.unexplained.with.iter().any(|one| one.driver == driver.name)
         };
-        let has_time = set.drivers.iter().any(|driver| driver.name == "t_s");
+        let has_time = set.drivers.iter().any(|driver| driver.is_time);
         let mut charts: [Vec<Chart>; 2] = [Vec::new(), Vec::new()];
         for (part, _) in set.parts.iter().enumerate() {
             if !has_time {
@@ -138,7 +139,15 @@ pub(super) fn title_of(set: &Set, part: usize, driver: &Driver, what: &str) -> S
 
 /// A driver by its name where it changes in a direction.
 pub(super) fn driver_of<'a>(set: &'a Set, part: usize, name: &str) -> Option<&'a Driver> {
-    let driver = set.drivers.iter().find(|driver| driver.name == name)?;
+    varying(set, part, set.drivers.iter().find(|driver| driver.name == name)?)
+}
+
+/// The time of the readings of a part; `None` where it is not known or always the same.
+pub(super) fn time_of(set: &Set, part: usize) -> Option<&Driver> {
+    varying(set, part, set.drivers.iter().find(|driver| driver.is_time)?)
+}
+
+fn varying<'a>(set: &'a Set, part: usize, driver: &'a Driver) -> Option<&'a Driver> {
     let own = set.readings.iter().zip(&driver.values).filter(|(reading, _)| reading.part == part);
     let mut values = own.map(|(_, value)| *value).filter(|value| value.is_finite());
     let first = values.next()?;

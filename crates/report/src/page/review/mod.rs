@@ -18,6 +18,7 @@ use crate::number::{grouped, micrometers, significant};
 use crate::plot::Histogram;
 use crate::review::{Review, place};
 use ncfix_base::geometry::{AXES, Axis};
+use ncfix_base::units::UnitKey;
 use ncfix_path::review::{Trace, pairs};
 
 /// Draws plots; see the licence beside it, which the page carries.
@@ -187,7 +188,7 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
         .iter()
         .map(|(axis, one)| {
             let signed = |value: f64| format!("{}{}", if value > 0.0 { "+" } else { "" }, significant(value));
-            let unit = if one.unit == "urad" { "µrad" } else { "µm" };
+            let unit = one.unit.sign();
             let [rms, p99] = [one.rms, one.p99].map(significant);
             let at = one
                 .max_file
@@ -308,10 +309,8 @@ fn data(subject: &Subject<'_>) -> Result<String, std::io::Error> {
     let mut header = Map::new();
     header.insert("version".into(), 1.into());
     header.insert("rows".into(), rows.len().into());
-    let axis = |axis: &Axis| {
-        let unit = if axis.is_rotary() { "urad" } else { "um" };
-        json!({ "name": axis.to_string(), "unit": unit, "scale": ADDED_UNIT })
-    };
+    let axis =
+        |axis: &Axis| json!({ "name": axis.to_string(), "unit": UnitKey::of(axis.is_rotary()), "scale": ADDED_UNIT });
     header.insert("axes".into(), axes.iter().map(axis).collect());
     header.insert("position_mm".into(), PLACE_UNIT_MM.into());
     let file = |one: &Program<'_>, text: &Text<'_>| json!({ "name": one.name, "lines": text.lines().count() });

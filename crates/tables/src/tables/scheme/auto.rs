@@ -61,8 +61,7 @@ pub fn choose_with(schemes: &Schemes, task: &Task<'_>) -> (Option<(&'static Sche
                 }
                 break;
             }
-            // A grid finds its own nodes; what does not fit does not fit with more points.
-            if is_hopeless || matches!(scheme.name, "grid" | "matrix") {
+            if is_hopeless || scheme.finds_nodes {
                 break;
             }
         }

@@ -29,6 +29,7 @@ pub(super) const SCHEME: Scheme = Scheme {
     title: "what the linear forward and inverse kinematics of the machine ask for, term by term",
     needs: &[Holds::Own, Holds::Cross, Holds::Products],
     home: Orientation::Smooth,
+    finds_nodes: false,
     fill: exact,
 };
 

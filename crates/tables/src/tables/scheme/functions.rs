@@ -17,6 +17,7 @@ pub(super) const SCHEME: Scheme = Scheme {
     title: "a table for each error function, for controls with kinematics of their own (18 on three axes)",
     needs: &[Holds::Errors],
     home: Orientation::Smooth,
+    finds_nodes: false,
     fill: functions,
 };
 

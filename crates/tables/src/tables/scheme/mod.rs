@@ -56,6 +56,8 @@ pub struct Scheme {
     pub needs: &'static [Holds],
     /// What of the direction of the tool it can hold best.
     pub home: Orientation,
+    /// Whether it finds its own nodes: what does not fit does not fit with more points.
+    pub finds_nodes: bool,
     /// Fills the tables; a sentence where it cannot.
     pub fill: fn(&Task<'_>) -> Result<Tables, String>,
 }
