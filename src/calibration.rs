@@ -12,7 +12,6 @@ use ncfix_metrology::results::calibration::{
 };
 use ncfix_metrology::results::measurement::{Measurement, Purpose};
 use ncfix_metrology::results::parameters;
-use ncfix_model::preset;
 
 /// How a calibration is made. `CalibrationOptions::default()` is what `ncfix calibrate` does without options, for no parameter yet.
 ///
@@ -243,7 +242,7 @@ fn chosen(machine: &Machine, names: &[String], found: &mut Diagnostics) -> Resul
     let mut all: Vec<Parameter> = Vec::new();
     let mut text = String::new();
     for name in names {
-        let Some(preset) = preset::find(name) else {
+        let Some(preset) = machine.registry.model.presets.find(name) else {
             text += &format!("{name}\n");
             continue;
         };

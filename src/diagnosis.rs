@@ -97,7 +97,7 @@ impl Diagnosis {
     /// readings that were not seen, the chance of it where there is nothing, explanations that the data cannot tell from it, and whether a corrected program
     /// takes it away.
     ///
-    /// ```no_run
+    /// ```
     /// use ncfix::prelude::*;
     ///
     /// let data = [DataSet::read("samples/measurements/laser.csv")?];
@@ -114,7 +114,7 @@ impl Diagnosis {
     /// Everything that was found: noise, sizes before and after, causes, faults of the data, candidates that were rejected, what has no name. It is what
     /// `--json` prints.
     ///
-    /// ```no_run
+    /// ```
     /// use ncfix::prelude::*;
     ///
     /// let data = [DataSet::read("samples/measurements/laser.csv")?];
@@ -129,7 +129,7 @@ impl Diagnosis {
 
     /// Warnings about the data.
     ///
-    /// ```no_run
+    /// ```
     /// use ncfix::prelude::*;
     ///
     /// let data = [DataSet::read("samples/measurements/laser.csv")?];

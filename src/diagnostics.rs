@@ -82,48 +82,112 @@ pub struct Located<'a> {
 
 impl<'a> Located<'a> {
     /// Its stable code, such as E0203; `ncfix explain` has a long text for each.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let found = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?.check(&Machine::demo());
+    /// let one = found.errors().next().unwrap();
+    /// assert_eq!(one.code().as_str(), "E0302");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn code(&self) -> Code {
         self.diagnostic.code
     }
 
     /// Error or warning; it follows from the code.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let found = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?.check(&Machine::demo());
+    /// let one = found.errors().next().unwrap();
+    /// assert_eq!(one.severity(), Severity::Error);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn severity(&self) -> Severity {
         self.diagnostic.severity()
     }
 
     /// What was found, with numbers and units.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let found = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?.check(&Machine::demo());
+    /// let one = found.errors().next().unwrap();
+    /// assert!(one.message().contains("9000"), "{}", one.message());
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn message(&self) -> &'a str {
         &self.diagnostic.message
     }
 
     /// What to do about it.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let found = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?.check(&Machine::demo());
+    /// let one = found.errors().next().unwrap();
+    /// assert!(!one.help().is_empty());
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn help(&self) -> &'a str {
         &self.diagnostic.help
     }
 
     /// The name of its file; `None` where it has no place.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let found = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?.check(&Machine::demo());
+    /// let one = found.errors().next().unwrap();
+    /// assert_eq!(one.file(), Some("part.mpf"));
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn file(&self) -> Option<&'a str> {
         self.diagnostic.place.and(self.source).map(Source::name)
     }
 
     /// Its line, from 1.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let found = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?.check(&Machine::demo());
+    /// let one = found.errors().next().unwrap();
+    /// assert_eq!(one.line(), Some(1));
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn line(&self) -> Option<usize> {
         self.as_data().line
     }
 
     /// Its column, from 1, in characters; in a line that is no UTF-8, in bytes.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let found = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?.check(&Machine::demo());
+    /// let one = found.errors().next().unwrap();
+    /// assert_eq!(one.column(), Some(1));
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn column(&self) -> Option<usize> {
         self.as_data().column
     }
 
     /// The bytes of its file that it is about.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let found = Program::parse("part.mpf", "G0 X9000\nM30\n", DialectChoice::Sinumerik)?.check(&Machine::demo());
+    /// let one = found.errors().next().unwrap();
+    /// assert_eq!(one.span().unwrap().range(), 0..8);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn span(&self) -> Option<Span> {
         self.source.and(self.diagnostic.place).map(|place| place.span)

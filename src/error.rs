@@ -69,18 +69,37 @@ impl Error {
     }
 
     /// One sentence: what cannot be read or done, or the first diagnostic that is an error.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let error = Machine::from_file("none.toml").unwrap_err();
+    /// assert_eq!(error.message(), "cannot read none.toml: there is no such file or folder");
+    /// ```
     #[must_use]
     pub fn message(&self) -> &str {
         &self.message
     }
 
     /// The code of the first diagnostic that is an error; `None` where a file cannot be read or an argument is wrong.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let error = Program::parse("part.mpf", "N10 G1 X=(\n", DialectChoice::Sinumerik).unwrap_err();
+    /// assert!(error.code().unwrap().as_str().starts_with("E01"));
+    /// assert!(Machine::from_file("none.toml").unwrap_err().code().is_none());
+    /// ```
     #[must_use]
     pub fn code(&self) -> Option<Code> {
         self.diagnostics.errors().next().map(|one| one.code())
     }
 
     /// What was found, warnings too; empty where a file cannot be read or an argument is wrong.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// let error = Program::parse("part.mpf", "N10 G1 X=(\n", DialectChoice::Sinumerik).unwrap_err();
+    /// assert!(error.diagnostics().drawn().contains("1 | N10 G1 X=("));
+    /// ```
     #[must_use]
     pub fn diagnostics(&self) -> &Diagnostics {
         &self.diagnostics

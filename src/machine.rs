@@ -66,11 +66,17 @@ impl Machine {
     /// The same with set-up files of a job, whose zero offsets and tools override those of the machine file: TOML, or data as a control saves them; the
     /// last one wins.
     ///
-    /// ```no_run
+    /// ```
     /// use ncfix::prelude::*;
     ///
-    /// let machine = Machine::from_files("mill.toml", &["job.toml".into()])?;
-    /// # Ok::<(), ncfix::Error>(())
+    /// let folder = std::env::temp_dir().join(format!("ncfix_setup_{}", std::process::id()));
+    /// std::fs::create_dir_all(&folder)?;
+    /// let setup = folder.join("job.toml");
+    /// std::fs::write(&setup, "[zero_offset.G54]\nX_mm = 10\n")?;
+    /// let machine = Machine::from_files("samples/machines/demo.toml", &[setup]);
+    /// std::fs::remove_dir_all(&folder)?;
+    /// assert_eq!(machine?.name(), "demo");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors

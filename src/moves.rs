@@ -19,6 +19,16 @@ use ncfix_machine::snc::{Element, TextReader, TextWriter};
 const HEAD: &str = "; snc 1";
 
 /// The elements of a program in their order, from [`Program::moves`](crate::Program::moves): moves, dwells, tool and auxiliary words.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let machine = Machine::demo();
+/// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+/// let elements = program.moves(&machine)?.collect::<Result<Vec<Element>, Error>>()?;
+/// assert_eq!(elements.iter().filter(|one| matches!(one.kind, Kind::Move(_))).count(), 2);
+/// # Ok::<(), ncfix::Error>(())
+/// ```
 pub struct Elements<'m> {
     running: Running<'m>,
     found: Diagnostics,
@@ -36,12 +46,34 @@ impl<'m> Elements<'m> {
     }
 
     /// What was found so far, warnings too.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let mut elements = program.moves(&machine)?;
+    /// assert!(elements.by_ref().all(|one| one.is_ok()));
+    /// assert!(!elements.diagnostics().has_errors());
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn diagnostics(&self) -> &Diagnostics {
         &self.found
     }
 
     /// The lines that called the program of an element, innermost first.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let mut elements = program.moves(&machine)?;
+    /// let first = elements.next().unwrap()?;
+    /// assert!(elements.call_lines(&first).is_empty(), "no subprogram is called");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn call_lines(&self, element: &Element) -> Vec<u32> {
         self.running.call_lines(element)

@@ -37,6 +37,12 @@ pub enum DialectChoice {
 
 impl DialectChoice {
     /// Its name, `None` where it is guessed.
+    ///
+    /// ```
+    /// # use ncfix::prelude::*;
+    /// assert_eq!(DialectChoice::Rs274.name(), Some("rs274"));
+    /// assert_eq!(DialectChoice::Guess.name(), None);
+    /// ```
     #[must_use]
     pub fn name(self) -> Option<&'static str> {
         Some(match self {
@@ -89,6 +95,14 @@ pub(crate) struct ConditionFiles {
 }
 
 /// What becomes of radius compensation (G41, G42) in a corrected program.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let mut options = Options::default();
+/// assert_eq!(options.compensation, Compensation::Center);
+/// options.compensation = Compensation::Wear(0.1);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Compensation {

@@ -56,10 +56,11 @@ impl Program {
     /// A program from a file, or from an archive of a control (`SAVE.arc/PART.MPF`); `-` is standard input. Subprograms are read from the folders
     /// beside it and those of the machine file when it runs.
     ///
-    /// ```no_run
+    /// ```
     /// use ncfix::prelude::*;
     ///
-    /// let program = Program::from_file("part.mpf", DialectChoice::Guess)?;
+    /// let program = Program::from_file("samples/programs/sinumerik/cover.mpf", DialectChoice::Guess)?;
+    /// assert!(program.moves(&Machine::demo())?.count() > 1);
     /// # Ok::<(), ncfix::Error>(())
     /// ```
     ///

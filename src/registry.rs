@@ -1,4 +1,4 @@
-//! What ncfix knows of each kind of thing, and that a program extends: sources of error, causes, instruments, formats, links, sensors.
+//! The registers of the library, which a program extends: error sources, causes, instruments, table formats, links, sensors.
 
 use ncfix_dialect::{Detector, Detectors};
 use ncfix_dnc::feed::{LinkFile, Links, Protocol, Protocols};
@@ -6,22 +6,23 @@ use ncfix_dnc::sense::{SensorSource, SensorSources};
 use ncfix_metrology::diagnose::cause::{Causes, Propose};
 use ncfix_metrology::diagnose::fault::{Check, Checks};
 use ncfix_metrology::measure::kind::{Instruments, Kind};
+use ncfix_model::preset::Preset;
 use ncfix_model::{ErrorSource, ModelRegisters, MotionKind};
 use ncfix_tables::tables::{Format, Formats, Scheme, Schemes};
 
-/// What ncfix knows of each kind of thing. [`Registry::default`] is what is built in; `with_…` add what another crate brings, each by the same way
-/// as what is built in. `docs/extending.md` says what each must do.
+/// One register for each kind of thing that can be extended. [`Registry::default`] has the built-in entries. Each `with_…` adds an entry of another
+/// crate; built-in entries use the same types. `docs/extending.md` says what an entry must provide.
 ///
 /// ```
 /// use ncfix::prelude::*;
 ///
-/// let registry = Registry::default().with_link("my-link", "name = \"my-link\"\nprotocol = \"tape\"\n");
+/// let registry = Registry::default().with_link("my-link", "name = \"my-link\"\nprotocol = \"grbl\"\n");
 /// assert!(registry.links.find("my-link").is_some());
 /// assert!(Registry::default().links.find("my-link").is_none());
 /// ```
 ///
 /// # Panics
-/// Every `with_…` panics where there is one of its name: that is a slip of the program that builds the registry.
+/// Every `with_…` panics if the name is taken: that is a mistake of the program that builds the registry.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Registry {
@@ -48,68 +49,240 @@ pub struct Registry {
 }
 
 impl Registry {
-    /// With a source of error more.
+    /// Adds a source of error, with its sections of the machine file.
+    ///
+    /// ```
+    /// use ncfix::extend::source::{ErrorModel, ErrorSource, Reading, SourceInfo};
+    /// use ncfix::prelude::*;
+    ///
+    /// static BEAM: SourceInfo = SourceInfo { name: "beam", title: "sag of a beam", sections: &["beam"], example: "" };
+    ///
+    /// struct Beams;
+    ///
+    /// impl ErrorSource for Beams {
+    ///     fn info(&self) -> &'static SourceInfo {
+    ///         &BEAM
+    ///     }
+    ///
+    ///     fn read(&self, _: &mut Reading<'_, '_>, _: &mut ErrorModel) {
+    ///         // Takes its section from the file and adds an effect to the model.
+    ///     }
+    /// }
+    ///
+    /// assert!(Registry::default().with_source(Beams).model.sources.find("beam").is_some());
+    /// ```
     #[must_use]
     pub fn with_source(self, source: impl ErrorSource + 'static) -> Registry {
         Registry { model: self.model.with_source(source), ..self }
     }
 
-    /// With a kind of motion errors more.
+    /// Adds a kind of motion error: `kind = "…"` of `[[motion]]`.
+    ///
+    /// ```
+    /// use ncfix::extend::source::{Entry, Function, MotionKind};
+    /// use ncfix::prelude::*;
+    ///
+    /// struct Sag;
+    ///
+    /// impl MotionKind for Sag {
+    ///     fn name(&self) -> &str {
+    ///         "sag"
+    ///     }
+    ///
+    ///     fn read(&self, _: &mut Entry<'_>) -> Option<Function> {
+    ///         None
+    ///     }
+    ///
+    ///     fn example(&self) -> &str {
+    ///         "component = \"EZX\"\nkind = \"sag\"\n"
+    ///     }
+    /// }
+    ///
+    /// assert!(Registry::default().with_motion_kind(Sag).model.motion_kinds.find("sag").is_some());
+    /// ```
     #[must_use]
     pub fn with_motion_kind(self, kind: impl MotionKind + 'static) -> Registry {
         Registry { model: self.model.with_motion_kind(kind), ..self }
     }
 
-    /// With a kind of measurement more.
+    /// Adds a preset: which parameters an error model has. [`CalibrationOptions::parameters`](crate::CalibrationOptions::parameters) may name it.
+    ///
+    /// ```
+    /// use ncfix::extend::preset::Preset;
+    /// use ncfix::prelude::*;
+    ///
+    /// static SQUARENESS: Preset = Preset {
+    ///     name: "squareness",
+    ///     title: "squareness of three linear axes",
+    ///     source: "ISO 230-1:2012, 3.6",
+    ///     parameters: |_| Ok(["EC0X", "EB0Z", "EA0Z"].iter().filter_map(|name| name.parse().ok()).collect()),
+    /// };
+    ///
+    /// let registry = Registry::default().with_preset(&SQUARENESS);
+    /// assert!(registry.model.presets.find("squareness").is_some());
+    /// ```
+    #[must_use]
+    pub fn with_preset(self, preset: &'static Preset) -> Registry {
+        Registry { model: self.model.with_preset(preset), ..self }
+    }
+
+    /// Adds a kind of measurement; the built-in `probe` shows what a kind consists of.
+    ///
+    /// ```
+    /// use ncfix::extend::instrument::Kind;
+    /// use ncfix::prelude::*;
+    ///
+    /// let built_in = Registry::default();
+    /// let own: &'static Kind = Box::leak(Box::new(Kind { name: "spindle-probe", ..**built_in.instruments.find("probe").unwrap() }));
+    /// assert!(built_in.with_instrument(own).instruments.find("spindle-probe").is_some());
+    /// ```
     #[must_use]
     pub fn with_instrument(self, kind: &'static Kind) -> Registry {
         Registry { instruments: self.instruments.with(kind), ..self }
     }
 
-    /// With a kind of faults of the data more, which is looked for last.
+    /// Adds a check for a kind of data defect. It runs after those that are there.
+    ///
+    /// ```
+    /// use ncfix::extend::instrument::Check;
+    /// use ncfix::prelude::*;
+    ///
+    /// let built_in = Registry::default();
+    /// let one: &Check = built_in.checks.iter().next().unwrap();
+    /// let own: &'static Check = Box::leak(Box::new(Check { name: "swapped columns", ..*one }));
+    /// assert!(built_in.with_check(own).checks.find("swapped columns").is_some());
+    /// ```
     #[must_use]
     pub fn with_check(self, check: &'static Check) -> Registry {
         Registry { checks: self.checks.with(check), ..self }
     }
 
-    /// With a cause more: a static `Cause`, or what proposes one.
+    /// Adds a cause: a static `Cause`, or a value that proposes candidates.
+    ///
+    /// ```
+    /// use ncfix::extend::cause::{Cause, Correctable, Effect};
+    /// use ncfix::prelude::*;
+    ///
+    /// static GROWTH: Cause = Cause {
+    ///     name: "spindle growth with speed",
+    ///     effect: Effect::Own("spindle-growth"),
+    ///     made_by: "centrifugal force in the bearings",
+    ///     shown_by: "readings that follow the square of the speed",
+    ///     separate_by: "the same speeds in another order",
+    ///     correctable: Correctable::No,
+    ///     propose: |_scene, _candidates| {},
+    /// };
+    ///
+    /// assert!(Registry::default().with_cause(&GROWTH).causes.find("spindle growth with speed").is_some());
+    /// ```
     #[must_use]
     pub fn with_cause(self, cause: impl Propose + 'static) -> Registry {
         Registry { causes: self.causes.with(cause), ..self }
     }
 
-    /// With a format of tables more.
+    /// Adds a format of compensation tables.
+    ///
+    /// ```
+    /// use ncfix::extend::table::Format;
+    /// use ncfix::prelude::*;
+    ///
+    /// let built_in = Registry::default();
+    /// let own: &'static Format = Box::leak(Box::new(Format { name: "my-control", ..**built_in.formats.find("cec").unwrap() }));
+    /// assert!(built_in.with_format(own).formats.find("my-control").is_some());
+    /// ```
     #[must_use]
     pub fn with_format(self, format: &'static Format) -> Registry {
         Registry { formats: self.formats.with(format), ..self }
     }
 
-    /// With a scheme of tables more.
+    /// Adds a scheme that fills compensation tables.
+    ///
+    /// ```
+    /// use ncfix::extend::table::Scheme;
+    /// use ncfix::prelude::*;
+    ///
+    /// let built_in = Registry::default();
+    /// let own: &'static Scheme = Box::leak(Box::new(Scheme { name: "mine", ..**built_in.schemes.find("fik").unwrap() }));
+    /// assert!(built_in.with_scheme(own).schemes.find("mine").is_some());
+    /// ```
     #[must_use]
     pub fn with_scheme(self, scheme: &'static Scheme) -> Registry {
         Registry { schemes: self.schemes.with(scheme), ..self }
     }
 
-    /// With a detector of a dialect more, which is asked last.
+    /// Adds a detector of a dialect. It is asked after those that are there.
+    ///
+    /// ```
+    /// use ncfix::extend::dialect::{Detector, find};
+    /// use ncfix::prelude::*;
+    ///
+    /// let own = Detector::new("post of our CAM", find("fanuc").unwrap(), &["tap"], r"^\(OUR POST \d+\)$")?;
+    /// assert!(Registry::default().with_detector(own).detectors.find("post of our CAM").is_some());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn with_detector(self, detector: Detector) -> Registry {
         Registry { detectors: self.detectors.with(detector), ..self }
     }
 
-    /// With a link more: its name and the text of its profile.
+    /// Adds a link: its name and the text of its profile (TOML). [`ControlLink::named_with`](crate::ControlLink::named_with) opens it.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let registry = Registry::default().with_link("shop-grbl", "name = \"shop-grbl\"\nprotocol = \"grbl\"\n");
+    /// assert_eq!(ControlLink::named_with("shop-grbl", &registry)?.name(), "shop-grbl");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn with_link(self, name: impl Into<String>, profile: impl Into<String>) -> Registry {
         let link = LinkFile { name: name.into().into(), text: profile.into().into() };
         Registry { links: self.links.with(link), ..self }
     }
 
-    /// With a dialogue more.
+    /// Adds a dialogue that profiles may name: `protocol = "…"`.
+    ///
+    /// ```
+    /// use ncfix::extend::link::Protocol;
+    /// use ncfix::prelude::*;
+    ///
+    /// let built_in = Registry::default();
+    /// let own: &'static Protocol = Box::leak(Box::new(Protocol { name: "my-dialogue", ..**built_in.protocols.find("grbl").unwrap() }));
+    /// let profile = "name = \"mine\"\nprotocol = \"my-dialogue\"\n";
+    /// let registry = built_in.with_protocol(own).with_link("mine", profile);
+    /// assert!(ControlLink::named_with("mine", &registry).is_ok());
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn with_protocol(self, protocol: &'static Protocol) -> Registry {
         Registry { protocols: self.protocols.with(protocol), ..self }
     }
 
-    /// With a kind of sources of live readings more.
+    /// Adds a kind of source of live readings: `kind = "…"` of a sensor file. [`sensors::from_text`](crate::sensors::from_text) takes the register;
+    /// `examples/feed_with_own_sensor.rs` is a whole program.
+    ///
+    /// ```
+    /// use ncfix::extend::sensor::{Plan, Section, SensorSource, Wanted};
+    /// use ncfix::prelude::*;
+    ///
+    /// struct Thermometer;
+    ///
+    /// impl SensorSource for Thermometer {
+    ///     fn name(&self) -> &str {
+    ///         "thermometer"
+    ///     }
+    ///
+    ///     fn title(&self) -> &str {
+    ///         "thermometer of the spindle head"
+    ///     }
+    ///
+    ///     fn read(&self, _: &mut Section<'_>, _: &mut [Wanted<'_>]) -> Option<std::sync::Arc<dyn Plan>> {
+    ///         None
+    ///     }
+    /// }
+    ///
+    /// assert!(Registry::default().with_sensor_source(Thermometer).sensor_sources.find("thermometer").is_some());
+    /// ```
     #[must_use]
     pub fn with_sensor_source(self, source: impl SensorSource + 'static) -> Registry {
         Registry { sensor_sources: self.sensor_sources.with(source), ..self }

@@ -16,11 +16,15 @@ use ncfix_dnc::sense::Config;
 
 /// Opens the sensors of a file (TOML), which may have kinds of sources of one's own; paths in it count from its folder.
 ///
-/// ```no_run
+/// ```
 /// use ncfix::sensors::{SensorSources, from_file};
 ///
-/// let panel = from_file("sensors.toml", &SensorSources::default())?;
-/// # Ok::<(), ncfix::Error>(())
+/// let path = std::env::temp_dir().join(format!("ncfix_sensors_{}.toml", std::process::id()));
+/// std::fs::write(&path, "[source.own]\nkind = \"crystal ball\"\n")?;
+/// let opened = from_file(&path, &SensorSources::default());
+/// std::fs::remove_file(&path)?;
+/// assert!(opened.err().unwrap().diagnostics().has_errors());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors

@@ -45,6 +45,20 @@ pub struct SimulateOptions {
 }
 
 /// What was recorded of a simulated program.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let text = std::fs::read_to_string("samples/machines/demo.toml")?
+///     + "[servo]\ncycle_ms = 3\nsmoothing_ms = 24\ncorner_tolerance_um = 50\n"
+///     + &["X", "Y", "Z"].map(|axis| format!("[servo.{axis}]\nvelocity_gain_per_s = 50\nfeed_forward = 0.98\nmax_acceleration_m_s2 = 5\n")).concat();
+/// let machine = Machine::from_text("mill.toml", &text)?;
+/// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X10 F2000\nY10\nM30\n", DialectChoice::Sinumerik)?;
+/// let recorded = program.simulate(&machine, &SimulateOptions::default(), &mut std::io::sink())?;
+/// assert!(recorded.rows > 0 && recorded.time_s > 0.0);
+/// assert!(recorded.worst.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Recorded {
@@ -60,6 +74,20 @@ pub struct Recorded {
 
 impl Recorded {
     /// Root of the mean square and maximum of the distance of the tool from its path, µm.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let text = std::fs::read_to_string("samples/machines/demo.toml")?
+    ///     + "[servo]\ncycle_ms = 3\nsmoothing_ms = 24\ncorner_tolerance_um = 50\n"
+    ///     + &["X", "Y", "Z"].map(|axis| format!("[servo.{axis}]\nvelocity_gain_per_s = 50\nfeed_forward = 0.98\nmax_acceleration_m_s2 = 5\n")).concat();
+    /// let machine = Machine::from_text("mill.toml", &text)?;
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X10 F2000\nY10\nM30\n", DialectChoice::Sinumerik)?;
+    /// let recorded = program.simulate(&machine, &SimulateOptions::default(), &mut std::io::sink())?;
+    /// let [rms_um, max_um] = recorded.off_path_um();
+    /// assert!(0.0 < rms_um && rms_um < max_um);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn off_path_um(&self) -> [f64; 2] {
         [um_from_mm(self.tally.rms_mm()), um_from_mm(self.tally.max_mm)]

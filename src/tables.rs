@@ -165,12 +165,20 @@ impl Tables {
 
     /// Reads a file of tables as the control of a machine has it.
     ///
-    /// ```no_run
+    /// ```
     /// use ncfix::prelude::*;
     ///
-    /// let machine = Machine::from_file("mill.toml")?;
-    /// let left = Tables::read("CEC.INI", "cec", &machine)?.check(&machine, &TableOptions::default())?;
-    /// # Ok::<(), ncfix::Error>(())
+    /// let machine = Machine::from_file("samples/machines/maho700s.toml")?;
+    /// let mut options = TableOptions::default();
+    /// options.scheme = "fik".into();
+    /// let made = Tables::make(&machine, "cec", &options)?;
+    /// let (_, text) = made.files("MAHO").swap_remove(0);
+    /// let path = std::env::temp_dir().join(format!("ncfix_tables_{}.INI", std::process::id()));
+    /// std::fs::write(&path, text)?;
+    /// let read = Tables::read(&path, "cec", &machine);
+    /// std::fs::remove_file(&path)?;
+    /// assert_eq!(read?.check(&machine, &options)?, made.check(&machine, &options)?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors

@@ -17,6 +17,7 @@ use ncfix_machine::machine::Machine;
 /// # Ok::<(), ncfix::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum ToolVector {
     /// Its length along the spindle, mm.
     Length(f64),

@@ -63,3 +63,40 @@ fn a_program_of_memory_reads_no_file() {
     let program = Program::from_file(shop.path("main.mpf"), DialectChoice::Sinumerik).unwrap();
     assert!(!program.check(&machine).has_errors(), "{}", program.check(&machine).drawn());
 }
+
+/// Public items of the facade, with the lines of their documents. Modules of the command line and of files are not part of it.
+fn items_of_the_facade(folder: &std::path::Path, found: &mut Vec<(String, String)>) {
+    for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if entry.is_dir() {
+            if !["cli", "disk"].iter().any(|hidden| entry.ends_with(hidden)) {
+                items_of_the_facade(&entry, found);
+            }
+            continue;
+        }
+        let text = std::fs::read_to_string(&entry).unwrap();
+        let mut documents = String::new();
+        for line in text.lines().map(str::trim).take_while(|line| *line != "#[cfg(test)]") {
+            let is_item =
+                ["pub fn ", "pub struct ", "pub enum ", "pub trait "].iter().any(|start| line.starts_with(start));
+            if is_item {
+                found.push((format!("{}: {line}", entry.display()), std::mem::take(&mut documents)));
+            } else if line.starts_with("///") {
+                documents.push_str(line);
+                documents.push('\n');
+            } else if !line.starts_with("#[") {
+                documents.clear();
+            }
+        }
+    }
+}
+
+#[test]
+fn every_item_of_the_facade_has_an_example_that_runs() {
+    let mut items = Vec::new();
+    items_of_the_facade(&crate::support::repository("src"), &mut items);
+    let lacking = |documents: &str| {
+        !documents.contains("```") || documents.contains("```no_run") || documents.contains("```ignore")
+    };
+    let found: Vec<&str> = items.iter().filter(|(_, text)| lacking(text)).map(|(item, _)| item.as_str()).collect();
+    assert!(found.is_empty() && items.len() > 80, "{} items; without an example: {found:#?}", items.len());
+}

@@ -14,13 +14,14 @@ use ncfix_machine::machine::file::{DEMO, Section};
 use ncfix_machine::machine::{Condition, Machine, State};
 use ncfix_metrology::calibrate::{Options, Parameter, fit};
 use ncfix_metrology::diagnose::cause::{self, Candidate, Cause, Correctable, Effect as CauseEffect, Weight};
-use ncfix_metrology::diagnose::extend::{Change, again, extension};
+use ncfix_metrology::diagnose::extend::{Anchor, Change, again, extension};
 use ncfix_metrology::diagnose::fault::{self, Check, Checks, DefectKind, Fault, Then};
 use ncfix_metrology::diagnose::scene::{Scene, Through};
 use ncfix_metrology::diagnose::{Causes, diagnose_with};
 use ncfix_metrology::measure::data::{self, DataSet, Observation, ReadAs};
 use ncfix_metrology::measure::kind::{self, Equation, Instruments, Kind, Measurand, Seen};
 use ncfix_model::motion::{Entry, Function, MotionFunction, MotionKind};
+use ncfix_model::preset::Preset;
 use ncfix_model::source::{Parameter as SourceParameter, Reading, Written};
 use ncfix_model::{
     Accumulator, Effect, ErrorModel, ErrorSource, Model, ModelRegisters, Solve, SourceInfo, Sources, file, write,
@@ -217,6 +218,41 @@ fn a_section_that_is_no_list_is_written_back_too() {
         edit.set_at("beam", 0, "mid_um", &Given::Number(4.5)) && !edit.set_at("beam", 1, "mid_um", &Given::Whole(1))
     );
     assert_eq!(edit.text(), "[beam]\nmid_um = 4.5 # so far\n");
+}
+
+#[test]
+fn a_change_adds_to_a_single_section_or_writes_it() {
+    let change = Change::Section { section: "overhang", amounts: vec![("sag_um", -2.5)] };
+    let texts = [
+        ("[overhang]\nsag_um = 10.0 # of May\n", "[overhang]\nsag_um = 7.5 # of May\n"),
+        ("", "[overhang]\nsag_um = -2.5\n"),
+    ];
+    for (before, after) in texts {
+        let mut edit = Edit::parse(before).unwrap();
+        assert_eq!(change.make(&mut edit).unwrap(), Anchor::Key("overhang", "sag_um".into()));
+        assert_eq!(edit.text(), after);
+    }
+}
+
+static ONE_SQUARENESS: Preset = Preset {
+    name: "one squareness",
+    title: "squareness of X to Y",
+    source: "ISO 230-1:2012",
+    parameters: |_| Ok(vec!["EC0X".parse().unwrap()]),
+};
+
+#[test]
+fn a_preset_that_is_registered_is_fitted_and_another_is_no_parameter() {
+    use ncfix::{Calibration, CalibrationOptions, Registry};
+    let file = crate::support::repository("samples/machines/demo.toml");
+    let data = [ncfix::DataSet::read(crate::support::repository("samples/measurements/ball_bar.csv")).unwrap()];
+    let mut options = CalibrationOptions::default();
+    options.parameters = vec![ONE_SQUARENESS.name.into()];
+    let machine = ncfix::Machine::from_file_with(&file, &Registry::default().with_preset(&ONE_SQUARENESS)).unwrap();
+    let fitted = Calibration::run(&machine, &data, &options).unwrap();
+    assert_eq!(fitted.parameters().iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["EC0X"]);
+    let without = ncfix::Machine::from_file(&file).unwrap();
+    assert!(Calibration::run(&without, &data, &options).unwrap_err().to_string().contains("one squareness"));
 }
 
 #[test]

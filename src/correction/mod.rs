@@ -79,6 +79,18 @@ impl<'a> Correction<'a> {
     /// Executes, corrects and writes the program. It streams: memory is bounded by the text of the program, and what was written before an
     /// error was met stays written.
     ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let mut text = Vec::new();
+    /// let report = program.correct(&machine, &Options::default()).write_to(&mut text)?;
+    /// assert_eq!(report.machine, "demo");
+    /// assert!(text.ends_with(b"M30\n"));
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Where the program is not understood, refused or cannot be corrected, or `out` refuses the text. The text must not be used then.
     pub fn write_to(&self, out: &mut (dyn Write + Send)) -> Result<CorrectionReport, Error> {

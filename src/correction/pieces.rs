@@ -15,6 +15,17 @@ use ncfix_path::path::{Corrector, Options, Output};
 
 /// The corrected pieces of moves, and between them elements without motion, from [`Correction::pieces`](super::Correction::pieces). It is lazy: a
 /// program without end has pieces without end.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let machine = Machine::demo();
+/// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+/// let correction = program.correct(&machine, &Options::default());
+/// let is_piece = |output: &Result<Output, Error>| matches!(output, Ok(Output::Piece(_)));
+/// assert!(correction.pieces()?.filter(is_piece).count() > 2, "the long move is divided");
+/// # Ok::<(), ncfix::Error>(())
+/// ```
 pub struct Pieces<'a> {
     corrector: Corrector<'a, Elements<'a>>,
     running: Rc<RefCell<Running<'a>>>,
@@ -52,6 +63,18 @@ impl<'a> Pieces<'a> {
     }
 
     /// What was found so far, warnings too.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let correction = program.correct(&machine, &Options::default());
+    /// let mut pieces = correction.pieces()?;
+    /// assert!(pieces.by_ref().all(|output| output.is_ok()));
+    /// assert!(!pieces.diagnostics().has_errors());
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
     #[must_use]
     pub fn diagnostics(&self) -> &Diagnostics {
         &self.found

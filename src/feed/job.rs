@@ -16,6 +16,16 @@ use ncfix_dnc::drip::Settings;
 use ncfix_dnc::feed::{Dialogue, Limits};
 
 /// A program that will be sent to a control line by line, corrected for the current temperatures.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let machine = Machine::demo();
+/// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+/// let transfer = program.feed(&machine, ControlLink::named("siemens-v24")?, &Options::default(), FeedOptions::default())?;
+/// assert!(transfer.forecast()?.lines > 2);
+/// # Ok::<(), ncfix::Error>(())
+/// ```
 pub struct Transfer {
     pub(crate) program: Program,
     pub(crate) machine: Machine,

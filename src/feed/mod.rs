@@ -36,6 +36,19 @@ pub use options::FeedOptions;
 pub(crate) use resume::{Broken, began_with, check_same, plan, read as read_broken};
 
 /// Why a transfer has ended.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// fn advice(end: FeedEnd) -> &'static str {
+///     match end {
+///         FeedEnd::Done => "the part is made",
+///         FeedEnd::Control => "look at the control",
+///         _ => "read the journal",
+///     }
+/// }
+/// assert_eq!(advice(FeedEnd::Control), "look at the control");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FeedEnd {
@@ -54,6 +67,15 @@ pub enum FeedEnd {
 }
 
 /// How a transfer went.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// fn is_whole(sent: &Sent) -> bool {
+///     sent.end == FeedEnd::Done && sent.status.acknowledged == sent.status.lines
+/// }
+/// # let _ = is_whole;
+/// ```
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Sent {
@@ -64,6 +86,27 @@ pub struct Sent {
 }
 
 /// Who looks at a transfer. Times count from its start.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// /// Stops the transfer after a minute.
+/// struct Minute(std::time::Duration);
+///
+/// impl FeedView for Minute {
+///     fn tick(&mut self, now: std::time::Duration) {
+///         self.0 = now;
+///     }
+///
+///     fn is_stopped(&mut self) -> bool {
+///         self.0.as_secs() >= 60
+///     }
+/// }
+///
+/// let mut view = Minute(std::time::Duration::ZERO);
+/// view.tick(std::time::Duration::from_secs(61));
+/// assert!(view.is_stopped());
+/// ```
 pub trait FeedView {
     /// Whether a status is wanted now.
     fn is_due(&self, _now: Duration) -> bool {
@@ -140,6 +183,17 @@ impl Program {
 impl Transfer {
     /// Runs the program without sending anything: whatever is wrong in it, lines that the link cannot take, and whether the link keeps up with the motion.
     ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let transfer = program.feed(&machine, ControlLink::named("grbl")?, &Options::default(), FeedOptions::default())?;
+    /// let forecast = transfer.forecast()?;
+    /// assert!(forecast.lines >= 3);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Where something forbids to send it.
     pub fn forecast(&self) -> Result<Before, Error> {
@@ -155,16 +209,33 @@ impl Transfer {
     /// Sends the program over a port, with the sensors that are read meanwhile, and keeps a journal, which must not be there yet or be that of a job that
     /// is done. It returns when the transfer has ended, however it did.
     ///
-    /// ```no_run
+    /// ```
     /// use ncfix::prelude::*;
     ///
-    /// # fn of_yours() -> Box<dyn Port> { unimplemented!() }
-    /// let machine = Machine::from_file("mill.toml")?;
-    /// let program = Program::from_file("part.ngc", DialectChoice::Guess)?;
-    /// let transfer = program.feed(&machine, ControlLink::named("grbl")?, &Options::default(), FeedOptions::default())?;
-    /// let sent = transfer.send(of_yours(), None, "part.journal")?;
+    /// # use std::io::Read as _;
+    /// /// A control with a tape reader: it says XON once and takes every byte.
+    /// struct Tape(std::io::Cursor<[u8; 1]>);
+    ///
+    /// impl Port for Tape {
+    ///     fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+    ///         self.0.read(into)
+    ///     }
+    ///
+    ///     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+    ///         Ok(bytes.len())
+    ///     }
+    /// }
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let mut how = FeedOptions::default();
+    /// (how.machine_stands_still, how.allow_starvation) = (true, true);
+    /// let transfer = program.feed(&machine, ControlLink::named("siemens-v24")?, &Options::default(), how)?;
+    /// let journal = std::env::temp_dir().join(format!("ncfix_send_{}.journal", std::process::id()));
+    /// let sent = transfer.send(Box::new(Tape(std::io::Cursor::new([17]))), None, &journal)?;
+    /// std::fs::remove_file(&journal)?;
     /// assert_eq!(sent.end, FeedEnd::Done);
-    /// # Ok::<(), ncfix::Error>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
@@ -174,6 +245,49 @@ impl Transfer {
     }
 
     /// The same with somebody who looks at it.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// # use std::io::Read as _;
+    /// /// A control with a tape reader: it says XON once and takes every byte.
+    /// struct Tape(std::io::Cursor<[u8; 1]>);
+    ///
+    /// impl Port for Tape {
+    ///     fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+    ///         self.0.read(into)
+    ///     }
+    ///
+    ///     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+    ///         Ok(bytes.len())
+    ///     }
+    /// }
+    ///
+    /// /// Counts what happens on the link.
+    /// struct Count(usize);
+    ///
+    /// impl FeedView for Count {
+    ///     fn is_due(&self, _now: std::time::Duration) -> bool {
+    ///         true
+    ///     }
+    ///
+    ///     fn status(&mut self, _status: &FeedStatus, _now: std::time::Duration) {
+    ///         self.0 += 1;
+    ///     }
+    /// }
+    ///
+    /// let machine = Machine::demo();
+    /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
+    /// let mut how = FeedOptions::default();
+    /// (how.machine_stands_still, how.allow_starvation) = (true, true);
+    /// let transfer = program.feed(&machine, ControlLink::named("siemens-v24")?, &Options::default(), how)?;
+    /// let journal = std::env::temp_dir().join(format!("ncfix_seen_{}.journal", std::process::id()));
+    /// let mut count = Count(0);
+    /// let sent = transfer.send_seen(Box::new(Tape(std::io::Cursor::new([17]))), None, &journal, &mut count)?;
+    /// std::fs::remove_file(&journal)?;
+    /// assert!(sent.end == FeedEnd::Done && count.0 > 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// Those of [`Transfer::send`].

@@ -36,7 +36,7 @@ pub use location::LocationError;
 pub use motion::{MotionError, MotionFunction, MotionKind, MotionKinds};
 pub use name::ErrorName;
 pub use parameter::ParameterName;
-pub use preset::Presets;
+pub use preset::{Preset, Presets};
 pub use source::{Effect, ErrorSource, SourceInfo, Sources};
 
 /// What a machine file may say of errors: registers that a caller extends.
@@ -52,22 +52,31 @@ pub struct ModelRegisters {
 }
 
 impl ModelRegisters {
-    /// With a source of error more.
+    /// Adds a source of error.
     ///
     /// # Panics
-    /// Where its name or one of its sections is another's.
+    /// If its name or one of its sections belongs to another source.
     #[must_use]
     pub fn with_source(self, source: impl ErrorSource + 'static) -> ModelRegisters {
         ModelRegisters { sources: self.sources.with(source), ..self }
     }
 
-    /// With a kind of motion errors more.
+    /// Adds a kind of motion error.
     ///
     /// # Panics
-    /// Where there is one of its name.
+    /// If its name is taken.
     #[must_use]
     pub fn with_motion_kind(self, kind: impl MotionKind + 'static) -> ModelRegisters {
         ModelRegisters { motion_kinds: self.motion_kinds.with(kind), ..self }
+    }
+
+    /// Adds a preset of parameters.
+    ///
+    /// # Panics
+    /// If its name is taken.
+    #[must_use]
+    pub fn with_preset(self, preset: &'static Preset) -> ModelRegisters {
+        ModelRegisters { presets: self.presets.with(preset), ..self }
     }
 }
 

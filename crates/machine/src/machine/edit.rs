@@ -129,8 +129,10 @@ impl Edit {
         }
     }
 
+    /// A section that is no list is its own entry 0, as for [`Self::set_at`].
     fn at(&self, list: &str, index: usize, path: &str) -> Option<&Item> {
-        let mut item = self.0.get(list)?.get(index)?;
+        let own = self.0.get(list)?;
+        let mut item = if own.is_table_like() { Some(own).filter(|_| index == 0)? } else { own.get(index)? };
         for word in path.split('.') {
             let (key, numbers) = word.split_at(word.find('[').unwrap_or(word.len()));
             item = item.get(key)?;

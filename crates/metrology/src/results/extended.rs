@@ -287,7 +287,9 @@ fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64,
                 let rest = own.name().strip_prefix(&format!("load.{name}"));
                 rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '~']))
             }
-            (Change::Entry { list, .. }, Parameter::Effect(own)) => own.name().starts_with(&format!("{list}.")),
+            (Change::Entry { list: section, .. } | Change::Section { section, .. }, Parameter::Effect(own)) => {
+                own.name().starts_with(&format!("{section}."))
+            }
             _ => false,
         })
     };

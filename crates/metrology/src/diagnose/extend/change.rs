@@ -96,6 +96,13 @@ pub enum Change {
         /// Other keys that a new entry gets. Numbers tell entries apart too: `at_mm` 300 is another entry than 500.
         keys: Vec<(&'static str, Given)>,
     },
+    /// Keys of a single section `[…]` of a source of one's own, which is added if the file lacks it: the amounts are added to the numbers that stand there.
+    Section {
+        /// The section: `overhang` for `[overhang]`.
+        section: &'static str,
+        /// Keys and by how much their numbers grow, in the unit of the key.
+        amounts: Vec<(&'static str, f64)>,
+    },
 }
 
 /// Where a change stands in the file.
@@ -147,6 +154,7 @@ impl Change {
             }
             Change::Load { name, reference_n, lean, values } => load(edit, *name, (*reference_n, *lean), values),
             Change::Entry { list, words, amounts, keys } => entry(edit, list, words, amounts, keys),
+            Change::Section { section, amounts } => of_section(edit, section, amounts),
         };
         is_done.ok_or_else(|| "the machine file has its list in a form that cannot be added to".into())
     }
@@ -267,6 +275,14 @@ fn entry(
     all.extend(keys.iter().map(|(key, given)| ((*key).to_owned(), given.clone())));
     all.extend(amounts.iter().map(|(key, amount)| number(key, rounded(*amount))));
     pushed(edit, list, &all)
+}
+
+fn of_section(edit: &mut Edit, section: &'static str, amounts: &[(&'static str, f64)]) -> Option<Anchor> {
+    for (key, amount) in amounts {
+        let sum = edit.number(section, 0, key).unwrap_or(0.0) + amount;
+        edit.set(section, key, &Given::Number(rounded(sum))).then_some(())?;
+    }
+    amounts.first().map(|(key, _)| Anchor::Key(section, (*key).to_owned()))
 }
 
 /// To 1 pm, or 1e-6 of a degree.
