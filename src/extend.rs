@@ -46,10 +46,10 @@ pub mod preset {
 pub mod instrument {
     pub use ncfix_base::csv::{DecimalSign, Row, Table};
     pub use ncfix_base::diagnostic::Diagnostic;
-    pub use ncfix_metrology::diagnose::fault::{Check, Fault, Then, View};
+    pub use ncfix_metrology::diagnose::fault::{Check, DefectKind, Fault, Then, View};
     pub use ncfix_metrology::measure::data::{DataSet, Free, Observation};
     pub use ncfix_metrology::measure::kind::{
-        Equation, Kind, Seen, Unknown, at, needed, no_ties, optional, three, vector_at, zeros,
+        Equation, Kind, Measurand, Seen, Unknown, at, needed, no_ties, optional, three, vector_at, zeros,
     };
 }
 

@@ -1,5 +1,5 @@
-//! Says where the demo machine stands: among the samples of the project. A package has nothing of what stands above its folder, but a copy that `cargo package`
-//! makes of the link `demo.toml` beside this file. A system without such links needs the sample.
+//! Tells the compiler where the demo machine is: among the samples of the project. A package contains nothing above its folder, except the copy that `cargo
+//! package` makes of the link `demo.toml` beside this file. A system without such links needs the sample.
 
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{CodeTable, Dialect, Language};
+use super::{BlockEnds, CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
     LazyLock::new(|| CodeTable::from_tsv(include_str!(concat!(env!("NCFIX_GRAMMARS"), "/fanuc-codes.tsv"))));
@@ -14,6 +14,7 @@ pub(super) const FANUC: Dialect = Dialect {
     extensions: &["eia", "fan"],
     mark: MARK,
     is_executable: true,
+    block_ends: BlockEnds { exact: "G61", running: "G64", once: Some("G9"), group: &["G61", "G62", "G63", "G64"] },
     codes: || &CODES,
 };
 

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{CodeTable, Dialect, Language};
+use super::{BlockEnds, CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
     LazyLock::new(|| CodeTable::from_tsv(include_str!(concat!(env!("NCFIX_GRAMMARS"), "/grundig-codes.tsv"))));
@@ -14,6 +14,7 @@ pub(super) const GRUNDIG: Dialect = Dialect {
     extensions: &["pm", "mm"],
     mark: MARK,
     is_executable: true,
+    block_ends: BlockEnds::NONE,
     codes: || &CODES,
 };
 

@@ -1,5 +1,6 @@
 //! Dialects as values: tables of codes and words, file extensions and switches. No parser functions, no execution.
 
+mod block_ends;
 mod blocks;
 mod code;
 mod detector;
@@ -16,6 +17,7 @@ use std::sync::LazyLock;
 
 use regex::bytes::{RegexSet, RegexSetBuilder};
 
+pub use block_ends::{BlockEnd, BlockEnds};
 pub use code::{CodeEntry, CodeTable, Effect};
 pub use detector::{Detector, Detectors, guess_with};
 pub use foreign::{Foreign, foreign};
@@ -49,6 +51,8 @@ pub struct Dialect {
     mark: &'static str,
     /// Whether programs of this dialect can be executed yet.
     pub is_executable: bool,
+    /// Its words for exact stops.
+    pub block_ends: BlockEnds,
     codes: fn() -> &'static CodeTable,
 }
 

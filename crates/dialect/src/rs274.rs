@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{CodeTable, Dialect, Language};
+use super::{BlockEnds, CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
     LazyLock::new(|| CodeTable::from_tsv(include_str!(concat!(env!("NCFIX_GRAMMARS"), "/rs274-codes.tsv"))));
@@ -14,6 +14,7 @@ pub(super) const RS274: Dialect = Dialect {
     extensions: &["ngc"],
     mark: MARK,
     is_executable: true,
+    block_ends: BlockEnds { exact: "G61.1", running: "G61", once: None, group: &["G61", "G61.1", "G64"] },
     codes: || &CODES,
 };
 

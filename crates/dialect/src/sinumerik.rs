@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{CodeTable, Dialect, Language};
+use super::{BlockEnds, CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
     LazyLock::new(|| CodeTable::from_tsv(include_str!(concat!(env!("NCFIX_GRAMMARS"), "/sinumerik-codes.tsv"))));
@@ -14,6 +14,12 @@ pub(super) const SINUMERIK: Dialect = Dialect {
     extensions: &["mpf", "spf", "arc"],
     mark: MARK,
     is_executable: true,
+    block_ends: BlockEnds {
+        exact: "G60",
+        running: "G64",
+        once: Some("G9"),
+        group: &["G60", "G64", "G641", "G642", "G643", "G644", "G645"],
+    },
     codes: || &CODES,
 };
 

@@ -1,4 +1,4 @@
-//! The way to the control: links, live sensors, and the drip feed. It does not know how corrections are computed.
+//! Connection to the control: links, live sensors, DNC (line-by-line feeding). This crate does not compute corrections.
 
 pub mod drip;
 pub mod feed;

@@ -1,4 +1,4 @@
-//! The machine tool as data, and SNC, the flat stream of moves that a program becomes. It knows no errors and no languages.
+//! Data of the machine tool, and SNC, the flat stream of moves that a program becomes. This crate contains neither error models nor languages.
 
 pub mod machine;
 pub mod snc;

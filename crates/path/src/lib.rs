@@ -1,4 +1,5 @@
-//! From the flat stream to a corrected program: subdivision, correction, what the control makes of it in time, the text, and what changed.
+//! From the flat stream to the corrected program: subdivision, correction, the motion of the control in time, the output text, and the review of
+//! changes.
 
 pub mod emit;
 pub mod path;

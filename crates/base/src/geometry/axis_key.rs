@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use super::Axis;
+use super::axes::Axis;
 use crate::units::{um_from_mm, urad_from_rad};
 
 /// The axis and the unit of a value in results: `X_mm` and `C_deg` of positions, `X_um` and `C_urad` of deviations. Keys are in the order of their letters.

@@ -1,14 +1,14 @@
-//! The words of a line that goes to a control: codes, addresses, and which of them belong together.
+//! Words of a line that goes to a control: codes, addresses, and the words that a code uses.
 
 use super::rules::{Axes, BlockCode, Grammar};
 
-/// Letters of axes.
+/// Axis letters.
 pub(super) const AXES: &[u8] = b"XYZABCUVW";
 
-/// A word of a block: what names it, and its value.
+/// Word of a block: its name and its value.
 pub(super) struct BlockWord<'t> {
     pub(super) text: &'t str,
-    /// `X`, `B1`, `ADIS`.
+    /// Name: `X`, `B1`, `ADIS`.
     pub(super) name: &'t str,
     pub(super) value: &'t str,
     pub(super) code: Option<BlockCode>,
@@ -25,7 +25,7 @@ impl BlockWord<'_> {
     }
 }
 
-/// The words of a line; what stands in quotation marks is part of its word.
+/// Splits a line into words. Text in quotation marks stays part of its word.
 pub(super) fn words<'t>(text: &'t str, grammar: &Grammar) -> Vec<BlockWord<'t>> {
     let mut is_quoted = false;
     let is_between = |character: char| {
@@ -43,17 +43,17 @@ pub(super) fn words<'t>(text: &'t str, grammar: &Grammar) -> Vec<BlockWord<'t>> 
     parts.map(word).collect()
 }
 
-/// Whether a value is a number.
+/// True if a value is a finite number.
 pub(super) fn is_number(value: &str) -> bool {
     value.parse::<f64>().is_ok_and(f64::is_finite)
 }
 
-/// Whether a value is a number in such brackets.
+/// True if a value is a number in the given brackets.
 pub(super) fn absolute(value: &str, begin: &str) -> bool {
     value.strip_prefix(begin).and_then(|rest| rest.strip_suffix(')')).is_some_and(is_number)
 }
 
-/// The words of a block that a code uses, and that are no further ones from now on; `None` where one of them is an axis that it may not have.
+/// Claims the words of a block that a code uses and returns their texts. `None` if one of them is an axis word that the code must not have.
 pub(super) fn arguments(code: BlockCode, words: &mut [BlockWord<'_>], axes: Axes) -> Option<Vec<String>> {
     let mut out = Vec::new();
     let mut is_refused = false;
@@ -71,7 +71,7 @@ pub(super) fn arguments(code: BlockCode, words: &mut [BlockWord<'_>], axes: Axes
                     || entry.words.split(' ').any(|known| known == name)
             }
         };
-        // The time of a dwell is in whatever words it has.
+        // A dwell accepts any word for its time.
         let is_used = is_used || entry.name == "G4";
         if !is_used || word.is_axis() && axes == Axes::Positions && entry.name != "G4" {
             continue;
@@ -84,7 +84,7 @@ pub(super) fn arguments(code: BlockCode, words: &mut [BlockWord<'_>], axes: Axes
     (!is_refused).then_some(out)
 }
 
-/// A code and its words.
+/// Joins a code and its words to a block.
 pub(super) fn block(code: &str, arguments: Option<Vec<String>>) -> Option<String> {
     let words = arguments?;
     Some(std::iter::once(code.to_owned()).chain(words).collect::<Vec<_>>().join(" "))

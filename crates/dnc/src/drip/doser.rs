@@ -1,4 +1,4 @@
-//! What a piece allows, as doses.
+//! Maps the permissions of a move to doses.
 
 use crate::feed::{Dose, Limits, LineDosing};
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector};
@@ -6,10 +6,10 @@ use ncfix_path::path::{Allows, Asked, Doses};
 
 use super::slots;
 
-/// Doses by the limits of a job.
+/// Doses the correction within the limits of a job.
 pub(super) struct Doser {
     dosing: LineDosing,
-    /// Whether sensors are in doubt: what is applied follows the way and approaches nothing.
+    /// True while sensors are unreliable: the applied correction follows the path and approaches no target.
     pub(super) is_frozen: bool,
 }
 

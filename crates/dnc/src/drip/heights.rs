@@ -1,32 +1,32 @@
-//! How high the material may stand: the highest place that is cut, along each direction in which the tool looks.
+//! Highest machined point along each tool direction.
 //!
-//! A cut is every point of every move with feed: the start of a plunge and the top of an arc as much as the ends. Heights are measured in the workpiece
-//! along the tool, so that they mean the same for tools of any length and in any tilted plane.
+//! Every point of every feed move counts as a cut: the start of a plunge and the top of an arc as well as the end points. Heights are measured in the
+//! workpiece frame along the tool. They therefore hold for tools of any length and in any tilted plane.
 
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_path::path::{Output, Piece, Tips};
 
-/// Directions along which heights are measured, at most; what looks elsewhere is not judged.
+/// Maximum number of directions along which heights are measured. Other directions are not judged.
 const MOST_DIRECTIONS: usize = 256;
-/// Directions whose cosine is nearer to one than this are the same: 0.03 mrad.
+/// Two directions are equal if one minus their cosine is below this: 0.03 mrad.
 const SAME: f64 = 5e-10;
-/// Heights are the same within this: the noise of the arithmetic, and half an increment, mm.
+/// Two heights are equal within this, mm: numerical noise plus half an increment.
 pub(super) const SAME_MM: f64 = 1e-3;
 
-/// The highest places.
+/// Highest machined points.
 #[derive(Clone, Debug, Default)]
 pub struct Heights {
-    /// Directions, and the highest place along each, mm.
+    /// Directions, and the greatest height along each, mm.
     along: Vec<(Vector, f64)>,
-    /// Line of the source of a cut at a height that the program does not state.
+    /// Source line of a cut whose height the program does not state.
     unknown: Option<u32>,
-    /// The first element that cuts with a tool that does not rise along itself.
+    /// First element that cuts with a tool that does not rise along its own axis.
     tilted: Option<u64>,
     element: u64,
 }
 
 impl Heights {
-    /// A rapid move: from now on heights are measured along the tool at its end, too.
+    /// Notes a rapid move: from now on heights are also measured along the tool direction at its end.
     pub fn look(&mut self, tips: &Tips<'_>, output: &Output) {
         if let Output::Piece(piece) = output
             && piece.rapid
@@ -38,7 +38,7 @@ impl Heights {
         }
     }
 
-    /// The next output, before [`Tips`] take it.
+    /// Takes the next output, before [`Tips`] take it.
     pub fn take(&mut self, tips: &Tips<'_>, output: &Output) {
         self.element += 1;
         let Output::Piece(piece) = output else { return };
@@ -63,27 +63,27 @@ impl Heights {
         along.map(|(_, highest_mm)| *highest_mm)
     }
 
-    /// How far a point lies above all that is cut, along the tool, mm; `None` where that is not known.
+    /// Returns the distance of a point above the highest machined point along the tool, mm; `None` if it is not known.
     #[must_use]
     pub fn above_mm(&self, point: &Vector, direction: &Vector) -> Option<f64> {
         let highest_mm = self.find(direction).filter(|_| self.unknown.is_none())?;
         Some(direction.dot(point) - highest_mm)
     }
 
-    /// Whether something up to this element was cut with a tool that does not rise along itself: Z does not lift it out then.
+    /// True if an element up to this one cuts with a tool that does not rise along its own axis. A Z move does not retract such a tool.
     #[must_use]
     pub fn is_tilted(&self, until: u64) -> bool {
         self.tilted.is_some_and(|element| element <= until)
     }
 
-    /// Line of the source of a cut whose height is not known.
+    /// Returns the source line of a cut whose height is not known.
     #[must_use]
     pub fn unknown(&self) -> Option<u32> {
         self.unknown
     }
 }
 
-/// Whether the program has stated where Z is.
+/// True if the program has stated the position of Z.
 pub(super) fn is_height_known(piece: &Piece) -> bool {
     piece.known.contains(Axis::Z)
 }

@@ -1,8 +1,8 @@
-//! From corrected pieces to the lines of a link: second step, dosing, text.
+//! Makes the lines of a link from corrected pieces: second step of the correction, dosing, text.
 //!
-//! [`Lines`] takes outputs of the first step one after the other, with the model of the moment, and gives the lines that they complete. A writer ends a
-//! line when the next block begins, so that a line comes out with the output behind it. Comments, messages and headers stay at home: they cost time on a
-//! slow link, some controls stumble over them, and profiles bring the frame that a link wants.
+//! [`Lines`] takes the outputs of the first step one by one, with the current model, and returns the lines that they complete. A writer ends a line when the
+//! next block begins, so a line becomes available one output later. Comments, messages and headers are not sent: they cost time on a slow link, and some
+//! controls reject them. The profile adds the frame that a link needs.
 
 mod block;
 mod doser;
@@ -30,18 +30,18 @@ pub use taken::Ends;
 
 use doser::Doser;
 
-/// How lines are made.
+/// Settings for making lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
-    /// How fast the applied correction changes for the sake of temperature.
+    /// Limits on the rate of change of the applied correction due to temperature.
     pub limits: Limits,
-    /// Whether it changes on ways only on which nothing is cut.
+    /// True if the correction changes only on moves that do not cut.
     pub rapids_only: bool,
-    /// Whether letters become capitals.
+    /// True if letters are converted to capitals.
     pub is_upper_case: bool,
 }
 
-/// What is known of a line that is being written.
+/// Data of a line that is being written.
 #[derive(Clone, Copy, Debug, Default)]
 struct About {
     source_line: u32,
@@ -51,26 +51,26 @@ struct About {
     asked: AxisVector,
 }
 
-/// Makes lines of a program.
+/// Makes the lines of a program.
 pub struct Lines<'a> {
     live: Live<'a>,
     writer: Box<dyn Writer + 'a>,
     doser: Doser,
     settings: Settings,
-    /// The model that is in force, where temperatures are known.
+    /// Model in force, if temperatures are known.
     model: Option<Arc<Model>>,
     text: Vec<u8>,
     ready: VecDeque<Line>,
-    /// Of what the writer holds back.
+    /// Data of the line that the writer holds back.
     about: About,
     element: u64,
     number: u64,
-    /// Dwells that the next piece counts once more, s.
+    /// Dwell times that the next piece would count again, s.
     waited_s: f64,
 }
 
 impl<'a> Lines<'a> {
-    /// Begins with the first line of a program that `base` has corrected, by `options`, and that `writer` writes.
+    /// Begins at the first line of a program that `base` has corrected with `options`. `writer` writes the lines.
     #[must_use]
     pub fn new(
         machine: &'a Machine,
@@ -94,10 +94,10 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Takes the next output of the first step, with the model of the moment; where it `is_frozen` the applied correction approaches nothing.
+    /// Takes the next output of the first step, with the current model. If `is_frozen`, the applied correction approaches no target.
     ///
     /// # Errors
-    /// `E0201` where the language has no words for it.
+    /// `E0201` if the language has no words for it.
     pub fn take(&mut self, output: Output, now: Option<&Arc<Model>>, is_frozen: bool) -> Result<(), Diagnostic> {
         self.element += 1;
         let is_rapid = matches!(&output, Output::Piece(piece) if piece.rapid && !piece.take_up);
@@ -117,7 +117,7 @@ impl<'a> Lines<'a> {
         let output = self.live.apply(output, self.model.as_deref(), &mut self.doser);
         let about = self.about(&output);
         if self.about.element == 0 {
-            // What stands before the first words comes with them.
+            // Text before the first words comes with them.
             self.about = About { busy_s: 0.0, ..about };
         }
         self.text.clear();
@@ -130,14 +130,14 @@ impl<'a> Lines<'a> {
         Ok(())
     }
 
-    /// The program has ended: what is still held back becomes lines.
+    /// Ends the program: text that is still held back becomes lines.
     pub fn finish(&mut self) {
         self.text.clear();
         self.writer.finish(&mut self.text);
         self.cut();
     }
 
-    /// The next line that is ready.
+    /// Returns the next line that is ready.
     pub fn pop(&mut self) -> Option<Line> {
         self.ready.pop_front()
     }
@@ -158,7 +158,7 @@ impl<'a> Lines<'a> {
         About { source_line: origin.line, element: self.element, busy_s, shift: applied.shift, asked: applied.asked }
     }
 
-    /// Makes lines of the text; whether there was one.
+    /// Splits the text into lines. Returns true if there was at least one.
     fn cut(&mut self) -> bool {
         let mut is_first = true;
         for text in self.text.split(|&byte| byte == b'\n') {
@@ -187,7 +187,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// A line without the mark of a piece that was added.
+/// Removes the mark of an added piece from a line.
 fn without_mark(text: &[u8]) -> &[u8] {
     let Some(at) = text.iter().rposition(|byte| b";(".contains(byte)) else { return text };
     let (words, comment) = text.split_at(at);

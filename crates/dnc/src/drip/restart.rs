@@ -1,12 +1,12 @@
-//! Where a job that was broken off can be taken up again, and what the control must be told before.
+//! Finds where an interrupted job can be restarted, and the lines that the control needs before that.
 //!
-//! A person states a height that is clear of workpiece and clamps. It must lie above everything that is machined, by [`CLEAR_MM`] at least, and within
-//! the travel of Z. The way leads up to it and across at it, and down with a slow feed to where a retract of the program had ended: there the program
-//! goes on with the rapid move that follows. So nothing that is added moves rapidly below that height, and nothing begins at the depth of a cut, which may
-//! never have been made: the tool may have broken long before. What was carried out behind the place is carried out again.
+//! A person states a height that is clear of workpiece and clamps. It must lie above everything that is machined, by [`CLEAR_MM`] at least, and within the
+//! travel of Z. The restart path goes up to this height and across at it. Then it goes down at a slow feed to the end of a retract of the program. From there
+//! the program continues with its next rapid move. So no added move is rapid below that height. Nothing begins at the depth of a cut, which may never have
+//! been made: the tool may have broken long before. Everything after the restart place is carried out again.
 //!
-//! What the control must know at the place is read from the lines before (`told`). Frames and words of unknown effect cannot be rebuilt; behind
-//! them only the beginning is left, and that only where the stated height can be reached before its first move, or is, with that move.
+//! The state of the control at the place is read from the lines before it (`told`). Frames and words of unknown effect cannot be rebuilt. After them only the
+//! beginning remains as a place. It is accepted only if the stated height can be reached before its first move or with that move.
 
 use super::heights::{Heights, SAME_MM, is_height_known};
 use super::rules::Grammar;
@@ -16,58 +16,58 @@ use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::snc::{FrameWords, Kind};
 use ncfix_path::path::{Output, Piece, Tips};
 
-/// The stated height lies so far above all that is machined, mm: corrections are below 0.2 mm, and what is told of the height of a workpiece is no better.
+/// The stated height must lie this far above everything machined, mm. Corrections are below 0.2 mm, and the stated height of a workpiece is no more accurate.
 pub const CLEAR_MM: f64 = 1.0;
 
-/// Directions of the tool that differ by less are the same.
+/// Two tool directions are equal if they differ by less than this.
 const SAME_DIRECTION: f64 = 1e-6;
 
-/// A place to begin again.
+/// Restart place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// The first element that is sent.
+    /// First element that is sent.
     pub element: u64,
-    /// Line of the source.
+    /// Source line.
     pub source_line: u32,
-    /// What is sent before it.
+    /// Lines that are sent before it.
     pub lines: Vec<String>,
-    /// The tool that is in the spindle there.
+    /// Tool in the spindle at this place.
     pub tool: Option<String>,
-    /// The first line of the program that is sent.
+    /// First line of the program that is sent.
     pub first: String,
-    /// How far the tool is above all that is machined when it moves across, mm.
+    /// Height of the tool above everything machined when it moves across, mm.
     pub above_mm: f64,
 }
 
-/// What was found.
+/// Result of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
     /// A safe place.
     Place(Place),
-    /// The beginning, which is reached so many mm above all that is machined; what is sent before it.
+    /// The beginning: the lines that are sent before it, and its height above everything machined, mm.
     Beginning(Vec<String>, f64),
-    /// No height was stated. Up to which Z of the program it machines, mm, where that is known.
+    /// No height was stated. Holds the highest machined Z of the program, mm, if it is known.
     NotStated(Option<f64>),
-    /// The stated height is not so far above all that is machined as it must be: that ends at this Z of the program, mm.
+    /// The stated height is too close to the highest machined point: Z of that point in the program, mm.
     TooLow(f64),
-    /// The stated height is outside of the travel of Z, which is this, mm of Z of the program.
+    /// The stated height is outside the travel of Z. Holds that travel as Z of the program, mm.
     OutOfTravel([f64; 2]),
-    /// Nothing brings the tool clear of the workpiece: why.
+    /// No move brings the tool clear of the workpiece, with the reason.
     Nothing(Why),
 }
 
-/// Why no place is safe.
+/// Reason why no place is safe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
-    /// The tool stood tilted against Z: no move of Z lifts it along itself.
+    /// The tool was tilted against Z: no Z move retracts it along its own axis.
     Tilted,
-    /// A cut of this line of the source is at a height that the program does not state.
+    /// A cut of this source line is at a height that the program does not state.
     HeightUnknown(u32),
-    /// Only the beginning is left, and its first move does not lift the tool.
+    /// Only the beginning remains, and its first move does not lift the tool.
     BeginningCrosses,
 }
 
-/// A height that was stated, held against a place.
+/// Result of checking the stated height at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stated {
     Above(f64),
@@ -75,48 +75,48 @@ enum Stated {
     OutOfTravel([f64; 2]),
 }
 
-/// The first move of a program.
+/// First move of a program.
 #[derive(Clone, Copy, Debug, Default)]
 struct Start {
     element: u64,
-    /// Z of the program up to which is machined, mm.
+    /// Highest machined Z of the program, mm.
     highest_z_mm: Option<f64>,
     stated: Option<Stated>,
-    /// Whether it lifts the tool to the stated height, or further, and moves nothing else.
+    /// True if it lifts the tool to the stated height or higher and moves no other axis.
     lifts: bool,
 }
 
-/// Looks for the last safe place.
+/// Searches for the last safe place.
 pub struct Search<'a> {
     tips: Tips<'a>,
     heights: &'a Heights,
-    /// A height that is clear, as a person has stated it, mm of Z of the program.
+    /// Clear height as stated by a person, Z of the program, mm.
     clearance_mm: Option<f64>,
-    /// No place behind this element.
+    /// Last element that may be a place.
     until: u64,
-    /// The last element that may have been carried out.
+    /// Last element that may have been carried out.
     sent: u64,
     told: SentState,
-    /// What it was told at the best place.
+    /// State of the control at the best place.
     at_best: Option<SentState>,
     element: u64,
-    /// Whether the axes stand where a rapid move has lifted the tool to.
+    /// True if the axes are where a rapid move has retracted the tool to.
     is_retracted: bool,
-    /// A place whose first line is to come, how far the way to it is above all that is machined, and at which Z of the program it lies.
+    /// Place whose first line is still to come: its element, the height of the path to it above everything machined, mm, and its Z of the program, mm.
     pending: Option<(u64, f64, f64)>,
     best: Option<Place>,
     start: Option<Start>,
-    /// What lifts the tool before the first move, to the stated height, once that is known.
+    /// Lines that lift the tool to the stated height before the first move, once they are known.
     beginning: Option<Option<Vec<String>>>,
-    /// What was found of the stated height at the last place that would do with another one.
+    /// Result for the stated height at the last place that a different height would make acceptable.
     refused: Option<Stated>,
     is_numbered: bool,
-    /// Line of the source behind which nothing is safe.
+    /// Source line after which no place is safe.
     unsure: Option<u32>,
 }
 
 impl<'a> Search<'a> {
-    /// Begins one; nothing behind the element `until` is taken, and nothing behind the element `sent` has been carried out.
+    /// Begins a search. No place after the element `until` is accepted. No element after `sent` has been carried out.
     #[must_use]
     pub fn new(
         grammar: Grammar,
@@ -144,7 +144,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The next element, before its lines.
+    /// Takes the next element, before its lines.
     pub fn element(&mut self, output: &Output) {
         self.element += 1;
         match output {
@@ -169,7 +169,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether the tool stands retracted behind a piece: a rapid move has lifted it since the last cut and the last plunge.
+    /// True if the tool is retracted after a piece: a rapid move has lifted it since the last cut and the last plunge.
     fn retracts(&self, piece: &Piece) -> bool {
         if !piece.rapid {
             return false;
@@ -183,18 +183,19 @@ impl<'a> Search<'a> {
         match start.and_then(|start| self.height_mm(start)).zip(end_mm) {
             Some((from_mm, to_mm)) if to_mm > from_mm + SAME_MM => true,
             Some((from_mm, to_mm)) => self.is_retracted && to_mm > from_mm - SAME_MM,
-            // The first move of a program, or a turn: to above all that is machined.
+            // First move of a program, or a change of the tool direction: to above everything machined.
             None => end_mm.is_some_and(|above_mm| above_mm >= CLEAR_MM),
         }
     }
 
-    /// How far the tool is above all that is machined, along itself, mm; `None` where that is not known, or it does not rise along itself.
+    /// Returns the height of the tool above everything machined, along its own axis, mm. `None` if it is not known or the tool does not rise along its own
+    /// axis.
     fn height_mm(&self, command: &AxisVector) -> Option<f64> {
         let above_mm = self.heights.above_mm(&self.tips.tip_mm(command), &self.tips.direction(command));
         above_mm.filter(|_| self.tips.rises_along_itself(command))
     }
 
-    /// Holds the stated height against a place. The way across is at that height.
+    /// Checks the stated height at a place. The restart path crosses at that height.
     fn stated(&self, place: &AxisVector) -> Option<Stated> {
         let (clearance_mm, highest_z_mm) = (self.clearance_mm?, self.highest_z_mm(place)?);
         let travel_mm = self.tips.programmed_travel_mm(place)?;
@@ -207,12 +208,13 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Up to which Z of the program is machined, with the axes there, mm.
+    /// Returns the highest machined Z of the program, for the axes at this place, mm.
     fn highest_z_mm(&self, place: &AxisVector) -> Option<f64> {
         Some(self.tips.programmed_z_mm(place)? - self.height_mm(place)?)
     }
 
-    /// How far the way to the beginning of a piece is above all that is machined, and its Z of the program, mm; `None` where that is no place.
+    /// Returns the height of the path to the beginning of a piece above everything machined, and its Z of the program, mm. `None` if that is not a restart
+    /// place.
     fn place(&mut self, piece: &Piece) -> Option<(f64, f64)> {
         let is_place = piece.rapid
             && piece.first
@@ -224,7 +226,7 @@ impl<'a> Search<'a> {
             && !self.heights.is_tilted(self.sent);
         let start = *self.tips.stands().filter(|_| is_place)?;
         let [from_mm, to_mm] = [self.height_mm(&start)?, self.height_mm(&piece.nominal)?];
-        // Across, or further up, and at no depth.
+        // Moves across or further up, and not at a depth.
         if from_mm < -SAME_MM || to_mm < from_mm - SAME_MM {
             return None;
         }
@@ -247,7 +249,7 @@ impl<'a> Search<'a> {
         Start { element: self.element, highest_z_mm, stated, lifts: is_lift && reaches }
     }
 
-    /// A line of the program, in order.
+    /// Takes a line of the program, in order.
     pub fn line(&mut self, line: &Line) {
         let text = String::from_utf8_lossy(&line.text).into_owned();
         if let Some((element, above_mm, stands_mm)) = self.pending.filter(|(element, ..)| line.element >= *element) {
@@ -274,8 +276,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The last safe place. Only the beginning is one also where the control was told something behind a place of which nothing is known before it, an
-    /// axis, a zero offset, the coolant: how it stood then nobody has said.
+    /// Returns the last safe place. Lines after a place may set a state that is not known before it: an axis, a zero offset, the coolant. Its earlier value
+    /// is then unknown, and only the beginning remains as a place.
     #[must_use]
     pub fn finish(self) -> Found {
         let start = self.start.unwrap_or_default();
@@ -291,7 +293,7 @@ impl<'a> Search<'a> {
             Some(Stated::OutOfTravel(travel_mm)) => return Found::OutOfTravel(travel_mm),
             _ => {}
         }
-        // The way leads over the stated height, where something can be sent before the first move; or that move is the way up itself.
+        // The restart path crosses at the stated height if lines can be sent before the first move, or if that move itself lifts the tool.
         match (start.stated, self.beginning.flatten()) {
             (Some(Stated::Above(above_mm)), Some(lift)) => Found::Beginning(lift, above_mm),
             (Some(Stated::Above(above_mm)), None) if start.lifts => Found::Beginning(Vec::new(), above_mm),
@@ -303,7 +305,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The line of the source behind which the state of the control cannot be rebuilt.
+    /// Returns the source line after which the state of the control cannot be rebuilt.
     #[must_use]
     pub fn unsure(&self) -> Option<u32> {
         self.unsure

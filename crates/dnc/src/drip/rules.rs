@@ -1,73 +1,73 @@
-//! What a code does to the state of a control, and whether that state can be told again.
+//! Effect of a code on the state of a control, and whether that state can be restored by sending it again.
 //!
-//! Every row of a table of codes has a rule; a code without a row is one of the machine builder, whose effect nobody knows here.
+//! Every row of a code table has a rule. A code without a row belongs to the machine builder; its effect is not known.
 
 use ncfix_dialect::{CodeEntry, CodeTable, Effect, Language};
 
-/// The group of motions, in all tables of codes.
+/// Group of motion codes, in all code tables.
 const MOTION: u8 = 1;
-/// Groups of codes that are told by their own name, of M codes, of transformations.
+/// Own groups: for codes that are restored by their own name, for M codes, and for transformations.
 const OWN: u8 = 250;
 pub(super) const M: u8 = 251;
 const TRANSFORM: u8 = 252;
-/// The group of the switches of the overrides, of the gear.
+/// Names of the group of override switches and of the gear group.
 const OVERRIDES: &str = "overrides";
 const GEAR: &str = "gear";
 
-/// Codes of one block that make its positions mean something else, or that move to places which the control alone knows.
+/// Codes that change the meaning of the positions in their block, or that move to places that only the control knows.
 const ELSEWHERE: &[&str] = &["G53", "G153", "SUPA", "G27", "G28", "G29", "G30", "G31", "G74", "G75", "G63"];
-/// Codes that are good for their block and change no state.
+/// Codes that act only in their block and change no state.
 const PASSING: &[&str] = &["G4", "G9", "STOPRE", "M0", "M1", "M2", "M17", "M30"];
-/// Codes of motion whose words are where the axes stand behind it.
+/// Motion codes whose words state where the axes are afterwards.
 const STRAIGHT: &[&str] = &[
     "G0", "G1", "G2", "G3", "G5", "G5.1", "G5.2", "G5.3", "G33", "G34", "G35", "G80", "CIP", "CT", "ASPLINE",
     "BSPLINE", "CSPLINE", "POLY",
 ];
 
-/// What codes exclude each other by: a group, and a name where one stands for itself.
+/// Key of codes that exclude each other: a group, and a name if a code excludes only itself.
 pub(super) type Key = (u8, &'static str);
 
-/// What the words of axes beside a code are.
+/// Meaning of axis words beside a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axes {
-    /// Where the axes go in that block.
+    /// Target positions of that block.
     Positions,
     /// Values of the code.
     Values,
-    /// Nothing that can be told again.
+    /// Values that cannot be sent again.
     Refused,
 }
 
-/// What a code does.
+/// Effect of a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
-    /// Selects the motion; whether the words beside it say where the axes stand behind it.
+    /// Selects the motion. True if the words beside it state where the axes are afterwards.
     Motion(bool),
-    /// Nothing that lasts.
+    /// No lasting effect.
     Passing,
-    /// Moves the axes to a place that its words do not say.
+    /// Moves the axes to a place that its words do not state.
     Elsewhere,
-    /// A state that is told again by the code, with the words of its block that it uses.
+    /// A state that is restored by the code with the words of its block that it uses.
     State(Key, Axes),
-    /// The same, on top of what its group had before.
+    /// A state that is added to the existing state of its group.
     Added(Key, Axes),
-    /// A state that cannot be told again; it ends with another code of its kind.
+    /// A state that cannot be restored. It ends with another code of its kind.
     InForce(Key),
-    /// Spindle: it turns, stands, or stands oriented.
+    /// Spindle: on, off or oriented.
     Spindle,
-    /// A switch of the coolant, or all of them off.
+    /// Switches a coolant on, or all of them off.
     Coolant,
-    /// The tool that was selected comes into the spindle.
+    /// Changes to the selected tool.
     ToolChange,
-    /// The tool in the spindle is the one of its word Q.
+    /// States the tool in the spindle by its word Q.
     ToolIs,
-    /// An output was switched: that is not told again, but changes no position.
+    /// Switches an output. It is not sent again, and it changes no position.
     Output,
-    /// A state that cannot be told again, and that nothing ends.
+    /// A state that cannot be restored and that nothing ends.
     Never,
 }
 
-/// A language, and how a machine changes its tools.
+/// Language, and tool change of a machine.
 #[derive(Clone, Copy)]
 pub struct Grammar {
     pub(super) codes: &'static CodeTable,
@@ -75,7 +75,7 @@ pub struct Grammar {
     pub(super) changes_on_t: bool,
 }
 
-/// A code of a block.
+/// Code of a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockCode {
     pub(super) rule: Rule,
@@ -83,13 +83,13 @@ pub(super) struct BlockCode {
 }
 
 impl Grammar {
-    /// That of a dialect; `changes_on_t` where the word T alone changes the tool.
+    /// Returns the grammar of a dialect. Set `changes_on_t` if the word T alone changes the tool.
     #[must_use]
     pub fn new(dialect: &ncfix_dialect::Dialect, changes_on_t: bool) -> Grammar {
         Grammar { codes: dialect.codes(), language: dialect.language, changes_on_t }
     }
 
-    /// The code that a word is; `None` where it is an address with a value.
+    /// Returns the code that a word stands for; `None` if it is an address with a value.
     pub(super) fn code(&self, word: &str) -> Option<BlockCode> {
         let number =
             |letter: char| word.strip_prefix(letter).filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
@@ -100,7 +100,7 @@ impl Grammar {
                 tenths
                     .filter(|(_, tenth)| *tenth < 10)
                     .and_then(|(whole, tenth)| self.codes.g_tenths(whole.checked_mul(10)? + tenth))
-                    // G505 and its kin.
+                    // G505 and similar codes.
                     .or_else(|| self.codes.word(word))
             }
             (_, Some(digits)) => digits.parse().ok().and_then(|number| self.codes.m(number)),
@@ -113,7 +113,7 @@ impl Grammar {
         is_code.then(|| BlockCode { rule: self.without_row(word), entry: None })
     }
 
-    /// What a code without a row does. Those of M are the machine builder's but for these, which a Sinumerik has without a table.
+    /// Rule of a code without a row. M codes belong to the machine builder, except those that a Sinumerik has without a table.
     fn without_row(&self, word: &str) -> Rule {
         let number = word.get(1..).and_then(|digits| digits.parse::<u32>().ok());
         if self.language != Language::Sinumerik {
@@ -134,7 +134,7 @@ impl Grammar {
         }
     }
 
-    /// What a row does.
+    /// Returns the rule of a row.
     pub(super) fn rule(&self, entry: &'static CodeEntry) -> Rule {
         let name = entry.name;
         if name.starts_with('M') && name[1..].starts_with(|digit: char| digit.is_ascii_digit()) {
@@ -152,7 +152,7 @@ impl Grammar {
             return Rule::Elsewhere;
         }
         if entry.group == MOTION {
-            // Probing, threads with the spindle and cycles end where their words do not say.
+            // Probing, threads with the spindle and cycles end where their words do not state it.
             let says_where = STRAIGHT.contains(&name);
             return if entry.effect == Effect::Refuse { Rule::InForce(key) } else { Rule::Motion(says_where) };
         }
@@ -166,13 +166,13 @@ impl Grammar {
             return if entry.group > 0 { Rule::InForce(key) } else { Rule::Never };
         }
         if entry.group == 0 {
-            // Fanuc: look-ahead and smoothness, which stay until they are switched off, each by itself.
+            // Fanuc: look-ahead and smoothing, which stay active until they are switched off one by one.
             let is_mode = entry.effect == Effect::Keep && entry.has_words();
             return if is_mode { Rule::State((OWN, name), Axes::Values) } else { Rule::Never };
         }
         let plain = Rule::State(key, Axes::Refused);
         match (self.language, name) {
-            // With increments nothing says where the axes stand.
+            // In incremental mode the words do not state where the axes are.
             (_, "G91") => Rule::InForce(key),
             (Language::Rs274, "G43") => plain,
             (Language::Rs274, "G43.1") => Rule::State(key, Axes::Values),
@@ -185,13 +185,13 @@ impl Grammar {
             (Language::Fanuc, "G16") => Rule::InForce(key),
             (Language::Grundig, "G54" | "G52" | "G28") => plain,
             (Language::Grundig, "G64") => Rule::InForce(key),
-            // A contour is not entered without its approach.
+            // A contour cannot be entered without its approach.
             (Language::Grundig, "G41" | "G42" | "G43" | "G44") | (Language::Sinumerik, "G41" | "G42") => {
                 Rule::InForce(key)
             }
             (Language::Sinumerik, _) if entry.group <= 3 => Rule::Never,
             (Language::Sinumerik, _) => plain,
-            // What a cycle, a scale or a turned plane has for words cannot be told beside the place.
+            // The words of a cycle, a scale or a rotated plane cannot be restored away from their place.
             _ if !entry.has_words() || entry.effect == Effect::Keep => plain,
             _ => Rule::InForce(key),
         }
@@ -202,7 +202,7 @@ impl Grammar {
         match (self.language, name) {
             _ if PASSING.contains(&name) => Rule::Passing,
             (_, "M3" | "M4" | "M5") | (Language::Grundig, "M13" | "M14") => Rule::Spindle,
-            // Where it stands then is lost when it turns.
+            // The oriented position is lost when the spindle turns.
             (_, "M19") => Rule::Spindle,
             (_, "M7" | "M8" | "M9") => Rule::Coolant,
             (_, "M6") | (Language::Grundig, "M66" | "M67") => Rule::ToolChange,
@@ -212,17 +212,17 @@ impl Grammar {
             (Language::Grundig, "M41..M44") => Rule::State((M, GEAR), Axes::Refused),
             (Language::Fanuc, "M29") => Rule::InForce((9, "")),
             (Language::Rs274, "M62" | "M63" | "M64" | "M65" | "M66" | "M67" | "M68") => Rule::Output,
-            // Clamps, pallets, probes, heads: what they have switched is not to be switched again beside the place.
+            // Clamps, pallets, probes, heads: they must not be switched again away from their place.
             _ => Rule::Never,
         }
     }
 
-    /// The group of a code of this name.
+    /// Returns the group of a code of this name.
     pub(super) fn group(&self, name: &str) -> Option<u8> {
         self.codes.word(name).map(|entry| entry.group).filter(|group| *group > 0)
     }
 
-    /// Whether some code of motion uses an address with an index or a name: it is gone with its block.
+    /// True if a motion code uses this address with an index or a name. Its effect ends with its block.
     pub(super) fn belongs_to_motion(&self, name: &str) -> bool {
         self.codes.rows().iter().filter(|row| row.group <= 2).any(|row| row.words.split(' ').any(|word| word == name))
     }

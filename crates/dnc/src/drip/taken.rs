@@ -1,7 +1,7 @@
-//! Up to which line a job was carried out for sure, by what the control has acknowledged and how much it may hold.
+//! Determines the last line that was certainly carried out, from the acknowledgements and the capacity of the control.
 //!
-//! A planner holds blocks, not lines: a line that moves nothing takes no place in it, and neither does one that moves by less than a step. So only
-//! ways count that are a block at least on any control, and what was taken for sure before as many of them as the planner holds was carried out.
+//! A planner holds blocks, not lines. A line without motion takes no place in it, and neither does a move shorter than one step. So only moves that are
+//! certainly a block count. The planner holds N of them at most; everything acknowledged before the last N was carried out.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +9,12 @@ use crate::feed::Told;
 use ncfix_base::geometry::{AXES, AxisVector};
 use ncfix_path::path::Output;
 
-/// A way that is a block on any control, mm: 4 steps a mm are few, and temperatures may add 0.2 mm to each of its ends (`--max-shift`).
+/// Shortest move that is a block on any control, mm: as few as 4 steps per mm, and temperatures may add 0.2 mm to each end (`--max-shift`).
 const BLOCK_MM: f64 = 0.65;
-/// The same of a rotary axis: one step a degree.
+/// Shortest rotary move that is a block on any control, rad: one step per degree.
 const BLOCK_RAD: f64 = 0.0175;
 
-/// Where the elements of a journal's lines end.
+/// Elements of a journal's lines and the commanded positions at their ends.
 #[derive(Clone, Debug, Default)]
 pub struct Ends {
     /// First and last element that are kept.
@@ -24,14 +24,14 @@ pub struct Ends {
 }
 
 impl Ends {
-    /// Those of the lines that a journal has kept.
+    /// Prepares for the lines that a journal has kept.
     #[must_use]
     pub fn new(told: &Told) -> Ends {
         let kept = [told.lines.front(), told.lines.back()].map(|line| line.map_or(0, |line| line.element));
         Ends { kept, ..Ends::default() }
     }
 
-    /// The next element of the program.
+    /// Takes the next element of the program.
     pub fn element(&mut self, output: &Output) {
         self.element += 1;
         if let Output::Piece(piece) = output
@@ -41,9 +41,8 @@ impl Ends {
         }
     }
 
-    /// The last line that was carried out for sure by a control that has taken and not carried out so many blocks at most; `None` where nobody knows
-    /// how many. What has only left proves nothing, and neither does an answer that may have come twice, or one of a control that does not say how
-    /// much it holds.
+    /// Returns the last line that was certainly carried out. `at_most` is the number of blocks that the control may hold; `None` if it is not known. A line
+    /// that has only left proves nothing. The same applies to an answer that may have come twice, and to a control that does not state its capacity.
     #[must_use]
     pub fn sure(&self, told: &Told, at_most: Option<u64>) -> u64 {
         let by_planner = at_most.filter(|_| told.left == 0).map_or(0, |at_most| self.before(told, at_most));
@@ -80,7 +79,7 @@ mod tests {
     use crate::feed::Frozen;
     use ncfix_base::geometry::Axis;
 
-    /// Lines of one element each that end at these X, mm; all are acknowledged.
+    /// Makes one line per element, ending at these X, mm; all are acknowledged.
     fn job(ends_mm: &[Option<f64>]) -> (Told, Ends) {
         let mut told = Told::default();
         let mut ends = Ends::default();
@@ -106,24 +105,24 @@ mod tests {
         assert_eq!(ends.sure(&told, Some(0)), 10);
         told.executed = 8;
         assert_eq!([Some(3), None].map(|most| ends.sure(&told, most)), [8, 8]);
-        // Answers that nothing else confirms may have come twice.
+        // Answers without other confirmation may have come twice.
         (told.executed, told.checked) = (0, 6);
         assert_eq!(ends.sure(&told, Some(3)), 3);
         told.checked = 0;
         assert_eq!([Some(0), Some(3)].map(|most| ends.sure(&told, most)), [0, 0]);
         (told.executed, told.checked) = (8, 10);
-        // A byte that has left was not even received.
+        // A byte that has left may not have been received.
         (told.executed, told.left) = (0, 10);
         assert_eq!(ends.sure(&told, Some(3)), 0);
     }
 
     #[test]
     fn lines_that_take_no_place_in_a_planner_do_not_count() {
-        // Behind each way of 1 mm a line without any, as F or M8, and one of 10 µm.
+        // After each move of 1 mm: a line without motion, such as F or M8, and a move of 10 µm.
         let ends_mm: Vec<Option<f64>> =
             (0..30).map(|k| [Some(f64::from(k / 3)), None, Some(f64::from(k / 3) + 0.01)][k as usize % 3]).collect();
         let (told, ends) = job(&ends_mm);
-        // Ways end at 9.01 (line 30), 8.01 (27), 7.01 (24), 6.01 (21): three blocks lie behind line 21.
+        // Moves end at 9.01 (line 30), 8.01 (27), 7.01 (24), 6.01 (21): three blocks follow line 21.
         assert_eq!(ends.sure(&told, Some(3)), 21);
         let (told, ends) = job(&[Some(0.0); 50]);
         assert_eq!(ends.sure(&told, Some(3)), 0);

@@ -1,61 +1,61 @@
-//! What a control was told by the lines before a place: the last block of every kind of code, tool, spindle and coolant, where each axis stands.
+//! State of a control from the lines before a place: last block of every kind of code, tool, spindle, coolant, axis positions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::block::{AXES, BlockWord, absolute, arguments, block, is_number, words};
 use super::rules::{Axes, BlockCode, Grammar, Key, M, Rule};
 
-/// Letters of axes that a tool change leaves where they are.
+/// Letters of axes that a tool change does not move.
 const TURNING: &[u8] = b"ABC";
-/// What is an absolute position of a rotary axis, as a Sinumerik writes it.
+/// Beginnings of absolute rotary positions in the notation of a Sinumerik.
 const ABSOLUTE: &[&str] = &["DC(", "ACP(", "ACN(", "AC("];
-/// Codes behind which a position in their unit is in inches, and those of feeds per minute and of constant cutting speed.
+/// Codes after which positions are in inches; then codes of feed per minute, which include constant cutting speed.
 const INCH: &[&str] = &["G20", "G70", "G700"];
 const PER_MINUTE: &[&str] = &["G94", "G942"];
-/// Codes whose words are lengths, in the unit that was in force.
+/// Codes whose words are lengths in the unit in force.
 const LENGTHS: &[&str] = &["G43.1", "G43.2", "G64", "G22", "G641"];
-/// Motions behind which a rapid move is nothing new.
+/// Motions after which a rapid move brings no new motion mode.
 const RAPID: &[&str] = &["G0", "G00", "G80"];
-/// The spindle stands oriented.
+/// Code that orients the spindle.
 const ORIENTED: &str = "M19";
-/// The feed is the reciprocal of the time of each block.
+/// Code of inverse-time feed.
 const INVERSE_TIME: &str = "G93";
 
-/// Millimeters of an inch.
+/// Millimetres per inch.
 const MM_PER_INCH: f64 = 25.4;
-/// Down to where the program moved rapidly the tool goes with this feed, mm/min: slow enough to be stopped by hand.
+/// Feed of the restart path where the program moved down rapidly, mm/min: slow enough to be stopped by hand.
 const DOWN_MM_MIN: f64 = 200.0;
 
-/// The way to a place.
+/// Path to a restart place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RestartPath {
-    /// The height that is clear, and the one of the place, mm of Z of the program.
+    /// Clear height, and height of the place, both Z of the program, mm.
     pub(super) clearance_mm: f64,
     pub(super) stands_mm: f64,
 }
 
-/// What a control has been told.
+/// State that a control has received.
 #[derive(Clone)]
 pub(super) struct SentState {
     grammar: Grammar,
-    /// The blocks that bring a state about; `None` where no block can.
+    /// Blocks that restore a state; `None` if no block can.
     states: BTreeMap<Key, Option<Vec<String>>>,
-    /// Where axes stand, by the words of the program; `None` where it has said so and it is no longer known.
+    /// Axis positions in the words of the program; `None` if a stated position is no longer known.
     places: BTreeMap<u8, Option<String>>,
-    /// Words of F, S, D, H.
+    /// Words F, S, D, H.
     values: BTreeMap<u8, String>,
     motion: Option<String>,
     spindle: Option<String>,
     coolant: BTreeSet<String>,
-    /// Whether anything was said of the coolant.
+    /// True if any line switched the coolant.
     has_coolant: bool,
-    /// The tool in the spindle, and one that was selected for the next change.
+    /// Tool in the spindle, and tool selected for the next change.
     pub(super) tool: Option<String>,
     selected: Option<String>,
     was_changed: bool,
-    /// Whether something was told that nothing can tell again.
+    /// True if a line set a state that cannot be restored.
     pub(super) is_beyond: bool,
-    /// Whether that may have changed what a height means.
+    /// True if that may have changed the meaning of a height.
     is_shifted: bool,
 }
 
@@ -78,7 +78,7 @@ impl SentState {
         }
     }
 
-    /// Whether all is known of which another one speaks.
+    /// True if every state that `other` has is known here, too.
     pub(super) fn knows(&self, other: &SentState) -> bool {
         other.states.keys().all(|key| self.states.contains_key(key))
             && other.places.keys().all(|axis| self.places.contains_key(axis))
@@ -89,10 +89,10 @@ impl SentState {
             && !other.is_beyond
     }
 
-    /// The control is told a line.
+    /// Notes a line that the control receives.
     pub(super) fn note(&mut self, text: &str) {
         let mut words = words(text, &self.grammar);
-        // What is selected in the block of a change is what comes.
+        // A tool selected in the block of the change is the tool that is loaded.
         for word in words.iter_mut().filter(|word| word.name == "T" && word.code.is_none()) {
             word.is_claimed = true;
             if self.grammar.changes_on_t {
@@ -110,7 +110,7 @@ impl SentState {
         }
         let is_incremental =
             self.grammar.group("G90").and_then(|group| self.states.get(&(group, ""))).is_some_and(Option::is_none);
-        // Offsets first: what the block says of axes counts with them.
+        // Offsets first: the axis words of the block refer to them.
         for is_axis in [false, true] {
             for word in words.iter().filter(|word| !word.is_claimed && word.is_axis() == is_axis) {
                 self.value(word, is_incremental);
@@ -121,7 +121,7 @@ impl SentState {
         }
     }
 
-    /// What a code of a block does; whether it moves the axes to where its block does not say.
+    /// Applies the effect of a code. Returns true if it moves the axes to a place that its block does not state.
     fn act(&mut self, code: BlockCode, at: usize, words: &mut [BlockWord<'_>]) -> bool {
         let text = words[at].text;
         match code.rule {
@@ -150,7 +150,7 @@ impl SentState {
                 return has_axes;
             }
             Rule::Spindle => {
-                // Which spindle of several, for one.
+                // For example the number of the spindle.
                 let has_more = arguments(code, words, Axes::Values).is_none_or(|more| !more.is_empty());
                 self.is_beyond |= has_more && text != ORIENTED;
                 self.spindle = Some(text.to_owned());
@@ -162,7 +162,7 @@ impl SentState {
                 self.has_coolant = true;
                 if ["M9", "M09"].contains(&text) {
                     self.coolant.clear();
-                    // What turned the spindle had switched it on, too.
+                    // The code that started the spindle had also switched the coolant on.
                     let turns = self.spindle.as_deref().and_then(|spindle| match spindle {
                         "M13" => Some("M3"),
                         "M14" => Some("M4"),
@@ -194,7 +194,7 @@ impl SentState {
         false
     }
 
-    /// An address with its value.
+    /// Notes an address with its value.
     fn value(&mut self, word: &BlockWord<'_>, is_incremental: bool) {
         let is_plain = is_number(word.value);
         match word.letter() {
@@ -213,7 +213,7 @@ impl SentState {
                 }
                 self.values.insert(letter, word.text.to_owned());
             }
-            // Words of arcs and their kin are gone with their block.
+            // Arc words and similar words end with their block.
             _ if self.grammar.belongs_to_motion(word.name) => {}
             _ if word.name.len() == 1 && !b"FSTDH".contains(&word.letter()) && is_plain => {}
             _ => (self.is_beyond, self.is_shifted) = (true, true),
@@ -221,11 +221,11 @@ impl SentState {
     }
 
     fn set(&mut self, key: Key, blocks: Option<Vec<String>>) {
-        // Behind another zero offset, tool length or unit the old places mean something else.
+        // With another zero offset, tool length or unit the old positions have another meaning.
         let shifting = ["G54", "G43", "G21", "G71"].map(|name| self.grammar.group(name));
         let units = ["G21", "G71"].map(|name| self.grammar.group(name));
         if units.contains(&Some(key.0)) && self.states.get(&key).is_some_and(|old| *old != blocks) {
-            // Lengths were told in the unit of before.
+            // Lengths were given in the previous unit.
             let has_length = |blocks: &Option<Vec<String>>| {
                 blocks.iter().flatten().any(|block| {
                     LENGTHS.iter().any(|code| block.split(' ').next() == Some(code) && block.contains(' '))
@@ -244,7 +244,7 @@ impl SentState {
     fn change(&mut self, tool: Option<String>) {
         self.tool = tool;
         self.was_changed = true;
-        // The tool changer has moved the axes; rotary ones stand where they stood.
+        // The tool changer has moved the axes; rotary axes keep their positions.
         let moved: Vec<u8> = AXES.iter().copied().filter(|axis| !TURNING.contains(axis)).collect();
         self.forget(&moved);
     }
@@ -255,7 +255,7 @@ impl SentState {
         }
     }
 
-    /// The states, those without words of their own together; `None` where one of them cannot be told again.
+    /// Returns the blocks of the states; codes without words share a block. `None` if a state cannot be restored.
     fn codes(&self) -> Option<Vec<String>> {
         let (mut plain, mut own): (Vec<&str>, Vec<String>) = (Vec::new(), Vec::new());
         for (key, blocks) in &self.states {
@@ -275,8 +275,8 @@ impl SentState {
         Some(out)
     }
 
-    /// What brings a control there, by way of a height that is clear; `None` where an axis stands nobody knows where, or a state cannot be told again.
-    /// Nothing here goes down by a rapid move but to that height.
+    /// Returns the lines that restore the state and move to the place via the clear height. `None` if an axis position is unknown or a state cannot be
+    /// restored. Rapid moves go down no further than the clear height.
     pub(super) fn lines(&self, is_numbered: bool, way: RestartPath) -> Option<Vec<String>> {
         if self.is_beyond || self.motion.as_deref().is_some_and(|motion| !RAPID.contains(&motion)) {
             return None;
@@ -286,10 +286,10 @@ impl SentState {
         let [x, y, z] = [places.get(&b'X')?, places.get(&b'Y')?, places.get(&b'Z')?];
         let others: Vec<&str> = b"ABCUVW".iter().filter_map(|axis| places.get(axis).copied()).collect();
         let mut out = self.codes()?;
-        // What is ready for the next change.
+        // Tool prepared for the next change.
         out.extend(self.selected.clone());
         out.extend(self.turning()?);
-        // Up first; nothing turns while something moves across.
+        // Up first; no rotary axis turns while the tool moves across.
         out.push(self.lift(way.clearance_mm));
         if !others.is_empty() {
             out.push(format!("G0 {}", others.join(" ")));
@@ -303,7 +303,7 @@ impl SentState {
             }
             let (unit, feed) = (self.mm_per_unit(), DOWN_MM_MIN);
             out.push(format!("G1 {z} F{}", trimmed(feed / unit)));
-            // No way: the next line may rely on its G0.
+            // Not a move: the next line may rely on its G0.
             out.push(format!("G0 {x} {y}"));
         }
         out.extend(self.values.get(&b'F').filter(|_| !self.plain().any(|block| block == INVERSE_TIME)).cloned());
@@ -311,7 +311,7 @@ impl SentState {
         Some(numbered(out, is_numbered))
     }
 
-    /// Spindle and coolant; `None` where the spindle stands oriented.
+    /// Returns the blocks of spindle and coolant; `None` if the spindle is oriented.
     fn turning(&self) -> Option<Vec<String>> {
         if self.spindle.as_deref() == Some(ORIENTED) {
             return None;
@@ -325,12 +325,12 @@ impl SentState {
         {
             out.push("M9".to_owned());
         }
-        // Each in a line of its own: one M a block is all that some controls take.
+        // One line each: some controls accept only one M code per block.
         out.extend(self.coolant.iter().cloned());
         Some(out)
     }
 
-    /// What lifts the tool before the beginning; `None` behind a tool or a length of it, with which Z means something else.
+    /// Returns the lines that lift the tool before the beginning. `None` after a tool or a tool length, which changes the meaning of Z.
     pub(super) fn beginning(&self, is_numbered: bool, clearance_mm: f64) -> Option<Vec<String>> {
         let length = self.grammar.group("G43").and_then(|group| self.states.get(&(group, "")));
         let has_length =
@@ -358,7 +358,7 @@ impl SentState {
         if self.plain().any(|block| INCH.contains(&block)) { MM_PER_INCH } else { 1.0 }
     }
 
-    /// Whether a feed is one per minute.
+    /// True if the feed is per minute.
     fn is_per_minute(&self) -> bool {
         let group = self.grammar.group("G94");
         let block = group.and_then(|group| self.states.get(&(group, "")));
@@ -367,13 +367,13 @@ impl SentState {
         })
     }
 
-    /// The rapid move to a height, in the unit that is in force.
+    /// Returns the rapid move to a height, in the unit in force.
     fn lift(&self, mm: f64) -> String {
         format!("G0 Z{}", trimmed(mm / self.mm_per_unit()))
     }
 }
 
-/// A number without the noughts at its end; its point stays.
+/// Formats a number without trailing zeros; the decimal point stays.
 fn trimmed(value: f64) -> String {
     format!("{value:.4}").trim_end_matches('0').to_owned()
 }

@@ -1,41 +1,40 @@
-//! Second step of the correction in doses: what is applied approaches what the model asks for, so that no jump of a temperature marks a workpiece.
+//! Second step of the correction, in doses: the applied correction approaches that of the model, so that no temperature step marks a workpiece.
 //!
-//! What is left to dose is the difference between the correction that the model asks for and the one that is applied. A new temperature makes it
-//! grow at once while the applied correction stays; every block takes some of it away. Where the model asks for another correction because the axes
-//! have moved, that is followed at once: it is a part of the volumetric correction, as smooth as the way (Spaan 1995, ch. 7; the limits are those
-//! of controls that compensate temperatures themselves: per step, per way and per time).
+//! The remaining dose is the difference between the correction of the model and the applied one. A new temperature increases it at once, while the applied
+//! correction stays; every block removes part of it. A change of the correction due to axis motion is followed at once. It is part of the volumetric
+//! correction and as smooth as the path (Spaan 1995, ch. 7). The limits are those of controls with their own temperature compensation: per step, per path
+//! length and per time.
 
 use ncfix_base::geometry::AXIS_COUNT;
 
-/// How fast an applied correction changes for the sake of temperature, each axis; infinite where that does not matter. Linear axes in mm, rotary
-/// ones in rad.
+/// Limits on the rate of change of an applied correction due to temperature, for each axis; infinite means no limit. Linear axes in mm, rotary axes in rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// From one block to the next.
+    /// Maximum change from one block to the next.
     pub per_block: f64,
-    /// Per mm of way; a block that stays on the spot changes nothing.
+    /// Maximum change per mm of path. A block without motion changes nothing.
     pub per_mm: f64,
-    /// Per second.
+    /// Maximum change per second.
     pub per_s: f64,
 }
 
-/// What a block may do to the applied correction.
+/// Permitted change of the applied correction in a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dose {
-    /// Approach what the model asks for, by the way in mm and the time in s of the block.
+    /// Approach the correction of the model, limited by path length and time of the block.
     Step {
-        /// Way of the block, mm.
+        /// Path length of the block, mm.
         way_mm: f64,
-        /// Its time, s.
+        /// Time of the block, s.
         time_s: f64,
     },
-    /// Be there at once: a way on which nothing is cut.
+    /// Apply the correction of the model at once: a move that does not cut.
     Whole,
-    /// Follow what the way asks for and approach nothing: sensors are in doubt.
+    /// Follow the change along the path and approach nothing: the sensors are unreliable.
     Follow,
-    /// Leave it exactly as it is: arcs.
+    /// Keep the correction exactly: arcs.
     Hold,
-    /// Take it away: a move that is not corrected.
+    /// Remove the correction: a move that is not corrected.
     Release,
 }
 
@@ -45,14 +44,14 @@ impl Default for Limits {
     }
 }
 
-/// The correction that is applied, and what is left to dose.
+/// Applied correction and remaining dose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LineDosing {
     limits: Limits,
-    /// What the model asks for less what is applied, each axis; `None` before the first block.
+    /// Correction of the model minus applied correction, for each axis; `None` before the first block.
     left: Option<[f64; AXIS_COUNT]>,
     applied: [f64; AXIS_COUNT],
-    /// What was lacking before moves without correction; `None` where the last move was none.
+    /// Remaining dose before moves without correction; `None` if the last move was corrected.
     released: Option<[f64; AXIS_COUNT]>,
 }
 
@@ -63,7 +62,7 @@ impl LineDosing {
         LineDosing { limits, ..LineDosing::default() }
     }
 
-    /// The correction at the end of the next block, when the model asks for `now` there and asked for `before` where the axes stand, with the same
+    /// Returns the correction at the end of the next block. The model asks for `now` there, and for `before` at the current position, both at the same
     /// temperatures.
     pub fn step(&mut self, before: &[f64; AXIS_COUNT], now: &[f64; AXIS_COUNT], dose: Dose) -> [f64; AXIS_COUNT] {
         match dose {
@@ -75,7 +74,7 @@ impl LineDosing {
                 self.applied = [0.0; AXIS_COUNT];
             }
             Dose::Follow => {
-                // Behind a move without correction it is again what it was before that.
+                // After a move without correction the remaining dose is again that before the move.
                 let applied = self.applied;
                 let lacks = self.released.unwrap_or_else(|| std::array::from_fn(|slot| before[slot] - applied[slot]));
                 self.applied = std::array::from_fn(|slot| now[slot] - lacks[slot]);
@@ -83,7 +82,7 @@ impl LineDosing {
             Dose::Step { way_mm, time_s } => {
                 let limits = &self.limits;
                 let share = |limit: f64, of: f64| if limit.is_infinite() { limit } else { limit * of.max(0.0) };
-                // On the spot nothing is cut along a way; time alone counts.
+                // Without motion nothing is cut along a path; only the time limit counts.
                 let of_way = if way_mm > 0.0 { share(limits.per_mm, way_mm) } else { f64::INFINITY };
                 let most = limits.per_block.min(of_way).min(share(limits.per_s, time_s));
                 for slot in 0..AXIS_COUNT {
@@ -99,13 +98,13 @@ impl LineDosing {
         self.applied
     }
 
-    /// What is applied.
+    /// Returns the applied correction.
     #[must_use]
     pub fn applied(&self) -> &[f64; AXIS_COUNT] {
         &self.applied
     }
 
-    /// What was left to dose at the end of the last block; `None` before the first.
+    /// Returns the remaining dose at the end of the last block; `None` before the first.
     #[must_use]
     pub fn left(&self) -> Option<&[f64; AXIS_COUNT]> {
         self.left.as_ref()
@@ -150,9 +149,9 @@ mod tests {
     #[test]
     fn way_and_time_limit_too_and_what_the_way_asks_for_is_followed() {
         let mut dosing = LineDosing::new(Limits { per_block: 1.0, per_mm: 1e-4, per_s: 1e-3 });
-        // 10 mm: 1 µm; 0.1 s: 0.1 µm; the smaller counts.
+        // 10 mm: 1 µm; 0.1 s: 0.1 µm; the smaller limit counts.
         assert!((dosing.step(&along_x(0.05), &along_x(0.05), step(10.0, 0.1))[0] - 1e-4).abs() < 1e-12);
-        // The way itself asks for 0.02 more.
+        // The path itself asks for another 0.02.
         let applied = dosing.step(&along_x(0.05), &along_x(0.07), step(10.0, 0.0))[0];
         assert!((applied - 0.0201).abs() < 1e-12, "{applied}");
     }

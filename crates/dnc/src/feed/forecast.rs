@@ -1,21 +1,21 @@
-//! Before the start: whether a link brings lines as fast as the control carries them out.
+//! Forecasts before the start whether a link delivers lines as fast as the control carries them out.
 //!
-//! The link sends a line when the window has room for it and takes the time of its characters, or of an answer where every line waits for one; the
-//! control carries lines out one after the other. Where a line is there only after the one before it is done, the axes stand still: the control is
-//! starved. Corrected programs have longer numbers and more lines, so that a correction can starve a control that kept up before.
+//! The link sends a line when the window has room for it. It takes the time of its characters, or of an answer if every line waits for one. The control
+//! carries out the lines one after the other. If a line arrives only after the line before it is done, the axes stand still: the control is starved.
+//! Corrected programs have longer numbers and more lines, so a correction can starve a control that kept up before.
 
 use std::collections::VecDeque;
 
-/// What a link gives.
+/// Performance of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// Characters per second; infinite where the line is not the limit.
+    /// Characters per second; infinite if the line is not the limit.
     pub characters_per_s: f64,
-    /// From a line's last character to its answer, s; 0 where nothing is answered.
+    /// Time from the last character of a line to its answer, s; 0 on a link without answers.
     pub answer_s: f64,
-    /// Lines that may be under way or wait in the control.
+    /// Maximum number of lines under way or waiting in the control.
     pub lines: usize,
-    /// Bytes of them.
+    /// Maximum number of their bytes.
     pub bytes: usize,
 }
 
@@ -26,38 +26,38 @@ pub struct Stretch {
     pub lines: [u64; 2],
     /// First and last line of the source.
     pub source_lines: [u32; 2],
-    /// How long the axes stand still in it, s.
+    /// Total time in which the axes stand still, s.
     pub starved_s: f64,
-    /// Lines per second that the motion needs there.
+    /// Lines per second that the motion needs in this stretch.
     pub needed_per_s: f64,
-    /// Lines per second that come there.
+    /// Lines per second that the link delivers in this stretch.
     pub given_per_s: f64,
 }
 
-/// Whether the link keeps up.
+/// Forecast of a transfer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Forecast {
-    /// Lines.
+    /// Number of lines.
     pub lines: u64,
-    /// Bytes with their ends.
+    /// Bytes including line ends.
     pub bytes: u64,
-    /// How long the motion takes if nothing is late, s.
+    /// Duration of the motion if no line is late, s.
     pub motion_s: f64,
-    /// How long it takes over this link, s.
+    /// Duration over this link, s.
     pub total_s: f64,
-    /// How long the axes stand still for want of lines, s.
+    /// Time in which the axes stand still because lines are missing, s.
     pub starved_s: f64,
-    /// The fewest lines that wait in the control while it is busy, once it has had the window full.
+    /// Minimum number of lines that wait in the busy control after the window was first full.
     pub lowest: Option<usize>,
-    /// The worst places, the worst first.
+    /// Worst stretches, worst first.
     pub stretches: Vec<Stretch>,
 }
 
-/// Stretches that are kept.
+/// Maximum number of stretches that are kept.
 const MOST_STRETCHES: usize = 20;
-/// Lines between two late ones that make two stretches of it.
+/// Number of lines between two late ones from which they belong to different stretches.
 const APART: u64 = 20;
-/// A wait that a control does not notice, s.
+/// Delay that a control does not notice, s.
 const UNNOTICED_S: f64 = 1e-3;
 
 /// Makes a forecast line by line, in bounded memory.
@@ -65,10 +65,10 @@ const UNNOTICED_S: f64 = 1e-3;
 pub struct Forecaster {
     link: Link,
     forecast: Forecast,
-    /// When each line that has not been carried out is, s, and its bytes.
+    /// Completion time of each line that has not been carried out, s, and its bytes.
     waiting: VecDeque<(f64, usize)>,
     waiting_bytes: usize,
-    /// When the link is free, and the control.
+    /// Times when the link and the control become free, s.
     link_s: f64,
     control_s: f64,
     was_full: bool,
@@ -82,7 +82,7 @@ struct Open {
 }
 
 impl Forecaster {
-    /// Begins one.
+    /// Begins a forecast.
     #[must_use]
     pub fn new(link: Link) -> Forecaster {
         Forecaster {
@@ -97,7 +97,7 @@ impl Forecaster {
         }
     }
 
-    /// The next line: bytes with its end, its line in the source, how long the control is busy with it.
+    /// Takes the next line: bytes with its end, its source line, and the time for which it keeps the control busy, s.
     pub fn line(&mut self, bytes: usize, source_line: u32, busy_s: f64) {
         let busy_s = if busy_s.is_finite() { busy_s.max(0.0) } else { 0.0 };
         // The link waits until the window has room.
@@ -117,7 +117,7 @@ impl Forecaster {
         let takes_s = bytes as f64 / self.link.characters_per_s + self.link.answer_s;
         let there_s = from_s + takes_s;
         let number = self.forecast.lines + 1;
-        // Before what takes no time nothing stands still that was moving.
+        // A line without duration does not interrupt any motion.
         let is_wanted = number > 1 && busy_s > 0.0;
         let starved_s = if is_wanted { (there_s - self.control_s).max(0.0) } else { 0.0 };
         let done_s = self.control_s.max(there_s) + busy_s;
@@ -145,7 +145,7 @@ impl Forecaster {
                 open.motion_s += busy_s;
                 if is_late {
                     open.stretch.lines[1] = number;
-                    // Loops and subprograms go back.
+                    // Loops and subprograms jump back.
                     let [first, last] = &mut open.stretch.source_lines;
                     (*first, *last) = ((*first).min(source_line), (*last).max(source_line));
                     open.stretch.starved_s += starved_s;
@@ -174,7 +174,7 @@ impl Forecaster {
         stretches.truncate(MOST_STRETCHES);
     }
 
-    /// The forecast of all lines so far.
+    /// Returns the forecast of all lines so far.
     #[must_use]
     pub fn finish(mut self) -> Forecast {
         self.close();
@@ -197,7 +197,7 @@ mod tests {
 
     #[test]
     fn twenty_seven_lines_a_second_are_too_few_for_sixty() {
-        // 32 characters a line: 27.3 lines/s; 1/60 s a block.
+        // 32 characters per line: 27.3 lines/s; 1/60 s per block.
         let found = forecast(SLOW, 600, 32, 1.0 / 60.0);
         let late_s = 32.0 * 11.0 / 9600.0 - 1.0 / 60.0;
         assert!((found.starved_s - 599.0 * late_s).abs() < 1e-6, "{found:?}");
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn a_window_carries_over_short_blocks_between_long_ones() {
-        // 0.5 s, then four blocks of 10 ms: 37 ms each on the link, and the long one gives time for five.
+        // 0.5 s, then four blocks of 10 ms: 37 ms each on the link, and the long block gives time for five.
         let mut forecaster = Forecaster::new(SLOW);
         for k in 0..200_u32 {
             forecaster.line(32, k, if k % 5 == 0 { 0.5 } else { 0.01 });
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn send_and_wait_stands_still_for_every_answer() {
-        // One line under way, 20 ms until it is answered, 25 ms a block: the link waits for the block, the block for the link.
+        // One line under way, 20 ms until its answer, 25 ms per block: the link waits for the block, the block for the link.
         let link = Link { characters_per_s: f64::INFINITY, answer_s: 0.02, lines: 1, bytes: 512 };
         let found = forecast(link, 200, 20, 0.025);
         assert!((found.total_s - 200.0 * 0.045).abs() < 1e-6, "{found:?}");

@@ -1,24 +1,24 @@
-//! The journal of a transfer: what was frozen, acknowledged and heard, written down before any byte of it goes over the link.
+//! Journal of a transfer: frozen lines, acknowledgements and answers, written before the bytes concerned are sent.
 //!
-//! One record a line, only ever added to: milliseconds since the start, what, and its words.
+//! One record per line, append-only: milliseconds since the start, kind of record, its words.
 //!
 //! ```text
 //! ncfix journal 1
 //! # program 5a1e… part.mpf
-//! 0 T 24.125 nose                           the temperature of a sensor, °C, that counts from here on
-//! 0 F 12 9c41f00a 37 51 X+0.0123 Z-0.0040/-0.0051   frozen: number, CRC-32 of the text, line of the source, element of the corrected program,
-//!                                           what the second step adds (mm, degrees), and what the model asks for where that is more or less
-//! 20 P 116 [OPT:VL,100,1024]                blocks that the control may have taken and not carried out, at most, and by which words it says so
+//! 0 T 24.125 nose                           temperature of a sensor, °C, valid from here on
+//! 0 F 12 9c41f00a 37 51 X+0.0123 Z-0.0040/-0.0051   frozen: number, CRC-32 of the text, source line, element of the corrected program,
+//!                                           correction of the second step (mm, degrees), and that of the model if different
+//! 20 P 116 [OPT:VL,100,1024]                maximum number of blocks taken and not carried out, and the words of the control
 //! 31 A 12                                   acknowledged, with all before it
-//! 31 C 11                                   taken for sure, with all before it, by more than the count of answers
+//! 31 C 11                                   certainly taken, with all before it, by evidence other than the count of answers
 //! 35 X 10                                   carried out, with all before it
 //! 31 L 12                                   left, with all before it, over a link without answers
 //! 32 R 12                                   sent again
-//! 40 E the control was reset                how it ended
+//! 40 E the control was reset                end of the transfer
 //! ```
 //!
-//! A last line without its end was being written when the program died; it is no record. Records reach the disk in groups: what the operating system
-//! has taken survives the death of the program at once, and that of the computer as soon as the group was written through.
+//! A last line without its end was being written when the program died; it is not a record. Records reach the disk in groups. Records that the operating
+//! system has accepted survive a crash of the program at once, and a crash of the computer as soon as their group is synced.
 
 use std::collections::VecDeque;
 use std::fmt::{self, Write as _};
@@ -32,9 +32,9 @@ use super::{Ended, Line, Record, crc32};
 
 /// The first line.
 pub(super) const FIRST: &str = "ncfix journal 1";
-/// Records are written through this often, at least.
+/// Maximum interval between two syncs.
 const GROUP: Duration = Duration::from_millis(50);
-/// Axes are written with so many decimals, mm or degrees.
+/// Decimals of axis values, mm or degrees.
 const DECIMALS: usize = 4;
 
 /// How a journal ended whose job was taken up again in another one.
@@ -131,12 +131,12 @@ impl fmt::Display for JournalEnd {
     }
 }
 
-/// A file that is only added to.
+/// Append-only file.
 pub trait Store: Write {
-    /// Writes through to the disk.
+    /// Writes everything to the disk.
     ///
     /// # Errors
-    /// Those of the file.
+    /// I/O errors of the file.
     fn sync(&mut self) -> io::Result<()>;
 }
 
@@ -162,17 +162,17 @@ impl Store for Vec<u8> {
 #[derive(Debug)]
 pub struct Journal<S> {
     store: S,
-    /// Records that the operating system does not have yet.
+    /// Records that were not yet passed to the operating system.
     line: String,
     synced: Duration,
     is_synced: bool,
 }
 
 impl<S: Store> Journal<S> {
-    /// Begins one with what must be the same when the job is taken up again: pairs of a name and a value.
+    /// Begins a journal. The head contains pairs of a name and a value that must be equal when the job is restarted.
     ///
     /// # Errors
-    /// Those of the file.
+    /// I/O errors of the file.
     pub fn new(mut store: S, head: &[(HeadKey, &str)]) -> io::Result<Journal<S>> {
         let mut text = format!("{FIRST}\n");
         for (key, value) in head {
@@ -184,10 +184,10 @@ impl<S: Store> Journal<S> {
         Ok(Journal { store, line: String::new(), synced: Duration::ZERO, is_synced: true })
     }
 
-    /// How it ended.
+    /// Records how the transfer ended.
     ///
     /// # Errors
-    /// Those of the file.
+    /// I/O errors of the file.
     pub fn end(&mut self, ended: &Ended, now: Duration) -> io::Result<()> {
         let text = match ended {
             Ended::Done => "done".to_owned(),
@@ -206,10 +206,10 @@ impl<S: Store> Journal<S> {
         let _ = writeln!(self.line, "{} {text}", now.as_millis());
     }
 
-    /// What it is written into.
+    /// Settles the journal and returns its store.
     ///
     /// # Errors
-    /// Those of the file.
+    /// I/O errors of the file.
     pub fn into_store(mut self) -> io::Result<S> {
         self.settle()?;
         Ok(self.store)
@@ -271,23 +271,23 @@ impl<S: Store> Record for Journal<S> {
     }
 }
 
-/// A line as a journal has it.
+/// Line as recorded in a journal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Frozen {
     /// Its number in the transfer.
     pub number: u64,
-    /// The checksum of its text.
+    /// Checksum of its text.
     pub crc: u32,
-    /// Line of the source.
+    /// Source line.
     pub source_line: u32,
     /// Element of the corrected program.
     pub element: u64,
 }
 
-/// Acknowledged lines that are kept. Planners have 1000 blocks at most (grblHAL, $398), and lines that move nothing stand between those that do.
+/// Number of acknowledged lines that are kept. Planners have at most 1000 blocks (grblHAL, $398), with lines without motion in between.
 const KEPT: u64 = 8192;
 
-/// What a journal says of a job.
+/// Content of a journal.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Told {
     /// The head.
@@ -296,24 +296,24 @@ pub struct Told {
     pub frozen: u64,
     /// The last line that was acknowledged: it and all before it were taken.
     pub acknowledged: u64,
-    /// The last line that was taken for sure: more than the count of answers says so.
+    /// The last line that was certainly taken: evidence other than the count of answers shows it.
     pub checked: u64,
-    /// The last line that was carried out, where the control said so.
+    /// The last line that was carried out, if the control reported it.
     pub executed: u64,
-    /// The lines behind the last that was acknowledged, and the last before them, in order.
+    /// The lines after the last acknowledged one, and the last lines before them, in order.
     pub lines: VecDeque<Frozen>,
-    /// The last line that left over a link without answers: it and as many before it as the control's buffer holds may not have been carried out.
+    /// The last line that left over a link without answers. It, and as many lines before it as fit the buffer of the control, may not have been carried out.
     pub left: u64,
-    /// Blocks that the control may have taken and not carried out, at most, as it stated, and its words; `None` where it said nothing.
+    /// Maximum number of blocks that the control may have taken and not carried out, and its words; `None` if it stated nothing.
     pub holds: Option<(u64, String)>,
-    /// How it ended; `None` where the program died.
+    /// End of the transfer; `None` if the program died.
     pub ended: Option<JournalEnd>,
 }
 
 /// Reads a journal.
 ///
 /// # Errors
-/// The number of the line that is no record, and why.
+/// The number of the line that is not a valid record, and the reason.
 pub fn read(text: &str) -> Result<Told, (usize, String)> {
     let mut told = Told::default();
     let whole = text.rfind('\n').map_or("", |end| text.get(..end).unwrap_or_default());
@@ -374,7 +374,7 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
             }
             ("P", Some(most)) => {
                 let said = rest.split_once(' ').map_or("", |(_, said)| said).to_owned();
-                // The largest that was ever stated.
+                // The largest number ever stated.
                 told.holds = told.holds.take().filter(|(known, _)| *known >= most).or(Some((most, said)));
             }
             ("L", Some(line_number)) => {
@@ -384,7 +384,7 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
                 told.left = told.left.max(line_number);
             }
             ("E", _) => {
-                // Those behind it were answered while the axes were held; what was refused was not done.
+                // The lines after it were answered while the axes were held; the refused line was not carried out.
                 let refused =
                     rest.strip_prefix("refused ").and_then(|rest| rest.split(':').next()?.parse::<u64>().ok());
                 if let Some(refused) = refused {
@@ -440,7 +440,7 @@ mod tests {
         assert_eq!(told.lines[2], Frozen { number: 3, crc: crc32(b"G1 X3"), source_line: 43, element: 6 });
         assert_eq!((told.left, told.holds.clone()), (4, Some((31, "[OPT:V,15,128]".to_owned()))));
         assert_eq!((told.head[0].0, told.ended.clone()), (HeadKey::Program, None));
-        // Died in the middle of a record: whatever the place, the records before it stay.
+        // Died in the middle of a record: wherever that is, the records before it remain.
         for end in text.find("1 F").unwrap()..text.len() {
             let told = read(&text[..end]).unwrap();
             assert!(told.frozen <= 5 && told.acknowledged <= told.frozen);
@@ -456,7 +456,7 @@ mod tests {
         assert_eq!(read(&format!("{FIRST}\n0 A 7\n")).unwrap_err().0, 2);
         assert_eq!(read(&format!("{FIRST}\n0 L 7\n")).unwrap_err().0, 2);
         assert_eq!(read(&format!("{FIRST}\n0 P many\n")).unwrap_err().0, 2);
-        // Of those that know no depth nothing is known.
+        // Without a stated depth the number of held blocks is unknown.
         assert_eq!(read(&format!("{FIRST}\n0 F 1 00000000 1 1\n9 A 1\n")).unwrap().holds, None);
     }
 }

@@ -1,43 +1,43 @@
-//! One line on its way to a control.
+//! A line on its way to a control.
 
 use std::sync::Arc;
 use std::time::Duration;
 
 use ncfix_base::geometry::AXIS_COUNT;
 
-/// A line that is frozen: nothing of it changes any more.
+/// Frozen line: it does not change any more.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
-    /// Its number in the transfer, from 1.
+    /// Number in the transfer, from 1.
     pub number: u64,
-    /// Its text without its end.
+    /// Text without line end.
     pub text: Vec<u8>,
-    /// Line of the source from which it comes, from 1; 0 for none.
+    /// Source line, from 1; 0 if there is none.
     pub source_line: u32,
-    /// Number of the piece or other element of the corrected program from which it comes, from 1; the same whenever the program is run.
+    /// Number of the piece or other element of the corrected program, from 1; the number is equal in every run of the program.
     pub element: u64,
-    /// What was added to the axes by the second step, mm or rad.
+    /// Correction added to the axes by the second step, mm or rad.
     pub offset: [f64; AXIS_COUNT],
-    /// The same as the model asks for.
+    /// Correction that the model asks for, mm or rad.
     pub target: [f64; AXIS_COUNT],
-    /// How long the control is busy with it, s; 0 where it does not move.
+    /// Time for which it keeps the control busy, s; 0 without motion.
     pub busy_s: f64,
-    /// Temperatures by sensor, °C, that count from this line on, where they are others than before.
+    /// Temperatures by sensor, °C, valid from this line on; `None` if they have not changed.
     pub temperatures_c: Option<Arc<[(String, f64)]>>,
 }
 
-/// No block takes longer: eleven days.
+/// Upper limit of the duration of a block: eleven days.
 const LONGEST: Duration = Duration::from_secs(1_000_000);
 
 impl Line {
-    /// How long the control is busy with it; nothing where that is no time.
+    /// Returns the time for which the line keeps the control busy; zero if the number is not a valid time.
     #[must_use]
     pub fn busy(&self) -> Duration {
         Duration::try_from_secs_f64(self.busy_s).unwrap_or_default().min(LONGEST)
     }
 }
 
-/// The checksum of bytes (CRC-32 of ISO/IEC 8802-3), by which a line of a journal is known again.
+/// Returns the checksum of bytes (CRC-32 of ISO/IEC 8802-3), which identifies a line of a journal.
 #[must_use]
 pub fn crc32(bytes: &[u8]) -> u32 {
     crc32fast::hash(bytes)

@@ -2,16 +2,16 @@
 //!
 //! ```text
 //! Supply ─▶ Line (frozen) ─▶ Dialogue ─▶ Wire ─▶ Port
-//!             │                 ▲ what is heard    │
+//!             │                 ▲ received bytes   │
 //!             └──▶ Journal ◀────┴──────────────────┘
 //! ```
 //!
-//! A [`Line`] is frozen when the [`Sender`] takes it from the [`Supply`]: its bytes and its correction never change again, so that what is sent
-//! twice is the same. A [`Dialogue`] is a pure machine: bytes that are heard and the time go in, bytes that are to be sent and [`Event`]s come out;
-//! it never touches a port or a clock. How many lines are frozen is decided by its window, never by queues of the system.
+//! A [`Line`] is frozen when the [`Sender`] takes it from the [`Supply`]. Its bytes and its correction never change again, so a repeated line is identical. A
+//! [`Dialogue`] is a state machine: received bytes and the time go in, bytes to be sent and [`Event`]s come out. It never touches a port or a clock. Its
+//! window decides how many lines are frozen, never a queue of the operating system.
 //!
-//! [`Sender::step`] does what can be done at one instant without waiting. Tests give it a simulated control and a simulated clock; a program gives
-//! it a port and waits in between.
+//! [`Sender::step`] does what is possible at one instant without waiting. Tests give it a simulated control and a simulated clock. A program gives it a port
+//! and waits between steps.
 
 pub mod dialogue;
 mod dosing;

@@ -1,7 +1,7 @@
-//! Links as data: how bytes go over a wire, what frames a program, how large the window is.
+//! Links as data: transmission, framing of programs, window size.
 //!
-//! A profile is a TOML file; those in `links/` are shipped ([`PROFILES`]), a caller adds others to [`Links`] or gives them by their path. A key that is missing
-//! has the value of a plain link without any of it.
+//! A profile is a TOML file. Those in `links/` are shipped ([`PROFILES`]); a caller adds others to [`Links`] or passes their path. A missing key has the
+//! value of a plain link without that feature.
 
 use std::borrow::Cow;
 use std::time::Duration;
@@ -14,7 +14,7 @@ use ncfix_machine::machine::file::{MachineFile, Section, nearest};
 use super::dialogue::{Protocol, Protocols};
 use super::watch::Patience;
 
-/// Names and texts of the profiles that are shipped.
+/// Names and texts of the shipped profiles.
 pub const PROFILES: &[(&str, &str)] = &[
     ("fanuc-rs232", include_str!("../../links/fanuc-rs232.toml")),
     ("grbl", include_str!("../../links/grbl.toml")),
@@ -27,16 +27,16 @@ pub const PROFILES: &[(&str, &str)] = &[
     ("siemens-v24", include_str!("../../links/siemens-v24.toml")),
 ];
 
-/// The text of a profile, by the name of its link.
+/// Text of a profile with the name of its link.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinkFile {
-    /// The name, as `--link` has it.
+    /// Name as given to `--link`.
     pub name: Cow<'static, str>,
-    /// The profile, TOML.
+    /// Profile, TOML.
     pub text: Cow<'static, str>,
 }
 
-/// The links that have a name: [`Register::default`](ncfix_base::register::Register::default) are those that are shipped.
+/// Links that have a name. [`Register::default`](ncfix_base::register::Register::default) contains the shipped ones.
 pub type Links = Register<LinkFile>;
 
 impl Registered for LinkFile {
@@ -58,140 +58,140 @@ impl Registered for LinkFile {
 /// Parity of a character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Parity {
-    /// No such bit.
+    /// No parity bit.
     #[default]
     None,
-    /// It makes the number of ones even.
+    /// The parity bit makes the number of ones even.
     Even,
-    /// It makes it odd.
+    /// The parity bit makes the number of ones odd.
     Odd,
 }
 
-/// How characters go over a serial line.
+/// Settings of a serial line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Serial {
     /// Bits per second.
     pub baud: u32,
-    /// 7 or 8.
+    /// Data bits, 7 or 8.
     pub data_bits: u8,
-    /// Its parity.
+    /// Parity.
     pub parity: Parity,
-    /// 1 or 2.
+    /// Stop bits, 1 or 2.
     pub stop_bits: u8,
-    /// Whether RTS and CTS hold the flow.
+    /// True if RTS and CTS hold the flow.
     pub rts_cts: bool,
-    /// Whether the parity bit is made here and sent as the eighth data bit: for adapters that know eight bits only.
+    /// True if the parity bit is computed here and sent as the eighth data bit, for adapters that support only eight data bits.
     pub software_parity: bool,
 }
 
 impl Serial {
-    /// Bits on the wire for one character: start, data, parity, stop.
+    /// Returns the bits on the wire per character: start, data, parity, stop.
     #[must_use]
     pub fn bits_per_character(&self) -> u32 {
         1 + u32::from(self.data_bits) + u32::from(self.parity != Parity::None) + u32::from(self.stop_bits)
     }
 
-    /// Characters that go over it in a second.
+    /// Returns the characters per second.
     #[must_use]
     pub fn characters_per_s(&self) -> f64 {
         f64::from(self.baud) / f64::from(self.bits_per_character())
     }
 }
 
-/// How much may be under way.
+/// Limits on the data under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
-    /// Lines that are sent and not acknowledged, at most.
+    /// Maximum number of lines that are sent and not acknowledged.
     pub lines: usize,
-    /// Bytes of them, at most.
+    /// Maximum number of their bytes.
     pub bytes: usize,
-    /// Bytes in the queue of the system, at most: what is there can no longer be held back.
+    /// Maximum number of bytes in the queue of the operating system, which cannot be held back any more.
     pub system_bytes: usize,
-    /// Lines that a control of this kind holds beyond those, as a rule: for the forecast only. What a control holds in truth it states itself.
+    /// Number of further lines that a control of this kind usually holds; used by the forecast only. The true number is stated by the control.
     pub planned: usize,
 }
 
-/// How many blocks a control has taken and not carried out, at most, where it does not say so itself.
+/// Maximum number of blocks that a control has taken and not carried out, if it does not state the number itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Bound {
-    /// So many, and never more.
+    /// Maximum number of blocks, never exceeded.
     pub at_most: u64,
-    /// Where the figure comes from.
+    /// Source of the figure.
     pub source: String,
 }
 
-/// What frames lines and programs.
+/// Bytes that frame lines and programs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Framing {
-    /// Before everything else.
+    /// Bytes before everything else.
     pub leader: Vec<u8>,
-    /// Before the first line.
+    /// Bytes before the first line.
     pub start: Vec<u8>,
-    /// Behind each line.
+    /// Bytes after each line.
     pub end_of_block: Vec<u8>,
-    /// Behind the last line.
+    /// Bytes after the last line.
     pub trailer: Vec<u8>,
 }
 
-/// How the flow is held.
+/// Flow control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Flow {
-    /// The byte that lets go on; `None` where no bytes hold the flow.
+    /// Byte that resumes the flow; `None` if no bytes hold it.
     pub xon: Option<u8>,
-    /// The byte that stops.
+    /// Byte that stops the flow.
     pub xoff: Option<u8>,
-    /// Whether nothing is sent before the first [`Flow::xon`].
+    /// True if nothing is sent before the first [`Flow::xon`].
     pub wait_for_xon: bool,
 }
 
-/// A link and how to speak over it.
+/// Link and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// What it is.
+    /// Description for people.
     pub title: String,
-    /// The dialogue.
+    /// Dialogue.
     pub protocol: &'static Protocol,
-    /// The serial line; TCP and pseudo-terminals take no notice of it.
+    /// Serial line; TCP and pseudo-terminals ignore it.
     pub serial: Serial,
-    /// How the flow is held.
+    /// Flow control.
     pub flow: Flow,
-    /// What frames lines and programs.
+    /// Framing of lines and programs.
     pub frame: Framing,
-    /// How much may be under way.
+    /// Limits on the data under way.
     pub window: Window,
-    /// How many blocks lie in its planner, at most; `None` where nobody knows.
+    /// Maximum number of blocks in its planner; `None` if it is not known.
     pub depth: Option<Bound>,
-    /// A line may not be longer, bytes without its end.
+    /// Maximum length of a line, bytes without line end.
     pub longest_line: usize,
-    /// Whether letters are sent as capitals.
+    /// True if letters are sent as capitals.
     pub is_upper_case: bool,
-    /// Bytes that no line may have: they mean something else on this link.
+    /// Bytes that no line may contain: they have another meaning on this link.
     pub refused: Vec<u8>,
-    /// How long an answer takes, s.
+    /// Time until an answer, s.
     pub answer_s: f64,
-    /// Without an answer for so long beyond what a block takes, the control is asked, or the line is sent again.
+    /// Time without an answer, beyond the duration of a block, after which the control is asked or the line is sent again.
     pub answer_within: Duration,
-    /// How long a job may stand still before it ends.
+    /// Maximum times without progress before the job ends.
     pub patience: Patience,
-    /// How often a line is sent again, at most.
+    /// Maximum number of times that a line is sent again.
     pub most_repeats: u32,
-    /// Whether check characters are made printed ones.
+    /// True if check characters are made printable.
     pub avoids_controls: bool,
 }
 
 impl Profile {
-    /// Whether a line can go over the link.
+    /// Checks that a line can be sent over the link.
     ///
     /// # Errors
-    /// A sentence that says why not.
+    /// A sentence with the reason.
     pub fn check(&self, text: &[u8]) -> Result<(), String> {
         (self.protocol.check)(self, text)
     }
 
-    /// Blocks that the control has answered and not carried out, at most, as the profile states: those of its planner, what still moves, and what waits
-    /// before it.
+    /// Returns the maximum number of blocks that the control has answered and not carried out, as stated by the profile. It includes the planner, the blocks
+    /// that still move, and those that wait before the planner.
     #[must_use]
     pub fn holds_at_most(&self) -> Option<u64> {
         let depth = self.depth.as_ref().filter(|_| self.protocol.has_planner)?;
@@ -201,12 +201,12 @@ impl Profile {
     /// Reads a profile.
     ///
     /// # Errors
-    /// All that is wrong in it: `E0401`–`E0404`.
+    /// All faults of the file: `E0401`–`E0404`.
     pub fn read(source: &Source) -> Result<Profile, Vec<Diagnostic>> {
         Profile::read_with(source, &Protocols::default())
     }
 
-    /// Reads a profile that may name these dialogues.
+    /// Reads a profile that may name the dialogues of `protocols`.
     ///
     /// # Errors
     /// As [`Self::read`].
@@ -253,7 +253,7 @@ impl Profile {
             frame.end_of_block = bytes(section, "end_of_block").unwrap_or(b"\n".to_vec());
             frame.trailer = bytes(section, "trailer").unwrap_or_default();
         });
-        // Five lines: the buffer of the control of Spaan (1995), ch. 7.
+        // Five lines: the buffer of the control in Spaan (1995), ch. 7.
         let mut window = Window { lines: 5, bytes: 512, system_bytes: 64, planned: 0 };
         own("window", &mut |section| {
             let mut read = |key: &str, of: &mut usize| *of = section.integer(key).map_or(*of, |value| value as usize);
@@ -317,7 +317,7 @@ impl Profile {
     }
 }
 
-/// An upper bound of the depth of a planner: without its source it is a guess, and that skips blocks which nobody has carried out.
+/// Reads an upper bound of the planner depth. Without its source it would be a guess, and a wrong one skips blocks that were not carried out.
 fn bound(section: &mut Section<'_>, has_planner: bool) -> Option<Bound> {
     let at_most = section.required("at_most", "64", Section::integer);
     let source =
@@ -364,13 +364,13 @@ fn read_serial(section: &mut Section<'_>, serial: &mut Serial) {
     }
 }
 
-/// A byte: a number from 0 to 255.
+/// Reads a byte: a number from 0 to 255.
 fn byte(section: &mut Section<'_>, key: &str) -> Option<u8> {
     let is_byte = |value: f64| value.fract() == 0.0 && (0.0..=255.0).contains(&value);
     section.number_where(key, "a byte: a whole number from 0 to 255", is_byte).map(|value| value as u8)
 }
 
-/// Bytes: a text, whose characters are their codes.
+/// Reads bytes: a text whose characters are their codes.
 fn bytes(section: &mut Section<'_>, key: &str) -> Option<Vec<u8>> {
     let text = section.text_of_bytes(key)?;
     let bytes: Option<Vec<u8>> = text.chars().map(|character| u8::try_from(u32::from(character)).ok()).collect();

@@ -1,4 +1,4 @@
-//! Drives a dialogue: lines from a supply, bytes to and from a port, a record of both. Never waits, knows no clock.
+//! Drives a dialogue: lines from a supply, bytes to and from a port, a record of both. It never waits and has no clock.
 
 use std::io;
 use std::time::Duration;
@@ -7,151 +7,151 @@ use super::dialogue::{Dialogue, Event, Halt};
 use super::watch::{Patience, Watch};
 use super::{Line, Wire};
 
-/// Bytes that are read at a time.
+/// Number of bytes per read.
 const CHUNK: usize = 4096;
-/// Reads of one step: a control that talks without end does not keep lines from being sent.
+/// Maximum number of reads per step, so that a control that never stops sending does not block the lines.
 const MOST_READS: usize = 16;
 
-/// Where bytes go and come from. Nothing here waits but [`Port::wait`].
+/// Two-way byte link. Only [`Port::wait`] waits.
 pub trait Port {
-    /// Reads what has come; 0 where there is nothing now.
+    /// Reads received bytes; returns 0 if there are none now.
     ///
     /// # Errors
-    /// The other end is gone, or the port has failed.
+    /// The other end has closed, or the port has failed.
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize>;
 
-    /// Writes what fits now; returns how many bytes that were.
+    /// Writes as many bytes as fit now and returns their number.
     ///
     /// # Errors
-    /// The other end is gone, or the port has failed.
+    /// The other end has closed, or the port has failed.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize>;
 
-    /// Bytes that the system has taken and not sent, where it says so.
+    /// Returns the bytes that the operating system has accepted and not sent, if it reports them.
     fn queued(&mut self) -> Option<usize> {
         None
     }
 
-    /// Waits until something has come, or for so long.
+    /// Waits until bytes have come, at most for the given time.
     fn wait(&mut self, most: Duration) {
         std::thread::sleep(most);
     }
 }
 
-/// What comes next.
+/// Next item of a supply.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Supplied {
     /// A line, frozen now.
     Line(Line),
-    /// It is not ready yet.
+    /// The next line is not ready yet.
     NotYet,
     /// There is no further line.
     End,
-    /// Nothing may follow: why.
+    /// No line may follow, for this reason.
     Fault(String),
 }
 
-/// Where lines come from. Each is made when it is asked for, with the temperatures of that moment.
+/// Source of lines. Each is made on request, with the current temperatures.
 pub trait Supply {
-    /// The next line; never waits.
+    /// Returns the next line; never waits.
     fn next(&mut self) -> Supplied;
 
-    /// Nothing waits now: time for what takes time before the next line.
+    /// Uses idle time to prepare the next line.
     fn look_ahead(&mut self) {}
 }
 
-/// Where it is written down what happens.
+/// Record of a transfer.
 pub trait Record {
-    /// A line is frozen; no byte of it has been sent.
+    /// Records a frozen line; no byte of it has been sent.
     ///
     /// # Errors
-    /// It cannot be written down: then the line is not sent.
+    /// The record cannot be written. The line is not sent then.
     fn frozen(&mut self, line: &Line, now: Duration) -> io::Result<()>;
 
-    /// Something has been heard or has happened.
+    /// Records an event.
     ///
     /// # Errors
-    /// It cannot be written down.
+    /// The record cannot be written.
     fn event(&mut self, event: &Event, now: Duration) -> io::Result<()>;
 
-    /// What was noted is written down, before any byte goes out that it is about.
+    /// Writes everything noted so far, before any byte that it concerns is sent.
     ///
     /// # Errors
-    /// It cannot be written down: then nothing is sent.
+    /// The record cannot be written. Nothing is sent then.
     fn settle(&mut self) -> io::Result<()> {
         Ok(())
     }
 
-    /// Time has passed.
+    /// Handles the passing of time.
     ///
     /// # Errors
-    /// What was written down before did not last.
+    /// Earlier records could not be made permanent.
     fn tick(&mut self, _now: Duration) -> io::Result<()> {
         Ok(())
     }
 }
 
-/// How a transfer ended.
+/// End of a transfer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ended {
     /// All lines are acknowledged; on a link without answers: have left.
     Done,
-    /// A person stopped it; all that was sent is acknowledged, or has left.
+    /// A person stopped it; everything sent is acknowledged, or has left.
     Stopped,
-    /// It was broken off: why. What was sent and not acknowledged may have been carried out or not.
+    /// It was aborted for this reason. Lines that were sent and not acknowledged may or may not have been carried out.
     Lost(String),
-    /// A person or a sensor had the axes held, or the lines thrown away: why. What was sent may stay in the control.
+    /// A person or a sensor caused the axes to be held, or the lines to be discarded, for this reason. Sent lines may remain in the control.
     Held(String),
-    /// The control has refused a line: its number and what the control said.
+    /// The control has refused a line: its number and the answer of the control.
     Refused(u64, String),
-    /// The next line may not be sent: why. What was sent before is acknowledged, or has left.
+    /// The next line may not be sent, for this reason. Everything sent before is acknowledged, or has left.
     Fault(String),
 }
 
-/// What a reason begins with where the link is gone.
+/// Beginning of the reason if the link has failed.
 pub const GONE: &str = "the link is gone";
 
-/// Where a transfer stands.
+/// Progress of a transfer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Lines that were frozen and given to the link.
+    /// Lines that were frozen and passed to the link.
     pub sent: u64,
     /// Lines that the control has taken.
     pub acknowledged: u64,
-    /// Lines that have left over a link without answers; how many of them wait in the control nobody knows.
+    /// Lines that have left over a link without answers. The number of them that wait in the control is not known.
     pub left: u64,
-    /// Lines that it has carried out, where it says so.
+    /// Lines that the control has carried out, if it reports them.
     pub executed: Option<u64>,
-    /// Blocks that it may have taken and not carried out, at most, where it says so.
+    /// Maximum number of blocks that the control may have taken and not carried out, if it states it.
     pub holds: Option<u64>,
-    /// Lines and bytes under way now.
+    /// Lines and bytes currently under way.
     pub in_flight: (usize, usize),
-    /// The fewest lines that were under way since the window was full for the first time; `None` before.
+    /// Minimum number of lines under way since the window was first full; `None` before that.
     pub lowest: Option<usize>,
     /// Bytes that the port has taken.
     pub bytes: u64,
     /// Lines that were sent again.
     pub repeats: u64,
-    /// Times that the control did not answer in time.
+    /// Number of times that the control did not answer in time.
     pub stalls: u64,
-    /// The last of the lines that were sent.
+    /// Last line that was sent.
     pub last: Line,
 }
 
-/// One transfer.
+/// A transfer.
 pub struct Sender<'a> {
     dialogue: Box<dyn Dialogue>,
     record: &'a mut dyn Record,
     wire: Wire,
     watch: Watch,
-    /// Frozen, but the window had no room for it.
+    /// Frozen line for which the window had no room.
     pending: Option<Line>,
-    /// Bytes in the queue of the system, at most.
+    /// Maximum number of bytes in the queue of the operating system.
     system_bytes: usize,
     is_opened: bool,
     is_supplied: bool,
     is_stopped: bool,
     is_closed: bool,
-    /// Why no further line may be sent.
+    /// Reason why no further line may be sent.
     fault: Option<String>,
     ended: Option<Ended>,
     progress: Progress,
@@ -159,7 +159,7 @@ pub struct Sender<'a> {
 }
 
 impl<'a> Sender<'a> {
-    /// Begins one; nothing is sent before the first step.
+    /// Prepares a transfer; nothing is sent before the first step.
     #[must_use]
     pub fn new(dialogue: Box<dyn Dialogue>, system_bytes: usize, record: &'a mut dyn Record) -> Sender<'a> {
         Sender {
@@ -180,35 +180,35 @@ impl<'a> Sender<'a> {
         }
     }
 
-    /// How long it may stand still.
+    /// Sets the maximum times without progress.
     #[must_use]
     pub fn patient(mut self, patience: Patience) -> Sender<'a> {
         self.watch = Watch::new(patience);
         self
     }
 
-    /// Where it stands.
+    /// Returns the progress.
     #[must_use]
     pub fn progress(&self) -> &Progress {
         &self.progress
     }
 
-    /// Whether bytes wait for the port.
+    /// True if bytes wait for the port.
     #[must_use]
     pub fn wants_to_write(&self) -> bool {
         !self.wire.next(1).is_empty()
     }
 
-    /// Whether the window has room for lines that are not ready yet.
+    /// True if the window has room for lines that are not ready yet.
     #[must_use]
     pub fn is_hungry(&self) -> bool {
         !self.is_closed && !self.is_supplied && self.dialogue.is_open() && self.dialogue.has_room(1)
     }
 
-    /// Does what can be done now. Returns how it ended; `None` while it goes on. `note` gets what happens.
+    /// Does what is possible now. Returns the end of the transfer; `None` while it continues. `note` receives the events.
     ///
     /// # Errors
-    /// The record cannot be written: nothing more may be sent.
+    /// The record cannot be written. Nothing more may be sent then.
     pub fn step(
         &mut self,
         now: Duration,
@@ -217,14 +217,14 @@ impl<'a> Sender<'a> {
         note: &mut dyn FnMut(&Event),
     ) -> io::Result<Option<Ended>> {
         if self.ended.is_some() {
-            // What stops motion still goes out.
+            // Bytes that stop the motion are still sent.
             let _ = self.write(port);
             return Ok(self.ended.clone());
         }
         if !std::mem::replace(&mut self.is_opened, true) {
             self.dialogue.open(now, &mut self.wire);
         }
-        // Before anything is heard: an answer to what has not left is none. To ask the system costs as much as to write.
+        // Before anything is heard: an answer to bytes that have not left is not valid. Asking the system costs as much as writing.
         if self.wire.queued() > 0 {
             self.wire.queue(port.queued().unwrap_or(0));
         }
@@ -259,15 +259,15 @@ impl<'a> Sender<'a> {
         Ok(self.ended.clone())
     }
 
-    /// What a person asked for. Returns what this leaves in the control; `None` where the dialogue has no word for it.
+    /// Carries out a stop command. Returns its effect on the control as a sentence; `None` if the dialogue has no such command.
     pub fn halt(&mut self, halt: Halt, now: Duration) -> Option<String> {
         self.is_stopped = true;
-        // A line that no byte was sent of is not sent.
+        // A line of which no byte was sent is not sent.
         self.pending = None;
         self.dialogue.halt(halt, now, &mut self.wire)
     }
 
-    /// Ends it where it stands still for too long.
+    /// Ends the transfer if it makes no progress for too long.
     fn look(&mut self, now: Duration, note: &mut dyn FnMut(&Event)) -> io::Result<()> {
         let (is_open, is_waiting) = (self.dialogue.is_open(), self.dialogue.in_flight().0 > 0);
         if self.ended.is_none()
@@ -325,13 +325,13 @@ impl<'a> Sender<'a> {
         Ok(())
     }
 
-    /// No further line may be sent. Those before it run out: a line that has begun to leave is not cut in two.
+    /// Prevents further lines. Earlier ones run out: a line that has begun to leave is not cut in two.
     fn stop_for(&mut self, why: String) {
         self.fault.get_or_insert(why);
         self.is_stopped = true;
     }
 
-    /// Freezes lines as long as the window has room.
+    /// Freezes lines while the window has room.
     fn fill(&mut self, now: Duration, supply: &mut dyn Supply) -> io::Result<()> {
         while self.dialogue.is_open() && !self.is_closed {
             if self.is_stopped || self.is_supplied && self.pending.is_none() {

@@ -1,4 +1,4 @@
-//! What a journal shows of temperatures and corrections over time.
+//! Temperatures and corrections over time, from a journal.
 
 use std::collections::BTreeMap;
 
@@ -6,21 +6,21 @@ use super::journal::FIRST;
 use ncfix_base::geometry::Axis;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 
-/// Temperatures and corrections by time, one entry for each line that was frozen.
+/// Temperatures and corrections over time, one entry for each frozen line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shown {
     /// Time since the start, s.
     pub times_s: Vec<f64>,
-    /// By sensor, °C; NaN as long as one is not known.
+    /// Temperatures by sensor, °C; NaN while a sensor has no value yet.
     pub sensors_c: Vec<(String, Vec<f64>)>,
-    /// By axis what the model asked for and what was applied, µm or µrad.
+    /// Correction of the model and applied correction by axis, µm or µrad.
     pub axes_um: Vec<(String, [Vec<f64>; 2])>,
 }
 
 /// Reads a journal.
 ///
 /// # Errors
-/// The line that is none of a journal, and why.
+/// The number of the line that is not a valid record, and the reason.
 pub fn shown(text: &str) -> Result<Shown, (usize, String)> {
     let whole = text.rfind('\n').map_or("", |end| text.get(..end).unwrap_or_default());
     let mut out = Shown::default();
@@ -54,7 +54,7 @@ pub fn shown(text: &str) -> Result<Shown, (usize, String)> {
                     let own = axes.entry(axis).or_insert_with(|| [vec![0.0; known], vec![0.0; known]]);
                     own.iter_mut().zip(both).for_each(|(all, value)| all.push(value));
                 }
-                // What a line does not name is nothing.
+                // Axes that a line does not name have the value zero.
                 axes.values_mut().flatten().for_each(|all| all.resize(known + 1, 0.0));
             }
             _ => {}
@@ -65,7 +65,7 @@ pub fn shown(text: &str) -> Result<Shown, (usize, String)> {
     if whole.is_empty() { Err((1, "this is no journal".to_owned())) } else { Ok(out) }
 }
 
-/// `X+0.0123/+0.0150`: an axis, what the model asked for, and what was applied, µm or µrad.
+/// Reads `X+0.0123/+0.0150`: axis, applied correction and correction of the model (mm or degrees), and returns µm or µrad.
 fn offset(word: &str) -> Option<(Axis, [f64; 2])> {
     let axis = Axis::from_letter(*word.as_bytes().first()?)?;
     let (applied, asked) = word.get(1..)?.split_once('/').unwrap_or((word.get(1..)?, word.get(1..)?));

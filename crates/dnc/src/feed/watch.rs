@@ -1,21 +1,21 @@
-//! How long a transfer may stand still: nothing waits for ever, whatever the control says meanwhile.
+//! Limits the time that a transfer may make no progress: nothing waits for ever, whatever the control says meanwhile.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::dialogue::Event;
 
-/// With the override of the feed at a tenth everything takes so much longer.
+/// Factor on all durations at a feed override of 10 %.
 const SLOWEST: u32 = 10;
-/// The last lines, whose moves may still be waited for: more than most controls hold.
+/// Number of last lines whose moves may not have ended yet: more than most controls hold.
 const RECENT: usize = 128;
 
-/// How long a transfer may stand still.
+/// Maximum times without progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Patience {
-    /// Without a line that is answered or carried out, beyond ten times what the lines take.
+    /// Maximum time without an answered or executed line, in addition to ten times the duration of the lines.
     pub stall: Duration,
-    /// While somebody holds it at the control, or before it takes the first line.
+    /// Maximum time while a person holds the control, or before it takes the first line.
     pub hold: Duration,
 }
 
@@ -25,16 +25,16 @@ impl Default for Patience {
     }
 }
 
-/// Watches over a transfer.
+/// Monitors the progress of a transfer.
 #[derive(Debug, Default)]
 pub(super) struct Watch {
     patience: Patience,
-    /// When a line was answered, carried out or had left last.
+    /// Time when a line was last answered, carried out or left.
     moved: Duration,
-    /// How long it was held since then, all holds together, and since when it is held now.
+    /// Total time of all holds since then, and start of the current hold.
     was_held: Duration,
     held: Option<Duration>,
-    /// How long the last lines take.
+    /// Durations of the last lines.
     recent: VecDeque<Duration>,
 }
 
@@ -43,7 +43,7 @@ impl Watch {
         Watch { patience, ..Watch::default() }
     }
 
-    /// A line was sent that takes so long.
+    /// Notes a line that was sent, with its duration.
     pub(super) fn sent(&mut self, busy: Duration, is_first: bool, now: Duration) {
         if is_first {
             self.progress(now);
@@ -58,7 +58,7 @@ impl Watch {
         match event {
             Event::Acknowledged(_) | Event::Executed(_) | Event::Left(_) => self.progress(now),
             Event::Paused(true) => _ = self.held.get_or_insert(now),
-            // That it was let go on is no progress: a control that says so again and again moves nothing.
+            // A resume is not progress: a control that repeats it moves nothing.
             Event::Paused(false) => {
                 if let Some(since) = self.held.take() {
                     self.was_held += now.saturating_sub(since);
@@ -73,12 +73,12 @@ impl Watch {
         self.held = self.held.map(|_| now);
     }
 
-    /// Whether somebody holds it.
+    /// True if a person holds it.
     pub(super) fn is_held(&self) -> bool {
         self.held.is_some()
     }
 
-    /// Why a transfer that waits for the control must not go on; `is_open` where this takes lines, `is_ending` where no further one comes.
+    /// Returns why a transfer that waits for the control must end. `is_open` if the control takes lines, `is_ending` if no further line follows.
     pub(super) fn look(&self, now: Duration, is_open: bool, is_ending: bool) -> Option<String> {
         let busy =
             if is_ending { self.recent.iter().sum() } else { self.recent.iter().max().copied().unwrap_or_default() };
@@ -118,7 +118,7 @@ mod tests {
         assert!(watch.look(112 * SECOND, true, false).is_some_and(|why| why.contains("111 s")));
         watch.note(&Event::Acknowledged(1), 100 * SECOND);
         assert_eq!(watch.look(112 * SECOND, true, false), None);
-        // The longest line takes 20 s; behind the last one all that it has may still be moving.
+        // The longest line takes 20 s; after the last line all lines in the control may still be moving.
         watch.sent(20 * SECOND, false, 100 * SECOND);
         assert_eq!(watch.look(360 * SECOND, true, false), None);
         assert!(watch.look(361 * SECOND, true, false).is_some());
@@ -133,11 +133,11 @@ mod tests {
         watch.note(&Event::Paused(true), 20 * SECOND);
         assert_eq!(watch.look(610 * SECOND, true, false), None);
         assert!(watch.look(611 * SECOND, true, false).is_some_and(|why| why.contains("held")));
-        // It was let go on in time; what it stood before the hold counts with what it stands behind it: 10 s and 50 s.
+        // It was resumed in time. The time before the hold and the time after it count together: 10 s and 50 s.
         watch.note(&Event::Paused(false), 610 * SECOND);
         assert_eq!(watch.look(660 * SECOND, true, false), None);
         assert!(watch.look(661 * SECOND, true, false).is_some_and(|why| why.contains("no line")));
-        // Holds add up as long as no line is answered between them: 10 s of every 20, 601 s of 1201.
+        // Holds add up while no line is answered between them: 10 s of every 20, 601 s of 1201.
         let mut watch = Watch::new(Patience { stall: 6000 * SECOND, hold: 600 * SECOND });
         for second in (0..1200).step_by(20) {
             watch.note(&Event::Paused(true), second * SECOND);
@@ -149,7 +149,7 @@ mod tests {
         watch.note(&Event::Acknowledged(1), 1201 * SECOND);
         assert_eq!(watch.look(1801 * SECOND, true, false), None);
         assert!(watch.look(1802 * SECOND, true, false).is_some());
-        // Before the first line somebody may have to press a key.
+        // Before the first line a person may have to press a key.
         assert_eq!(Watch::new(Patience::default()).look(3600 * SECOND, false, false), None);
         assert!(Watch::new(Patience::default()).look(3601 * SECOND, false, false).is_some());
     }

@@ -1,4 +1,4 @@
-//! What is to be sent: bytes of lines in order, and bytes that overtake them.
+//! Bytes to be sent: those of lines in order, and urgent ones that overtake them.
 
 use std::collections::VecDeque;
 
@@ -7,36 +7,36 @@ use std::collections::VecDeque;
 pub struct Wire {
     urgent: VecDeque<u8>,
     plain: VecDeque<u8>,
-    /// Bytes that the port has taken, of both.
+    /// Bytes of both queues that the port has taken.
     sent: u64,
-    /// Bytes of these that wait in the queue of the system.
+    /// Taken bytes that wait in the queue of the operating system.
     queued: usize,
     is_paused: bool,
 }
 
 impl Wire {
-    /// Bytes behind all others.
+    /// Appends bytes after all others.
     pub fn push(&mut self, bytes: &[u8]) {
         self.plain.extend(bytes);
     }
 
-    /// Bytes before all others, which no pause holds back: answers, a hold.
+    /// Adds bytes before those of lines. No pause holds them back: answers, a hold.
     pub fn push_urgent(&mut self, bytes: &[u8]) {
         self.urgent.extend(bytes);
     }
 
-    /// Holds the bytes of lines back, or lets them go on.
+    /// Holds back the bytes of lines, or resumes them.
     pub fn pause(&mut self, is_paused: bool) {
         self.is_paused = is_paused;
     }
 
-    /// Whether bytes of lines are held back.
+    /// True if bytes of lines are held back.
     #[must_use]
     pub fn is_paused(&self) -> bool {
         self.is_paused
     }
 
-    /// What goes next, at most so many bytes.
+    /// Returns the next bytes, at most `most`.
     #[must_use]
     pub fn next(&self, most: usize) -> &[u8] {
         let queue = if !self.urgent.is_empty() {
@@ -46,34 +46,34 @@ impl Wire {
         } else {
             &self.plain
         };
-        // What lies behind the turn of the ring goes next time.
+        // Bytes beyond the wrap of the ring buffer follow next time.
         let (first, _) = queue.as_slices();
         first.get(..most.min(first.len())).unwrap_or_default()
     }
 
-    /// Notes that the port has taken so many bytes of [`Wire::next`].
+    /// Notes that the port has taken `count` bytes of [`Wire::next`].
     pub fn took(&mut self, count: usize) {
         let queue = if self.urgent.is_empty() { &mut self.plain } else { &mut self.urgent };
         let count = count.min(queue.len());
         queue.drain(..count);
         self.sent += count as u64;
-        // Until the system says otherwise.
+        // Until the system reports otherwise.
         self.queued += count;
     }
 
-    /// Bytes of lines that the port has not taken.
+    /// Returns the number of bytes of lines that the port has not taken.
     #[must_use]
     pub fn waiting(&self) -> usize {
         self.plain.len()
     }
 
-    /// Whether the port has taken everything.
+    /// True if the port has taken everything.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.plain.is_empty() && self.urgent.is_empty()
     }
 
-    /// Throws away what the port has not taken. Returns how many bytes of lines that were.
+    /// Discards the bytes that the port has not taken. Returns the number of these that belong to lines.
     pub fn clear(&mut self) -> usize {
         let count = self.plain.len();
         self.plain.clear();
@@ -81,29 +81,29 @@ impl Wire {
         count
     }
 
-    /// Throws away the bytes of lines that the port has not taken; what overtakes them still goes out.
+    /// Discards the bytes of lines that the port has not taken; urgent bytes are still sent.
     pub fn withdraw(&mut self) {
         self.plain.clear();
     }
 
-    /// Bytes that the port has taken so far.
+    /// Returns the number of bytes that the port has taken so far.
     #[must_use]
     pub fn sent(&self) -> u64 {
         self.sent
     }
 
-    /// Notes how many of the bytes that the port has taken wait in the queue of the system.
+    /// Notes the number of taken bytes that wait in the queue of the operating system.
     pub fn queue(&mut self, count: usize) {
         self.queued = count;
     }
 
-    /// Bytes that wait in the queue of the system: what it said, and what it has taken since.
+    /// Returns the number of bytes in the queue of the operating system: its last report plus the bytes taken since.
     #[must_use]
     pub fn queued(&self) -> usize {
         self.queued
     }
 
-    /// Bytes that have left the queue of the system, as far as it tells of it.
+    /// Returns the number of bytes that have left the queue of the operating system, as far as it reports.
     #[must_use]
     pub fn left(&self) -> u64 {
         self.sent.saturating_sub(self.queued as u64)

@@ -1,4 +1,4 @@
-//! The file of live sensors, `S.toml`: which channels there are, where their values come from, and what is believed.
+//! Configuration file of live sensors, `S.toml`: channels, sources of their values, and plausibility limits.
 //!
 //! ```toml
 //! poll_s = 10
@@ -12,7 +12,7 @@
 //! range_C = [10, 60]
 //! ```
 //!
-//! What is believed (range, rate, age …) may stand at the top, for all channels, and in a channel, for this one.
+//! Plausibility limits (range, rate, age …) may be given at the top for all channels, and in a channel for this channel.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,17 +25,17 @@ use ncfix_machine::machine::file::{MachineFile, Section, nearest};
 
 use super::source::{Plan, SensorSource, SensorSources, Wanted};
 
-/// More channels than any machine has.
+/// Maximum number of channels; more than any machine has.
 const MOST_CHANNELS: usize = 256;
-/// A day: nothing is slower.
+/// Longest accepted time: one day.
 const LONGEST_S: f64 = 86_400.0;
-/// What the sensors of a 1-wire bus say after power-on, and where they do not answer, °C.
+/// Values that sensors on a 1-wire bus report after power-on and when they do not answer, °C.
 const NO_VALUE_C: [f64; 2] = [85.0, -127.0];
 
-/// What is done where a channel has had no good value for too long.
+/// Action if a channel has had no good value for too long.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Action {
-    /// Go on with the values that are held.
+    /// Continue with the held values.
     #[default]
     Continue,
     /// Send no further line.
@@ -44,16 +44,16 @@ pub enum Action {
     Hold,
 }
 
-/// What the numbers of a channel are.
+/// Unit of the numbers of a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelUnit {
-    /// Its name in the file.
+    /// Name in the file.
     pub name: &'static str,
-    /// Degrees Celsius in one of it.
+    /// Degrees Celsius per unit.
     per_unit: f64,
-    /// And at zero of it.
+    /// Temperature at zero of the unit, °C.
     at_zero: f64,
-    /// Whether it is a temperature: others need a scale.
+    /// True if it is a unit of temperature; other units need a scale.
     is_temperature: bool,
 }
 
@@ -70,51 +70,51 @@ const UNITS: &[ChannelUnit] = &[
     ChannelUnit { name: "raw", per_unit: 1.0, at_zero: 0.0, is_temperature: false },
 ];
 
-/// A sensor: how its number becomes a temperature, and what is believed.
+/// Sensor channel: conversion of its numbers to temperatures, and plausibility limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorChannel {
-    /// Its name, that of the sensor in the machine file.
+    /// Name; that of the sensor in the machine file.
     pub name: String,
-    /// Where it comes from: the name of an [`ValueOrigin`].
+    /// Name of the [`ValueOrigin`] of its values.
     pub source: String,
-    /// What its numbers are.
+    /// Unit of its numbers.
     pub unit: ChannelUnit,
-    /// What a number is multiplied by.
+    /// Factor on a number.
     pub scale: f64,
-    /// What is added then; the unit comes last.
+    /// Offset that is added after scaling and before the unit conversion.
     pub offset: f64,
-    /// Numbers by which the sensor says that it has no value; without them those of 1-wire sensors.
+    /// Numbers by which the sensor reports that it has no value. If absent, those of 1-wire sensors.
     pub invalid: Option<Vec<f64>>,
-    /// Lowest and highest temperature, °C.
+    /// Lowest and highest plausible temperature, °C.
     pub range_c: [f64; 2],
-    /// How fast it changes at most.
+    /// Maximum rate of change, K/min.
     pub max_rate_k_per_min: f64,
-    /// What it may change at once: noise and resolution.
+    /// Permitted sudden change due to noise and resolution, K.
     pub step_k: f64,
-    /// How old a value may be.
+    /// Maximum age of a value.
     pub max_age: Duration,
-    /// The value is the median of so many.
+    /// Number of values in the median filter.
     pub median: usize,
-    /// So many values must agree before a level is believed that does not follow from the last one.
+    /// Number of values that must agree before a level that does not follow from the last one is accepted.
     pub confirm: usize,
-    /// So many before the first level is believed: the values of a record were judged when it was made.
+    /// Number of values before the first level is accepted. The values of a record were checked when it was made.
     pub first: usize,
-    /// A value that is the very same for so long is none; 0 where that says nothing.
+    /// Time after which an unchanged value counts as stuck; 0 disables the check.
     pub stuck_after: Duration,
-    /// What is done where it stays without a good value.
+    /// Action if it has no good value.
     pub action: Action,
-    /// For so long.
+    /// Time without a good value after which the action is taken.
     pub act_after: Duration,
 }
 
 impl SensorChannel {
-    /// The temperature that a number says, °C.
+    /// Converts a number to a temperature, °C.
     #[must_use]
     pub fn to_c(&self, raw: f64) -> f64 {
         (raw * self.scale + self.offset) * self.unit.per_unit + self.unit.at_zero
     }
 
-    /// Whether the sensor says that it has no value.
+    /// True if the number means that the sensor has no value.
     #[must_use]
     pub fn is_invalid(&self, raw: f64, value_c: f64) -> bool {
         match &self.invalid {
@@ -124,31 +124,31 @@ impl SensorChannel {
     }
 }
 
-/// Where values come from.
+/// Source of values.
 #[derive(Clone, Debug)]
 pub struct ValueOrigin {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its kind.
+    /// Kind.
     pub kind: Arc<dyn SensorSource>,
-    /// Where the file has it.
+    /// Place in the file.
     pub place: Place,
-    /// How often it is asked.
+    /// Interval at which it is polled.
     pub poll: Duration,
-    /// Its channels, as they stand in [`Config::channels`].
+    /// Indices of its channels in [`Config::channels`].
     pub channels: Vec<usize>,
-    /// How it is opened.
+    /// Settings for opening it.
     pub plan: Arc<dyn Plan>,
 }
 
-/// What the file says.
+/// Content of the file.
 #[derive(Clone, Debug)]
 pub struct Config {
     /// All sensors.
     pub channels: Vec<SensorChannel>,
-    /// Where their values come from.
+    /// Sources of their values.
     pub sources: Vec<ValueOrigin>,
-    /// How often sources are asked that say nothing else.
+    /// Polling interval of sources without their own.
     pub poll: Duration,
 }
 
@@ -156,7 +156,7 @@ impl Config {
     /// Reads a file.
     ///
     /// # Errors
-    /// All that is wrong in it: `E0401`–`E0404`.
+    /// All faults of the file: `E0401`–`E0404`.
     pub fn read(source: &Source) -> Result<Config, Vec<Diagnostic>> {
         Config::read_with(source, &SensorSources::default())
     }
@@ -181,7 +181,7 @@ impl Config {
     }
 }
 
-/// The named sections below a key that must be there.
+/// Reads the named sections below a key that must exist.
 fn named<'a>(
     root: &mut Section<'a>,
     key: &str,
@@ -203,7 +203,7 @@ fn named<'a>(
     found
 }
 
-/// What makes a config of sections.
+/// Makes a configuration from sections.
 struct Reader<'f> {
     poll: Duration,
     rules: SensorChannel,
@@ -240,7 +240,7 @@ impl Reader<'_> {
             }
             let plan = kind.as_ref().and_then(|kind| kind.read(&mut section, &mut own));
             if kind.is_none() {
-                // What the other keys mean is not known.
+                // The meaning of the other keys is unknown.
                 let keys: Vec<&str> = section.keys().collect();
                 keys.into_iter().for_each(|key| section.accept(key));
                 own.iter_mut().for_each(|wanted| accept_all(&mut wanted.section));
@@ -303,7 +303,7 @@ impl Reader<'_> {
     }
 }
 
-/// The kind of a source.
+/// Reads the kind of a source.
 fn read_kind(section: &mut Section<'_>, kinds: &SensorSources) -> Option<Arc<dyn SensorSource>> {
     let written = section.required("kind", "\"file\"", Section::text)?;
     let found = kinds.shared(written);
@@ -318,13 +318,13 @@ fn read_kind(section: &mut Section<'_>, kinds: &SensorSources) -> Option<Arc<dyn
     found
 }
 
-/// The kind is not known, so that nothing is known of the keys either.
+/// Accepts all keys: the kind is unknown, so their meaning is unknown, too.
 pub(super) fn accept_all(section: &mut Section<'_>) {
     let keys: Vec<&str> = section.keys().collect();
     keys.into_iter().for_each(|key| section.accept(key));
 }
 
-/// What is believed where the file says nothing.
+/// Default plausibility limits.
 fn rules(poll: Duration) -> SensorChannel {
     SensorChannel {
         name: String::new(),
@@ -333,12 +333,12 @@ fn rules(poll: Duration) -> SensorChannel {
         scale: 1.0,
         offset: 0.0,
         invalid: None,
-        // A frosty hall and a hot bearing.
+        // From a frosty hall to a hot bearing.
         range_c: [-10.0, 80.0],
-        // Bearings of spindles change by some kelvin a minute, structures by a tenth of that.
+        // Spindle bearings change by some kelvin per minute, structures by a tenth of that.
         max_rate_k_per_min: 5.0,
         step_k: 0.5,
-        // Three readings may be missed; temperatures are needed about once a minute (Spaan 1995, ch. 7).
+        // Three readings may be missing; temperatures are needed about once a minute (Spaan 1995, ch. 7).
         max_age: (3 * poll).max(Duration::from_secs(180)),
         median: 3,
         confirm: 3,
@@ -349,7 +349,7 @@ fn rules(poll: Duration) -> SensorChannel {
     }
 }
 
-/// Reads what is believed, over what is already there.
+/// Reads plausibility limits and overrides the existing ones.
 fn read_rules(section: &mut Section<'_>, rules: &mut SensorChannel) {
     if let Some(range) = section.numbers("range_C") {
         let [lowest, highest] = PLAUSIBLE_C;
@@ -394,7 +394,7 @@ fn read_rules(section: &mut Section<'_>, rules: &mut SensorChannel) {
     }
 }
 
-/// A time in s.
+/// Reads a time, s.
 pub(super) fn seconds(section: &mut Section<'_>, key: &str, least: f64) -> Option<Duration> {
     let expected = format!("a time in s from {least} to {LONGEST_S}");
     section.number_where(key, &expected, |value| (least..=LONGEST_S).contains(&value)).map(Duration::from_secs_f64)

@@ -1,6 +1,6 @@
-//! Lines of text as they come: CSV behind its line of names, JSON objects, `name=value`, or a number alone.
+//! Lines of text as they arrive: CSV after its header, JSON objects, `name=value`, or a single number.
 //!
-//! A line says itself which of these it is. Whoever begins to read in the middle finds no names: rows are not guessed at then.
+//! The format follows from the line itself. A reader that begins in the middle of a CSV stream has no header and does not guess the columns.
 
 use std::time::SystemTime;
 
@@ -12,32 +12,32 @@ use ncfix_base::source::{FileId, Source};
 use super::monitor::{Fault, Told};
 use super::stamp::stamp;
 
-/// A longer line is no reading, bytes.
+/// Maximum length of a reading, bytes.
 pub(super) const LONGEST_LINE: usize = 1 << 16;
-/// What says when the readings of a line were made.
+/// Names of the time stamp of the readings of a line.
 const TIMES: [&str; 3] = ["time", "timestamp", "ts"];
 
-/// What is told of a channel, and when it was read.
+/// Callback for a channel: its reading and the time when it was read.
 pub(super) type Tell<'a> = dyn FnMut(usize, Told, Option<SystemTime>) + 'a;
 
 /// Reads lines.
 #[derive(Clone, Debug)]
 pub struct LineReader {
-    /// What a channel is called in them.
+    /// Names of the channels in the lines.
     items: Vec<(String, usize)>,
     header: Option<String>,
-    /// Whether times in them count.
+    /// True if times in the lines are used.
     has_times: bool,
 }
 
 impl LineReader {
-    /// Lines in which channels go by some names.
+    /// Creates a reader for lines that contain channels under these names.
     #[must_use]
     pub fn new(items: &[(String, usize)], has_times: bool) -> LineReader {
         LineReader { items: items.to_vec(), header: None, has_times }
     }
 
-    /// The names of columns come again.
+    /// Forgets the header: it follows again.
     pub fn forget_header(&mut self) {
         self.header = None;
     }
@@ -63,7 +63,7 @@ impl LineReader {
         }
     }
 
-    /// Nothing can be made of a line.
+    /// Reports a line that cannot be interpreted for all channels.
     fn fail(&self, why: &str, tell: &mut Tell<'_>) {
         for (_, channel) in &self.items {
             tell(*channel, Told::Nothing(Fault::Invalid, why.to_owned()), None);
@@ -95,7 +95,7 @@ impl LineReader {
         }
     }
 
-    /// A number alone is that of the only channel.
+    /// Reads a single number, which is that of the only channel.
     fn alone(&self, line: &str, tell: &mut Tell<'_>) {
         match self.items.as_slice() {
             [(_, channel)] => tell(*channel, told(line), None),
@@ -126,19 +126,19 @@ impl LineReader {
         for (item, channel) in &self.items {
             let column = table.names().iter().position(|name| is_column_of(name, item));
             let Some(text) = column.map(cell).filter(|text| !text.trim().is_empty()) else { continue };
-            // Where commas do not separate cells they are decimal signs.
+            // If commas do not separate cells, they are decimal separators.
             let is_comma = table.separator() != b',' && !text.contains('.');
             tell(*channel, told(&if is_comma { text.replace(',', ".") } else { text }), stamp);
         }
     }
 }
 
-/// Whether a column is that of an item: by its name, or as logs have it, with `_C` behind.
+/// True if a column belongs to an item: by its name, or with the suffix `_C` as in logs.
 fn is_column_of(name: &str, item: &str) -> bool {
     name == item || name.strip_suffix("_C") == Some(item)
 }
 
-/// A value of an object by its key, or by keys with points between them.
+/// Finds a value in an object by its key, or by keys separated by dots.
 pub(super) fn inside<'v>(object: &'v Value, item: &str) -> Option<&'v Value> {
     object.get(item).or_else(|| {
         item.split('.').try_fold(object, |value, key| match value {
@@ -148,12 +148,12 @@ pub(super) fn inside<'v>(object: &'v Value, item: &str) -> Option<&'v Value> {
     })
 }
 
-/// A text without its quotation marks, anything else as JSON has it.
+/// Returns a text without its quotation marks, any other value as JSON.
 pub(super) fn plain(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
-/// What a text says of a channel.
+/// Interprets a text as the value of a channel.
 pub(super) fn told(text: &str) -> Told {
     let text = text.trim().trim_matches('"');
     match text.parse::<f64>() {
@@ -162,22 +162,22 @@ pub(super) fn told(text: &str) -> Told {
     }
 }
 
-/// The beginning of a text that may be long.
+/// Returns the first 40 characters of a text.
 pub(super) fn shortened(text: &str) -> String {
     let clean: String =
         text.chars().map(|character| if character.is_control() { ' ' } else { character }).take(41).collect();
     if clean.chars().count() > 40 { clean.chars().take(40).chain(['…']).collect() } else { clean }
 }
 
-/// Whole lines out of bytes as they come.
+/// Collects whole lines from bytes as they arrive.
 #[derive(Debug, Default)]
 pub(super) struct Splitter(Vec<u8>);
 
 impl Splitter {
-    /// Takes bytes; what is behind the last end of a line waits for more.
+    /// Takes bytes; bytes after the last line end wait for more.
     pub(super) fn take(&mut self, bytes: &[u8], each: &mut dyn FnMut(&[u8])) {
         for part in bytes.split_inclusive(|&byte| byte == b'\n') {
-            // One byte more than the longest line says that it has been too long.
+            // One byte more than the maximum shows that the line was too long.
             let room = (LONGEST_LINE + 1).saturating_sub(self.0.len());
             self.0.extend(part.iter().take(room));
             if part.ends_with(b"\n") {
@@ -187,7 +187,7 @@ impl Splitter {
         }
     }
 
-    /// What waits is thrown away.
+    /// Discards the waiting bytes.
     pub(super) fn clear(&mut self) {
         self.0.clear();
     }

@@ -1,13 +1,13 @@
-//! Sensors that are read while the machine works: sources in threads of their own, and a judge for every value that they bring.
+//! Sensors that are read while the machine works: sources in separate threads, and a check of every value.
 //!
 //! ```text
 //! source (thread) ─▶ Outlet ─▶ Panel::take ─▶ Monitor ─▶ Reading
 //!                   bounded     never waits    pure       last good value, its age, its state
 //! ```
 //!
-//! A [`Config`] says which channels there are, where their values come from and what is believed. A [`Panel`] owns the threads; a source that hangs or
-//! dies keeps nobody waiting, its channels grow old. A [`Monitor`] is a pure machine: a value and its time go in, a [`Reading`] comes out. What it
-//! hands on is always the last value that was good; a fault never becomes a temperature.
+//! A [`Config`] defines the channels, the sources of their values and the plausibility limits. A [`Panel`] owns the threads. A source that hangs or dies
+//! delays no one; the values of its channels grow old. A [`Monitor`] is a state machine: a value and its time go in, a [`Reading`] comes out. It always
+//! passes on the last good value; a fault never becomes a temperature.
 
 mod config;
 mod lines;

@@ -1,8 +1,8 @@
-//! What is believed of a channel: a pure machine with values and times in, and the last good value out.
+//! Plausibility check of a channel: a state machine with values and times as input, and the last good value as output.
 //!
-//! A value counts where it is a number, within the range, and near enough to those before it: the temperature of a mass of iron changes with a limited
-//! rate. One that is not is held back until some of them agree with each other *and* the rate allows the way from the last good value in the time
-//! since then; so a fault that comes and goes leaves no trace, and a real change that was missed comes through in the end.
+//! A value is accepted if it is a number, within the range, and close enough to the values before it: the temperature of an iron mass changes at a limited
+//! rate. Any other value is held back until several agree with each other *and* the rate permits the change since the last good value. So an intermittent
+//! fault has no effect, and a real change that was missed is accepted in the end.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -10,32 +10,32 @@ use std::time::Duration;
 
 use super::config::SensorChannel;
 
-/// Earlier values that a new one is held against lie so far back in steps of a thirtieth of their time.
+/// Number of earlier values for comparison. They are spaced by a thirtieth of their time span.
 const ANCHORS: usize = 30;
 
-/// Why a channel has no good value now.
+/// Reason why a channel has no good value now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// Nothing has come for too long, or what has come is too old.
+    /// No value has come for too long, or the value that came is too old.
     Silent,
-    /// It is outside the range of the channel.
+    /// The value is outside the range of the channel.
     OutOfRange,
-    /// It is farther from the last one than the rate allows.
+    /// The value differs from the last one by more than the rate allows.
     Jump,
-    /// It has not moved at all for too long.
+    /// The value has not changed at all for too long.
     Stuck,
-    /// It is no number, or one by which the sensor says that it has none.
+    /// It is not a number, or a number by which the sensor reports that it has no value.
     Invalid,
     /// The source cannot be reached, or has ended.
     Disconnected,
-    /// It was kept by a broker, and nothing says how old it is.
+    /// It was retained by a broker, and its age is unknown.
     Retained,
-    /// It says that it was read in the future.
+    /// Its time stamp is in the future.
     Clock,
 }
 
 impl Fault {
-    /// Its name, as in JSON.
+    /// Returns its name as in JSON.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -66,29 +66,29 @@ impl fmt::Display for Fault {
     }
 }
 
-/// What a source says of a channel.
+/// Report of a source on a channel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Told {
-    /// A value as the sensor gives it.
+    /// Number as delivered by the sensor.
     Value(f64),
-    /// There is none, and why.
+    /// No value, with the reason.
     Nothing(Fault, String),
 }
 
-/// How far a channel can be relied on.
+/// Reliability of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ChannelState {
     /// There was no good value yet.
     #[default]
     Waiting,
-    /// The value is good and young.
+    /// The value is good and recent.
     Good,
-    /// The value is the last good one; this is why there is no newer one.
+    /// The value is the last good one; the fault is why there is no newer one.
     Held(Fault),
 }
 
 impl ChannelState {
-    /// Its name, as in JSON.
+    /// Returns its name as in JSON.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -99,49 +99,49 @@ impl ChannelState {
     }
 }
 
-/// A channel as it is now.
+/// Current state of a channel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reading {
     /// Name of the sensor.
     pub name: String,
     /// The last good value, filtered, °C; `None` before the first one.
     pub value_c: Option<f64>,
-    /// How long ago the last good value was read.
+    /// Age of the last good value.
     pub age: Option<Duration>,
-    /// How far it can be relied on.
+    /// Reliability of the value.
     pub state: ChannelState,
-    /// The last number that came, as it came, good or not.
+    /// Last raw number, good or not.
     pub raw: Option<f64>,
-    /// What is wrong, as a sentence; empty where nothing is.
+    /// Description of the fault, as a sentence; empty if there is none.
     pub note: String,
 }
 
-/// The judge of one channel. Times are seconds since the start of the job, before it below zero.
+/// Plausibility check of one channel. Times are seconds since the start of the job; earlier times are negative.
 #[derive(Clone, Debug)]
 pub struct Monitor {
     channel: SensorChannel,
-    /// The last good values, °C, as many as the median takes.
+    /// Last good values for the median, °C.
     recent: VecDeque<f64>,
-    /// Good values of the last time, thinned out.
+    /// Thinned good values of the recent past: time, s, and value, °C.
     anchors: VecDeque<(f64, f64)>,
     /// Values that do not follow from the good ones.
     candidates: VecDeque<(f64, f64)>,
-    /// When the last good value was read, and what it was.
+    /// Time and value of the last good reading.
     good: Option<(f64, f64)>,
     value_c: Option<f64>,
-    /// When the newest number was read, good or not.
+    /// Time when the newest number was read, good or not.
     newest_s: f64,
-    /// Since when the sensor has said the same.
+    /// Start time and value of the current run of equal readings.
     same: Option<(f64, f64)>,
     fault: Option<Fault>,
     note: String,
-    /// Since when there is no good value.
+    /// Time since when there is no good value.
     bad_since_s: Option<f64>,
     raw: Option<f64>,
 }
 
 impl Monitor {
-    /// Nothing is known yet.
+    /// Creates a monitor without any value.
     #[must_use]
     pub fn new(channel: &SensorChannel) -> Monitor {
         Monitor {
@@ -160,13 +160,13 @@ impl Monitor {
         }
     }
 
-    /// Its channel.
+    /// Returns its channel.
     #[must_use]
     pub fn channel(&self) -> &SensorChannel {
         &self.channel
     }
 
-    /// Hears what was read some time before now.
+    /// Takes a report that was read `age` before `now`.
     pub fn hear(&mut self, told: &Told, age: Duration, now: Duration) {
         let now_s = now.as_secs_f64();
         let result = match told {
@@ -187,7 +187,7 @@ impl Monitor {
         }
     }
 
-    /// Time has passed.
+    /// Handles the passing of time.
     pub fn tick(&mut self, now: Duration) {
         let now_s = now.as_secs_f64();
         let Some((good_s, _)) = self.good else {
@@ -198,19 +198,19 @@ impl Monitor {
         if self.fault.is_none() && now_s - good_s > most_s {
             self.fault = Some(Fault::Silent);
             self.note = format!("nothing for more than {most_s} s");
-            // When it became too old, not when that was seen: the same job says the same.
+            // Time when it became too old, not when that was noticed: the result must not depend on the polling.
             self.bad_since_s.get_or_insert(good_s + most_s);
         }
     }
 
-    /// How long there has been no good value.
+    /// Returns the time without a good value.
     #[must_use]
     pub fn bad_for(&self, now: Duration) -> Option<Duration> {
         let since_s = self.bad_since_s?;
         Duration::try_from_secs_f64(now.as_secs_f64() - since_s).ok()
     }
 
-    /// How far it can be relied on.
+    /// Returns the reliability.
     #[must_use]
     pub fn state(&self) -> ChannelState {
         match (self.good, self.fault) {
@@ -220,7 +220,7 @@ impl Monitor {
         }
     }
 
-    /// Writes what it knows into a reading; returns whether the value has changed.
+    /// Writes the state into a reading. Returns true if the value has changed.
     pub fn show(&self, now: Duration, reading: &mut Reading) -> bool {
         let has_changed = reading.value_c != self.value_c;
         let age_s = self.good.map(|(at_s, _)| (now.as_secs_f64() - at_s).max(0.0));
@@ -234,7 +234,7 @@ impl Monitor {
         has_changed
     }
 
-    /// Takes a number, or says why not; without a fault it neither counts nor is anything wrong with it.
+    /// Accepts a number, or returns the reason. A reason without a fault means that the number is ignored and nothing is wrong.
     fn judge(&mut self, raw: f64, age: Duration, at_s: f64) -> Result<(), (Option<Fault>, String)> {
         let channel = &self.channel;
         let no = |fault, note: String| Err((Some(fault), note));
@@ -254,7 +254,7 @@ impl Monitor {
             return no(Fault::OutOfRange, format!("{value_c:.1} °C is not within {low} to {high} °C"));
         }
         if at_s <= self.newest_s {
-            // The same reading again, or one that was overtaken: nothing new is known, and the old value grows older.
+            // A repeated or overtaken reading: nothing new is known, and the old value grows older.
             return if self.fault.is_some() || self.good.is_none() {
                 Err((None, std::mem::take(&mut self.note)))
             } else {
@@ -272,21 +272,21 @@ impl Monitor {
         Ok(())
     }
 
-    /// Whether a value is one that may follow the good ones at once.
+    /// True if a value may follow the good ones immediately.
     fn follows(&self, at_s: f64, value_c: f64) -> bool {
-        // The time between two readings counts for no more than this: after a long silence a single value is no proof.
+        // Maximum time between two readings that counts: after a long silence a single value is no proof.
         let most_s = self.steady_s();
         self.good.iter().chain(&self.anchors).all(|&earlier| self.is_possible(earlier, (at_s, value_c), most_s))
             && self.good.is_some()
     }
 
-    /// Whether the rate allows the way between two values, where no more than some time counts.
+    /// True if the rate permits the change between two values. At most `most_s` of the time between them counts.
     fn is_possible(&self, (from_s, from_c): (f64, f64), (to_s, to_c): (f64, f64), most_s: f64) -> bool {
         let minutes = (to_s - from_s).clamp(0.0, most_s) / 60.0;
         (to_c - from_c).abs() <= self.channel.step_k + self.channel.max_rate_k_per_min * minutes
     }
 
-    /// A third of the age that a value may have.
+    /// Returns a third of the maximum age of a value, s.
     fn steady_s(&self) -> f64 {
         self.channel.max_age.as_secs_f64() / 3.0
     }
@@ -322,7 +322,7 @@ impl Monitor {
         Ok(())
     }
 
-    /// Takes a good value.
+    /// Accepts a good value.
     fn accept(&mut self, at_s: f64, value_c: f64) {
         self.good = Some((at_s, value_c));
         self.recent.push_back(value_c);
@@ -337,7 +337,7 @@ impl Monitor {
         }
     }
 
-    /// Whether a good value has been the very same for too long.
+    /// Checks that a good value has not been constant for too long.
     fn check_motion(&mut self, at_s: f64, raw: f64) -> Result<(), (Option<Fault>, String)> {
         let limit_s = self.channel.stuck_after.as_secs_f64();
         match self.same {
@@ -353,7 +353,7 @@ impl Monitor {
     }
 }
 
-/// The middle of some values, the mean of the two in the middle of an even number.
+/// Returns the median; for an even number of values the mean of the two in the middle.
 fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

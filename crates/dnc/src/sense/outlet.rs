@@ -1,4 +1,4 @@
-//! Where a source puts what it reads: a bounded box that nobody waits for.
+//! Bounded queue for the readings of a source; no one waits for it.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, TryLockError};
@@ -6,24 +6,24 @@ use std::time::{Duration, Instant, SystemTime};
 
 use super::monitor::{Fault, Told};
 
-/// Readings that wait to be taken; of more the oldest are lost.
+/// Maximum number of waiting readings; if there are more, the oldest are lost.
 const MOST_WAITING: usize = 4096;
-/// Clocks of two computers differ by so much without a fault.
+/// Permitted difference between the clocks of two computers.
 const CLOCKS_DIFFER: Duration = Duration::from_secs(60);
 
-/// A reading on its way.
+/// Reading on its way.
 #[derive(Clone, Debug)]
 pub(super) struct SourceSample {
     pub(super) channel: usize,
     pub(super) told: Told,
-    /// When it came.
+    /// Time of arrival.
     came: Instant,
-    /// How old it was then.
+    /// Age at arrival.
     age: Duration,
 }
 
 impl SourceSample {
-    /// How long ago it was read.
+    /// Returns the time since it was read.
     pub(super) fn age(&self) -> Duration {
         self.came.elapsed() + self.age
     }
@@ -36,24 +36,24 @@ struct Shared {
     ends: Condvar,
 }
 
-/// The end that a source has.
+/// Sending end, held by a source.
 #[derive(Debug)]
 pub struct Outlet {
     shared: Arc<Shared>,
     channels: Vec<usize>,
 }
 
-/// The end that the panel has; the source is told to end when it is dropped.
+/// Receiving end, held by the panel. When it is dropped, the source must end.
 #[derive(Debug)]
 pub(super) struct Inlet(Arc<Shared>);
 
-/// Both ends of a new box.
+/// Creates a queue and returns both ends.
 pub(super) fn box_of(channels: &[usize]) -> (Outlet, Inlet) {
     let shared = Arc::new(Shared::default());
     (Outlet { shared: Arc::clone(&shared), channels: channels.to_vec() }, Inlet(shared))
 }
 
-/// What a reading says once its time is known, and how old it is.
+/// Returns a report after checking its time stamp, and its age.
 #[must_use]
 pub(super) fn aged(told: Told, stamp: Option<SystemTime>, now: SystemTime) -> (Told, Duration) {
     let Some(stamp) = stamp else { return (told, Duration::ZERO) };
@@ -69,7 +69,7 @@ pub(super) fn aged(told: Told, stamp: Option<SystemTime>, now: SystemTime) -> (T
 }
 
 impl Outlet {
-    /// Hands a reading over; `stamp` is when it was read, now where it is not known.
+    /// Passes a reading on. `stamp` is the time when it was read; `None` means now.
     pub fn tell(&self, channel: usize, told: Told, stamp: Option<SystemTime>) {
         let (told, age) = aged(told, stamp, SystemTime::now());
         let mut waiting = self.shared.waiting.lock().unwrap_or_else(PoisonError::into_inner);
@@ -79,14 +79,14 @@ impl Outlet {
         waiting.push_back(SourceSample { channel, told, came: Instant::now(), age });
     }
 
-    /// Says that none of the channels has a value, and why.
+    /// Reports that none of the channels has a value, with the reason.
     pub fn fail(&self, fault: Fault, why: &str) {
         for &channel in &self.channels {
             self.tell(channel, Told::Nothing(fault, why.to_owned()), None);
         }
     }
 
-    /// Waits; `false` where the source has to end.
+    /// Waits; returns `false` if the source must end.
     #[must_use]
     pub fn wait(&self, time: Duration) -> bool {
         let is_over = self.shared.is_over.lock().unwrap_or_else(PoisonError::into_inner);
@@ -94,7 +94,7 @@ impl Outlet {
         !*waited.unwrap_or_else(PoisonError::into_inner).0
     }
 
-    /// Whether the source has to end.
+    /// True if the source must end.
     #[must_use]
     pub fn is_over(&self) -> bool {
         *self.shared.is_over.lock().unwrap_or_else(PoisonError::into_inner)
@@ -102,7 +102,7 @@ impl Outlet {
 }
 
 impl Inlet {
-    /// What has come; nothing where the source is just putting something in.
+    /// Takes the waiting readings; none if the source is writing at this instant.
     pub(super) fn take(&self, into: &mut Vec<SourceSample>) {
         match self.0.waiting.try_lock() {
             Ok(mut waiting) => into.extend(waiting.drain(..)),

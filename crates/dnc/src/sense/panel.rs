@@ -1,4 +1,4 @@
-//! All channels of a machine: takes what the sources bring without waiting for any of them, and says how far it can be relied on.
+//! All channels of a machine: takes the readings of the sources without waiting for them, and rates their reliability.
 
 use std::path::Path;
 use std::thread::{self, JoinHandle};
@@ -11,23 +11,23 @@ use super::monitor::{ChannelState, Fault, Monitor, Reading, Told};
 use super::outlet::{Inlet, SourceSample, box_of};
 use super::source::{Clocked, Opened};
 
-/// So long a panel that goes waits for its threads; one that hangs is left behind.
+/// Maximum time that a dropped panel waits for its threads; a thread that hangs is abandoned.
 const MOST_FOR_END: Duration = Duration::from_millis(300);
 
-/// What the channels together allow.
+/// Permission from all channels together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// All are good.
+    /// All channels are good.
     Good,
-    /// These had no good value yet.
+    /// These channels had no good value yet.
     Waiting(Vec<String>),
-    /// Some are held: their last good values go on, and nothing is dosed.
+    /// Some channels are held: their last good values stay in use, and nothing is dosed.
     Freeze(String),
-    /// One has been without a good value for so long that this is to be done. [`Action::Continue`]: go on with the values that are held.
+    /// A channel has been without a good value for so long that this action is due. [`Action::Continue`]: continue with the held values.
     Act(Action, String),
 }
 
-/// A source in a thread.
+/// Source in a thread.
 struct Running {
     name: String,
     channels: Vec<usize>,
@@ -36,22 +36,22 @@ struct Running {
     has_ended: bool,
 }
 
-/// Owns the channels and the threads of their sources, which end when it is dropped.
+/// Owns the channels and the threads of their sources. The threads end when it is dropped.
 pub struct Panel {
     monitors: Vec<Monitor>,
     readings: Vec<Reading>,
     running: Vec<Running>,
     clocked: Vec<Box<dyn Clocked>>,
     now: Duration,
-    /// Kept, so that a call with nothing new makes nothing.
+    /// Buffer that is reused, so that a call without new readings does not allocate.
     samples: Vec<SourceSample>,
 }
 
 impl Panel {
-    /// Starts the sources; paths in the file count from a folder.
+    /// Starts the sources; paths in the file are relative to `base`.
     ///
     /// # Errors
-    /// What cannot be opened at all. A source that cannot be reached yet is no such thing: its channels wait.
+    /// Sources that can never be opened. A source that cannot be reached yet is not an error: its channels wait.
     pub fn open(config: &Config, base: &Path) -> Result<Panel, Vec<Diagnostic>> {
         let monitors: Vec<Monitor> = config.channels.iter().map(Monitor::new).collect();
         let reading = |monitor: &Monitor| Reading { name: monitor.channel().name.clone(), ..Reading::default() };
@@ -89,12 +89,12 @@ impl Panel {
         Ok(Panel { monitors, readings, running, clocked, now: Duration::ZERO, samples: Vec::new() })
     }
 
-    /// Takes what has come, `now` being the time since the start of the job. Never waits. Returns whether some value has changed.
+    /// Takes the readings that have arrived; `now` is the time since the start of the job. Never waits. Returns true if any value has changed.
     pub fn take(&mut self, now: Duration) -> bool {
         self.now = now;
         let monitors = &mut self.monitors;
         for source in &mut self.clocked {
-            // Each reading is heard at its own time, however often it is asked for them: the job repeats.
+            // Each reading is heard at its own time, however often the panel is polled: the job is reproducible.
             source.until(now, &mut |channel, told, at| {
                 if let Some(monitor) = monitors.get_mut(channel) {
                     monitor.tick(at);
@@ -108,7 +108,7 @@ impl Panel {
             }
         };
         for running in &mut self.running {
-            // Asked before the box is emptied: what a source says last is still heard.
+            // Checked before the queue is emptied, so that the last readings of a source are still heard.
             let has_ended = running.thread.is_finished();
             if let Some(inlet) = &running.inlet {
                 inlet.take(&mut self.samples);
@@ -128,12 +128,12 @@ impl Panel {
         has_changed
     }
 
-    /// All channels as they were at the last [`Panel::take`].
+    /// Returns all channels as they were at the last [`Panel::take`].
     pub fn channels(&self) -> impl Iterator<Item = &Reading> {
         self.readings.iter()
     }
 
-    /// What they allow: the gravest of what is said of each.
+    /// Returns the permission: the most severe one of all channels.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let mut acting: Option<(Action, String)> = None;
@@ -176,7 +176,7 @@ impl Drop for Panel {
                 thread::sleep(Duration::from_millis(2));
             }
             if running.thread.is_finished() {
-                // Whether it panicked has been told.
+                // A panic has been reported already.
                 let _ = running.thread.join();
             }
         }

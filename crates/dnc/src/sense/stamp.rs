@@ -1,15 +1,15 @@
-//! Times that readings carry: RFC 3339 with its zone, or seconds (milliseconds) since 1970.
+//! Time stamps of readings: RFC 3339 with its zone, or seconds (milliseconds) since 1970.
 
 use std::time::{Duration, SystemTime};
 
 use jiff::Timestamp;
 
-/// A number below this is no time of a reading but a count of something else: 2001.
+/// A number below this is not a time stamp but a count of something else: 2001.
 const LEAST_S: f64 = 1e9;
-/// A number above this counts milliseconds.
+/// A number above this is in milliseconds.
 const MOST_S: f64 = 1e11;
 
-/// The time that a text says; `None` where it says none, or none that is the same everywhere: a time without a zone is not known to an hour.
+/// Reads a time stamp. `None` if the text is not a time, or a time without a zone, which is ambiguous by hours.
 #[must_use]
 pub fn stamp(text: &str) -> Option<SystemTime> {
     let text = text.trim();

@@ -1,8 +1,7 @@
-//! What was written: syntax trees whose nodes carry spans, and parsers that never fail.
+//! The source text as syntax trees: nodes with spans, and parsers that never fail.
 //!
-//! The trees say nothing of what a code means. Nodes live in flat arenas and refer to each other by number, so that a block of
-//! plain words costs no allocation of its own. There is one family of trees for each family of languages: [`sinumerik`]
-//! and the word languages, [`words`].
+//! The trees do not contain the meaning of codes. Nodes are stored in flat arenas and refer to each other by number, so that a block of plain words
+//! needs no allocation. Each family of languages has its own trees: [`sinumerik`] and the word languages, [`words`].
 
 mod names;
 mod plain;
@@ -18,13 +17,13 @@ use ncfix_dialect::{Dialect, Language};
 pub use shelf::Shelf;
 use sinumerik::Macros;
 
-/// At most this many findings are kept of one file; a file with more is no part program, and the rest of it is not read.
+/// Maximum number of diagnostics of one file; a file with more is not a part program, and the rest of it is not read.
 const MAX_FINDINGS: usize = 1000;
 
-/// Programs and tables in one file: many times what the memory of a control holds.
+/// Maximum number of programs and tables in one file: many times the memory of a control.
 const MAX_PARTS: usize = 10_000;
 
-/// Programs from this size on are read by pages where they can be.
+/// Size from which programs are read by pages if possible.
 const LARGE_BYTES: usize = 8 << 20;
 /// The size of a page.
 const PAGE_BYTES: usize = 128 << 10;
@@ -32,14 +31,14 @@ const PAGE_BYTES: usize = 128 << 10;
 /// A parsed program.
 #[derive(Clone, Debug)]
 pub enum Program {
-    /// Of the Sinumerik.
+    /// A Sinumerik program.
     Sinumerik(sinumerik::Program),
-    /// Of Grundig, Fanuc or RS274/NGC.
+    /// A Grundig, Fanuc or RS274/NGC program.
     Words(words::Program),
 }
 
 impl Program {
-    /// Its text.
+    /// Its source text.
     #[must_use]
     pub fn source(&self) -> &Source {
         match self {
@@ -58,13 +57,13 @@ impl Program {
     }
 }
 
-/// Parses a program. Never fails: what cannot be read is reported and left out, and parsing goes on in the next block.
+/// Parses a program. Never fails: unreadable text is reported and skipped, and parsing continues in the next block.
 #[must_use]
 pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
     parse_with(source, dialect, &Macros::default())
 }
 
-/// Parses a program in which these macros of definition files hold, beside its own.
+/// Parses a program with macros of definition files in addition to its own.
 #[must_use]
 pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
     if dialect.language == Language::Sinumerik {
@@ -75,8 +74,8 @@ pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -
     (Program::Words(program), findings)
 }
 
-/// Parses a program of any size by pages of so many bytes; `None` where it must be kept as a whole. [`parse`] does so where a program is large;
-/// what comes of it is the same.
+/// Parses a program of any size by pages of `page_bytes`; `None` if it must be kept as a whole. [`parse`] does this for large programs, with an
+/// identical result.
 #[must_use]
 pub fn parse_by_pages(source: &Source, dialect: &'static Dialect, page_bytes: usize) -> Option<Program> {
     if dialect.language == Language::Sinumerik {
@@ -85,7 +84,7 @@ pub fn parse_by_pages(source: &Source, dialect: &'static Dialect, page_bytes: us
     words::parse_by_pages(source, dialect, page_bytes).map(Program::Words)
 }
 
-/// The finding for a file without blocks.
+/// The diagnostic for a file without blocks.
 fn nothing_done(source: &Source) -> Diagnostic {
     Diagnostic::at(
         Code::NOT_A_PROGRAM,
@@ -95,14 +94,14 @@ fn nothing_done(source: &Source) -> Diagnostic {
     )
 }
 
-/// The finding for a file with more programs than [`MAX_PARTS`], at the header of the first that is too many.
+/// The diagnostic for a file with more programs than [`MAX_PARTS`], at the header of the first excess program.
 fn too_many_parts(source: &Source, header: Span) -> Diagnostic {
     let message = format!("this is program {} of one file; at most {MAX_PARTS} are read", MAX_PARTS + 1);
     let help = "check that the file is a part program; give programs files of their own";
     Diagnostic::at(Code::NOT_A_PROGRAM, Place { file: source.id(), span: header }, message, help)
 }
 
-/// Says of a file in UTF-16 that it is one, and names the character where no word begins.
+/// Reports a file in UTF-16, and names a character that cannot begin a word.
 fn name_characters(source: &Source, findings: &mut Vec<Diagnostic>) {
     let bytes = source.bytes();
     if let Some(encoding) = character::wide_encoding(bytes) {
@@ -119,7 +118,7 @@ fn name_characters(source: &Source, findings: &mut Vec<Diagnostic>) {
     }
 }
 
-/// The findings of a file, or the one that there are too many.
+/// The diagnostics of a file, or a single one if there are too many.
 fn checked(found: Vec<Diagnostic>, source: &Source, dialect: &Dialect) -> Vec<Diagnostic> {
     let mut findings = reading::hidden(source);
     findings.extend(found);

@@ -1,9 +1,9 @@
-//! Identifiers, each kept once and known by a number.
+//! Identifiers, stored once and referred to by number.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Number of a name in the table of names of a program; equal ids are equal names, whatever their case.
+/// Index of a name in the name table of a program; equal ids are equal names, ignoring case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NameId(pub(super) u32);
 
@@ -15,7 +15,7 @@ pub struct Names {
 }
 
 impl Names {
-    /// The id of a name in any case.
+    /// Returns the id of a name in any case, and stores a new name.
     pub(super) fn intern(&mut self, bytes: &[u8]) -> NameId {
         let text: String = bytes.iter().map(|b| char::from(b.to_ascii_uppercase())).collect();
         if let Some(&id) = self.ids.get(text.as_str()) {
@@ -28,7 +28,7 @@ impl Names {
         NameId(id)
     }
 
-    /// The id of a name, upper case, that the program has.
+    /// The id of an upper-case name, if the program has it.
     #[must_use]
     pub fn find(&self, text: &str) -> Option<NameId> {
         self.ids.get(text).map(|&id| NameId(id))
@@ -47,7 +47,7 @@ impl Names {
 }
 
 impl NameId {
-    /// Its place in the order of [`Names::iter`].
+    /// Its index in the order of [`Names::iter`].
     #[must_use]
     pub fn index(self) -> usize {
         self.0 as usize

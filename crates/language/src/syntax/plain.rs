@@ -1,24 +1,24 @@
-//! Counts the blocks of a page that is nothing but block numbers and letters with numbers, without reading them.
+//! Counts the blocks of a page that contains only block numbers and letters with numbers, without parsing them.
 //!
-//! Most of a large program looks like this, and every parser understands it: there can be nothing wrong in such a page, and what it means is
-//! read when its turn comes. A page with anything else in it is left to the parser.
+//! Most of a large program looks like this, and every parser accepts it. Such a page cannot contain an error, and it is parsed when it is executed. A
+//! page with any other content is left to the parser.
 
 use super::shelf::Shelf;
 
-/// Letters that are words with a number and nothing more in every language.
+/// Letters that are words with a number, and nothing else, in every language.
 const LETTERS: &[u8] = b"GMXYZABCUVWIJKFSTDH";
-/// Longer blocks may be too long for a parser.
+/// Maximum bytes of a block; longer ones may exceed a parser's limit.
 const MOST_BYTES: usize = 1024;
-/// Digits of a number at most: it is far from every limit then.
+/// Maximum digits of a number, far below every limit.
 const MOST_DIGITS: usize = 15;
-/// Digits of a block number at most.
+/// Maximum digits of a block number.
 const MOST_NUMBER_DIGITS: usize = 8;
 
 const BLANK: u8 = 1;
 const LETTER: u8 = 2;
 const NUMBER: u8 = 3;
 
-/// What bytes are at the beginning of a word.
+/// Kinds of bytes at the beginning of a word.
 const KINDS: [u8; 256] = {
     let mut kinds = [0; 256];
     let mut byte = 0;
@@ -38,17 +38,17 @@ const KINDS: [u8; 256] = {
     kinds
 };
 
-/// What a page has in it.
+/// Content of a page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Plain {
     pub(super) blocks: usize,
     pub(super) words: usize,
     pub(super) lines: u32,
-    /// Where the next page begins.
+    /// Start of the next page.
     pub(super) end: usize,
 }
 
-/// Counts whole lines from an offset up to another one; `None` where there is anything that only a parser can judge.
+/// Counts whole lines from an offset up to another one; `None` if any of them needs the parser.
 pub(super) fn count(bytes: &[u8], from: usize, until: usize, line_end: u8) -> Option<Plain> {
     let until = until.min(bytes.len());
     let mut page = Plain { end: from, ..Plain::default() };
@@ -102,14 +102,14 @@ pub(super) fn count(bytes: &[u8], from: usize, until: usize, line_end: u8) -> Op
     Some(page)
 }
 
-/// How many digits stand at an offset.
+/// The number of digits at an offset.
 #[inline]
 fn digits(bytes: &[u8], at: usize) -> usize {
     bytes.get(at..).unwrap_or_default().iter().take_while(|byte| byte.is_ascii_digit()).count()
 }
 
 impl Plain {
-    /// Counts the page in lists of blocks and words of which it would have been a part.
+    /// Adds the page to the counts of blocks and words without storing its nodes.
     pub(super) fn leave_out<B, W>(&self, blocks: &mut Shelf<B>, words: &mut Shelf<W>) {
         blocks.leave_out(self.blocks);
         words.leave_out(self.words);
@@ -129,7 +129,7 @@ mod tests {
     fn plain_lines_are_counted() {
         let text = b"N10 G1 X-1.5Y.25 Z+3.\n\n  \r\nN20\nm30 \n";
         assert_eq!(count(text, 0, 1000, b'\n'), Some(Plain { blocks: 3, words: 5, lines: 5, end: text.len() }));
-        // Whole lines, the last one without its end.
+        // Whole lines; the last one has no line end.
         assert_eq!(count(b"X1\nX2\nX3", 3, 4, b'\n'), Some(Plain { blocks: 1, words: 1, lines: 1, end: 6 }));
         assert_eq!(count(b"X1\nX2\nX3", 6, 99, b'\n'), Some(Plain { blocks: 1, words: 1, lines: 1, end: 8 }));
         for other in [
@@ -144,7 +144,7 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
-        /// What is counted here is what every parser finds, and none finds anything wrong in it.
+        /// Every parser finds the same counts, and no errors.
         #[test]
         fn every_parser_agrees(line in "( ?[NnGMXYZABCUVWIJKFSTDHgmx][-+]?[0-9]{0,4}\\.?[0-9]{0,3}[ \t]?){0,5}") {
             let text = format!("G1 X0\n{line}\nX1\n");

@@ -1,10 +1,10 @@
-//! What makes a person read other blocks than those that run: ends of lines that some controls see and others do not, and characters that do not show.
+//! Detects text that a person reads differently from the control: line ends that only some controls recognize, and invisible characters.
 
 use super::MAX_FINDINGS;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span, is_deceptive};
 
-/// The findings of a text, at most so many that it is no program.
+/// The diagnostics of a text, up to the number at which it is not a program.
 pub(super) fn hidden(source: &Source) -> Vec<Diagnostic> {
     let bytes = source.bytes();
     let mut findings = Vec::new();
@@ -25,10 +25,10 @@ pub(super) fn hidden(source: &Source) -> Vec<Diagnostic> {
     findings
 }
 
-/// Lines of a file that are looked at whether they are UTF-8: where so many are none, the file is not.
+/// Maximum number of lines checked for UTF-8: if that many are not, the file is not UTF-8.
 const MOST_LOOKS: usize = 10_000;
 
-/// Bytes that may be, or begin, something of that kind.
+/// Bytes that may be, or begin, such text.
 const IS_SUSPECT: [bool; 256] = {
     let mut suspect = [false; 256];
     let mut k = 0;
@@ -40,7 +40,7 @@ const IS_SUSPECT: [bool; 256] = {
     suspect
 };
 
-/// Carriage returns at an offset, and how many: an end of a line has nothing but blanks behind it.
+/// Checks carriage returns at an offset, and returns their number: only blanks may follow a line end.
 fn carriage_return(source: &Source, at: usize) -> (Option<Diagnostic>, usize) {
     let rest = &source.bytes()[at..];
     let is_filler = |byte: &u8| *byte <= b' ' && *byte != b'\n' || *byte == 0x7f;
@@ -54,13 +54,13 @@ fn carriage_return(source: &Source, at: usize) -> (Option<Diagnostic>, usize) {
     (Some(Diagnostic::at(Code::HIDDEN_BLOCK, place(source, at, 1), message, help)), length.max(1))
 }
 
-/// A character at an offset that does not show, and how many bytes are looked at with it.
+/// Checks an offset for an invisible character, and returns the number of examined bytes.
 fn character(source: &Source, at: usize, looks: &mut usize) -> (Option<Diagnostic>, usize) {
     let bytes = source.bytes();
     let (found, length) = match bytes[at] {
         0x7f => {
             let length = bytes[at..].iter().take_while(|&&byte| byte == 0x7f).count();
-            // Punched over at the beginning or the end of a line, or beside a blank.
+            // Deleted tape characters at the beginning or end of a line, or beside a blank.
             let shows = |byte: Option<&u8>| byte.is_some_and(|&byte| byte > b' ');
             let is_within =
                 shows(at.checked_sub(1).and_then(|before| bytes.get(before))) && shows(bytes.get(at + length));
@@ -76,9 +76,9 @@ fn character(source: &Source, at: usize, looks: &mut usize) -> (Option<Diagnosti
     (Some(Diagnostic::at(Code::DECEPTIVE_TEXT, place(source, at, found.len_utf8()), message, help)), length)
 }
 
-/// The character that begins at an offset, if it does not show. Other encodings have the same bytes within their letters: only a line of UTF-8 tells.
+/// The character that begins at an offset, if it is invisible. Other encodings use the same bytes within letters, so the whole line must be UTF-8.
 fn in_utf8(source: &Source, at: usize, looks: &mut usize) -> Option<char> {
-    /// Longer lines are no blocks.
+    /// Maximum bytes of a block line.
     const LONGEST_LINE: usize = 4096;
     let bytes = source.bytes();
     let lead = bytes.get(at..(at + 3).min(bytes.len()))?;
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(found(b"T=\"a\x07\"\n"), [("E0316", 4)]);
         assert_eq!(found("; a\u{9b}b \u{202e}c\u{2066}d\u{61c}\n".as_bytes()).len(), 4);
         assert_eq!(found(b"X1\x7f5\n"), [("E0316", 2)]);
-        // Punched over, letters of GBK and of Latin-1, a dash, an Arabic letter.
+        // Deleted tape characters, letters of GBK and Latin-1, a dash, an Arabic letter.
         for text in [
             &b"\x7f\x7fX1 \x7f Y2\x7f\n"[..],
             b"; \xc2\x80\xb0\xa1\n",

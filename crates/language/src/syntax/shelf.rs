@@ -1,17 +1,17 @@
-//! Lists of nodes of which only a part may be there.
+//! Lists of nodes of which only a part may be loaded.
 //!
-//! The tree of a large program would take many times the memory of its text. Where blocks are nothing but words, a page of them is read when its turn comes,
-//! and leaves when the next one is read. Nodes keep their numbers.
+//! The tree of a large program would take many times the memory of its text. If blocks contain only words, a page of them is loaded when it is
+//! executed, and unloaded when the next one is loaded. Nodes keep their numbers.
 
 use std::ops::{Index, IndexMut, Range};
 
-/// Nodes by their number.
+/// Nodes by number.
 #[derive(Clone, Debug)]
 pub struct Shelf<T> {
-    /// The number of the first that is there.
+    /// Number of the first loaded node.
     first: usize,
     items: Vec<T>,
-    /// All that were ever there.
+    /// Total number of nodes, loaded or not.
     count: usize,
 }
 
@@ -22,50 +22,50 @@ impl<T> Default for Shelf<T> {
 }
 
 impl<T> Shelf<T> {
-    /// Number of nodes, whether they are there or not.
+    /// Number of nodes, loaded or not.
     #[must_use]
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// Whether there are none at all.
+    /// `true` if there are no nodes.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Whether a node is there.
+    /// `true` if a node is loaded.
     #[must_use]
     pub fn holds(&self, number: usize) -> bool {
         number.wrapping_sub(self.first) < self.items.len()
     }
 
-    /// A node; `None` where it is not there.
+    /// A node; `None` if it is not loaded.
     #[must_use]
     pub fn get(&self, number: usize) -> Option<&T> {
         self.items.get(number.wrapping_sub(self.first))
     }
 
-    /// The same to change it.
+    /// A mutable node; `None` if it is not loaded.
     pub(super) fn get_mut(&mut self, number: usize) -> Option<&mut T> {
         self.items.get_mut(number.wrapping_sub(self.first))
     }
 
-    /// Nodes with these numbers; none where not all of them are there.
+    /// Nodes with these numbers; empty if not all of them are loaded.
     #[must_use]
     pub fn range(&self, numbers: Range<usize>) -> &[T] {
         let (start, end) = (numbers.start.wrapping_sub(self.first), numbers.end.wrapping_sub(self.first));
         self.items.get(start..end).unwrap_or_default()
     }
 
-    /// Those of the nodes with these numbers that are there.
+    /// The loaded nodes among these numbers.
     #[must_use]
     pub fn there(&self, numbers: Range<usize>) -> &[T] {
         let clip = |number: usize| number.clamp(self.first, self.next()) - self.first;
         self.items.get(clip(numbers.start)..clip(numbers.end)).unwrap_or_default()
     }
 
-    /// The nodes that are there.
+    /// The loaded nodes.
     pub fn iter(&self) -> std::slice::Iter<'_, T> {
         self.items.iter()
     }
@@ -80,13 +80,13 @@ impl<T> Shelf<T> {
         self.count = self.count.max(self.next());
     }
 
-    /// Counts nodes that are not there, in place of those that are.
+    /// Counts nodes that are not loaded, in place of the loaded ones.
     pub(super) fn leave_out(&mut self, count: usize) {
         self.turn_to(self.next() + count);
         self.count = self.count.max(self.first);
     }
 
-    /// Takes all nodes away; those that come next begin with a number.
+    /// Unloads all nodes; the next ones begin with number `first`.
     pub(super) fn turn_to(&mut self, first: usize) {
         self.first = first;
         self.items.clear();
@@ -131,11 +131,11 @@ impl<'a, T> IntoIterator for &'a Shelf<T> {
     }
 }
 
-/// Where the pages of a program begin.
+/// Page starts of a program.
 #[derive(Clone, Debug)]
 pub(super) struct Pages<const N: usize> {
     starts: Vec<Start<N>>,
-    /// Offset behind the last one.
+    /// Offset after the last page.
     pub(super) end: usize,
 }
 
@@ -144,14 +144,14 @@ pub(super) struct Pages<const N: usize> {
 pub(super) struct Start<const N: usize> {
     /// Its offset in the file.
     pub(super) offset: usize,
-    /// Lines before it.
+    /// Number of lines before it.
     pub(super) lines: u32,
-    /// The numbers of the first nodes of each list, blocks first.
+    /// Number of its first node in each list, blocks first.
     pub(super) first: [usize; N],
 }
 
 impl<const N: usize> Pages<N> {
-    /// Of a file that ends at an offset.
+    /// Empty page list of a file that ends at an offset.
     pub(super) fn until(end: usize) -> Self {
         Pages { starts: Vec::new(), end }
     }
@@ -167,7 +167,7 @@ impl<const N: usize> Pages<N> {
         Some((*page, self.starts.get(next).map_or(self.end, |next| next.offset)))
     }
 
-    /// Whether a page is the first one.
+    /// `true` for the first page.
     pub(super) fn is_first(&self, page: &Start<N>) -> bool {
         self.starts.first().is_none_or(|first| first.offset == page.offset)
     }

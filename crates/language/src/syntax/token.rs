@@ -1,7 +1,7 @@
-//! What the parsers of all languages share: their input, the fault that one hands back, blanks, and combinators over both.
+//! Common elements of all parsers: their input, their error type, blanks, and combinators.
 //!
-//! Inputs are the rest of one line; a place is told by how much of the line is left. A parser that does not fit says so with an error, which another
-//! alternative may mend; a fault is final, and is what the person reads.
+//! Inputs are the rest of one line; the number of remaining bytes determines a position. A parser that does not match returns an error, after which
+//! alternatives are tried. A failure is final and is reported.
 
 use nom::bytes::complete::{take_while, take_while1};
 use nom::error::{ErrorKind, ParseError};
@@ -12,16 +12,16 @@ use ncfix_base::diagnostic::Code;
 
 /// The rest of a line.
 pub(super) type Input<'a> = &'a [u8];
-/// What a parser gives.
+/// Result of a parser.
 pub(super) type Parsed<'a, T> = IResult<Input<'a>, T, Fault>;
 
-/// Why a parser could not go on.
+/// Reason of a parser failure.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fault {
     pub(super) code: Code,
-    /// Bytes of the line that were left at the faulty place.
+    /// Number of bytes of the line that remain at the position of the error.
     pub(super) left: usize,
-    /// How many bytes are in question, at least 1 is shown.
+    /// Number of affected bytes; at least 1 is shown.
     pub(super) length: usize,
     pub(super) message: &'static str,
 }
@@ -36,7 +36,7 @@ impl ParseError<Input<'_>> for Fault {
     }
 }
 
-/// A fault that no alternative mends.
+/// A failure without alternatives.
 pub(super) fn fault<'a, T>(code: Code, at: Input<'a>, length: usize, message: &'static str) -> Parsed<'a, T> {
     Err(nom::Err::Failure(Fault { code, left: at.len(), length, message }))
 }
@@ -54,13 +54,13 @@ pub(super) fn blanks(input: Input<'_>) -> Input<'_> {
     }
 }
 
-/// Blanks, perhaps none, as a parser.
+/// A parser for any number of blanks, including none.
 #[inline]
 pub(super) fn blank(input: Input<'_>) -> Parsed<'_, ()> {
     Ok((blanks(input), ()))
 }
 
-/// A parser behind blanks.
+/// A parser preceded by blanks.
 #[inline]
 pub(super) fn behind_blanks<'a, T>(
     parser: impl Parser<Input<'a>, Output = T, Error = Fault>,
@@ -74,7 +74,7 @@ pub(super) fn byte<'a>(wanted: u8) -> impl Fn(Input<'a>) -> Parsed<'a, u8> {
     one(move |found| found == wanted)
 }
 
-/// One byte of a kind.
+/// One byte that satisfies a condition.
 #[inline]
 pub(super) fn one<'a>(is_wanted: impl Fn(u8) -> bool) -> impl Fn(Input<'a>) -> Parsed<'a, u8> {
     move |input| match input.split_first() {
@@ -83,13 +83,13 @@ pub(super) fn one<'a>(is_wanted: impl Fn(u8) -> bool) -> impl Fn(Input<'a>) -> P
     }
 }
 
-/// A parser that does not fit here.
+/// The result of a parser that does not match.
 #[inline]
 pub(super) fn no_match<T>(input: Input<'_>) -> Parsed<'_, T> {
     Err(nom::Err::Error(Fault::from_error_kind(input, ErrorKind::Verify)))
 }
 
-/// A parser without an alternative: where it does not fit, this fault is final. It begins where the parser begins.
+/// A parser without alternatives: if it does not match, this failure is final. It is located at the start of the parser.
 pub(super) fn required<'a, T>(
     mut parser: impl Parser<Input<'a>, Output = T, Error = Fault>,
     code: Code,
@@ -102,7 +102,7 @@ pub(super) fn required<'a, T>(
     }
 }
 
-/// The end of a line, or of what stands before a comment.
+/// `true` at the end of a line, or at its comment.
 #[inline]
 pub(super) fn is_end(input: Input<'_>, comments: &[u8]) -> bool {
     input.first().is_none_or(|byte| comments.contains(byte))
@@ -123,13 +123,13 @@ pub(super) const EXACT_POWERS: [f64; 23] = [
     1e21, 1e22,
 ];
 
-/// Where a byte first stands: eight bytes at a time, for lines are most of what a parser has to find.
+/// The first position of a byte. It compares eight bytes at a time, as line searches dominate the parser's time.
 pub(super) fn find_byte(bytes: &[u8], wanted: u8) -> Option<usize> {
     const LOW: u64 = 0x0101_0101_0101_0101;
     const HIGH: u64 = 0x8080_8080_8080_8080;
     let pattern = LOW * u64::from(wanted);
     let (words, _) = bytes.as_chunks::<8>();
-    // A byte becomes zero where it is the wanted one, and only then does a borrow set its eighth bit first.
+    // A byte becomes zero if it is the wanted one; only then a borrow can set its eighth bit first.
     let has = |word: &[u8; 8]| {
         let different = u64::from_le_bytes(*word) ^ pattern;
         different.wrapping_sub(LOW) & !different & HIGH

@@ -1,8 +1,8 @@
-//! What the control corrects by itself: compensation tables that are switched on.
+//! Compensation tables that are active in the control.
 //!
-//! The machine file names their files (`machine.active_tables`); who opens files reads them and puts here what they do. The forward function of the
-//! error model (`ncfix_model::Model::actual` there) applies it to every command, as the control does, so that a program is only corrected for
-//! what the tables leave.
+//! The machine file names their files (`machine.active_tables`). The code that opens files reads them and sets their effect here. The forward function of the
+//! error model (`ncfix_model::Model::actual` there) applies it to every command, as the control does. So a program is corrected only for the residual of the
+//! tables.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -12,46 +12,46 @@ use super::section::Section;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 
-/// What a control adds to a command by itself.
+/// Compensation that a control adds to a command by itself.
 pub trait ActiveCompensation: Debug + Send + Sync {
-    /// What is added at a command, mm and rad. `tool_mm` runs from the gauge point to the tip, in F at the zero pose.
+    /// Returns the correction at a command, mm and rad. `tool_mm` runs from the gauge point to the tip, in F at the zero pose.
     fn correction(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> AxisVector;
 
-    /// Positions of an axis at which it has a kink, increasing, mm or rad.
+    /// Returns the positions of an axis at which the correction has a kink, increasing, mm or rad.
     fn knots(&self, axis: Axis) -> Vec<f64>;
 
-    /// Whether it depends on the sense in which the axis moves.
+    /// True if the correction depends on the direction in which the axis moves.
     fn has_senses(&self, axis: Axis) -> bool;
 }
 
-/// What a table adds in the control that is multiplied by another one.
+/// Use of the product of two multiplied tables in the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableProducts {
-    /// The product in place of its own value.
+    /// The product replaces the table's own value.
     Instead,
-    /// The product beside its own value.
+    /// The product is added to the table's own value.
     Beside,
 }
 
-/// The tables that are switched on.
+/// Active compensation tables.
 #[derive(Clone, Debug, Default)]
 pub struct ActiveTables {
-    /// Their files, as the machine file names them.
+    /// File names, as in the machine file.
     pub files: Vec<String>,
-    /// What the control does with products of tables, where the machine file says it.
+    /// Use of products of tables, if the machine file states it.
     pub multiplication: Option<TableProducts>,
-    /// What they do; `None` until they are read.
+    /// Effect of the tables; `None` until they are read.
     pub control: Option<Arc<dyn ActiveCompensation>>,
 }
 
-/// Two are the same where they name the same files and multiply alike.
+/// Two are equal if they name the same files and multiply in the same way.
 impl PartialEq for ActiveTables {
     fn eq(&self, other: &Self) -> bool {
         self.files == other.files && self.multiplication == other.multiplication
     }
 }
 
-/// What is switched on, and what the control does with products.
+/// Reads the active tables and the use of products.
 pub(super) fn read(section: &mut Section<'_>) -> ActiveTables {
     let files = section.texts("active_tables").unwrap_or_default();
     let multiplication = match section.text("table_multiplication") {
@@ -69,7 +69,7 @@ pub(super) fn read(section: &mut Section<'_>) -> ActiveTables {
     ActiveTables { files, multiplication, control: None }
 }
 
-/// The axes in the order of their numbers in the control.
+/// Reads the axes in the order of their numbers in the control.
 pub(super) fn read_axis_order(section: &mut Section<'_>) -> Vec<Axis> {
     let letters = section.texts("axis_order").unwrap_or_default();
     let mut order = Vec::new();

@@ -1,11 +1,11 @@
-//! Names of axes beside their letters: `name = "X1"` in `[axis.X]`.
+//! Axis names in addition to the letters: `name = "X1"` in `[axis.X]`.
 
 use super::section::Section;
 use super::{AxisData, Machine};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXIS_COUNT, Axis};
 
-/// Longest name that a control takes.
+/// Maximum length of a name in a control.
 const LONGEST: usize = 31;
 
 /// Reads the name of an axis, upper case.
@@ -15,7 +15,7 @@ pub(super) fn read(axis: Axis, section: &mut Section<'_>) -> Option<String> {
     let is_name = (2..=LONGEST).contains(&bytes.len())
         && bytes.iter().all(|byte| byte.is_ascii_alphanumeric() || *byte == b'_')
         && bytes.first().is_some_and(u8::is_ascii_alphabetic);
-    // Such a word is an orientation, a parameter or a word of the spindle.
+    // Such a word is an orientation, a parameter or a spindle word.
     let is_taken = matches!(bytes, [b'A' | b'B' | b'C', b'2' | b'3'])
         || matches!(bytes, [b'R' | b'S' | b'M' | b'H' | b'G' | b'T' | b'D' | b'N' | b'L' | b'I' | b'J' | b'K', rest @ ..] if rest.iter().all(u8::is_ascii_digit));
     if is_name && !is_taken {
@@ -27,7 +27,7 @@ pub(super) fn read(axis: Axis, section: &mut Section<'_>) -> Option<String> {
     None
 }
 
-/// Reports a name that two axes have.
+/// Reports a name that two axes share.
 pub(super) fn check(axes: &[Option<AxisData>; AXIS_COUNT], section: &mut Section<'_>) {
     let named: Vec<(Axis, &str)> =
         axes.iter().flatten().filter_map(|data| Some((data.axis, data.name.as_deref()?))).collect();
@@ -45,14 +45,14 @@ pub(super) fn check(axes: &[Option<AxisData>; AXIS_COUNT], section: &mut Section
 }
 
 impl Machine {
-    /// The axis of a name of `[axis.…] name`, upper case.
+    /// Returns the axis with this name from `[axis.…] name`, upper case.
     #[must_use]
     pub fn axis_named(&self, name: &str) -> Option<Axis> {
         let mut named = self.axes.iter().flatten().filter(|data| data.name.as_deref() == Some(name));
         named.next().map(|data| data.axis)
     }
 
-    /// The names with which the output writes its axes, by slot. X, Y and Z are written by their letters, which every control knows.
+    /// Returns the axis names for the output, by slot. X, Y and Z are written by their letters, which every control knows.
     #[must_use]
     pub fn written_names(&self) -> [Option<String>; AXIS_COUNT] {
         let mut names = [const { None }; AXIS_COUNT];

@@ -1,24 +1,23 @@
 //! The order of the bodies from the workpiece through the foundation to the tool.
 //!
-//! A topology is written from the workpiece `w` over the foundation `F` to the tool `t`: in `wCBXFZYSt` F carries X, X carries B,
-//! B carries C and C the workpiece; F carries Z, Z carries Y, Y the spindle S, S the tool. Lower-case `f` is read as `F`, `S` may be
-//! left out.
+//! A topology is written from the workpiece `w` over the foundation `F` to the tool `t`. Example: in `wCBXFZYSt`, F carries X, X carries B, B carries C, and
+//! C carries the workpiece; F carries Z, Z carries Y, Y carries the spindle S, and S carries the tool. A lower-case `f` is read as `F`; `S` may be omitted.
 
 use std::fmt;
 use std::str::FromStr;
 
 use ncfix_base::geometry::{Axis, AxisSet};
 
-/// The two branches of the chain, each from the foundation outwards.
+/// Two branches of the chain, each from the foundation outwards.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topology {
-    /// Axes that carry the workpiece, the one on the foundation first.
+    /// Axes that carry the workpiece, starting at the foundation.
     pub workpiece: Vec<Axis>,
-    /// Axes that carry the tool, the one on the foundation first.
+    /// Axes that carry the tool, starting at the foundation.
     pub tool: Vec<Axis>,
 }
 
-/// A branch of the chain.
+/// Branch of the chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Branch {
     /// From the foundation to the workpiece.
@@ -27,7 +26,7 @@ pub enum Branch {
     Tool,
 }
 
-/// Why a text is no topology.
+/// Reason why a text is not a topology.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TopologyFault {
     /// It does not begin with `w`.
@@ -38,18 +37,18 @@ pub enum TopologyFault {
     NoFoundation,
     /// It has more than one `F`.
     TwoFoundations,
-    /// A character that is no axis letter.
+    /// A character that is not an axis letter.
     UnknownLetter(char),
-    /// An axis letter given twice.
+    /// An axis letter that occurs twice.
     DoubleAxis(Axis),
-    /// `S` anywhere but directly before `t`.
+    /// `S` at a place other than directly before `t`.
     MisplacedSpindle,
-    /// No axis at all.
+    /// No axis.
     NoAxis,
 }
 
 impl Topology {
-    /// Which branch an axis belongs to; `None` where the machine lacks it.
+    /// Returns the branch of an axis; `None` if the machine lacks it.
     #[must_use]
     pub fn branch(&self, axis: Axis) -> Option<Branch> {
         if self.workpiece.contains(&axis) {
@@ -61,7 +60,7 @@ impl Topology {
         }
     }
 
-    /// All axes of both branches.
+    /// Returns all axes of both branches.
     #[must_use]
     pub fn axis_set(&self) -> AxisSet {
         self.workpiece.iter().chain(&self.tool).copied().collect()
@@ -105,7 +104,7 @@ impl FromStr for Topology {
         if seen.is_empty() {
             return Err(TopologyFault::NoAxis);
         }
-        // Written from the workpiece towards F, kept from F outwards.
+        // Written from the workpiece towards F, stored from F outwards.
         workpiece.reverse();
         Ok(Topology { workpiece, tool })
     }

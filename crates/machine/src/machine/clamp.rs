@@ -1,29 +1,29 @@
-//! M codes that clamp an axis: it must not move until its clamp is open again.
+//! M codes that clamp an axis: it must not move until its clamp is released.
 //!
-//! ISO 6983-1 gives M10 and M11 to clamping; builders of ISO mills give M12 and M13 to the brake of a second rotary axis. On a Sinumerik or a
-//! Grundig the builder decides, so nothing is assumed there.
+//! ISO 6983-1 assigns M10 and M11 to clamping. Builders of ISO mills use M12 and M13 for the brake of a second rotary axis. On a Sinumerik or a Grundig the
+//! builder decides, so no codes are assumed there.
 
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 
 use super::section::Section;
 
-/// The largest number of an M code that a control takes.
+/// Largest M code number that a control accepts.
 const LAST_CODE: f64 = 99_999_999.0;
 
-/// A clamp of an axis.
+/// Clamp of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clamp {
-    /// The M code that closes it.
+    /// M code that closes it.
     pub close: u32,
-    /// The M code that opens it.
+    /// M code that opens it.
     pub open: u32,
 }
 
-/// What holds where the machine file says nothing.
+/// Default clamps if the machine file states none.
 const ISO: [Clamp; 2] = [Clamp { close: 10, open: 11 }, Clamp { close: 12, open: 13 }];
 
-/// Reads `clamp_codes` and `unclamp_codes` of the section of an axis.
+/// Reads `clamp_codes` and `unclamp_codes` of an axis section.
 pub(super) fn read(axis: Axis, controller: &str, section: &mut Section<'_>) -> Vec<Clamp> {
     let is_iso = ["fanuc", "rs274"].iter().any(|name| controller.eq_ignore_ascii_case(name));
     let assumed = if axis.is_rotary() && is_iso { ISO.to_vec() } else { Vec::new() };
@@ -44,7 +44,7 @@ pub(super) fn read(axis: Axis, controller: &str, section: &mut Section<'_>) -> V
     }
 }
 
-/// The whole numbers of a key; `None` where it is not there or not sound.
+/// Reads the whole numbers of a key; `None` if it is absent or invalid.
 fn codes(section: &mut Section<'_>, key: &str) -> Option<Vec<u32>> {
     let is_code = |value: &f64| (0.0..=LAST_CODE).contains(value) && value.fract() == 0.0;
     let numbers = section.numbers(key)?;

@@ -1,30 +1,30 @@
-//! Settings of the control that concern radius compensation.
+//! Settings of the control for cutter radius compensation.
 
 use ncfix_base::diagnostic::Code;
 
 use super::Control;
 use super::section::Section;
 
-/// How radius compensation begins and ends where the contour lies behind an outer corner.
+/// Approach and retraction of radius compensation at an outer corner.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CompensationStart {
-    /// Straight to the point beside the start of the contour, square to the contour.
+    /// Straight to the point beside the start of the contour, perpendicular to the contour.
     #[default]
     A,
-    /// To the point square to the block that begins, then around the corner.
+    /// To the point perpendicular to the first block, then around the corner.
     B,
 }
 
-/// What lies around outer corners.
+/// Path around outer corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompensationCorner {
     /// Straight lines.
     Linear,
-    /// An arc about the corner.
+    /// Arc around the corner.
     Circular,
 }
 
-/// Reads them.
+/// Reads the settings.
 pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     let is_angle = |value: f64| (0.0..=180.0).contains(&value);
     if let Some(value) = section.number_where("compensation_corner_deg", "an angle from 0 to 180", is_angle) {

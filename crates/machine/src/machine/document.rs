@@ -1,6 +1,6 @@
-//! A TOML document in which every key and value knows its place.
+//! TOML document that records the place of every key and value.
 //!
-//! The tables of the TOML crate are copied once, so that nothing else in the house depends on it. [`Section`] reads them.
+//! The tables of the TOML crate are copied once, so that no other code depends on it. [`Section`] reads them.
 
 use toml::de::{DeTable, DeValue};
 
@@ -9,19 +9,19 @@ use ncfix_base::source::{FileId, Source, Span};
 
 use super::section::Section;
 
-/// Findings about the TOML text itself; a fault early in a file makes many that follow from it.
+/// Maximum number of diagnostics about the TOML syntax; a fault early in a file causes many others.
 const MAX_SYNTAX_FINDINGS: usize = 10;
-/// Faults of which these are chosen: finding the line of each costs a look at the line.
+/// Maximum number of syntax faults that are considered: locating each costs a search for its line.
 const MOST_SYNTAX_FAULTS: usize = 1000;
 
-/// A parsed document.
+/// Parsed document.
 #[derive(Clone, Debug)]
 pub struct Document {
     file: FileId,
     pub(super) root: TomlTable,
 }
 
-/// A table; entries in the order of the file.
+/// Table with its entries in the order of the file.
 #[derive(Clone, Debug)]
 pub(super) struct TomlTable {
     pub(super) span: Span,
@@ -55,7 +55,7 @@ impl Document {
     /// Parses TOML 1.0.
     ///
     /// # Errors
-    /// What breaks the rules of TOML, at most one finding a line; `E0401` too where the bytes are not UTF-8.
+    /// Violations of the TOML syntax, at most one diagnostic per line; `E0401` also if the bytes are not UTF-8.
     pub fn parse(source: &Source) -> Result<Document, Vec<Diagnostic>> {
         let place = |span| Place { file: source.id(), span };
         let text = std::str::from_utf8(source.bytes()).map_err(|fault| {
@@ -64,7 +64,7 @@ impl Document {
             vec![Diagnostic::at(Code::BAD_TOML, place(Span::new(at, at + 1)), "a byte that is not UTF-8", help)]
         })?;
         if let Some(at) = text.bytes().position(|byte| byte == 0) {
-            // A file of them, such as a crash leaves behind, would have a fault for each.
+            // A file of zeros, as left by a crash, would produce a fault for each.
             let help = "restore the file; a disk that was full or a crash leaves zeros behind";
             let message = "a byte that is zero, which stands in no text";
             return Err(vec![Diagnostic::at(Code::BAD_TOML, place(Span::new(at, at + 1)), message, help)]);
@@ -88,7 +88,7 @@ impl Document {
         Err(findings)
     }
 
-    /// The top level.
+    /// Returns the top level.
     #[must_use]
     pub fn root(&self) -> Section<'_> {
         Section::new(self.file, "the file".into(), &self.root)

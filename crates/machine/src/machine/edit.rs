@@ -1,15 +1,15 @@
-//! Changes values in a TOML text and leaves the rest of it as it is: comments, order, spaces.
+//! Changes values in a TOML text and keeps the rest unchanged: comments, order, spaces.
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-/// Digits of a number that is written: far beyond what any instrument knows, and without the noise of the last bits.
+/// Significant digits of written numbers: far beyond the resolution of any instrument, without the noise of the last bits.
 const DIGITS: usize = 12;
 
-/// A text that is being changed.
+/// Text that is being changed.
 #[derive(Clone, Debug)]
 pub struct Edit(DocumentMut);
 
-/// What is written behind a key.
+/// Value to be written for a key.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Given {
     /// A text.
@@ -22,34 +22,34 @@ pub enum Given {
     Numbers(Vec<f64>),
     /// A list of texts.
     Texts(Vec<String>),
-    /// Lists of numbers in a list.
+    /// A list of lists of numbers.
     Rows(Vec<Vec<f64>>),
-    /// An entry with keys of its own.
+    /// An entry with its own keys.
     Entry(Vec<(String, Given)>),
-    /// A list of entries with keys of their own.
+    /// A list of entries with their own keys.
     Entries(Vec<Vec<(String, Given)>>),
 }
 
 impl Edit {
-    /// Takes a text; `None` where it is no TOML.
+    /// Parses a text; `None` if it is not TOML.
     #[must_use]
     pub fn parse(text: &str) -> Option<Edit> {
         text.parse().ok().map(Edit)
     }
 
-    /// The changed text.
+    /// Returns the changed text.
     #[must_use]
     pub fn text(&self) -> String {
         self.0.to_string()
     }
 
-    /// Changes or adds a key of a section, which is added where there is none; whether that is possible.
+    /// Changes or adds a key of a section; adds the section if it is missing. Returns false if that is not possible.
     pub fn set(&mut self, section: &str, key: &str, given: &Given) -> bool {
         let item = self.0.entry(section).or_insert_with(|| Item::Table(Table::new()));
         item.as_table_like_mut().map(|table| put(table, key, given)).is_some()
     }
 
-    /// Changes or adds a key of the entry of this number in a list of sections; whether there is such an entry.
+    /// Changes or adds a key of the entry with this index in a list of sections. Returns false if there is no such entry.
     pub fn set_in(&mut self, list: &str, index: usize, key: &str, given: &Given) -> bool {
         let Some(item) = self.0.get_mut(list) else { return false };
         let table: Option<&mut dyn TableLike> = match item {
@@ -63,8 +63,8 @@ impl Edit {
         table.map(|table| put(table, key, given)).is_some()
     }
 
-    /// Changes a value somewhere in the entry of this number in a list of sections, by keys and numbers: `knots[0].coefficients[2]`. A section
-    /// that is no list is its own entry 0. The last key may be new. Whether that is possible.
+    /// Changes a value inside the entry with this index in a list of sections. The path consists of keys and indices: `knots[0].coefficients[2]`. A section
+    /// that is not a list is its own entry 0. The last key may be new. Returns false if the change is not possible.
     pub fn set_at(&mut self, list: &str, index: usize, path: &str, given: &Given) -> bool {
         let Some(item) = self.0.get_mut(list) else { return false };
         let found = if item.is_table_like() { Some(item).filter(|_| index == 0) } else { item.get_mut(index) };
@@ -90,7 +90,7 @@ impl Edit {
         true
     }
 
-    /// How many entries a list of sections has.
+    /// Returns the number of entries in a list of sections.
     #[must_use]
     pub fn count(&self, list: &str) -> usize {
         match self.0.get(list) {
@@ -100,26 +100,26 @@ impl Edit {
         }
     }
 
-    /// Whether the entry of this number has a key.
+    /// True if the entry with this index has a value at the path.
     #[must_use]
     pub fn has(&self, list: &str, index: usize, path: &str) -> bool {
         self.at(list, index, path).is_some()
     }
 
-    /// A number in the entry of this number, by keys and numbers as [`Self::set_at`] has them.
+    /// Returns a number of the entry with this index, by a path as in [`Self::set_at`].
     #[must_use]
     pub fn number(&self, list: &str, index: usize, path: &str) -> Option<f64> {
         let item = self.at(list, index, path)?;
         item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64))
     }
 
-    /// A text in it.
+    /// Returns a text of the entry with this index.
     #[must_use]
     pub fn word(&self, list: &str, index: usize, path: &str) -> Option<&str> {
         self.at(list, index, path)?.as_str()
     }
 
-    /// How long a list in it is.
+    /// Returns the length of a list in the entry with this index.
     #[must_use]
     pub fn length(&self, list: &str, index: usize, path: &str) -> usize {
         match self.at(list, index, path) {
@@ -129,7 +129,7 @@ impl Edit {
         }
     }
 
-    /// A section that is no list is its own entry 0, as for [`Self::set_at`].
+    /// Finds a value. A section that is not a list is its own entry 0, as for [`Self::set_at`].
     fn at(&self, list: &str, index: usize, path: &str) -> Option<&Item> {
         let own = self.0.get(list)?;
         let mut item = if own.is_table_like() { Some(own).filter(|_| index == 0)? } else { own.get(index)? };
@@ -143,13 +143,13 @@ impl Edit {
         Some(item)
     }
 
-    /// Adds an entry behind the others of a list in the entry of this number; whether that is possible.
+    /// Appends an entry to a list in the entry with this index. Returns false if that is not possible.
     pub fn append(&mut self, list: &str, index: usize, key: &str, entries: &[(String, Given)]) -> bool {
         let own = self.0.get_mut(list).and_then(|item| item.get_mut(index)).and_then(|item| item.get_mut(key));
         own.is_some_and(|item| behind(item, entries))
     }
 
-    /// Lines of comment above the entry of this number; whether it is a section that can have some.
+    /// Adds comment lines above the entry with this index. Returns false if it is not a section that can have comments.
     pub fn note(&mut self, list: &str, index: usize, lines: &[String]) -> bool {
         let Some(Item::ArrayOfTables(tables)) = self.0.get_mut(list) else { return false };
         let Some(table) = tables.get_mut(index) else { return false };
@@ -159,7 +159,7 @@ impl Edit {
         true
     }
 
-    /// Lines of comment above a key of a section; whether it can have some.
+    /// Adds comment lines above a key of a section. Returns false if that is not possible.
     pub fn note_key(&mut self, section: &str, key: &str, lines: &[String]) -> bool {
         let Some(Item::Table(table)) = self.0.get_mut(section) else { return false };
         let Some(mut key) = table.key_mut(key) else { return false };
@@ -169,7 +169,7 @@ impl Edit {
         true
     }
 
-    /// Adds an entry behind the others of a list of sections; whether that is possible.
+    /// Appends an entry to a list of sections. Returns false if that is not possible.
     pub fn push(&mut self, list: &str, entries: &[(String, Given)]) -> bool {
         behind(self.0.entry(list).or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new())), entries)
     }
@@ -179,7 +179,7 @@ fn comment(lines: &[String]) -> String {
     lines.iter().map(|line| format!("# {}\n", line.replace(char::is_control, " "))).collect()
 }
 
-/// Adds an entry behind the others of a list.
+/// Appends an entry to a list.
 fn behind(list: &mut Item, entries: &[(String, Given)]) -> bool {
     match list {
         Item::ArrayOfTables(tables) => {
@@ -198,7 +198,7 @@ fn behind(list: &mut Item, entries: &[(String, Given)]) -> bool {
 
 fn put(table: &mut dyn TableLike, key: &str, given: &Given) {
     let mut value = value(given);
-    // The comment behind a value belongs to its decoration.
+    // The comment after a value belongs to its decoration.
     if let Some(old) = table.get(key).and_then(Item::as_value) {
         *value.decor_mut() = old.decor().clone();
     }
@@ -226,11 +226,11 @@ fn value(given: &Given) -> Value {
     }
 }
 
-/// A number with at most [`DIGITS`] digits, small ones with an exponent.
+/// Makes a number with at most [`DIGITS`] digits; small ones have an exponent.
 fn number_value(number: f64) -> Value {
     const SMALL: f64 = 1e-3;
     let text = format!("{number:.*e}", DIGITS - 1);
-    // A zero has no sign for people.
+    // Zero is written without a sign.
     let rounded: f64 = text.parse().ok().filter(|rounded| *rounded != 0.0).unwrap_or_default();
     let plain = if rounded != 0.0 && rounded.abs() < SMALL { format!("{rounded:e}") } else { format!("{rounded:?}") };
     plain.parse().unwrap_or_else(|_| rounded.into())

@@ -1,7 +1,7 @@
-//! The machine file: what it says of the machine itself. Its error model is read by `ncfix_model::file`.
+//! Machine file: the part that describes the machine itself. Its error model is read by `ncfix_model::file`.
 //!
-//! Units are in the keys: mm, degrees, mm/min. A file is read as a whole and everything that is wrong with it is reported in
-//! one run. A set-up file holds zero offsets and tools only and is laid over a machine by [`apply_setup`].
+//! Units are part of the keys: mm, degrees, mm/min. A file is read as a whole, and all its faults are reported in one run. A set-up file contains only zero
+//! offsets and tools and is applied to a machine by [`apply_setup`].
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use super::{active, opaque, orientation, servo, setting, strain, tool};
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
 
-/// The machine that is built in so that the program can be tried without one: good for looking at, not for a real machine.
+/// Built-in machine for trying the program without a machine file; not for a real machine.
 pub const DEMO: &str = include_str!(env!("NCFIX_DEMO"));
 
 /// Top-level sections that describe the machine.
@@ -36,10 +36,10 @@ pub const SECTIONS: &[&str] = &[
     "gud",
 ];
 
-/// How far the direction of a linear axis may be off its direction of F.
+/// Maximum deviation of the direction of a linear axis from its direction of F.
 const PARALLEL_LIMIT: f64 = 1e-9;
 
-/// Reads the machine without its errors. There is one only where no finding is an error.
+/// Reads the machine without its errors. The machine is `None` if any diagnostic is an error.
 #[must_use]
 pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let mut findings = Vec::new();
@@ -63,7 +63,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let gud = setting::read(root.section("gud"), false, &mut findings);
     let strain = root.section("strain").and_then(|section| strain::read(section, axis_set, &mut findings));
     let servo = root.section("servo").and_then(|section| servo::read(section, &axes, axis_set, &mut findings));
-    // Other rooms have sections of their own; who reads the last one reports the unknown ones.
+    // Other modules have their own sections; the last reader reports unknown ones.
     let keys: Vec<&str> = root.keys().collect();
     keys.into_iter().for_each(|key| root.accept(key));
     root.finish(&mut findings);
@@ -103,7 +103,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     (sound.then_some(machine), findings)
 }
 
-/// `[sensor.NAME]`: the temperature of each sensor at which the model holds.
+/// Reads `[sensor.NAME]`: the reference temperature of each sensor for the model, °C.
 fn read_sensors(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> BTreeMap<String, f64> {
     let Some(mut section) = section else { return BTreeMap::new() };
     let mut references = BTreeMap::new();
@@ -122,8 +122,8 @@ fn read_sensors(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
     references
 }
 
-/// Lays a set-up file over a machine: `[zero_offset.*]` and `[[tool]]` replace those of the same name, number and edge or add to them.
-/// The machine is left as it is where an error is found.
+/// Applies a set-up file to a machine: `[zero_offset.*]` and `[[tool]]` replace those of the same name, number and edge, or add to them. If there is an
+/// error, the machine stays unchanged.
 #[must_use]
 pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     let file = match MachineFile::parse(source) {
@@ -147,7 +147,7 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     findings
 }
 
-/// What `[machine]` says; parts that are not sound are missing.
+/// Content of `[machine]`; invalid parts are missing.
 #[derive(Default)]
 struct Head {
     name: Option<String>,
@@ -244,7 +244,7 @@ fn read_axis(
     Some(AxisData { axis, name, direction: direction?, point_mm, travel, modulo, max_feed, clamps, lever })
 }
 
-/// The unit vector of a direction; a linear axis must run along its own direction of F, a deviation is an error, not a direction.
+/// Returns the unit vector of a direction. A linear axis must run along its own direction of F; a deviation belongs to the errors, not to the direction.
 fn checked_direction(axis: Axis, direction: Vector, section: &mut Section<'_>) -> Option<Vector> {
     let place = section.place_of("direction");
     let Some(unit) = direction.try_normalize(1e-12).filter(|unit| unit.norm().is_finite()) else {
@@ -268,7 +268,7 @@ fn checked_direction(axis: Axis, direction: Vector, section: &mut Section<'_>) -
     Some(unit)
 }
 
-/// Every letter of the topology has its section and every section its letter.
+/// Checks that every letter of the topology has a section and every axis section a letter.
 fn check_chain(
     topology: &Topology,
     topology_place: Place,
@@ -373,7 +373,7 @@ fn read_control(section: Option<Section<'_>>, controller: &str, findings: &mut V
     control
 }
 
-/// The plane of 17, 18 or 19.
+/// Returns the plane of 17, 18 or 19.
 fn plane_of(number: f64) -> Option<Plane> {
     [Plane::XY, Plane::ZX, Plane::YZ].into_iter().find(|plane| f64::from(plane.number()) == number)
 }

@@ -1,4 +1,4 @@
-//! Settings of the control that concern frames, and the arithmetic of Sinumerik programs.
+//! Settings of the control for frames and for the arithmetic of Sinumerik programs.
 
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, RotationOrder};
@@ -6,16 +6,16 @@ use ncfix_base::geometry::{Axis, RotationOrder};
 use super::Control;
 use super::section::Section;
 
-/// How a rotary axis that turns without end gets to an absolute position where the language has no word for the way (Fanuc parameter 1008).
+/// Path of a modulo axis to an absolute position if the language has no word for the rotary direction (Fanuc parameter 1008).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rollover {
-    /// Positions count their turns: 370 degrees are a turn from 10 (ROAx 0).
+    /// Positions count full turns: 370 degrees are one turn from 10 (ROAx 0).
     None,
-    /// The shortest way to the position within the turn (ROAx 1, RABx 0).
+    /// The shortest path to the position within the turn (ROAx 1, RABx 0).
     Shortest,
 }
 
-/// Reads them.
+/// Reads the settings.
 pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     match section.text("rotation_order") {
         None | Some("rpy") => {}

@@ -5,43 +5,43 @@ use ncfix_base::diagnostic::Code;
 use super::Control;
 use super::section::Section;
 
-/// What differs between these controls, mostly by machine constants.
+/// Differences between these controls, mostly by machine constants.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a setting of its own")]
 pub struct GrundigControl {
-    /// Whether `A4=` of G73 is in per cent instead of a factor.
+    /// True if `A4=` of G73 is in per cent instead of a factor.
     pub scale_in_percent: bool,
     /// Axes that `A4=` scales.
     pub scaled_axes: ScaledAxes,
-    /// Whether G53 to G59 take back the shift and rotation of G92 and G93.
+    /// True if G53 to G59 cancel the shift and rotation of G92 and G93.
     pub offset_cancels_shift: bool,
-    /// By how much above the old depth a peck of G83 begins again, mm.
+    /// Distance above the old depth at which a peck of G83 begins again, mm.
     pub peck_clearance_mm: f64,
     /// Cutting width of pockets without `I`, per cent of the tool diameter.
     pub engagement_percent: f64,
-    /// Whether a slot is measured from the center of the arc at its end instead of the end itself.
+    /// True if a slot is measured from the center of the arc at its end instead of the end itself.
     pub slot_from_arc_center: bool,
-    /// Whether rapid moves go to the tool axis and the plane one behind the other at the start.
+    /// True if rapid moves move the tool axis and the plane one after the other at the start.
     pub positioning_logic: bool,
-    /// Whether G73 acts on what G92 and G93 have shifted and turned, instead of inside it.
+    /// True if G73 acts outside the shift and rotation of G92 and G93, instead of inside them.
     pub mirror_outside: bool,
-    /// Whether the shift of G92 is along the axes as they are turned, instead of those of the stored zero offset.
+    /// True if the shift of G92 is along the rotated axes, instead of those of the stored zero offset.
     pub shift_is_turned: bool,
-    /// Whether B4= of a block with a shift turns first, so that the shift is along the new axes.
+    /// True if B4= in a block with a shift rotates first, so that the shift is along the new axes.
     pub turns_first: bool,
-    /// Whether I1= and K are lengths of chamfers, instead of distances from the corner.
+    /// True if I1= and K are lengths of chamfers, instead of distances from the corner.
     pub chamfer_is_length: bool,
-    /// 53 or 54: the position of the swinging head that the axes of the machine file describe.
+    /// Position of the swivel head that the axes of the machine file describe: 53 or 54.
     pub head: Option<u16>,
 }
 
-/// Axes of a scale.
+/// Axes that are scaled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ScaledAxes {
-    /// Those of the working plane.
+    /// Axes of the working plane.
     #[default]
     Plane,
-    /// The tool axis too.
+    /// The tool axis, too.
     All,
 }
 
@@ -64,7 +64,7 @@ impl Default for GrundigControl {
     }
 }
 
-/// Reads them.
+/// Reads the settings.
 pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     let settings = &mut control.grundig;
     if let Some(value) = section.boolean("grundig_scale_in_percent") {

@@ -1,4 +1,4 @@
-//! Settings of the control that concern Fanuc and RS274/NGC.
+//! Settings of the control for Fanuc and RS274/NGC.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use ncfix_base::geometry::{AXES, Axis};
 
 use super::section::Section;
 
-/// What a number without a decimal point means (Fanuc parameter 3401, bit 0).
+/// Meaning of a number without a decimal point (Fanuc parameter 3401, bit 0).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DecimalPoint {
     /// Whole millimetres, inches or degrees.
@@ -16,7 +16,7 @@ pub enum DecimalPoint {
     Increment,
 }
 
-/// The increment system: the least input increment of positions (Fanuc parameter 1013).
+/// Increment system: least input increment of positions (Fanuc parameter 1013).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IncrementSystem {
     /// IS-A: 0.01 mm, 0.001 inch, 0.01 degrees.
@@ -29,7 +29,7 @@ pub enum IncrementSystem {
 }
 
 impl IncrementSystem {
-    /// Increments in a millimeter or a degree; an inch has ten times as many.
+    /// Returns the number of increments per millimetre or degree; an inch has ten times as many.
     #[must_use]
     pub fn per_unit(self) -> f64 {
         match self {
@@ -40,57 +40,57 @@ impl IncrementSystem {
     }
 }
 
-/// The axis along which G43 compensates (Fanuc parameter 5001).
+/// Axis along which G43 compensates (Fanuc parameter 5001).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LengthAxis {
     /// A: always Z.
     #[default]
     Z,
-    /// B: the axis across the working plane.
+    /// B: the axis perpendicular to the working plane.
     Plane,
     /// C: the axis programmed in the block of G43.
     Programmed,
 }
 
-/// Where an axis of the plane goes that a block behind G68, G51, G51.1 or their end does not name (Fanuc parameter 11600, bit 5, AX1).
+/// Target of a plane axis that a block after G68, G51, G51.1 or their end does not name (Fanuc parameter 11600, bit 5, AX1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OneAxis {
-    /// To the value that was programmed for it before, taken in the new coordinates (AX1 = 0).
+    /// Its last programmed value, taken in the new coordinates (AX1 = 0).
     Value,
-    /// Nowhere: in the new coordinates it keeps the place where the tool is (AX1 = 1).
+    /// No motion: in the new coordinates it keeps the position of the tool (AX1 = 1).
     Place,
 }
 
 /// Settings of Fanuc and RS274/NGC controls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IsoControl {
-    /// What a number without a decimal point means; `None` where the file does not say it.
+    /// Meaning of a number without a decimal point; `None` if the file does not state it.
     pub decimal_point: Option<DecimalPoint>,
-    /// On which grid a Fanuc puts the words of lengths and angles.
+    /// Grid to which a Fanuc rounds the words of lengths and angles.
     pub increment_system: IncrementSystem,
-    /// Along which axis G43 compensates.
+    /// Axis along which G43 compensates.
     pub length_axis: LengthAxis,
-    /// Words that hold before the first block (RS274NGC_STARTUP_CODE of LinuxCNC, parameter 3402 of Fanuc).
+    /// Words in force before the first block (RS274NGC_STARTUP_CODE of LinuxCNC, parameter 3402 of Fanuc).
     pub startup_code: String,
-    /// Whether G4 X under G95 counts turns of the spindle (Fanuc parameter 3405, bit 1).
+    /// True if G4 X under G95 counts spindle revolutions (Fanuc parameter 3405, bit 1).
     pub dwell_turns: bool,
-    /// Reference points of G28 (1) and G30 (2 to 4), mm or rad; machine zero is assumed for those of G28 that are missing.
+    /// Reference points of G28 (1) and G30 (2 to 4), mm or rad; for G28, missing ones default to machine zero.
     pub reference_points: BTreeMap<(u8, Axis), f64>,
-    /// How far G73 draws back behind each peck, mm (Fanuc parameter 5114).
+    /// Retraction of G73 after each peck, mm (Fanuc parameter 5114).
     pub chip_clearance_mm: f64,
-    /// How far above the depth that is reached G83 goes over from rapid to feed, mm (Fanuc parameter 5115).
+    /// Distance above the reached depth at which G83 changes from rapid to feed, mm (Fanuc parameter 5115).
     pub peck_clearance_mm: f64,
-    /// Axis and sense along which G76 and G87 step aside by Q with the spindle oriented (Fanuc parameter 5101, bits 4 and 5).
+    /// Axis and direction in which G76 and G87 move by Q with the spindle oriented (Fanuc parameter 5101, bits 4 and 5).
     pub orient_shift: Option<(Axis, f64)>,
-    /// Whether G74 and G84 tap rigidly without M29 (Fanuc parameter 5200, bit 0); `None` where the file does not say it.
+    /// True if G74 and G84 tap rigidly without M29 (Fanuc parameter 5200, bit 0); `None` if the file does not state it.
     pub rigid_tapping: Option<bool>,
-    /// Whether planes, zero offsets and reference points may be programmed within G68, G51 and G51.1, which a Fanuc forbids.
+    /// True if planes, zero offsets and reference points may be programmed within G68, G51 and G51.1, which a Fanuc forbids.
     pub codes_within_rotation: bool,
-    /// Where an axis of the plane goes that the first block within a rotation does not name; `None` where the file does not say it.
+    /// Target of a plane axis that the first block within a rotation does not name; `None` if the file does not state it.
     pub one_axis_in_rotation: Option<OneAxis>,
-    /// Programs are for mills, whatever marks of a lathe they have.
+    /// True if programs are for mills, even if they contain features of a lathe.
     pub is_mill: bool,
-    /// Words that a Haas reads in another way mean what they mean to a Fanuc.
+    /// True if words that a Haas reads differently have the meaning of a Fanuc.
     pub reads_as_fanuc: bool,
 }
 
@@ -115,7 +115,7 @@ impl Default for IsoControl {
     }
 }
 
-/// Reads them.
+/// Reads the settings.
 pub(super) fn read(section: &mut Section<'_>, iso: &mut IsoControl) {
     match section.text("decimal_point") {
         None => {}
@@ -193,7 +193,7 @@ pub(super) fn read(section: &mut Section<'_>, iso: &mut IsoControl) {
     read_rotation(section, iso);
 }
 
-/// What a control does within G68, G51 and G51.1.
+/// Reads the settings for codes within G68, G51 and G51.1.
 fn read_rotation(section: &mut Section<'_>, iso: &mut IsoControl) {
     match section.text("codes_within_rotation") {
         None | Some("refused") => {}

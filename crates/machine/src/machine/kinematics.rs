@@ -1,45 +1,45 @@
-//! The machine without errors: where tip and tool axis are in the workpiece, and which axis commands bring them to a place.
+//! Kinematics of the machine without errors: position of tip and tool axis in the workpiece, and the axis commands for a position.
 //!
-//! Directions of the tool are solved as R(k1, t1) · R(k2, t2) · s = u with two rotary axes wherever they stand in the chain, oblique
-//! ones too (the second of the subproblems of Paden and Kahan); what the linear axes must do then follows from three linear equations.
+//! Tool directions are solved as R(k1, t1) · R(k2, t2) · s = u with two rotary axes at any place in the chain, including oblique ones (the second of the
+//! subproblems of Paden and Kahan). The commands of the linear axes then follow from three linear equations.
 
 use std::f64::consts::TAU;
 
 use super::Machine;
 use ncfix_base::geometry::{Axis, AxisVector, LINEAR_AXES, Matrix, Vector};
 
-/// A tool axis this near to a rotary axis does not tell its angle: the sine of the angle between them.
+/// If the tool axis is this close to a rotary axis, its angle is not determined: sine of the angle between them.
 const SINGULAR_SINE: f64 = 1e-7;
-/// A direction that is out of reach by less is taken as the nearest one in reach, rad: vectors are written with few digits.
+/// A direction that is out of reach by less is replaced by the nearest one in reach, rad: vectors are written with few digits.
 const REACH_RAD: f64 = 1e-5;
-/// Travel limits are met with this in hand, mm or rad.
+/// Tolerance of the travel limits, mm or rad.
 const TRAVEL_ROOM: f64 = 1e-9;
-/// Linear axes whose directions span less than this cannot place the tip.
+/// Linear axes whose directions span less than this cannot position the tip.
 const LEAST_DETERMINANT: f64 = 1e-6;
 
-/// The chain from the tool to the workpiece.
+/// Kinematic chain from the tool to the workpiece.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kinematics {
-    /// The axis nearest to the tool first.
+    /// Joints, starting at the tool.
     joints: Vec<Joint>,
     origin_mm: Vector,
     tool_axis: Vector,
-    /// The linear axis of each direction: X, else U, and so on.
+    /// Linear axis of each direction: X, else U, and so on.
     linear: [Option<Axis>; 3],
 }
 
-/// An axis as the tool sees it: moved by the tool side, moved backwards by the workpiece side.
+/// Axis as seen from the tool: positive on the tool side, reversed on the workpiece side.
 #[derive(Clone, Debug, PartialEq)]
 struct Joint {
     axis: Axis,
-    /// In F at the zero pose, turned about where the workpiece moves.
+    /// In F at the zero pose, reversed if the axis moves the workpiece.
     direction: Vector,
     point_mm: Vector,
     travel: Option<[f64; 2]>,
 }
 
 impl Kinematics {
-    /// The chain of a machine.
+    /// Creates the chain of a machine.
     #[must_use]
     pub fn new(machine: &Machine) -> Kinematics {
         let joint = |axis: &Axis, sense: f64| {
@@ -62,15 +62,15 @@ impl Kinematics {
         Kinematics { joints, origin_mm: machine.spindle.origin_mm, tool_axis: machine.spindle.axis, linear }
     }
 
-    /// The tool tip in the workpiece, mm, relative to the machine origin at the zero pose. `tool_mm` runs from the spindle gauge point
-    /// to the tip, in F at the zero pose.
+    /// Returns the tool tip in the workpiece, mm, relative to the machine origin at the zero pose. `tool_mm` runs from the spindle gauge point to the tip, in
+    /// F at the zero pose.
     #[must_use]
     pub fn tip_mm(&self, command: &AxisVector, tool_mm: &Vector) -> Vector {
         self.joints.iter().fold(self.origin_mm + tool_mm, |point, joint| joint.carry(&point, command[joint.axis]))
     }
 
-    /// How far a rotary axis that goes to `end`, and nothing else, moves the tip in the workpiece, mm: by the arc about its line as the other
-    /// axes have put that.
+    /// Returns the length of the arc by which the tip moves in the workpiece if only one rotary axis moves to `end`, mm. The other axes determine the
+    /// position of its line.
     #[must_use]
     pub fn arc_mm(&self, axis: Axis, (command, end): (&AxisVector, f64), tool_mm: &Vector) -> f64 {
         let mut turned = *command;
@@ -79,36 +79,36 @@ impl Kinematics {
         (to - from).norm()
     }
 
-    /// Direction of the tool in the workpiece, from the tip to the spindle.
+    /// Returns the direction of the tool in the workpiece, from the tip to the spindle.
     #[must_use]
     pub fn direction(&self, command: &AxisVector) -> Vector {
         self.turned(command, &self.tool_axis)
     }
 
-    /// A vector that is fixed to the tool, given in F at the zero pose, as it stands in the workpiece.
+    /// Returns a vector fixed to the tool, given in F at the zero pose, in its current orientation in the workpiece.
     #[must_use]
     pub fn turned(&self, command: &AxisVector, vector: &Vector) -> Vector {
         self.rotary().fold(*vector, |vector, joint| turned(&vector, &joint.direction, command[joint.axis]))
     }
 
-    /// How the tool is turned in the workpiece.
+    /// Returns the rotation of the tool in the workpiece.
     #[must_use]
     pub fn rotation(&self, command: &AxisVector) -> Matrix {
         Matrix::from_columns(&[Vector::x(), Vector::y(), Vector::z()].map(|unit| self.turned(command, &unit)))
     }
 
-    /// The rotary axes, the one nearest to the tool first.
+    /// Returns the rotary axes, starting at the tool.
     pub fn rotary_axes(&self) -> impl Iterator<Item = Axis> {
         self.rotary().map(|joint| joint.axis)
     }
 
-    /// The linear axes that place the tip.
+    /// Returns the linear axes that position the tip.
     pub fn placing_axes(&self) -> impl Iterator<Item = Axis> {
         self.linear.into_iter().flatten()
     }
 
-    /// The command whose tip is at `tip_mm` with the rotary axes of `command`. Axes that take no part (U where there is X) stay as they
-    /// are; `None` where the machine lacks a direction.
+    /// Returns the command whose tip is at `tip_mm` with the rotary axes of `command`. Axes that take no part (U if there is X) keep their values. `None` if
+    /// the machine lacks a direction.
     #[must_use]
     pub fn placed(&self, tip_mm: &Vector, command: &AxisVector, tool_mm: &Vector) -> Option<AxisVector> {
         let mut out = *command;
@@ -142,8 +142,8 @@ impl Kinematics {
         Some(out)
     }
 
-    /// An axis command as a position fixed to the workpiece, the tool at its zero pose taken off: what a control programs under a five-axis
-    /// transformation. At the zero pose of the rotary axes it is the command itself.
+    /// Converts an axis command to a position fixed to the workpiece, minus the tool at its zero pose. This is the position that is programmed under a
+    /// five-axis transformation. At the zero pose of the rotary axes it equals the command.
     #[must_use]
     pub fn on_workpiece(&self, command: &AxisVector, tool_mm: &Vector) -> AxisVector {
         let mut out = *command;
@@ -151,7 +151,7 @@ impl Kinematics {
         out
     }
 
-    /// The command of such a position; `None` where the machine lacks X, Y or Z.
+    /// Returns the command of such a position; `None` if the machine lacks X, Y or Z.
     #[must_use]
     pub fn command_on_workpiece(&self, position: &AxisVector, tool_mm: &Vector) -> Option<AxisVector> {
         if self.linear != [Some(Axis::X), Some(Axis::Y), Some(Axis::Z)] {
@@ -160,17 +160,16 @@ impl Kinematics {
         self.placed(&(position.xyz() + self.origin_mm + tool_mm), position, tool_mm)
     }
 
-    /// The direction of the tool at which the rotary axis nearest to the workpiece has no effect on it; `None` without two
-    /// rotary axes.
+    /// Returns the tool direction at which the rotary axis nearest to the workpiece has no effect on it. `None` without two rotary axes.
     #[must_use]
     pub fn pole(&self) -> Option<Vector> {
         let outer = self.rotary().last()?;
         (self.rotary().count() >= 2).then_some(outer.direction)
     }
 
-    /// The rotary angles that give the tool a direction in the workpiece: up to two ways, each by the turns nearest to `near` that the
-    /// travel allows, the shorter way first. An axis whose angle the direction does not tell keeps that of `near`; of three
-    /// rotary axes the one nearest to the tool stays.
+    /// Returns the rotary angles that give the tool a direction in the workpiece: up to two solutions, the shorter path first. Each uses the turns nearest to
+    /// `near` within the travel. An axis whose angle is not determined by the direction keeps that of `near`. Of three rotary axes the one nearest to the
+    /// tool stays.
     #[must_use]
     pub fn orientations(&self, direction: &Vector, near: &AxisVector) -> [Option<AxisVector>; 2] {
         let Some(wanted) = direction.try_normalize(0.0).filter(|wanted| wanted.iter().all(|part| part.is_finite()))
@@ -179,7 +178,7 @@ impl Kinematics {
         };
         let count = self.rotary().count();
         let mut start = self.tool_axis;
-        // What stays does so before the two that turn.
+        // The axes that stay act before the two that rotate.
         for joint in self.rotary().take(count.saturating_sub(2)) {
             start = turned(&start, &joint.direction, near[joint.axis]);
         }
@@ -211,15 +210,15 @@ impl Kinematics {
         ways
     }
 
-    /// The shorter way of [`Self::orientations`].
+    /// Returns the solution of [`Self::orientations`] with the shorter path.
     #[must_use]
     pub fn orientation(&self, direction: &Vector, near: &AxisVector) -> Option<AxisVector> {
         let [first, second] = self.orientations(direction, near);
         first.or(second)
     }
 
-    /// How well the direction of the tool tells the angle of every rotary axis: the sine of the smallest angle between the tool and an
-    /// axis that it could be parallel to; 1 without two rotary axes.
+    /// Returns how well the tool direction determines the angles of all rotary axes: the sine of the smallest angle between the tool and an axis that it
+    /// could be parallel to. 1 without two rotary axes.
     #[must_use]
     pub fn distance_from_singularity(&self, command: &AxisVector) -> f64 {
         let count = self.rotary().count();
@@ -229,7 +228,7 @@ impl Kinematics {
         let mut direction = self.tool_axis;
         let mut least = 1.0_f64;
         for (place, joint) in self.rotary().enumerate() {
-            // Behind the axes nearer to the tool, the tool may stand along this one.
+            // After the rotation by the axes nearer to the tool, the tool may be parallel to this one.
             if place > 0 {
                 least = least.min(direction.cross(&joint.direction).norm());
             }
@@ -238,7 +237,7 @@ impl Kinematics {
         least
     }
 
-    /// The axis whose command is outside its travel, if any.
+    /// Returns the first axis whose command is outside its travel.
     #[must_use]
     pub fn beyond_travel(&self, command: &AxisVector) -> Option<Axis> {
         let beyond = |joint: &&Joint| {
@@ -262,7 +261,7 @@ impl Joint {
         }
     }
 
-    /// The angle, by full turns, that is nearest to `near` and within the travel.
+    /// Returns the angle, modulo full turns, that is nearest to `near` and within the travel.
     fn nearest(&self, angle: f64, near: f64) -> Option<f64> {
         let best = angle + ((near - angle) / TAU).round() * TAU;
         let Some([low, high]) = self.travel.map(|[low, high]| [low - TRAVEL_ROOM, high + TRAVEL_ROOM]) else {
@@ -278,7 +277,7 @@ impl Joint {
     }
 }
 
-/// Both pairs of angles (inner, outer) that turn `start` to `wanted`: first by the inner axis, then by the outer one.
+/// Returns both pairs of angles (inner, outer) that rotate `start` to `wanted`: first about the inner axis, then about the outer one.
 fn two_angles(
     inner: &Joint,
     outer: &Joint,
@@ -291,7 +290,7 @@ fn two_angles(
     let across = k1.cross(k2);
     let square = across.norm_squared();
     if square < SINGULAR_SINE * SINGULAR_SINE {
-        // Parallel axes turn as one.
+        // Parallel axes act as one.
         let angle = angle_between(&turned(start, k2, near[inner.axis]), wanted, k1).unwrap_or(near[outer.axis]);
         let reached = turned(&turned(start, k2, near[inner.axis]), k1, angle);
         return [close(&reached, wanted).then_some([near[inner.axis], angle]), None];
@@ -310,7 +309,7 @@ fn two_angles(
     })
 }
 
-/// The angle about an axis from one direction to another; `None` where one of them is parallel to the axis.
+/// Returns the angle about an axis from one direction to another; `None` if one of them is parallel to the axis.
 fn angle_between(from: &Vector, to: &Vector, axis: &Vector) -> Option<f64> {
     let sines = from.cross(axis).norm().min(to.cross(axis).norm());
     let along = axis.dot(from) * axis.dot(to);
@@ -321,7 +320,7 @@ fn close(reached: &Vector, wanted: &Vector) -> bool {
     (reached - wanted).norm() < REACH_RAD
 }
 
-/// Rodrigues' formula.
+/// Rotates a vector about an axis by Rodrigues' formula.
 fn turned(vector: &Vector, axis: &Vector, angle: f64) -> Vector {
     if angle == 0.0 {
         return *vector;

@@ -1,4 +1,4 @@
-//! Settings of the control that concern custom macros.
+//! Settings of the control for custom macros.
 
 use std::collections::BTreeMap;
 
@@ -9,11 +9,11 @@ use super::section::Section;
 /// Settings of custom macros.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MacroControl {
-    /// Programs that codes call as macros, by the code: `G100`, `M50`, `T` (Fanuc parameters 6050 to 6059, 6080 to 6089, 6001 bit 5).
+    /// Programs that codes call as macros, by code: `G100`, `M50`, `T` (Fanuc parameters 6050 to 6059, 6080 to 6089, 6001 bit 5).
     pub codes: BTreeMap<String, u32>,
-    /// Whether I, J and K of a macro call may repeat (Fanuc parameter 6008, bit 7, switches it off).
+    /// True if I, J and K of a macro call may repeat (Fanuc parameter 6008, bit 7, disables it).
     pub arguments_two: bool,
-    /// Whether ATAN and ASIN give angles from −180° to 180°, else from 0° to 360° (Fanuc parameter 6004, bit 0).
+    /// True if ATAN and ASIN return angles from −180° to 180°, else from 0° to 360° (Fanuc parameter 6004, bit 0).
     pub signed_angles: bool,
 }
 
@@ -23,7 +23,7 @@ impl Default for MacroControl {
     }
 }
 
-/// Reads them.
+/// Reads the settings.
 pub(super) fn read(section: &mut Section<'_>, macros: &mut MacroControl) {
     if let Some(value) = section.boolean("arguments_two") {
         macros.arguments_two = value;
@@ -57,7 +57,7 @@ pub(super) fn read(section: &mut Section<'_>, macros: &mut MacroControl) {
     section.add(findings);
 }
 
-/// A code as the execution looks it up, without leading zeros: `G5`, `G54.4`, `T`.
+/// Normalizes a code to the form in which the execution looks it up, without leading zeros: `G5`, `G54.4`, `T`.
 fn code_of(key: &str) -> Option<String> {
     let key = key.to_ascii_uppercase();
     if key == "T" {

@@ -1,6 +1,6 @@
-//! The machine: chain of bodies, axes, travel, tools, zero offsets, control settings, and the state it is in.
+//! Machine: chain of bodies, axes, travel, tools, zero offsets, control settings, and its state.
 //!
-//! Says nothing of errors: `ncfix_model` adds them.
+//! This module contains no errors: `ncfix_model` adds them.
 
 mod active;
 mod axis_name;
@@ -51,79 +51,79 @@ use std::collections::BTreeMap;
 
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts, Plane, RotationOrder, Vector};
 
-/// A machine as its file describes it. Lengths mm, angles rad, directions unit vectors in F at the zero pose.
+/// Machine as described by its file. Lengths in mm, angles in rad, directions as unit vectors in F at the zero pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Machine {
-    /// `machine.name`.
+    /// Name from `machine.name`.
     pub name: String,
     /// Order of the bodies from workpiece to tool.
     pub topology: Topology,
     /// Dialect of its programs, as written (`sinumerik`); the register of dialects resolves it.
     pub controller: String,
-    /// Temperature at which the model holds, °C.
+    /// Reference temperature of the model, °C.
     pub reference_temperature_c: f64,
-    /// Temperatures of sensors at which the model holds, °C, where they are others than [`Self::reference_temperature_c`].
+    /// Reference temperatures of sensors, °C, if different from [`Self::reference_temperature_c`].
     pub sensor_references_c: BTreeMap<String, f64>,
-    /// Axes by slot; `None` where the machine lacks the axis.
+    /// Axes by slot; `None` if the machine lacks the axis.
     pub axes: [Option<AxisData>; ncfix_base::geometry::AXIS_COUNT],
     /// Spindle.
     pub spindle: Spindle,
     /// Settings of the control.
     pub control: Control,
-    /// Settable zero offsets by name, `G54` …
+    /// Settable zero offsets by name: `G54` …
     pub zero_offsets: BTreeMap<String, FrameParts>,
     /// Tools by number and edge.
     pub tools: Vec<Tool>,
-    /// Wear in the radii of tools, by number and edge, where the control tells it apart, mm.
+    /// Wear of the tool radii, by number and edge, if the control stores it separately, mm.
     pub radius_wear_mm: BTreeMap<(u32, u32), f64>,
-    /// Base frames that are active when a program starts: those of the control from number 0 on, those of the channel from 16 on.
+    /// Base frames that are active at the start of a program: those of the control from number 0, those of the channel from 16.
     pub base_frames: BTreeMap<i64, FrameParts>,
-    /// R parameters that are not 0 when a program starts.
+    /// R parameters that are not 0 at the start of a program.
     pub parameters: BTreeMap<i64, f64>,
     /// System variables that only the machine knows, by name and indices: `$MN_INT_INCR_PER_MM`, `$TC_DP6[1,1]`.
     pub system: BTreeMap<String, Setting>,
     /// Global variables that only the machine knows, by name.
     pub gud: BTreeMap<String, Setting>,
-    /// Compensation tables that are switched on in the control.
+    /// Active compensation tables of the control.
     pub active_tables: ActiveTables,
-    /// The axes in the order in which the control numbers them in its tables (AX1, AX2 …); empty for X Y Z U V W A B C as far as there are.
+    /// Axes in the order of their numbers in the tables of the control (AX1, AX2 …). Empty means X Y Z U V W A B C, as far as they exist.
     pub axis_order: Vec<Axis>,
-    /// The strain gauge that weighs workpieces.
+    /// Strain gauge that weighs workpieces.
     pub strain: Option<StrainGauge>,
-    /// How the axes follow a program at feed.
+    /// Servo behavior of the axes at feed.
     pub servo: Option<Servo>,
 }
 
-/// One axis.
+/// Data of one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisData {
-    /// Which.
+    /// Axis.
     pub axis: Axis,
-    /// How programs name it beside its letter, upper case (Sinumerik MD20080): `X1`.
+    /// Name in programs in addition to its letter, upper case (Sinumerik MD20080): `X1`.
     pub name: Option<String>,
-    /// Motion of the moving body (the side away from F) in F for a positive command: unit vector, turning axis for rotary axes.
+    /// Motion of the moving body (the side away from F) in F for a positive command: unit vector; for rotary axes the axis of rotation.
     pub direction: Vector,
-    /// A point of the axis line in F at the zero pose, mm.
+    /// Point on the axis line in F at the zero pose, mm.
     pub point_mm: Vector,
     /// Lowest and highest command, mm or rad; `None` without limits.
     pub travel: Option<[f64; 2]>,
-    /// Whether it turns without end and its positions are those within a turn; then it has no travel.
+    /// True for a modulo axis, whose positions are within one turn; it has no travel.
     pub modulo: bool,
-    /// Highest feed, mm/min or deg/min as in the file; `None` where not given.
+    /// Maximum feed, mm/min or deg/min as in the file; `None` if not given.
     pub max_feed: Option<f64>,
-    /// What clamps it; while one is closed, the axis must not move.
+    /// Clamps; while one of them is closed, the axis must not move.
     pub clamps: Vec<Clamp>,
-    /// How location and motion errors act.
+    /// Place where location and motion errors act.
     pub lever: Lever,
 }
 
-/// Where the motion errors of an axis act in its transform.
+/// Place of the motion errors of an axis in its transform.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lever {
     /// `L · D(e0) · M(q) · D(e) · L⁻¹`: errors move with the carriage (Esmaeili).
     #[default]
     Carried,
-    /// `L · D(e0) · D(e) · M(q) · L⁻¹`: the arm includes the axis's own motion (Spaan eq. 2.7–2.9).
+    /// `L · D(e0) · D(e) · M(q) · L⁻¹`: the lever arm includes the motion of the axis itself (Spaan eq. 2.7–2.9).
     Fixed,
 }
 
@@ -136,103 +136,101 @@ pub struct Spindle {
     pub axis: Vector,
 }
 
-/// What differs from control to control and changes positions or text.
+/// Settings that differ between controls and affect positions or text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Control {
     /// Smallest increment of linear axes in a program, mm.
     pub increment_mm: f64,
     /// Smallest increment of rotary axes in a program, rad.
     pub increment_rad: f64,
-    /// The increment of the words that the control reads, mm and rad: that of the output unless an option has changed the latter.
+    /// Increment of the words that the control reads, mm and rad: the output increment unless an option has changed the latter.
     pub grid: [f64; 2],
-    /// Whether the output is in inches; `None` for the metric one of programs that do not state their unit.
+    /// True if the output is in inches; `None`: metric for programs that do not state their unit.
     pub output_inch: Option<bool>,
-    /// Whether an inch has ten times as many increments as a millimeter, the grid of a Fanuc; LinuxCNC reads any decimals, and a hundred times
-    /// as many keep what `increment_mm` asks for.
+    /// True if an inch has ten times as many increments as a millimetre, the grid of a Fanuc. LinuxCNC reads any decimals; there, a hundred times as many
+    /// preserve the resolution of `increment_mm`.
     pub has_inch_grid: bool,
-    /// Increments into which a Sinumerik divides a millimeter (MD10200); `None` where the file does not say it.
+    /// Increments per millimetre of a Sinumerik (MD10200); `None` if the file does not state it.
     pub increments_per_mm: Option<f64>,
-    /// The largest number of a block of the output, where blocks must have numbers; `None` without a limit.
+    /// Largest block number of the output, if blocks must have numbers; `None` without a limit.
     pub last_block_number: Option<u32>,
     /// Sinumerik MD21000: allowed radius difference of an arc, mm.
     pub arc_tolerance_mm: f64,
-    /// Sinumerik MD21010: the same as a share of the radius.
+    /// Sinumerik MD21010: allowed radius difference of an arc as a share of the radius.
     pub arc_tolerance_ratio: f64,
-    /// Whether T takes effect at once, or with M6 (Sinumerik MD22550).
+    /// Effect of T: immediately, or with M6 (Sinumerik MD22550).
     pub tool_change: ToolChange,
-    /// Plane along whose axes the tool lengths lie whatever plane is active (Sinumerik SD42940); `None`: along those of the active one.
+    /// Plane along whose axes the tool lengths lie, whichever plane is active (Sinumerik SD42940); `None`: those of the active plane.
     pub tool_length_plane: Option<Plane>,
-    /// Edge that is active behind a tool change (Sinumerik MD20270).
+    /// Edge that is active after a tool change (Sinumerik MD20270).
     pub edge_after_tool_change: u32,
-    /// Sinumerik SD42440: an incremental word behind a frame change also traverses the change.
+    /// Sinumerik SD42440: true if an incremental word after a frame change also traverses the change.
     pub incremental_traverses_frame_change: bool,
-    /// In which order the angles of `ROT` turn (Sinumerik MD10600).
+    /// Order of rotation of the angles of `ROT` (Sinumerik MD10600).
     pub rotation_order: RotationOrder,
-    /// Whether naming an axis with `MIRROR` mirrors it whatever value follows; else 0 means no (Sinumerik MD10612).
+    /// True if naming an axis with `MIRROR` mirrors it whatever value follows; else the value 0 means no mirroring (Sinumerik MD10612).
     pub mirror_toggles: bool,
-    /// Whether a plain absolute word of a modulo axis goes the shortest way; else it stays within the turn (Sinumerik MD30455 bit 2).
+    /// True if a plain absolute word of a modulo axis takes the shortest path; else it stays within the turn (Sinumerik MD30455 bit 2).
     pub modulo_shortest: bool,
-    /// How a rotary axis that turns without end gets to an absolute position on a Fanuc, RS274/NGC or Grundig control; `None` where the file
-    /// does not say it.
+    /// Path of a modulo axis to an absolute position on a Fanuc, RS274/NGC or Grundig control; `None` if the file does not state it.
     pub rollover: Option<Rollover>,
-    /// Whether `>` and `<` take reals that differ by 1e-12 of their size as equal, as the other four comparisons do (Sinumerik MD10280
-    /// bit 0 is 0).
+    /// True if `>` and `<` treat reals that differ by 1e-12 of their size as equal, like the other four comparisons (Sinumerik MD10280 bit 0 is 0).
     pub relative_comparison: bool,
-    /// Where Z retracts to before CYCLE800 swivels, machine position of the axis, mm; `None` where it is not known.
+    /// Retract position of Z before CYCLE800 swivels, machine position of the axis, mm; `None` if it is not known.
     pub swivel_retract_z_mm: Option<f64>,
-    /// The rotary axis to which the preferred direction of CYCLE800 relates; `None` for the one that tilts the tool.
+    /// Rotary axis for the preferred direction of CYCLE800; `None`: the one that tilts the tool.
     pub swivel_direction_axis: Option<Axis>,
-    /// Whether shifts have a fine part, which `G59` programs (Sinumerik MD24000).
+    /// True if shifts have a fine part, which `G59` programs (Sinumerik MD24000).
     pub fine_shift: bool,
-    /// How far the straight pieces that stand for a curve – a spline, an arc in a tilted plane or under unequal scale, a straight line
-    /// of a five-axis transformation – may be off it, mm.
+    /// Maximum deviation of the line segments that replace a curve, mm. Such curves are a spline, an arc in a tilted plane or under unequal scale, and a
+    /// straight line of a five-axis transformation.
     pub chord_tolerance_mm: f64,
-    /// Programs and cycles that the control runs by itself: their calls are passed on.
+    /// Programs and cycles that the control executes by itself: their calls are passed on.
     pub opaque: Vec<Opaque>,
-    /// Synchronised actions that may move axes, by their ID.
+    /// Synchronized actions that may move axes, by ID.
     pub allow_synchronised: Vec<AllowedSynchronised>,
-    /// The axis whose positions are diameters behind DIAMON (Sinumerik MD20100).
+    /// Axis whose positions are diameters after DIAMON (Sinumerik MD20100).
     pub transverse_axis: Axis,
-    /// How A2, B2, C2 turn the tool (Sinumerik MD21100).
+    /// Rotations of the tool by A2, B2, C2 (Sinumerik MD21100).
     pub orientation_angles: OrientationAngles,
-    /// About what TILT turns the tool (Sinumerik MD21094, tens digit).
+    /// Axis about which TILT rotates the tool (Sinumerik MD21094, tens digit).
     pub tilt_about: TiltAbout,
-    /// How far ORIPATH binds the tool to the path (Sinumerik MD21094, last digit).
+    /// Extent to which ORIPATH keeps the tool relative to the path (Sinumerik MD21094, last digit).
     pub ori_path: OriPath,
-    /// Nearer to its pole than this, a five-axis transformation moves the rotary axes linearly instead of along a great circle
-    /// (Sinumerik MD24530, MD24540), rad.
+    /// Distance from the pole below which a five-axis transformation moves the rotary axes linearly instead of along a great circle (Sinumerik MD24530,
+    /// MD24540), rad.
     pub pole_limit_rad: f64,
-    /// Folders in which subprograms are looked for beside that of the program, in order.
+    /// Folders that are searched for subprograms after that of the program, in order.
     pub search_path: Vec<String>,
     /// Modal codes that are active at the start and differ from those of the control as delivered (Sinumerik MD20150).
     pub initial_codes: Vec<String>,
-    /// The working plane that is active at the start (Sinumerik MD20150).
+    /// Working plane that is active at the start (Sinumerik MD20150).
     pub initial_plane: Plane,
-    /// Program levels, main program included.
+    /// Maximum number of program levels, including the main program.
     pub max_program_levels: u32,
-    /// Sinumerik MD20210: change of direction beyond which G451 goes around a corner on an arc too, rad.
+    /// Sinumerik MD20210: change of direction above which G451, too, goes around a corner on an arc, rad.
     pub compensation_corner_rad: f64,
-    /// Sinumerik MD20230: change of direction below which G450 goes to the intersection too, rad.
+    /// Sinumerik MD20230: change of direction below which G450, too, goes to the intersection, rad.
     pub compensation_flat_rad: f64,
-    /// Sinumerik MD20250: blocks without motion in the plane that may stand between two elements of a compensated contour.
+    /// Sinumerik MD20250: maximum number of blocks without motion in the plane between two elements of a compensated contour.
     pub compensation_blocks_between: u32,
-    /// Sinumerik MD20240: elements of a compensated contour that may be left out where the tool is too wide for them.
+    /// Sinumerik MD20240: maximum number of elements of a compensated contour that may be omitted if the tool is too wide for them.
     pub compensation_look_ahead: u32,
-    /// How radius compensation begins and ends (Fanuc parameter 5003).
+    /// Approach and retraction of radius compensation (Fanuc parameter 5003).
     pub compensation_start: CompensationStart,
-    /// What lies around outer corners of a compensated contour (Fanuc parameter 19607); `None` for what the dialect says.
+    /// Path around outer corners of a compensated contour (Fanuc parameter 19607); `None`: as in the dialect.
     pub compensation_corner: Option<CompensationCorner>,
-    /// What concerns Fanuc and RS274/NGC.
+    /// Settings of Fanuc and RS274/NGC.
     pub iso: IsoControl,
-    /// What concerns custom macros.
+    /// Settings of custom macros.
     pub macros: MacroControl,
-    /// `G500`, `G54`: the zero offset that is active at the start; `None` for that of the control as delivered.
+    /// Zero offset that is active at the start, such as `G500`, `G54`; `None`: that of the control as delivered.
     pub initial_zero_offset: Option<String>,
-    /// What only Grundig, Philips and `MillPlus` have.
+    /// Settings of Grundig, Philips and `MillPlus` only.
     pub grundig: GrundigControl,
 }
 
-/// The turns that three orientation angles stand for.
+/// Sequence of rotations by three orientation angles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OrientationAngles {
     /// C about Z, B about the new Y, A about the new X.
@@ -242,29 +240,29 @@ pub enum OrientationAngles {
     Euler,
 }
 
-/// The axis of TILT.
+/// Rotation axis of TILT.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TiltAbout {
-    /// The normal of the surface, behind LEAD.
+    /// Surface normal, after LEAD.
     #[default]
     Normal,
-    /// The tangent of the path, behind LEAD.
+    /// Path tangent, after LEAD.
     Tangent,
-    /// The tangent of the path as LEAD has turned it.
+    /// Path tangent as rotated by LEAD.
     TurnedTangent,
 }
 
-/// Where ORIPATH keeps the tool relative to path and surface.
+/// Places where ORIPATH keeps the tool relative to path and surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OriPath {
-    /// At the ends of blocks.
+    /// At block ends.
     #[default]
     End,
-    /// All along the path.
+    /// Along the whole path.
     Path,
 }
 
-/// When a tool takes effect.
+/// Word that makes a tool take effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToolChange {
     /// T selects, M6 changes.
@@ -325,19 +323,20 @@ impl Default for Control {
 }
 
 impl Machine {
-    /// The axes that the machine has.
+    /// Returns the axes that the machine has.
     #[must_use]
     pub fn axis_set(&self) -> AxisSet {
         self.axes.iter().flatten().map(|axis| axis.axis).collect()
     }
 
-    /// How much warmer a sensor is than where the model holds, K, for a body that follows it with `lag_s`; `None` without a reading.
+    /// Returns the temperature rise of a sensor above its reference temperature, K, for a body that follows it with the time constant `lag_s`. `None` without
+    /// a reading.
     #[must_use]
     pub fn rise_k(&self, condition: &Condition, sensor: &str, lag_s: f64) -> Option<f64> {
         Some(condition.temperature_c(sensor, lag_s)? - self.reference_of(sensor))
     }
 
-    /// [`Machine::rise_k`] in each of some conditions, which is fastest in the order of time.
+    /// Returns [`Machine::rise_k`] for each condition; fastest if these are in order of time.
     #[must_use]
     pub fn rises_k(&self, conditions: &[&Condition], sensor: &str, lag_s: f64) -> Vec<Option<f64>> {
         let reference_c = self.reference_of(sensor);
@@ -345,21 +344,21 @@ impl Machine {
         all.into_iter().map(|temperature_c| Some(temperature_c? - reference_c)).collect()
     }
 
-    /// The temperature of a sensor at which the model holds, °C.
+    /// Returns the reference temperature of a sensor, °C.
     fn reference_of(&self, sensor: &str) -> f64 {
         self.sensor_references_c.get(sensor).copied().unwrap_or(self.reference_temperature_c)
     }
 
-    /// Data of an axis that the machine has.
+    /// Returns the data of an axis; `None` if the machine lacks it.
     #[must_use]
     pub fn axis(&self, axis: Axis) -> Option<&AxisData> {
         self.axes[axis.slot()].as_ref()
     }
 
-    /// The tool vector as the rotary axes of the tool side turn it at an axis command, along F's directions, mm.
+    /// Returns the tool vector as rotated by the rotary axes of the tool side at an axis command, along the directions of F, mm.
     #[must_use]
     pub fn turned_tool_mm(&self, command: &AxisVector, tool_mm: &Vector) -> Vector {
-        // The axis nearest to the tool turns it first.
+        // The axis nearest to the tool rotates it first.
         let rotary = self.topology.tool.iter().rev().filter(|axis| axis.is_rotary());
         rotary.filter_map(|&axis| self.axis(axis)).fold(*tool_mm, |vector, data| {
             // Rodrigues' formula.

@@ -1,16 +1,16 @@
-//! Programs that the control runs by itself, and the synchronised actions that are allowed to move axes.
+//! Programs that the control executes by itself, and synchronized actions that may move axes.
 
 use super::Control;
 use super::section::Section;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Axis;
 
-/// A program or cycle whose calls are passed on.
+/// Program or cycle whose calls are passed on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Opaque {
-    /// Upper case; a `*` at the end stands for any rest.
+    /// Name, upper case; a `*` at the end matches any rest.
     pub name: String,
-    /// Whether it moves axes, so that where they are behind it is unknown.
+    /// True if it moves axes, so that their positions are unknown afterwards.
     pub moves: bool,
 }
 
@@ -32,7 +32,7 @@ impl AllowedSynchronised {
 }
 
 impl Control {
-    /// Whether calls of a program (upper case) are passed on, and whether it moves axes.
+    /// Returns whether a program (upper case) moves axes; `None` if its calls are not passed on.
     #[must_use]
     pub fn opaque_moves(&self, name: &str) -> Option<bool> {
         let fits = |entry: &&Opaque| match entry.name.strip_suffix('*') {
@@ -42,7 +42,7 @@ impl Control {
         self.opaque.iter().find(fits).map(|entry| entry.moves)
     }
 
-    /// Whether a synchronised action of this ID may move axes; `None` is one without ID.
+    /// True if a synchronized action with this ID may move axes; `None` is an action without ID.
     #[must_use]
     pub fn allows_synchronised(&self, id: Option<u32>) -> bool {
         let shown = id.map(|id| id.to_string());
@@ -84,7 +84,7 @@ pub(super) fn read_sections(sections: Vec<Section<'_>>, control: &mut Control, f
         let name = section.required("name", "\"TOOLCHANGE\"", Section::text).map(str::to_ascii_uppercase);
         let moves = section.boolean("moves").unwrap_or(true);
         if let Some(name) = name {
-            // An entry of its own goes before the short list.
+            // A separate entry takes precedence over the short list.
             control.opaque.insert(0, Opaque { name, moves });
         }
         section.finish(findings);

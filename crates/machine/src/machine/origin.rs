@@ -1,22 +1,22 @@
-//! Where each value of a machine file was written, and what holds for keys that were not written.
+//! Places of the values of a machine file, and defaults of keys that are not written.
 
 use super::Machine;
 use super::document::{Document, TomlItem, TomlTable, TomlValue};
 use super::setting::normal;
 use ncfix_base::source::Source;
 
-/// A value that stands in a file.
+/// Value that is written in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenValue {
-    /// Its keys from the top of the file: `axis.X.travel_mm`, `tool[5,1].length_mm` (number and edge), `motion[3].kind` (the third one).
+    /// Keys from the top of the file: `axis.X.travel_mm`, `tool[5,1].length_mm` (number and edge), `motion[3].kind` (the third one).
     pub path: String,
-    /// As it is written.
+    /// Value as written.
     pub value: String,
     /// Line from 1.
     pub line: usize,
 }
 
-/// What holds for a key of `[control]` that is not written.
+/// Defaults of keys of `[control]`.
 const OF_CONTROL: &[(&str, &str)] = &[
     ("allow_synchronised", "[]"),
     ("arc_tolerance_mm", "0.01"),
@@ -67,7 +67,7 @@ const OF_CONTROL: &[(&str, &str)] = &[
     ("transverse_axis", "\"X\""),
 ];
 
-/// The same for the other sections, each by its keys without names and numbers.
+/// Defaults of keys of the other sections, each by its keys without names and numbers.
 const OF_SECTIONS: &[(&str, &[(&str, &str)])] = &[
     ("machine", &[("controller", "\"sinumerik\""), ("reference_temperature_C", "20"), ("active_tables", "[]")]),
     ("spindle", &[("origin_mm", "[0, 0, 0]"), ("axis", "[0, 0, 1]")]),
@@ -82,7 +82,7 @@ const OF_SECTIONS: &[(&str, &[(&str, &str)])] = &[
     ("expansion.workpiece", &[("lag_s", "0")]),
 ];
 
-/// All values of a file, in its order.
+/// Returns all values of a file, in their order.
 #[must_use]
 pub fn written(file: &Document, source: &Source) -> Vec<WrittenValue> {
     let mut out = Vec::new();
@@ -91,8 +91,8 @@ pub fn written(file: &Document, source: &Source) -> Vec<WrittenValue> {
     out.into_iter().map(|(_, written)| written).collect()
 }
 
-/// The keys of a section of a machine that hold a value though they may not be written, with that value. The section is that of
-/// [`WrittenValue::path`] without the last key; `own_kind` is what it says of its `kind`, as it is written.
+/// Returns the keys of a section that have a value even if they are not written, with that value. The section is that of [`WrittenValue::path`] without the
+/// last key. `own_kind` is the value of its `kind` as written.
 #[must_use]
 pub fn defaults(section: &str, own_kind: Option<&str>, machine: &Machine) -> Vec<(String, String)> {
     let kind = kind_of(section);
@@ -104,7 +104,7 @@ pub fn defaults(section: &str, own_kind: Option<&str>, machine: &Machine) -> Vec
             rows.extend(OF_CONTROL.iter().map(own));
             let fresh = super::output_control::of_controller(&machine.controller);
             rows.push(("increment_mm".into(), fresh.increment_mm.to_string()));
-            // The increment of both is one number of decimals.
+            // Both increments have an equal number of decimals.
             rows.push(("increment_deg".into(), fresh.increment_mm.to_string()));
         }
         "axis" if section.ends_with(['A', 'B', 'C']) => rows.push(("modulo".into(), "false".into())),
@@ -121,7 +121,7 @@ pub fn defaults(section: &str, own_kind: Option<&str>, machine: &Machine) -> Vec
     rows
 }
 
-/// `axis.X` is an `axis`, `drift[2].sensors[1]` are `drift.sensors`.
+/// Removes names and numbers: `axis.X` is an `axis`, `drift[2].sensors[1]` are `drift.sensors`.
 fn kind_of(section: &str) -> String {
     let mut kind = String::new();
     let mut depth = 0;
@@ -173,7 +173,7 @@ fn is_list_of_tables(items: &[TomlItem]) -> bool {
     !items.is_empty() && items.iter().all(|item| matches!(item.value, TomlValue::Table(_)))
 }
 
-/// `5,1`: number and edge, by which tools of several files are the same.
+/// Returns number and edge, such as `5,1`, which identify tools across files.
 fn tool_name(tool: &TomlTable) -> String {
     let number = |key: &str| tool.entry(key).and_then(|entry| entry.item.number());
     format!("{},{}", number("number").unwrap_or_default(), number("edge").unwrap_or(1.0))
@@ -193,7 +193,7 @@ mod tests {
 
     const HEAD: &str = "[machine]\nname = \"m\"\ntopology = \"wCFXYZt\"\ncontroller = \"CONTROLLER\"\n";
 
-    /// A small machine with a rotary axis, a tool and a zero offset, and further lines in its sections.
+    /// Returns the text of a small machine with a rotary axis, a tool and a zero offset, and with additional lines in its sections.
     fn text(controller: &str, of: impl Fn(&str) -> String) -> String {
         let mut text = HEAD.replace("CONTROLLER", controller) + &of("machine");
         text += "[sensor.T]\nreference_C = 20\n";
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn every_key_has_a_default_or_says_nothing_when_it_is_not_written() {
-        // Without these nothing is set: what they would say is not there.
+        // Without these keys nothing is set, so they have no default.
         const NOTHING: &[&str] = &[
             "name",
             "topology",

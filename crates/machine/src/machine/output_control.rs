@@ -1,12 +1,12 @@
-//! Settings of the control that concern what it can read: increments, block numbers.
+//! Settings of the control for the text that it can read: increments, block numbers.
 
 use super::Control;
 use super::section::Section;
 
-/// Sets what follows from the language of the control, before the file has its say.
+/// Returns the defaults for the language of the control, before the file is read.
 pub(super) fn of_controller(controller: &str) -> Control {
     let control = Control::default();
-    // Fanuc's IS-B and the word formats of Grundig end at a thousandth.
+    // IS-B of Fanuc and the word formats of Grundig have a resolution of one thousandth.
     if ["fanuc", "grundig"].iter().any(|name| controller.eq_ignore_ascii_case(name)) {
         let increment = [1e-3, 1e-3_f64.to_radians()];
         return Control { increment_mm: increment[0], increment_rad: increment[1], grid: increment, ..control };
@@ -14,7 +14,7 @@ pub(super) fn of_controller(controller: &str) -> Control {
     control
 }
 
-/// Reads them.
+/// Reads the settings.
 pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     let decimal = |value: f64| value > 0.0 && ((value * 1e9).round() / 1e9 - value).abs() < 1e-15 * value.max(1.0);
     const DECIMAL: &str = "a number above 0 with at most 9 decimals";
@@ -37,7 +37,7 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     }
 }
 
-/// Nothing is written finer than the control reads it: it would round that, and stand elsewhere than was said.
+/// Limits the output increments to the input resolution of the control: it would round finer values and move to other positions.
 pub(super) fn keep_to_grid(control: &mut Control, controller: &str) {
     if let Some([linear_mm, rotary_rad]) = control.word_grid(controller) {
         control.increment_mm = control.increment_mm.max(linear_mm);
@@ -46,7 +46,7 @@ pub(super) fn keep_to_grid(control: &mut Control, controller: &str) {
 }
 
 impl Control {
-    /// The grid on which a control of this language puts the words that it reads, mm and rad; `None` where it takes them as they are.
+    /// Returns the grid of the words that a control of this language reads, mm and rad; `None` if it reads them exactly.
     #[must_use]
     pub fn word_grid(&self, language: &str) -> Option<[f64; 2]> {
         match language.to_ascii_lowercase().as_str() {
@@ -59,10 +59,10 @@ impl Control {
         }
     }
 
-    /// Whether its linear words, or its rotary ones, are written finer than a control of this language reads them.
+    /// True for linear words, and for rotary words, if they are written finer than a control of this language reads them.
     #[must_use]
     pub fn is_finer_than_read(&self, language: &str) -> [bool; 2] {
-        /// Steps are decimals; their binary values differ by less.
+        /// Increments are decimals; their binary values differ by less than this share.
         const SAME_SHARE: f64 = 1e-9;
         let Some([linear_mm, rotary_rad]) = self.word_grid(language) else { return [false; 2] };
         [(self.increment_mm, linear_mm), (self.increment_rad, rotary_rad)]

@@ -1,31 +1,31 @@
-//! How large and how small the numbers of a TOML file may be, by the name of their key.
+//! Permitted range of the numbers in a TOML file, by key.
 //!
-//! A number far outside of what machines have is a wrong unit or a slip of the hand. Every number that a section reads is looked at here, so that no
-//! key is without limits; what a reader asks for beyond that, a whole number or a shorter range, it asks for itself.
+//! A number far outside the range of machines is a wrong unit or a typing error. Every number that a section reads is checked here, so no key is without
+//! limits. A reader checks further conditions, such as a whole number or a narrower range, itself.
 
 use std::ops::RangeInclusive;
 
-/// Keys and what their numbers may be.
+/// Permitted range of the numbers of keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NumberRange {
-    /// The key, or `*` and its end.
+    /// Key, or `*` and the end of the key.
     pub keys: &'static str,
-    /// Least and greatest value, in the unit of the key.
+    /// Smallest permitted value, in the unit of the key.
     pub least: f64,
-    /// See [`Self::least`].
+    /// Largest permitted value, in the unit of the key.
     pub most: f64,
-    /// Why.
+    /// Reason for the limits.
     pub reason: &'static str,
 }
 
-/// Turns of a rotary axis that nobody counts any more, degrees.
+/// More turns of a rotary axis than anyone counts, degrees.
 const MANY_TURNS_DEG: f64 = 360_000.0;
-/// A kilometre, mm.
+/// One kilometre, mm.
 const KILOMETRE_MM: f64 = 1e6;
-/// A year, s.
+/// One year, s.
 const YEAR_S: f64 = 366.0 * 86_400.0;
 
-/// All of them: the first that fits counts, so that a key goes before its end.
+/// All ranges. The first match counts, so a full key comes before a pattern that also matches it.
 pub const RANGES: &[NumberRange] = &[
     of("increment_mm", 1e-5, 0.1, "as `--increment`: no control counts finer, and a coarser one has no use"),
     of("increment_deg", 1e-5, 0.1, "the same for rotary axes"),
@@ -67,31 +67,31 @@ const fn of(keys: &'static str, least: f64, most: f64, reason: &'static str) -> 
     NumberRange { keys, least, most, reason }
 }
 
-/// Numbers in a list: no measured table of one axis has more.
+/// Maximum number of list items: no measured table of one axis has more.
 const MOST_IN_LIST: usize = 100_000;
-/// Coefficients of a polynomial: degrees beyond that are noise in double precision.
+/// Maximum number of coefficients of a polynomial: higher degrees are noise in double precision.
 const MOST_COEFFICIENTS: usize = 64;
 
-/// How many numbers the list of a key may have.
+/// Returns the maximum number of items in the list of a key.
 #[must_use]
 pub fn most_in_list(key: &str) -> usize {
     if key.ends_with("coefficients") { MOST_COEFFICIENTS } else { MOST_IN_LIST }
 }
 
 impl NumberRange {
-    /// Whether it is about a key.
+    /// True if the range applies to a key.
     fn is_about(&self, key: &str) -> bool {
         self.keys.strip_prefix('*').map_or(self.keys == key, |end| key.ends_with(end))
     }
 
-    /// The least and the greatest value.
+    /// Returns the permitted values.
     #[must_use]
     pub fn values(&self) -> RangeInclusive<f64> {
         self.least..=self.most
     }
 }
 
-/// The range of a key.
+/// Returns the range of a key.
 #[must_use]
 pub fn range_of(key: &str) -> NumberRange {
     let found = RANGES.iter().find(|range| range.is_about(key));

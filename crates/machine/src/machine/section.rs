@@ -1,7 +1,7 @@
-//! Reads one table of a document and reports instead of failing.
+//! Reads one table of a document and reports faults instead of failing.
 //!
-//! Each value that is missing, of the wrong type or not finite becomes a finding at its place, the keys that were asked for are the
-//! known ones, and [`Section::finish`] reports the others.
+//! Each value that is missing, of the wrong type or not finite becomes a diagnostic at its place. The requested keys are the known ones, and
+//! [`Section::finish`] reports all others.
 
 use std::collections::HashSet;
 
@@ -13,10 +13,10 @@ use super::document::{TomlEntry, TomlItem, TomlTable, TomlValue};
 use super::range::{most_in_list, range_of};
 use ncfix_base::source::is_deceptive;
 
-/// Unknown keys of one table that are reported; a file with more is no machine file.
+/// Maximum number of unknown keys that are reported for one table; a file with more is not a machine file.
 const MOST_UNKNOWN: usize = 1000;
 
-/// Reads one table and collects what is wrong with it.
+/// Reads one table and collects its faults.
 #[derive(Debug)]
 pub struct Section<'a> {
     file: FileId,
@@ -31,33 +31,33 @@ impl<'a> Section<'a> {
         Section { file, title, table, asked: Vec::new(), findings: Vec::new() }
     }
 
-    /// How the section is called in messages: `[axis.X]`.
+    /// Returns the name of the section in messages: `[axis.X]`.
     #[must_use]
     pub fn title(&self) -> &str {
         &self.title
     }
 
-    /// The header of the section.
+    /// Returns the place of the section header.
     #[must_use]
     pub fn place(&self) -> Place {
         Place { file: self.file, span: self.table.span }
     }
 
-    /// The value of a key; the header where there is none.
+    /// Returns the place of the value of a key; that of the header if the key is missing.
     #[must_use]
     pub fn place_of(&self, key: &str) -> Place {
         let span = self.table.entry(key).map_or(self.table.span, |entry| entry.item.span);
         Place { file: self.file, span }
     }
 
-    /// A key itself; the header where there is none.
+    /// Returns the place of a key; that of the header if the key is missing.
     #[must_use]
     pub fn place_of_key(&self, key: &str) -> Place {
         let span = self.table.entry(key).map_or(self.table.span, |entry| entry.key_span);
         Place { file: self.file, span }
     }
 
-    /// One entry of a list; the list or the header where there is none.
+    /// Returns the place of one item of a list; that of the list or the header if it is missing.
     #[must_use]
     pub fn place_of_item(&self, key: &str, index: usize) -> Place {
         let mut place = self.place_of(key);
@@ -69,33 +69,33 @@ impl<'a> Section<'a> {
         place
     }
 
-    /// All keys, in the order of the file.
+    /// Returns all keys, in the order of the file.
     pub fn keys(&self) -> impl Iterator<Item = &'a str> {
         self.table.entries.iter().map(|entry| entry.key.as_str())
     }
 
-    /// Whether the key is there.
+    /// True if the key exists.
     #[must_use]
     pub fn has(&self, key: &str) -> bool {
         self.table.entry(key).is_some()
     }
 
-    /// Notes a finding.
+    /// Adds a diagnostic.
     pub fn report(&mut self, code: Code, place: Place, message: impl Into<String>, help: impl Into<String>) {
         self.findings.push(Diagnostic::at(code, place, message, help));
     }
 
-    /// Notes findings of a subsection.
+    /// Adds the diagnostics of a subsection.
     pub fn add(&mut self, findings: Vec<Diagnostic>) {
         self.findings.extend(findings);
     }
 
-    /// Makes a key known without reading it, because a finding about it has been noted or another reader takes it.
+    /// Marks a key as known without reading it, because it was reported already or another reader uses it.
     pub fn accept(&mut self, key: &str) {
         self.asked.push(key.to_owned());
     }
 
-    /// Reads a value that must be there; reports `E0403` where it is not. `example` is shown as what to write.
+    /// Reads a required value; reports `E0403` if it is missing. `example` is shown as a valid value.
     pub fn required<T>(
         &mut self,
         key: &str,
@@ -111,18 +111,18 @@ impl<'a> Section<'a> {
         None
     }
 
-    /// A finite number.
+    /// Reads a finite number.
     pub fn number(&mut self, key: &str) -> Option<f64> {
         self.value(key, "a finite number", TomlItem::number).filter(|&value| self.is_in_range(key, &[value]))
     }
 
-    /// A number in a range.
+    /// Reads a number that must satisfy a condition.
     pub fn number_where(&mut self, key: &str, expected: &str, allowed: impl Fn(f64) -> bool) -> Option<f64> {
         let found = self.value(key, expected, |item| item.number().filter(|&value| allowed(value)));
         found.filter(|&value| self.is_in_range(key, &[value]))
     }
 
-    /// A whole number from 0 to 2³² − 1.
+    /// Reads a whole number from 0 to 2³² − 1.
     pub fn integer(&mut self, key: &str) -> Option<u32> {
         let found = self.value(key, "a whole number that is not negative", |item| match item.value {
             TomlValue::Number { value, whole: true } if (0.0..=f64::from(u32::MAX)).contains(&value) => {
@@ -133,7 +133,7 @@ impl<'a> Section<'a> {
         found.filter(|&value| self.is_in_range(key, &[f64::from(value)]))
     }
 
-    /// `true` or `false`.
+    /// Reads `true` or `false`.
     pub fn boolean(&mut self, key: &str) -> Option<bool> {
         self.value(key, "true or false", |item| match item.value {
             TomlValue::Boolean(value) => Some(value),
@@ -141,13 +141,13 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// A text for people: one with control characters is refused.
+    /// Reads a text for people; control characters are refused.
     pub fn text(&mut self, key: &str) -> Option<&'a str> {
         let text = self.text_of_bytes(key)?;
         self.is_readable(key, text).then_some(text)
     }
 
-    /// A text whose characters are bytes for a control, any of them.
+    /// Reads a text whose characters are bytes for a control; any character is allowed.
     pub fn text_of_bytes(&mut self, key: &str) -> Option<&'a str> {
         self.value(key, "a text in quotation marks", |item| match &item.value {
             TomlValue::Text(text) => Some(text.as_str()),
@@ -155,7 +155,7 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// A list of finite numbers.
+    /// Reads a list of finite numbers.
     pub fn numbers(&mut self, key: &str) -> Option<Vec<f64>> {
         let numbers: Vec<f64> = self.value(key, "a list of finite numbers", |item| match &item.value {
             TomlValue::Items(items) => items.iter().map(TomlItem::number).collect(),
@@ -164,7 +164,7 @@ impl<'a> Section<'a> {
         self.is_in_range(key, &numbers).then_some(numbers)
     }
 
-    /// A list of lists of finite numbers.
+    /// Reads a list of lists of finite numbers.
     pub fn rows(&mut self, key: &str) -> Option<Vec<Vec<f64>>> {
         let rows: Vec<Vec<f64>> = self.value(key, "a list of lists of finite numbers", |item| match &item.value {
             TomlValue::Items(items) => items
@@ -179,7 +179,7 @@ impl<'a> Section<'a> {
         rows.iter().all(|row| self.is_in_range(key, row)).then_some(rows)
     }
 
-    /// A list of texts.
+    /// Reads a list of texts.
     pub fn texts(&mut self, key: &str) -> Option<Vec<String>> {
         let texts: Vec<String> = self.value(key, "a list of texts in quotation marks", |item| match &item.value {
             TomlValue::Items(items) => items
@@ -194,7 +194,7 @@ impl<'a> Section<'a> {
         texts.iter().all(|text| self.is_readable(key, text)).then_some(texts)
     }
 
-    /// A list of three finite numbers.
+    /// Reads a list of three finite numbers.
     pub fn vector(&mut self, key: &str) -> Option<Vector> {
         let vector = self.value(key, "a list of three finite numbers", |item| match &item.value {
             TomlValue::Items(items) => match items.as_slice() {
@@ -206,7 +206,7 @@ impl<'a> Section<'a> {
         self.is_in_range(key, vector.as_slice()).then_some(vector)
     }
 
-    /// A number, which is made the first of three, or a list of three numbers.
+    /// Reads a number, which becomes the first of three, or a list of three numbers.
     pub fn number_or_three(&mut self, key: &str) -> Option<[f64; 3]> {
         let three = self.value(key, "a finite number, or a list of three", |item| match &item.value {
             TomlValue::Items(items) => match items.as_slice() {
@@ -218,7 +218,7 @@ impl<'a> Section<'a> {
         self.is_in_range(key, &three).then_some(three)
     }
 
-    /// A subsection.
+    /// Reads a subsection.
     pub fn section(&mut self, key: &str) -> Option<Section<'a>> {
         let title = self.title_of(key);
         let file = self.file;
@@ -228,7 +228,7 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// A list of subsections, `[[key]]` or `key = [{ … }]`; empty where there is none.
+    /// Reads a list of subsections, `[[key]]` or `key = [{ … }]`; empty if there are none.
     pub fn sections(&mut self, key: &str) -> Vec<Section<'a>> {
         let title = format!("[{}]", self.title_of(key));
         let file = self.file;
@@ -245,7 +245,7 @@ impl<'a> Section<'a> {
         sections.unwrap_or_default()
     }
 
-    /// Whether numbers lie in the range of their key, and are not too many; reports the first that does not.
+    /// Checks range and number of the values of a key; reports the first fault.
     fn is_in_range(&mut self, key: &str, values: &[f64]) -> bool {
         let range = range_of(key);
         let most = most_in_list(key);
@@ -266,7 +266,7 @@ impl<'a> Section<'a> {
         matches!(self.table.entry(key), Some(TomlEntry { item: TomlItem { value: TomlValue::Items(_), .. }, .. }))
     }
 
-    /// Whether a text shows what stands in it; reports one with controls of terminals or of the direction of text.
+    /// Checks that a text shows its true content; reports one with control characters or changes of text direction.
     fn is_readable(&mut self, key: &str, text: &str) -> bool {
         let Some(found) = text.chars().find(|&character| is_deceptive(character)) else { return true };
         let message =
@@ -300,7 +300,7 @@ impl<'a> Section<'a> {
         value
     }
 
-    /// Reports keys that nobody asked for and hands all findings over.
+    /// Reports unknown keys and adds all diagnostics to `findings`.
     pub fn finish(mut self, findings: &mut Vec<Diagnostic>) {
         let table = self.table;
         let asked: HashSet<&str> = self.asked.iter().map(String::as_str).collect();
@@ -319,8 +319,8 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The candidate that begins with the word, or that differs from it by case, or by at most a third of its letters (two at most)
-/// added, lost or changed.
+/// Returns the candidate that begins with the word, or that differs from it only by case or by at most a third of its letters (two at most) added, removed or
+/// changed.
 #[must_use]
 pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     candidates

@@ -1,7 +1,7 @@
-//! How the control and the position loops of the axes follow a program at feed: `[servo]`.
+//! Servo behavior of the control and the position loops at feed: `[servo]`.
 //!
-//! The control plans set-points in cycles, smooths them, and the loop of every axis follows them with its velocity gain and the feed-forward of
-//! its velocity. `ncfix_path::servo` simulates it.
+//! The control plans set-points in cycles and smooths them. The loop of every axis follows them with its velocity gain and its velocity feed-forward.
+//! `ncfix_path::servo` simulates this.
 
 use super::AxisData;
 use super::file::Section;
@@ -9,35 +9,35 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
 use ncfix_base::units::{mm_from_um, rad_from_urad};
 
-/// What the control does with set-points, and what the axes make of them.
+/// Treatment of set-points by the control, and response of the axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Servo {
     /// Interpolation cycle, s.
     pub cycle_s: f64,
-    /// Length of the kernel by which set-points are smoothed, s.
+    /// Length of the smoothing kernel for set-points, s.
     pub smoothing_s: f64,
-    /// How far the set-points of a linear axis may round a corner off, mm.
+    /// Maximum distance by which the set-points of a linear axis may round off a corner, mm.
     pub corner_tolerance_mm: f64,
-    /// The same of a rotary axis, rad.
+    /// Maximum angle by which the set-points of a rotary axis may round off a corner, rad.
     pub corner_tolerance_rad: f64,
-    /// How far from its end a linear axis may be when an exact stop is over, mm.
+    /// Maximum distance of a linear axis from its end point at the end of an exact stop, mm.
     pub exact_stop_mm: f64,
-    /// The loops by slot; `None` where the machine lacks the axis.
+    /// Position loops by slot; `None` if the machine lacks the axis.
     pub axes: [Option<AxisServo>; AXIS_COUNT],
 }
 
-/// The position loop of one axis: x′ = K (s − x) + f s′, behind a dead time.
+/// Position loop of one axis: x′ = K (s − x) + f s′, after a dead time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisServo {
     /// Velocity gain K, 1/s.
     pub velocity_gain_per_s: f64,
-    /// Share of the velocity that is fed forward, f: 0 … 1.
+    /// Share of velocity feed-forward, f: 0 … 1.
     pub feed_forward: f64,
     /// Dead time, s.
     pub delay_s: f64,
-    /// Highest acceleration, mm/s² or rad/s².
+    /// Maximum acceleration, mm/s² or rad/s².
     pub max_acceleration: f64,
-    /// Highest speed, mm/s or rad/s.
+    /// Maximum speed, mm/s or rad/s.
     pub max_speed: f64,
 }
 
@@ -45,17 +45,17 @@ pub struct AxisServo {
 const PER_S_OF_M_MIN_MM: f64 = 1000.0 / 60.0;
 /// m/s² as mm/s².
 const MM_PER_M: f64 = 1e3;
-/// Without a value of its own a rotary axis may round corners off by that of the linear ones at this arm, mm.
+/// Lever arm that converts the corner tolerance of linear axes to that of rotary axes without their own value, mm.
 const ARM_MM: f64 = 100.0;
-/// The smoothing may be as long as this many cycles.
+/// Maximum length of the smoothing kernel in cycles.
 const MOST_CYCLES: f64 = 1000.0;
-/// Without a value of its own: what controls come with (Sinumerik MD36010), µm.
+/// Default of the exact-stop limit: that of controls as delivered (Sinumerik MD36010), µm.
 const EXACT_STOP_UM: f64 = 10.0;
-/// Dead times are shorter, ms.
+/// Maximum dead time, ms.
 const MOST_DELAY_MS: f64 = 200.0;
 
 impl Servo {
-    /// How far from its end an axis may be when an exact stop is over, mm and rad.
+    /// Returns the maximum distance of each axis from its end point at the end of an exact stop, mm and rad.
     #[must_use]
     pub fn exact_stop(&self) -> AxisVector {
         AxisVector(AXES.map(|axis| if axis.is_rotary() { self.exact_stop_mm / ARM_MM } else { self.exact_stop_mm }))
@@ -63,14 +63,14 @@ impl Servo {
 }
 
 impl AxisServo {
-    /// By how much time the axis is late at constant speed: (1 − f)/K and the dead time, s.
+    /// Returns the time lag of the axis at constant speed: (1 − f)/K plus the dead time, s.
     #[must_use]
     pub fn lag_s(&self) -> f64 {
         (1.0 - self.feed_forward) / self.velocity_gain_per_s + self.delay_s
     }
 }
 
-/// Reads `[servo]`. `axes` are those of the machine as far as they could be read.
+/// Reads `[servo]`. `axes` are those of the machine that could be read.
 pub(super) fn read(
     mut section: Section<'_>,
     axes: &[Option<AxisData>; AXIS_COUNT],
@@ -117,7 +117,7 @@ pub(super) fn read(
     })
 }
 
-/// All axes without a loop are one finding.
+/// Reports all axes without a loop in one diagnostic.
 fn report_missing(section: &mut Section<'_>, axes: &[Axis]) {
     let Some(&first) = axes.first() else { return };
     let names: Vec<String> = axes.iter().map(Axis::to_string).collect();
@@ -171,7 +171,7 @@ fn read_axis(
     })
 }
 
-/// Either spelling of the velocity gain, 1/s.
+/// Reads the velocity gain in either unit, 1/s.
 fn read_gain(section: &mut Section<'_>) -> Option<f64> {
     const BY_S: &str = "velocity_gain_per_s";
     const BY_MIN: &str = "velocity_gain_m_min_mm";

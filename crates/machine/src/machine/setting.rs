@@ -1,4 +1,4 @@
-//! Values that only the machine knows: `[system]` of system variables, `[gud]` of global variables.
+//! Values that only the machine knows: `[system]` for system variables, `[gud]` for global variables.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use super::document::{TomlItem, TomlValue};
 use super::section::Section;
 
-/// A value of such a table.
+/// Value in such a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Setting {
     /// A whole number.
@@ -35,7 +35,7 @@ impl Setting {
     }
 }
 
-/// A name as the execution looks it up: upper case, without blanks.
+/// Normalizes a name to the form in which the execution looks it up: upper case, without blanks.
 pub(super) fn normal(key: &str) -> String {
     key.chars().filter(|letter| !letter.is_whitespace()).map(|letter| letter.to_ascii_uppercase()).collect()
 }

@@ -1,28 +1,28 @@
-//! What changes while a machine runs and the error model may depend on.
+//! Fast state of a machine on which the error model may depend.
 
 use std::str::FromStr;
 
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
 
-/// The state of the machine at one instant.
+/// State of the machine at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// Sense of the last motion of each axis: −1, 0 (none yet) or 1.
+    /// Direction of the last motion of each axis: −1, 0 (none yet) or 1.
     pub direction: [i8; AXIS_COUNT],
-    /// Acceleration of each axis, mm/s² or rad/s²; zero where it is not known.
+    /// Acceleration of each axis, mm/s² or rad/s²; zero if it is not known.
     pub acceleration: AxisVector,
-    /// Jerk of each axis, mm/s³ or rad/s³; zero where it is not known.
+    /// Jerk of each axis, mm/s³ or rad/s³; zero if it is not known.
     pub jerk: AxisVector,
 }
 
 impl State {
-    /// Sense of the last motion of an axis: −1, 0 or 1.
+    /// Returns the direction of the last motion of an axis: −1, 0 or 1.
     #[must_use]
     pub fn direction(&self, axis: Axis) -> i8 {
         self.direction[axis.slot()]
     }
 
-    /// The same, for axes of which only those in `stated` were where `from` has them: in which sense the others came is unknown.
+    /// Notes a motion of which only the axes in `stated` have a known start. The direction of the others becomes unknown if their position changes.
     pub fn note_stated(&mut self, stated: AxisSet, from: &AxisVector, to: &AxisVector) {
         self.note_motion(from, to);
         for axis in AXES.into_iter().filter(|&axis| !stated.contains(axis) && from[axis] != to[axis]) {
@@ -30,12 +30,12 @@ impl State {
         }
     }
 
-    /// Forgets in which sense axes moved.
+    /// Sets the direction of the axes to unknown.
     pub fn forget(&mut self, axes: AxisSet) {
         axes.iter().for_each(|axis| self.direction[axis.slot()] = 0);
     }
 
-    /// Notes a motion; axes that stand still keep the sense of their last motion.
+    /// Notes a motion; axes at rest keep the direction of their last motion.
     pub fn note_motion(&mut self, from: &AxisVector, to: &AxisVector) {
         for slot in 0..AXIS_COUNT {
             let step = to.0[slot] - from.0[slot];
@@ -51,7 +51,7 @@ impl State {
 impl FromStr for State {
     type Err = String;
 
-    /// `X+,Y-`: the sense of the last motion of axes.
+    /// Reads `X+,Y-`: direction of the last motion of axes.
     fn from_str(text: &str) -> Result<State, String> {
         let mut state = State::default();
         for part in text.split(',').map(str::trim) {

@@ -1,30 +1,30 @@
-//! The strain gauge that weighs workpieces: what it reads for a load, along an axis (Spaan 1995, ch. 4).
+//! Strain gauge that weighs workpieces: its reading for a load, along an axis (Spaan 1995, ch. 4).
 //!
 //! ```text
 //! strain(q) = empty(q) + F · force(q) + F pₓ · moment_x(q) + F p_z · moment_z(q) + an offset that drifts with temperature
 //! ```
 //!
-//! F is the weight, p its place from the center of the table along the axes of F. Only changes along the axis count. With a rotary axis
-//! the moments are those of the place at 0 degrees, and their signals are what the gauge reads as the axis turns.
+//! F is the weight, p its position from the center of the table along the axes of F. Only changes along the axis count. For a rotary axis the moments are
+//! those of the position at 0 degrees, and their signals are the readings as the axis rotates.
 
 use super::file::Section;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, AxisSet};
 
-/// A strain gauge; linear between its positions.
+/// Strain gauge; its signals are linear between the positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrainGauge {
-    /// The axis that is moved.
+    /// Axis that is moved.
     pub axis: Axis,
     /// Commands at which the signals are known, strictly increasing, mm or rad.
     pub positions: Vec<f64>,
-    /// Signal of a load in the center of the table, µm/m per N.
+    /// Signal of a load at the center of the table, µm/m per N.
     pub force: Vec<f64>,
-    /// Signals of the moments that a place along X, Y and Z makes, µm/m per N mm; at most two, because a weight has no moment about its own line.
+    /// Signals of the moments due to a position along X, Y and Z, µm/m per N mm; at most two, as a weight has no moment about its own line of action.
     pub moments: [Option<Vec<f64>>; 3],
-    /// Signal of the empty table, µm/m; `None` where it does not change along the axis.
+    /// Signal of the empty table, µm/m; `None` if it does not change along the axis.
     pub empty: Option<Vec<f64>>,
-    /// Standard uncertainty of a reading, µm/m; `None` where it is only known from the readings themselves.
+    /// Standard uncertainty of a reading, µm/m; `None` if it must be estimated from the readings.
     pub sigma_um_m: Option<f64>,
 }
 
@@ -32,7 +32,7 @@ pub struct StrainGauge {
 const MOMENTS: [&str; 3] = ["x_um_per_m_per_N_mm", "y_um_per_m_per_N_mm", "z_um_per_m_per_N_mm"];
 
 impl StrainGauge {
-    /// A signal at a command; `None` outside the positions.
+    /// Returns a signal at a command; `None` outside the positions.
     #[must_use]
     pub fn signal(&self, values: &[f64], command: f64) -> Option<f64> {
         let next = self
@@ -51,7 +51,7 @@ pub(super) fn read(section: Section<'_>, axes: AxisSet, findings: &mut Vec<Diagn
     let mut section = section;
     let gauge = read_gauge(&mut section, axes);
     if gauge.is_none() {
-        // The unit of the positions follows from the axis; unknown, it is not judged.
+        // The unit of the positions follows from the axis. If the axis is unknown, the positions are not checked.
         let keys: Vec<&str> = section.keys().collect();
         keys.into_iter().for_each(|key| section.accept(key));
     }

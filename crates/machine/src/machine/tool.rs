@@ -1,32 +1,32 @@
-//! Tools: their lengths and radii, and how a file states them.
+//! Tools: their lengths and radii, and their entries in a file.
 
 use super::Machine;
 use super::section::Section;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 
-/// A cutting edge of a tool.
+/// Cutting edge of a tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tool {
     /// T number.
     pub number: u32,
-    /// T name, where it has one.
+    /// T name, if any.
     pub name: Option<String>,
     /// D number.
     pub edge: u32,
-    /// Lengths L1, L2, L3 (in G17 along Z, Y, X), wear and base included, mm.
+    /// Lengths L1, L2, L3 (in G17 along Z, Y, X), including wear and base, mm.
     pub length_mm: [f64; 3],
     /// Radius, mm.
     pub radius_mm: f64,
 }
 
 impl Machine {
-    /// The edge of a tool.
+    /// Returns an edge of a tool.
     #[must_use]
     pub fn tool(&self, number: u32, edge: u32) -> Option<&Tool> {
         self.tools.iter().find(|tool| tool.number == number && tool.edge == edge)
     }
 
-    /// Adds tools; those of the same number and edge are replaced.
+    /// Adds tools and replaces those of the same number and edge.
     pub fn set_tools(&mut self, tools: impl IntoIterator<Item = Tool>) {
         for tool in tools {
             let place = (tool.number, tool.edge);
@@ -39,7 +39,7 @@ impl Machine {
     }
 }
 
-/// `[[tool]]` of a machine file or set-up file.
+/// Reads `[[tool]]` of a machine file or set-up file.
 pub(super) fn read(root: &mut Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<Tool> {
     let mut tools: Vec<Tool> = Vec::new();
     for mut section in root.sections("tool") {

@@ -1,15 +1,15 @@
-//! The travel of an axis: two ends that increase, as far apart as those of machines are.
+//! Travel of an axis: two increasing limits at a plausible distance.
 
 use super::section::Section;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 
-/// Shortest travel, mm or degrees: paths are sampled in parts of it.
+/// Shortest travel, mm or degrees: paths are sampled in fractions of it.
 const SHORTEST_TRAVEL: f64 = 0.001;
-/// Ends of travels beyond this are none, mm or degrees; no position of a program is farther either.
+/// Limits beyond this are not valid, mm or degrees; no program position is farther away either.
 const FARTHEST: f64 = 1e9;
 
-/// The ends, in the unit of the key.
+/// Reads the limits, in the unit of the key.
 pub(super) fn read(axis: Axis, key: &str, section: &mut Section<'_>) -> Option<[f64; 2]> {
     let travel = section.numbers(key)?;
     let (message, help) = match *travel.as_slice() {

@@ -7,10 +7,10 @@ use ncfix_base::geometry::{Axis, AxisSet, FrameParts};
 
 use super::section::Section;
 
-/// The settable zero offsets of a control.
+/// Settable zero offsets of a control.
 struct Names {
     controller: &'static str,
-    /// In words, for findings.
+    /// Description for diagnostics.
     help: &'static str,
     is_name: fn(&str) -> bool,
 }
@@ -49,15 +49,14 @@ const NAMES: &[Names] = &[
     },
 ];
 
-/// The number behind a prefix, without leading zeros.
+/// Returns the number after a prefix; leading zeros are refused.
 fn numbered(name: &str, prefix: &str) -> Option<u32> {
     let digits = name.strip_prefix(prefix)?;
     let is_number = digits.bytes().all(|digit| digit.is_ascii_digit()) && !digits.starts_with('0');
     digits.parse().ok().filter(|_| is_number)
 }
 
-/// Checks the name of a settable zero offset; gives what the control's are where it is none. A control that nobody knows has
-/// those of all.
+/// Checks the name of a settable zero offset; the error lists the valid names of the control. An unknown control may use the names of any control.
 pub(super) fn check_name(name: &str, controller: &str) -> Result<(), String> {
     let own = |names: &&Names| names.controller.eq_ignore_ascii_case(controller);
     match NAMES.iter().find(own) {

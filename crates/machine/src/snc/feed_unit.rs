@@ -1,23 +1,23 @@
-//! What a feed counts.
+//! Units of a feed.
 
-/// Modal words that say what F counts, or that it must be said anew. Those of the constant cutting speed are among them.
+/// Modal words that set the unit of F or require it to be programmed again. They include those of constant cutting speed.
 pub const FEED_MODES: [&str; 13] =
     ["G93", "G94", "G95", "G96", "G97", "G961", "G962", "G971", "G972", "G973", "G942", "G952", "G931"];
 
-/// The unit of a feed.
+/// Unit of a feed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FeedUnit {
-    /// Of the way a minute: mm/min, degrees/min (G94).
+    /// Path per minute: mm/min, degrees/min (G94).
     #[default]
     PerMinute,
-    /// Of the way a turn of the spindle (G95).
+    /// Path per spindle revolution (G95).
     PerTurn,
-    /// Blocks a minute: the reciprocal of the time of a block (G93).
+    /// Blocks per minute: the reciprocal of the time of a block (G93).
     InverseTime,
 }
 
 impl FeedUnit {
-    /// The word for it.
+    /// Returns its G code.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {

@@ -1,32 +1,31 @@
-//! What a move is on the control beside its way: part of the path, a thread, positions of axes that move on their own, or a probing
-//! motion.
+//! Motion mode of a move on the control: part of the path, a thread, axes that are positioned separately, or a probing motion.
 //!
-//! The text form does not show it: it says where the axes go.
+//! The text form does not contain it: it only gives the target positions.
 
-/// How the control carries a move out.
+/// Motion mode of a move.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Manner {
-    /// As part of the path, rapid or with feed; it may be cut into pieces.
+    /// Part of the path, rapid or at feed; it may be split into pieces.
     #[default]
     Path,
-    /// As a thread, in one piece.
+    /// A thread, in one piece.
     Thread(Thread),
-    /// Each axis on its own (`POS[X]=`), in one piece.
+    /// Each axis separately (`POS[X]=`), in one piece.
     Positioning,
-    /// To the reference point of the axes named, which is where it is whatever the errors of the machine.
+    /// To the reference point of the named axes, whose position does not depend on the errors of the machine.
     Reference,
-    /// Until a probe or a signal ends it, by its code (`G38.2`, `G31`), in one piece.
+    /// Until a probe or a signal ends it, with its code (`G38.2`, `G31`), in one piece.
     Probe(&'static str),
 }
 
-/// A thread.
+/// Thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thread {
-    /// Its code.
+    /// Code.
     pub code: ThreadCode,
-    /// `I`, `J` or `K` and the lead, mm per turn; signed for rigid tapping. None for G63.
+    /// `I`, `J` or `K` and the lead, mm per revolution; signed for rigid tapping. `None` for G63.
     pub lead: Option<(u8, f64)>,
-    /// Change of the lead, mm per turn and turn.
+    /// Change of the lead, mm per revolution and revolution.
     pub change: Option<f64>,
 }
 
@@ -43,7 +42,7 @@ pub enum ThreadCode {
     G331,
     /// Retraction of rigid tapping.
     G332,
-    /// Tapping with a compensating chuck: a move with feed, for its block only.
+    /// Tapping with a compensating chuck: a move at feed, in its block only.
     G63,
 }
 
@@ -51,13 +50,13 @@ impl ThreadCode {
     const ALL: [ThreadCode; 6] =
         [ThreadCode::G33, ThreadCode::G34, ThreadCode::G35, ThreadCode::G331, ThreadCode::G332, ThreadCode::G63];
 
-    /// The code of a word.
+    /// Returns the code of a word.
     #[must_use]
     pub fn of(word: &str) -> Option<ThreadCode> {
         ThreadCode::ALL.into_iter().find(|code| code.word() == word)
     }
 
-    /// As a program writes it.
+    /// Returns the code as written in a program.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -70,7 +69,7 @@ impl ThreadCode {
         }
     }
 
-    /// Whether the turning spindle moves the axes; else it is a feed.
+    /// True if the rotating spindle drives the axes; otherwise the feed does.
     #[must_use]
     pub fn is_spindle_driven(self) -> bool {
         self != ThreadCode::G63

@@ -1,8 +1,8 @@
-//! SNC, "simple NC": the flat stream that is left after execution (Spaan, ch. 7).
+//! SNC, "simple NC": the flat stream of moves after execution (Spaan, ch. 7).
 //!
-//! No loops, calls, variables or frames are left: only rapid, linear and circular moves, dwells and the auxiliary functions
-//! in their places. Targets are **axis commands** (mm, rad); the text form adds the tool vector, so that it shows positions
-//! at the tool center point. Elements of one executed block follow each other; the first has [`Element::starts_block`].
+//! It contains no loops, calls, variables or frames: only rapid, linear and circular moves, dwells and the auxiliary functions in their places. Targets are
+//! **axis commands** (mm, rad). The text form adds the tool vector, so it shows positions of the tool center point. Elements of one executed block follow
+//! each other; the first has [`Element::starts_block`].
 
 mod feed_unit;
 mod manner;
@@ -19,151 +19,149 @@ use std::sync;
 use ncfix_base::geometry::{Arc, AxisSet, AxisVector, Frame, Plane, Vector};
 use ncfix_base::source::{FileId, Span};
 
-/// Where an element comes from.
+/// Origin of an element.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Origin {
-    /// The file of the block.
+    /// File of the block.
     pub file: FileId,
-    /// Its line, from 1.
+    /// Line, from 1.
     pub line: u32,
-    /// Its bytes.
+    /// Bytes in the file.
     pub span: Span,
-    /// The chain of calls that led here: 0 for the main program, else a number that the execution resolves.
+    /// Chain of calls that led here: 0 for the main program, else a number that the execution resolves.
     pub calls: u32,
 }
 
-/// A block number as written: `N10` or `:10`.
+/// Block number as written: `N10` or `:10`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockNumber {
-    /// `:` instead of `N`.
+    /// True for `:` instead of `N`.
     pub main: bool,
-    /// The number.
+    /// Number.
     pub number: u32,
 }
 
-/// One element of the stream.
+/// Element of the stream.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Element {
-    /// Where it comes from.
+    /// Origin.
     pub origin: Origin,
-    /// Whether a new executed block starts with it.
+    /// True if a new executed block starts with it.
     pub starts_block: bool,
-    /// The block number, on the element that starts the block.
+    /// Block number, on the element that starts the block.
     pub number: Option<BlockNumber>,
-    /// What it is.
+    /// Content.
     pub kind: Kind,
 }
 
-/// What an element is.
+/// Content of an element.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// A motion.
     Move(Move),
     /// A dwell.
     Dwell(Dwell),
-    /// A tool word, `T5` or `T="MILL_10"`.
+    /// A tool word: `T5` or `T="MILL_10"`.
     Tool(WordValue),
-    /// S, M, H, D words of one block that act before its motion.
+    /// Words S, M, H, D of one block that act before its motion.
     Before(Vec<Word>),
-    /// M words of one block that act behind its motion (M0, M5, M9, M30 …).
+    /// M words of one block that act after its motion (M0, M5, M9, M30 …).
     After(Vec<Word>),
-    /// A feed without a motion in its block, as written in the program's feed mode.
+    /// A feed in a block without motion, as written in the feed mode of the program.
     Feed(f64),
-    /// A word of the program's language that changes no position and is passed on: `G64`, `G17`, `SOFT`, and the
-    /// `G53`, `G153`, `SUPA` of a block whose move is [`Move::in_machine_frame`].
+    /// A word of the program's language that changes no position and is passed on: `G64`, `G17`, `SOFT`. Also `G53`, `G153`, `SUPA` of a block whose move is
+    /// [`Move::in_machine_frame`].
     Keep(&'static str),
-    /// Words of the program's language that change no position, values evaluated: `ADIS=0.5`, `SETMS(2)`. They stand before the words
-    /// of the motion of their block.
+    /// Words of the program's language that change no position, values evaluated: `ADIS=0.5`, `SETMS(2)`. They come before the motion words of their block.
     Verbatim(Vec<u8>),
-    /// Where these axes are is unknown from here on: something that is not in the stream has moved them.
+    /// The positions of these axes are unknown from here on: something outside the stream has moved them.
     Lost(AxisSet),
-    /// From here on positions relate to axis commands like this. Does not show in the text form.
+    /// Relation of positions to axis commands from here on. Not part of the text form.
     Setup(sync::Arc<Setup>),
-    /// A zero-offset or frame statement to be written in its place, values evaluated.
+    /// A zero-offset or frame statement to be written at this place, values evaluated.
     Frame(FrameWords),
     /// `MSG("…")`, evaluated; bytes as in the source.
     Message(Vec<u8>),
-    /// The comment of the block, with its `;`, bytes as in the source. Comes before the motion of its block, so that a
-    /// writer can put it on the first line.
+    /// The comment of the block with its `;`, bytes as in the source. It comes before the motion of its block, so that a writer can put it on the first line.
     Comment(Vec<u8>),
-    /// The label of a block of the main program (`START` of `START:`), before everything else of the block. Does not show in the text form.
+    /// The label of a block of the main program (`START` of `START:`), before everything else of the block. Not part of the text form.
     Label(Vec<u8>),
-    /// A header line, written as it is (`%_N_…_MPF`, `;$PATH=…`).
+    /// A header line, written unchanged (`%_N_…_MPF`, `;$PATH=…`).
     Header(Vec<u8>),
-    /// Nothing but a place: a block that only had a number.
+    /// Only a place: a block with nothing but a number.
     Empty,
 }
 
-/// A motion of the axes.
+/// Motion of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// Rapid (G0) or with feed.
+    /// True for rapid (G0), false for feed.
     pub rapid: bool,
-    /// Straight, or an arc with its center as axis commands.
+    /// Arc with its center as axis commands; `None` for a straight move.
     pub arc: Option<Arc>,
     /// Axis commands at the end, without tool vector: mm, rad.
     pub target: AxisVector,
-    /// Axes that the block itself names.
+    /// Axes that the block names.
     pub named: AxisSet,
-    /// Axes whose position the program has stated by now (this block included); the others are assumptions. Behind a frame that mixes
-    /// axes these are the axes of the program.
+    /// Axes whose position the program has stated so far, including this block; the others are assumptions. After a frame that mixes axes these are the axes
+    /// of the program.
     pub known: AxisSet,
-    /// Feed in force, mm/min in feed mode G94 (mm/rev in G95, 1/min in G93), 0 for none; also on rapid moves, which do not use it.
+    /// Feed in force, mm/min in feed mode G94 (mm/rev in G95, 1/min in G93), 0 if there is none; also present on rapid moves, which do not use it.
     pub feed: f64,
-    /// Whether the block itself names F.
+    /// True if the block names F.
     pub feed_named: bool,
-    /// What [`Self::feed`] counts.
+    /// Unit of [`Self::feed`].
     pub unit: FeedUnit,
-    /// How the program names the positions of A, B and C.
+    /// Rotary directions of A, B and C as programmed.
     pub ways: [Way; 3],
-    /// Whether the positions are written as machine coordinates for this block only (G53, G153, SUPA).
+    /// True if the positions are written as machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
-    /// How the control carries it out.
+    /// Motion mode.
     pub manner: Manner,
-    /// How far the way that the program asks for may be off this straight move, which is a chord of it, mm; 0 where it is the way itself.
+    /// Maximum deviation of the programmed path from this straight move, which is a chord of it, mm; 0 if the move is the path itself.
     pub off_curve_mm: f64,
 }
 
 impl Move {
-    /// Whether the feed is the reciprocal of the time of this move, 1/min (G93).
+    /// True if the feed is the reciprocal of the time of this move, 1/min (G93).
     #[must_use]
     pub fn is_inverse_time(&self) -> bool {
         self.unit == FeedUnit::InverseTime
     }
 
-    /// Whether the control decides which way a rotary axis turns ([`Way::Either`]).
+    /// True if the control decides in which direction a rotary axis turns ([`Way::Either`]).
     #[must_use]
     pub fn turns_either_way(&self) -> bool {
         self.ways.contains(&Way::Either)
     }
 }
 
-/// How a rotary axis gets to its position.
+/// Direction in which a rotary axis moves to its position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Way {
-    /// As the position says.
+    /// As given by the position.
     #[default]
     Plain,
-    /// `DC`: the shortest way.
+    /// `DC`: the shortest path.
     Shortest,
-    /// The shortest way, and both are half a turn: the control decides.
+    /// The shortest path if both directions are half a turn: the control decides.
     Either,
-    /// `ACP`: in the positive sense.
+    /// `ACP`: in the positive direction.
     Positive,
-    /// `ACN`: in the negative sense.
+    /// `ACN`: in the negative direction.
     Negative,
 }
 
-/// A dwell.
+/// Dwell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dwell {
     /// Seconds.
     Seconds(f64),
-    /// Turns of the spindle.
+    /// Spindle revolutions.
     Turns(f64),
 }
 
-/// An auxiliary word: `M3`, `S2=500`, `H5`.
+/// Auxiliary word: `M3`, `S2=500`, `H5`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Word {
     /// Address letter, upper case.
@@ -174,7 +172,7 @@ pub struct Word {
     pub value: WordValue,
 }
 
-/// The value of an auxiliary word.
+/// Value of an auxiliary word.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WordValue {
     /// A number.
@@ -183,7 +181,7 @@ pub enum WordValue {
     Name(Vec<u8>),
 }
 
-/// A statement that changes the frame, to be written again with evaluated values.
+/// Statement that changes the frame, to be written again with evaluated values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FrameWords {
     /// `G500`, `G54` …
@@ -192,16 +190,16 @@ pub enum FrameWords {
     Statement(FrameStatement),
 }
 
-/// A statement that programs the frame, values evaluated.
+/// Statement that programs the frame, values evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameStatement {
-    /// What it does.
+    /// Kind.
     pub kind: FrameKind,
-    /// Whether it goes on top of the frame in force (`ATRANS`) instead of replacing it (`TRANS`).
+    /// True if it adds to the frame in force (`ATRANS`), false if it replaces it (`TRANS`).
     pub additive: bool,
-    /// Shifts (mm, rad), angles (rad), factors, or for mirroring what stands behind the axis.
+    /// Shifts (mm, rad), angles (rad), factors; for mirroring the values after the axes.
     pub values: AxisVector,
-    /// Axes named.
+    /// Named axes.
     pub named: AxisSet,
     /// `RPL=`: angle in the working plane, rad.
     pub in_plane_rad: Option<f64>,
@@ -220,14 +218,14 @@ pub enum FrameKind {
     Scale,
     /// `MIRROR`
     Mirror,
-    /// `G58`: the shift but for its fine part.
+    /// `G58`: the shift without its fine part.
     Coarse,
     /// `G59`: the fine part of the shift.
     Fine,
 }
 
 impl FrameKind {
-    /// The kind of a word, and whether the word is additive.
+    /// Returns the kind of a word, and whether the word is additive.
     #[must_use]
     pub fn of(word: &str) -> Option<(FrameKind, bool)> {
         let kind = |word: &str| {
@@ -246,34 +244,33 @@ impl FrameKind {
     }
 }
 
-/// How the tool turns under a five-axis transformation.
+/// Motion of the tool orientation under a five-axis transformation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turning {
-    /// Rotary axes in proportion to the way.
+    /// Rotary axes in proportion to the path.
     Axes,
-    /// The tool along a great circle.
+    /// Tool along a great circle.
     Vector,
 }
 
-/// How programmed positions relate to axis commands: `axis command = frame(programmed) − tool`. Under a five-axis transformation
-/// the right side is the position fixed to the workpiece, which the kinematics turn into a command.
+/// Relation of programmed positions to axis commands: `axis command = frame(programmed) − tool`. Under a five-axis transformation the right side is the
+/// position fixed to the workpiece, which the kinematics convert to a command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
-    /// Programmed to the control's machine coordinates of the tool center point.
+    /// From programmed positions to the machine coordinates of the tool center point in the control.
     pub frame: Frame,
-    /// From the spindle gauge point to the tool tip as the control sees it, along F's directions at the zero pose, mm.
+    /// From the spindle gauge point to the tool tip as known to the control, along the directions of F at the zero pose, mm.
     pub tool_mm: Vector,
-    /// The working plane.
+    /// Working plane.
     pub plane: Plane,
-    /// The five-axis transformation, where one is in force.
+    /// Five-axis transformation, if one is in force.
     pub transform: Option<Turning>,
-    /// Where frame or tool had no value and zero was assumed, the code of the finding is not repeated but the
-    /// correction must not use it.
+    /// True if frame or tool had no value and zero was assumed. The diagnostic is not repeated, but the correction must not use such a setup.
     pub assumed: bool,
 }
 
 impl Setup {
-    /// Programmed positions to axis commands.
+    /// Converts programmed positions to axis commands.
     #[must_use]
     pub fn command(&self, programmed: &AxisVector) -> AxisVector {
         let mut out = self.frame.apply(programmed);
@@ -281,7 +278,7 @@ impl Setup {
         out
     }
 
-    /// Axis commands to programmed positions.
+    /// Converts axis commands to programmed positions.
     #[must_use]
     pub fn programmed(&self, command: &AxisVector) -> AxisVector {
         let mut out = *command;
@@ -297,7 +294,7 @@ impl Default for Setup {
 }
 
 impl Kind {
-    /// Whether the text form has a line for it.
+    /// True if the text form has a line for it.
     #[must_use]
     pub fn is_in_text(&self) -> bool {
         matches!(self, Kind::Move(_) | Kind::Dwell(_) | Kind::Tool(_) | Kind::Before(_) | Kind::After(_))

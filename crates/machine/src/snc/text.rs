@@ -1,4 +1,4 @@
-//! The text form of the stream: one element a line, stable, printed and read.
+//! Text form of the stream: one element per line, stable, written and read.
 //!
 //! ```text
 //! ; snc 1 machine=demo units=mm
@@ -7,9 +7,9 @@
 //! ```
 //!
 //! Positions are at the tool center point, mm and degrees, up to 6 decimals. `;@14<3` is line 14 called from line 3.
-//! A feed is per minute, unless `G95` (mm per turn of the spindle) or `G93` (blocks per minute, the reciprocal of the time) stands behind it.
-//! `I J K` is the center minus the start, `P` the plane, `L` the number of extra full turns. Threads and positioning axes are shown by
-//! their moves alone: G1 without a feed for what the spindle drives, G0 for positioning axes.
+//! A feed is per minute, unless `G95` (mm per spindle revolution) or `G93` (blocks per minute, the reciprocal of the time) follows it.
+//! `I J K` is the center minus the start, `P` the plane, `L` the number of extra full turns. Threads and positioning axes appear only as moves: G1 without a
+//! feed for spindle-driven axes, G0 for positioning axes.
 
 use std::io::{self, Write};
 
@@ -18,10 +18,10 @@ use ncfix_base::geometry::{AXES, AxisSet, AxisVector, Vector};
 use ncfix_base::source::is_deceptive;
 use ncfix_base::units::push_integer;
 
-/// A smaller feed is none to the last decimal of the text, mm/min.
+/// Smallest feed that is not zero at the last decimal of the text, mm/min.
 const LEAST_FEED: f64 = 5e-7;
 
-/// Turns a tool vector with the rotary axes of the tool side at an axis command.
+/// Rotates a tool vector by the rotary axes of the tool side at an axis command.
 type TurnTool<'a> = Box<dyn Fn(&AxisVector, &Vector) -> Vector + 'a>;
 
 /// Writes elements as text.
@@ -36,11 +36,11 @@ pub struct TextWriter<'a, W: Write> {
 }
 
 impl<'a, W: Write> TextWriter<'a, W> {
-    /// Writes the head line. `turned_tool_mm` gives the tool vector as the rotary axes of the tool side turn it at an axis
-    /// command, along F's directions, mm.
+    /// Writes the head line. `turned_tool_mm` returns the tool vector as rotated by the rotary axes of the tool side at an axis command, along the directions
+    /// of F, mm.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// I/O errors of the writer.
     pub fn new(
         mut out: W,
         machine: &str,
@@ -59,7 +59,7 @@ impl<'a, W: Write> TextWriter<'a, W> {
         })
     }
 
-    /// Number of lines written, the head not counted.
+    /// Returns the number of lines written, without the head.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
@@ -73,7 +73,7 @@ impl<'a, W: Write> TextWriter<'a, W> {
     /// Writes one element; `call_lines` are the lines that called its program, innermost first.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// I/O errors of the writer.
     pub fn write(&mut self, element: &Element, call_lines: &[u32]) -> io::Result<()> {
         self.line.clear();
         match &element.kind {
@@ -109,10 +109,10 @@ impl<'a, W: Write> TextWriter<'a, W> {
         self.out.write_all(&self.line)
     }
 
-    /// Flushes and gives the writer back.
+    /// Flushes and returns the writer.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// I/O errors of the writer.
     pub fn finish(mut self) -> io::Result<W> {
         self.out.flush()?;
         Ok(self.out)
@@ -179,7 +179,7 @@ fn push_word(line: &mut Vec<u8>, letter: u8, extension: Option<u32>, value: &Wor
     }
 }
 
-/// Appends a name. Bytes that a terminal would obey, and those of no UTF-8, become `\x1b`, which [`super::TextReader`] reads.
+/// Appends a name. Bytes with an effect on terminals, and bytes that are not UTF-8, become `\x1b`, which [`super::TextReader`] reads.
 fn push_name(line: &mut Vec<u8>, name: &[u8]) {
     for chunk in name.utf8_chunks() {
         for character in chunk.valid().chars() {
@@ -199,10 +199,10 @@ fn push_byte(line: &mut Vec<u8>, byte: u8) {
     line.extend_from_slice(format!("\\x{byte:02x}").as_bytes());
 }
 
-/// Beyond this the value times 10⁶ is no exact integer in 64 bits any more.
+/// Above this the value times 10⁶ is not an exact 64-bit integer.
 const FIXED_LIMIT: f64 = 9e12;
 
-/// Appends up to 6 decimals, trailing zeros dropped, never `-0`.
+/// Appends a value with up to 6 decimals, without trailing zeros, never `-0`.
 fn push_value(line: &mut Vec<u8>, prefix: &[u8], value: f64) {
     line.extend_from_slice(prefix);
     if value.is_nan() || value.abs() >= FIXED_LIMIT {

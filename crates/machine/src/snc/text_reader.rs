@@ -4,12 +4,12 @@ use super::{Dwell, Element, FeedUnit, Kind, Move, Origin, Word, WordValue};
 use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, Plane};
 use ncfix_base::source::Span;
 
-/// Why a line of SNC text cannot be read: the line, from 1, and the reason.
+/// Reason why a line of SNC text cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextError {
-    /// Line number.
+    /// Line number, from 1.
     pub line: usize,
-    /// What was found.
+    /// Description of the fault.
     pub message: String,
 }
 
@@ -22,7 +22,7 @@ pub struct TextReader<'a> {
 }
 
 impl<'a> TextReader<'a> {
-    /// Reads from text.
+    /// Creates a reader of a text.
     #[must_use]
     pub fn new(text: &'a str) -> Self {
         TextReader {
@@ -33,7 +33,7 @@ impl<'a> TextReader<'a> {
         }
     }
 
-    /// Lines of the calls that led to the element read last, innermost first.
+    /// Returns the lines of the calls that led to the last element, innermost first.
     #[must_use]
     pub fn call_lines(&self) -> &[u32] {
         &self.call_lines
@@ -148,7 +148,7 @@ impl Iterator for TextReader<'_> {
     }
 }
 
-/// The words of a line, and what stands behind its semicolon. Names of tools are in quotation marks and may have blanks and semicolons.
+/// Splits a line into its words and the text after its semicolon. Tool names are in quotation marks and may contain blanks and semicolons.
 fn words_and_comment(text: &str) -> (Vec<&str>, &str) {
     let (mut words, mut start, mut is_name) = (Vec::new(), 0, false);
     let mut end_word = |start: usize, end: usize| words.extend(text.get(start..end).filter(|word| !word.is_empty()));
@@ -190,7 +190,7 @@ fn value_of(text: &str) -> Result<WordValue, String> {
     }
 }
 
-/// A name with its `\x1b` as the bytes that they stand for.
+/// Returns a name with each `\x1b` replaced by its byte.
 fn name_of(mut text: &[u8]) -> Vec<u8> {
     let mut name = Vec::with_capacity(text.len());
     while let Some((&first, rest)) = text.split_first() {

@@ -1,14 +1,14 @@
-//! Block numbers of the source, each once in the output and where it was, so that a block search finds the beginning of its block.
+//! Block numbers of the source. Each is written once, on the first line of its block, so that a block search finds that block.
 //!
-//! A block becomes several lines, a loop runs several times, and subprograms bring numbers of their own: the number stands on the first line of the first
-//! time that its block of the main program is executed, and nowhere else.
+//! A block becomes several lines, a loop runs several times, and subprograms have their own numbers. The number stands on the first line of the first
+//! execution of its block of the main program, and nowhere else.
 
 use ncfix_machine::snc::{BlockNumber, Origin};
 
-/// The largest number of a block that a control takes: eight digits.
+/// The largest block number that a control accepts: eight digits.
 const LARGEST: u32 = 99_999_999;
 
-/// Numbers, a bit each.
+/// A set of block numbers, one bit each.
 #[derive(Clone, Debug, Default)]
 pub struct NumberSet {
     bits: Vec<u64>,
@@ -16,7 +16,7 @@ pub struct NumberSet {
 }
 
 impl NumberSet {
-    /// Adds a number; whether it was not there. One that no control takes never is new.
+    /// Adds a number. Returns `true` if it is new; a number beyond the control's limit is never new.
     pub fn add(&mut self, number: u32) -> bool {
         if number > LARGEST {
             return false;
@@ -32,29 +32,29 @@ impl NumberSet {
         is_new
     }
 
-    /// Whether a number is there.
+    /// `true` if the set contains the number.
     #[must_use]
     pub fn has(&self, number: u32) -> bool {
         self.bits.get(number as usize / 64).is_some_and(|word| word & (1 << (number % 64)) != 0)
     }
 
-    /// The largest number; 0 where there is none.
+    /// The largest number in the set; 0 if it is empty.
     #[must_use]
     pub fn largest(&self) -> u32 {
         self.largest
     }
 }
 
-/// The numbers that were written.
+/// The block numbers written so far.
 #[derive(Debug, Default)]
 pub(super) struct BlockNumbers {
     plain: NumberSet,
-    /// Those of main blocks, `:10`.
+    /// Numbers of main blocks, `:10`.
     main: NumberSet,
 }
 
 impl BlockNumbers {
-    /// The number to write for a block that begins: its own, if it is of the main program and was not written yet.
+    /// Returns the number to write for a block that begins: its own, if it belongs to the main program and is not written yet.
     pub(super) fn first(&mut self, origin: &Origin, number: Option<BlockNumber>) -> Option<BlockNumber> {
         let number = number.filter(|_| origin.calls == 0)?;
         let written = if number.main { &mut self.main } else { &mut self.plain };

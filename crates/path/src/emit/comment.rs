@@ -1,8 +1,8 @@
-//! Comments: the marks of added lines, and texts that do not end a comment too early.
+//! Comments: the marks of added lines, and texts that cannot end a comment early.
 
 use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT, Piece};
 
-/// What the comment of a piece says, where the source says nothing.
+/// The comment of an added piece; `None` for a piece that the source has.
 pub(super) fn mark_of(piece: &Piece) -> Option<&'static str> {
     match (piece.take_up, piece.first) {
         (true, true) => Some(ON_THE_SPOT),
@@ -12,7 +12,7 @@ pub(super) fn mark_of(piece: &Piece) -> Option<&'static str> {
     }
 }
 
-/// A comment of the source, `( … )` or `; …`, or a text, as one in parentheses: plain ASCII without parentheses in it.
+/// Converts a comment of the source, `( … )` or `; …`, or a text into a comment in parentheses: plain ASCII without inner parentheses.
 pub(super) fn in_parentheses(comment: &[u8]) -> Vec<u8> {
     let text = comment.trim_ascii();
     let text = match text.strip_prefix(b"(") {
@@ -21,7 +21,7 @@ pub(super) fn in_parentheses(comment: &[u8]) -> Vec<u8> {
     };
     let mut out = Vec::with_capacity(text.len() + 2);
     out.push(b'(');
-    // What is no ASCII has one sign for each of its bytes: the source may be in any encoding.
+    // Each non-ASCII byte becomes one character, as the encoding of the source is unknown.
     out.extend(text.iter().map(|&byte| match byte {
         b'(' | b')' | b'\t' => b' ',
         b' '..=b'~' => byte,

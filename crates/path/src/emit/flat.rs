@@ -1,9 +1,9 @@
-//! Flat programs from nothing: positions of the axes in machine coordinates, for test plans.
+//! Flat programs that are generated without a source: axis positions in machine coordinates, for test plans.
 //!
-//! No zero offset and no tool length may act on them: Sinumerik writes `SUPA` in every block and `D0`, Grundig `G53`. Fanuc knows machine
-//! coordinates on rapid moves only, RS274/NGC on straight ones; there these are `G90 G53` and all others increments of what has been written, which
-//! no offset changes and which add up exactly, being counts of increments. Behind a stop or a cycle they begin with a `G90 G53 G0` to where the
-//! axes were left. The first comments say what must be off.
+//! No zero offset and no tool length may act on them: Sinumerik writes `SUPA` in every block and `D0`, Grundig `G53`. Fanuc knows machine coordinates
+//! on rapid moves only, RS274/NGC on straight moves only. There these moves are `G90 G53`, and all others are increments of the last written
+//! position. No offset changes increments, and they add up exactly because they are counts. After a stop or a cycle, increments begin with a `G90 G53
+//! G0` to the last position of the axes. The first comments list what must be off.
 
 use super::comment::in_parentheses;
 use super::number::{Decimals, push_pointed, push_value};
@@ -13,15 +13,15 @@ use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Dwell, Kind, Move, Word, WordValue};
 
-/// The number of the program where programs have numbers.
+/// The program number, for languages that number programs.
 const NUMBER: u64 = 9001;
-/// The largest number of a block where the machine file gives none.
+/// The largest block number if the machine file has none.
 const LAST_BLOCK: u32 = 9_999_999;
 
-/// Writes elements as a program of the machine's control: moves of the path, dwells in seconds, S and M words, comments, lines as they are.
+/// Writes elements as a program of the machine's control: moves, dwells in seconds, S and M words, comments, and lines that are passed through.
 ///
 /// # Errors
-/// A sentence where the control is no dialect, or its increments are no decimals.
+/// Returns a message if the control has no dialect or its increments are not decimals.
 pub fn flat(machine: &Machine, title: &str, elements: &[Kind]) -> Result<Vec<u8>, String> {
     let language = ncfix_dialect::find(&machine.controller).map(|dialect| dialect.language);
     let language = language.ok_or_else(|| format!("the controller '{}' is no dialect", machine.controller))?;
@@ -30,7 +30,7 @@ pub fn flat(machine: &Machine, title: &str, elements: &[Kind]) -> Result<Vec<u8>
             .ok_or_else(|| format!("the increment {increment} of the control is no decimal"))?;
         Ok::<_, String>(if language == Language::Fanuc { decimals.pointed() } else { decimals })
     };
-    // Degrees that have been radians are off by the last digit.
+    // The conversion from radians is off in the last digit.
     let increment_deg = (machine.control.increment_rad.to_degrees() * 1e9).round() / 1e9;
     let mut writer = Flat {
         machine,
@@ -56,15 +56,15 @@ pub fn flat(machine: &Machine, title: &str, elements: &[Kind]) -> Result<Vec<u8>
 struct Flat<'a> {
     machine: &'a Machine,
     language: Language,
-    /// Increment and how its counts print: mm, degrees.
+    /// Increment and its decimals: mm, degrees.
     linear: (f64, Decimals),
     rotary: (f64, Decimals),
-    /// Counts that have been written.
+    /// The last counts written.
     last: [Option<i64>; AXIS_COUNT],
     plane: Option<Plane>,
     feed: f64,
     is_incremental: bool,
-    /// Axes that somebody else may have moved since.
+    /// Axes that something other than this writer may have moved since.
     is_stale: [bool; AXIS_COUNT],
     number: u32,
     out: Vec<u8>,
@@ -125,7 +125,7 @@ impl Flat<'_> {
         self.plane = Some(Plane::XY);
     }
 
-    /// What a user must know before the start.
+    /// Writes the notes that a user must read before the start.
     fn notes(&mut self, notes: &[&str]) {
         notes.iter().for_each(|note| self.comment(note.as_bytes()));
     }
@@ -187,7 +187,7 @@ impl Flat<'_> {
 
     fn motion(&mut self, motion: &Move) {
         let relative = matches!(self.language, Language::Fanuc | Language::Rs274);
-        // Nothing to be relative to yet.
+        // There is no position yet to which an increment could relate.
         let is_first = AXES.into_iter().any(|axis| self.machine.axis(axis).is_some() && self.last_of(axis).is_none());
         let is_straight = self.language == Language::Rs274 && motion.arc.is_none();
         let is_absolute = !relative || motion.rapid || is_first || is_straight;
@@ -263,7 +263,7 @@ impl Flat<'_> {
         self.line(&line);
     }
 
-    /// Goes to where the axes were left, so that increments count from there. Nothing moves if nobody has moved them.
+    /// Returns to the last position of the axes, so that increments count from there. No axis moves if none was moved.
     fn come_back(&mut self) {
         let mut line = b"G90 G53 G0".to_vec();
         for axis in AXES {
@@ -287,7 +287,7 @@ impl Flat<'_> {
 
     fn count(&self, axis: Axis, value: f64) -> i64 {
         let shown = if axis.is_rotary() { value.to_degrees() } else { value };
-        // Travel is far below what a count can hold.
+        // Axis travel is far below the range of a count.
         (shown / self.decimals(axis).0).round() as i64
     }
 

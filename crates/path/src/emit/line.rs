@@ -1,35 +1,35 @@
-//! A line of the output, put together word by word and written when the next one begins, so that what belongs behind the last piece
-//! of a move and what belongs on its first line find their places.
+//! A line of the output, built word by word and written when the next one begins. Words after the last piece of a move and words for its first line
+//! thus find their places.
 
 use super::block_number::NumberSet;
 use ncfix_base::units::push_integer;
 
-/// The line that is being put together, and what its like have in common: line end, numbers, count.
+/// The line under construction, with the settings common to all lines: line end, numbers, count.
 #[derive(Debug)]
 pub(super) struct LineBuilder {
     /// The line so far, without its comment.
     pub(super) text: Vec<u8>,
-    /// Whether the line moves already: another move of the same block needs its own.
+    /// `true` if the line has a motion; a further move of the same block then needs its own line.
     pub(super) has_motion: bool,
     /// S, M, H and D words of the block, which follow the words of its motion.
     held: Vec<u8>,
     comment: Vec<u8>,
     has_words: bool,
     is_open: bool,
-    /// Where in the line its motion begins.
+    /// Byte offset in the line at which its motion begins.
     motion_at: Option<usize>,
-    /// Whether the line has a feed.
+    /// `true` if the line has a feed.
     pub(super) has_feed: bool,
-    /// Where in the line a word stands that may have to change.
+    /// Byte offset of a word of the line that may have to change.
     marked_at: Option<usize>,
     ending: &'static [u8],
     /// Bytes beyond which a comment gets a line of its own.
     longest: usize,
-    /// The last number that was given, where lines are numbered.
+    /// The last line number given, if lines are numbered.
     number: Option<u32>,
-    /// After this number the next is 1 again.
+    /// The largest line number; the next one is 1 again.
     last_number: u32,
-    /// Numbers that are not given: those of the source.
+    /// Numbers that are reserved for blocks of the source.
     kept_free: NumberSet,
     /// The number of the source's block, if this is its first line.
     own_number: Option<u32>,
@@ -37,7 +37,7 @@ pub(super) struct LineBuilder {
 }
 
 impl LineBuilder {
-    /// An empty line; those of the source end with CR LF or LF.
+    /// An empty line; lines end with CR LF if `crlf` is set, otherwise with LF.
     pub(super) fn new(crlf: bool) -> LineBuilder {
         LineBuilder {
             text: Vec::with_capacity(256),
@@ -59,17 +59,17 @@ impl LineBuilder {
         }
     }
 
-    /// Lines no longer than this where they need not be.
+    /// Limits the length of lines, in bytes; a longer comment gets its own line.
     pub(super) fn no_longer_than(self, longest: usize) -> LineBuilder {
         LineBuilder { longest, ..self }
     }
 
-    /// Lines with numbers: N1, N2, …, or those that [`Self::keep_free`] leaves; behind the last one they begin again.
+    /// Numbers the lines N1, N2, … without those reserved by [`Self::keep_free`]; after the last number they start again.
     pub(super) fn numbered(self, last_number: u32) -> LineBuilder {
         LineBuilder { number: Some(0), last_number, ..self }
     }
 
-    /// Begins numbers of lines behind the largest of those that are kept for blocks of the source.
+    /// Reserves the numbers of the source; line numbers start after the largest of them.
     pub(super) fn keep_free(&mut self, numbers: NumberSet) {
         if let Some(number) = &mut self.number {
             *number = numbers.largest();
@@ -77,13 +77,13 @@ impl LineBuilder {
         }
     }
 
-    /// The number of the block of the source that the line begins, where lines are numbered.
+    /// Sets the number of the source's block that begins with this line, if lines are numbered.
     pub(super) fn own_number(&mut self, number: Option<u32>) {
-        // Where none are kept free its number may be that of another line.
+        // If no numbers are reserved, the number may be in use by another line.
         self.own_number = number.filter(|&number| self.kept_free.has(number));
     }
 
-    /// Lines with words so far.
+    /// The number of lines with words so far.
     pub(super) fn blocks(&self) -> u64 {
         self.blocks
     }
@@ -104,13 +104,13 @@ impl LineBuilder {
         self.has_words || !self.held.is_empty()
     }
 
-    /// Begins with the number of the source's block.
+    /// Appends the number of the source's block.
     pub(super) fn block_number(&mut self, letter: u8, number: u32) {
         self.text.push(letter);
         push_integer(&mut self.text, u64::from(number));
     }
 
-    /// Appends the label of the source's block, which is no word of it.
+    /// Appends the label of the source's block; a label does not count as a word.
     pub(super) fn label(&mut self, label: &[u8]) {
         self.is_open = true;
         if !self.text.is_empty() {
@@ -130,13 +130,13 @@ impl LineBuilder {
         self.text.extend_from_slice(bytes);
     }
 
-    /// From here on the words are those of a motion.
+    /// Marks the beginning of the motion words.
     pub(super) fn begin_motion(&mut self) {
         self.has_motion = true;
         self.motion_at = Some(self.text.len());
     }
 
-    /// Takes everything from `start` on off the line until the motion has been written.
+    /// Takes everything from `start` on off the line until the motion is written.
     pub(super) fn hold_from(&mut self, start: usize) {
         self.held.extend_from_slice(self.text.get(start..).unwrap_or_default());
         self.text.truncate(start);
@@ -152,7 +152,7 @@ impl LineBuilder {
         self.held.clear();
     }
 
-    /// Appends a comment, in parts, to the one of the line.
+    /// Appends parts to the comment of the line.
     pub(super) fn note(&mut self, parts: &[&[u8]]) {
         if !self.comment.is_empty() {
             self.comment.push(b' ');
@@ -162,7 +162,7 @@ impl LineBuilder {
         }
     }
 
-    /// Puts a word before those of the motion of the line.
+    /// Inserts a word before the motion words of the line.
     pub(super) fn insert(&mut self, word: &str) {
         match self.motion_at {
             None => self.word(word.as_bytes()),
@@ -175,12 +175,12 @@ impl LineBuilder {
         }
     }
 
-    /// Remembers where the last word stands, of that length.
+    /// Marks the last word, which has `length` bytes.
     pub(super) fn mark_last(&mut self, length: usize) {
         self.marked_at = self.text.len().checked_sub(length);
     }
 
-    /// Replaces the marked word, of that length; `false` where none is marked.
+    /// Replaces the marked word, which has `length` bytes; `false` if none is marked.
     pub(super) fn replace_marked(&mut self, length: usize, word: &str) -> bool {
         let Some(at) = self.marked_at else { return false };
         self.text.splice(at..at + length, word.bytes());
@@ -190,7 +190,7 @@ impl LineBuilder {
         true
     }
 
-    /// Writes the line, if there is anything on it, and begins another.
+    /// Writes the line, if it has any content, and begins another.
     pub(super) fn end(&mut self, out: &mut Vec<u8>) {
         if !std::mem::take(&mut self.is_open) {
             return;
@@ -224,28 +224,28 @@ impl LineBuilder {
         self.has_feed = false;
     }
 
-    /// Writes a line of words before the one that is being put together.
+    /// Writes a line with words before the line under construction.
     pub(super) fn words_before(&mut self, text: &[u8], out: &mut Vec<u8>) {
         self.blocks += 1;
         self.comment_before(text, out);
     }
 
-    /// Writes a line of no words before the one that is being put together.
+    /// Writes a line without words before the line under construction.
     pub(super) fn comment_before(&mut self, text: &[u8], out: &mut Vec<u8>) {
         self.next_number(out);
         self.header(text, out);
     }
 
-    /// Writes a line as it is.
+    /// Writes a line unchanged.
     pub(super) fn header(&self, text: &[u8], out: &mut Vec<u8>) {
         out.extend_from_slice(text);
         out.extend_from_slice(self.ending);
     }
 
-    /// Writes the number of the next line where lines have numbers.
+    /// Writes the number of the next line, if lines are numbered.
     fn next_number(&mut self, out: &mut Vec<u8>) {
         let Some(number) = &mut self.number else { return };
-        // Where none is free at all any will do.
+        // If every number is reserved, any number is used.
         for _ in 0..=self.last_number {
             *number = if *number >= self.last_number { 1 } else { *number + 1 };
             if !self.kept_free.has(*number) {

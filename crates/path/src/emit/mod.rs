@@ -1,7 +1,7 @@
-//! Writes corrected pieces in the language of a control: numbers, blocks, the stamp, one writer per dialect.
+//! Writes corrected pieces in the language of a control: numbers, blocks, the stamp, and one writer for each dialect.
 //!
-//! A writer turns one [`Output`] after the other into bytes of a reusable buffer; [`emit`] drives it into a file or link. To add a
-//! dialect, write its file and register it in [`WRITERS`].
+//! A writer turns each [`Output`] into bytes of a reusable buffer; [`emit`] sends them to a file or link. To add a dialect, write its file and
+//! register it in [`WRITERS`].
 
 mod block_number;
 mod comment;
@@ -26,20 +26,20 @@ use crate::path::{Centers, Feeds, Increments, Output, OutputFrame, Turns};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::AXIS_COUNT;
 
-/// What a writer must know beside the stream.
+/// Settings of a writer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WriterOptions {
-    /// What the counts of the pieces are multiples of.
+    /// Increments of the piece counts.
     pub increments: Increments,
-    /// What the coordinates of the pieces relate to.
+    /// Frame of the piece coordinates.
     pub frame: OutputFrame,
-    /// Line end of the source: CR LF rather than LF.
+    /// `true` if lines of the source end with CR LF, `false` for LF.
     pub crlf: bool,
-    /// Names of axes that are not written by their letters, by slot.
+    /// Names of axes that are not single letters, by slot.
     pub names: [Option<String>; AXIS_COUNT],
-    /// The first comment.
+    /// The stamp, which becomes the first comment.
     pub stamp: Stamp,
-    /// The largest number of a block, where the language wants numbers and the control has a limit.
+    /// The largest block number, if the language needs numbers and the control limits them.
     pub last_block_number: Option<u32>,
 }
 
@@ -48,13 +48,13 @@ pub trait Writer: Send {
     /// Appends the lines that `output` completes.
     ///
     /// # Errors
-    /// `E0201` where the language has no words for it; nothing may be written then.
+    /// `E0201` if the language has no words for it; then nothing is written.
     fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic>;
-    /// Appends what is still held back; the end of the program.
+    /// Ends the program: appends what is still held back.
     fn finish(&mut self, out: &mut Vec<u8>);
-    /// Keeps numbers free for the blocks of the source that have them, where every line needs a number.
+    /// Reserves the block numbers of the source, if every line needs a number.
     fn keep_free(&mut self, _numbers: NumberSet) {}
-    /// Lines with words written so far, comments and headers not counted.
+    /// The number of lines with words written so far, without comments and headers.
     fn blocks(&self) -> u64;
 }
 
@@ -63,49 +63,50 @@ pub trait Writer: Send {
 pub struct WriterEntry {
     /// Name of the dialect.
     pub dialect: &'static str,
-    /// Makes its writer; `None` where it cannot write such increments.
+    /// Creates its writer; `None` if it cannot write these increments.
     pub create: fn(&WriterOptions) -> Option<Box<dyn Writer>>,
-    /// How far one of its blocks may lead around a circle.
+    /// The largest turn of one block around a circle.
     pub turns: Turns,
-    /// Where its controls have the center of an arc.
+    /// Coordinates of arc centers.
     pub centers: Centers,
-    /// For which way its controls take a feed.
+    /// The path to which the feed refers.
     pub feeds: Feeds,
-    /// Whether every motion can be written in machine coordinates.
+    /// `true` if every motion can be written in machine coordinates.
     pub has_machine_frame: bool,
-    /// Words that stand in every program before its first move, in millimeters: what the coordinates mean.
+    /// Words before the first move of every program, for millimeters: they define the coordinates.
     pub assumed: &'static str,
 }
 
 /// All dialects that can be written.
 pub const WRITERS: &[WriterEntry] = &[sinumerik::ENTRY, words::GRUNDIG, words::FANUC, words::RS274];
 
-/// What is known about writing a dialect; `None` where it cannot be written.
+/// Returns the writer entry of a dialect; `None` if the dialect cannot be written.
 #[must_use]
 pub fn entry(dialect: &str) -> Option<&'static WriterEntry> {
     WRITERS.iter().find(|entry| entry.dialect.eq_ignore_ascii_case(dialect))
 }
 
-/// The writer of a dialect; `None` where it or its coordinates cannot be written, or an increment is no decimal of at most nine places.
+/// Creates the writer of a dialect. `None` if the dialect or its coordinates cannot be written, or if an increment is not a decimal of at most nine
+/// places.
 #[must_use]
 pub fn writer(dialect: &str, options: &WriterOptions) -> Option<Box<dyn Writer>> {
     (entry(dialect)?.create)(options)
 }
 
-/// Whether words begin or end radius compensation at the control. They act on the motion behind them.
+/// `true` if the words begin or end radius compensation at the control; they act on the motion after them.
 fn is_compensation(text: &[u8]) -> bool {
     let first = text.split(|&byte| byte == b' ').next().unwrap_or_default();
     [b"G40", b"G41", b"G42"].iter().any(|word| *word == first)
 }
 
-/// Bytes after which the buffer is handed on.
+/// Buffer size, bytes, at which the buffer is handed on.
 const CHUNK: usize = 64 * 1024;
 
-/// Writes a whole stream; findings go to `report`. After an error nothing more is written, but the stream is followed to its end,
-/// so that all findings come up. Returns the number of blocks written.
+/// Writes a whole stream; diagnostics go to `report`. After an error nothing more is written, but the stream is read to its end to collect all
+/// diagnostics. Returns the number of blocks written.
 ///
 /// # Errors
-/// Those of `sink`.
+/// Errors of `sink`.
 pub fn emit(
     outputs: impl Iterator<Item = Result<Output, Diagnostic>>,
     writer: &mut dyn Writer,

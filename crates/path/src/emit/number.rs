@@ -1,6 +1,6 @@
-//! Numbers as text: counts of an increment by integer arithmetic, other values as the shortest decimal that reads back the same.
+//! Numbers as text: counts of an increment by integer arithmetic, other values as the shortest decimal that reads back unchanged.
 //!
-//! Never `-0`, never an exponent, no decimal point behind a whole number.
+//! Never `-0`, never an exponent, no decimal point after a whole number.
 
 use std::io::Write as _;
 
@@ -8,26 +8,26 @@ use crate::path::{Increments, RotaryWord};
 use ncfix_base::units::{push_digits, push_integer};
 use ncfix_machine::snc::Way;
 
-/// How counts of an increment print: a count times `units` is the number without its decimal point.
+/// The print format of counts of an increment: a count times `units` is the number without its decimal point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decimals {
     /// The increment without its decimal point: 5 for 0.0005.
     units: u64,
-    /// Digits behind the decimal point.
+    /// Digits after the decimal point.
     places: usize,
     /// 10 to the power of `places`.
     scale: u64,
-    /// Whether a whole number ends with a decimal point.
+    /// `true` if a whole number ends with a decimal point.
     is_pointed: bool,
 }
 
-/// More digits behind the point are noise of the arithmetic, not part of an increment.
+/// Maximum number of decimals; further digits are rounding noise, not part of an increment.
 const MOST_PLACES: usize = 9;
-/// How far an increment may be from its decimal, as a share of it.
+/// Relative tolerance between an increment and its decimal.
 const SAME_INCREMENT: f64 = 1e-12;
 
 impl Decimals {
-    /// The decimals of an increment, such as 0.0001 or 0.0005; `None` where it is no positive decimal of at most nine places.
+    /// Returns the decimals of an increment, such as 0.0001 or 0.0005; `None` if it is not a positive decimal of at most nine places.
     #[must_use]
     pub fn of_increment(increment: f64) -> Option<Decimals> {
         let mut scale = 1_u64;
@@ -43,7 +43,7 @@ impl Decimals {
         None
     }
 
-    /// The same with a decimal point behind whole numbers too: `10.`.
+    /// Adds a decimal point after whole numbers: `10.`.
     #[must_use]
     pub fn pointed(self) -> Decimals {
         Decimals { is_pointed: true, ..self }
@@ -90,13 +90,13 @@ impl Decimals {
     }
 }
 
-/// Thousandths beyond this are no exact integers in a double.
+/// Thousandths above this limit are not exact integers in a double.
 const EXACT_LIMIT: f64 = 9e15;
 
-/// Appends a value as the shortest decimal that reads back the same.
+/// Appends a value as the shortest decimal that reads back unchanged.
 pub(super) fn push_value(line: &mut Vec<u8>, value: f64) {
     let thousandths = (value * 1000.0).round();
-    // A double divided exactly rounded is what reading the decimal gives, so this is the shortest one already.
+    // Reading the decimal gives the correctly rounded quotient, so this decimal is already the shortest.
     if thousandths.abs() < EXACT_LIMIT && thousandths / 1000.0 == value {
         THOUSANDTHS.push(line, thousandths as i64);
     } else {
@@ -107,7 +107,7 @@ pub(super) fn push_value(line: &mut Vec<u8>, value: f64) {
 
 const THOUSANDTHS: Decimals = Decimals { units: 1, places: 3, scale: 1000, is_pointed: false };
 
-/// The same with a decimal point in any case.
+/// Appends a value as [`push_value`] does, always with a decimal point.
 pub(super) fn push_pointed(line: &mut Vec<u8>, value: f64) {
     let start = line.len();
     push_value(line, value);
@@ -116,7 +116,7 @@ pub(super) fn push_pointed(line: &mut Vec<u8>, value: f64) {
     }
 }
 
-/// A value to so many significant digits.
+/// Rounds a value to a number of significant digits.
 pub(super) fn to_digits(value: f64, digits: i32) -> f64 {
     // Powers of ten up to the 22nd are exact doubles.
     let places = (digits - 1).saturating_sub(value.abs().log10().floor() as i32);
@@ -127,27 +127,27 @@ pub(super) fn to_digits(value: f64, digits: i32) -> f64 {
     (value * power).round() / power
 }
 
-/// How positions of axes print.
+/// The print format of axis positions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AxisNumbers {
     pub(super) linear: Decimals,
     pub(super) rotary: Decimals,
-    /// Increments of a full turn.
+    /// Increments in a full turn.
     pub(super) turn_counts: i64,
 }
 
 impl AxisNumbers {
-    /// `None` where an increment is no decimal.
+    /// Returns `None` if an increment is not a decimal.
     pub(super) fn new(increments: &Increments) -> Option<AxisNumbers> {
         Some(AxisNumbers {
             linear: Decimals::of_increment(increments.linear_mm / increments.unit_mm)?,
             rotary: Decimals::of_increment(increments.rotary_deg)?,
-            // The increment is above 0 where it has decimals.
+            // An increment that has decimals is above 0.
             turn_counts: ((360.0 / increments.rotary_deg).round() as i64).max(1),
         })
     }
 
-    /// The count of a rotary axis as a plain number; `None` where that does not say which way it goes.
+    /// Returns the count of a rotary axis as a plain number; `None` if the plain number does not determine the direction.
     pub(super) fn plain_count(&self, word: RotaryWord, count: i64) -> Option<i64> {
         match word {
             RotaryWord::Plain => Some(count),
@@ -206,7 +206,7 @@ mod tests {
         }
     }
 
-    /// The number by string surgery on the standard formatting of integers.
+    /// The expected text, made by string operations on formatted integers.
     fn by_strings(units: i128, places: usize, count: i64) -> String {
         let number = i128::from(count) * units;
         let digits = format!("{:0>width$}", number.unsigned_abs(), width = places + 1);

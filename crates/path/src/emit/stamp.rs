@@ -1,33 +1,33 @@
-//! The first comment of a corrected program: which machine, model and source it was made for, and that it is good for nothing else.
+//! The first comment of a corrected program: the machine, model and source it was made for, and that it is valid for nothing else.
 //!
-//! A corrected program is ephemeral: it holds the errors of one machine at one time. The stamp keeps it from being corrected again
-//! and from being taken for the part program.
+//! A corrected program is ephemeral: it contains the errors of one machine at one time. The stamp prevents a second correction and confusion with the
+//! part program.
 
 use std::fmt::Write as _;
 
 use crate::path::Promise;
 
-/// What stands in the stamp.
+/// Contents of the stamp.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stamp {
     /// Name of the machine.
     pub machine: String,
     /// First digits of the hash of the machine file, lower-case hexadecimal.
     pub model: String,
-    /// First digits of the hash of the state of the machine, where one was given.
+    /// First digits of the hash of the machine state, if one was given.
     pub state: Option<String>,
     /// First digits of the hash of the part program.
     pub source: String,
-    /// What the correction has promised.
+    /// Tolerances that the correction promises.
     pub promise: Promise,
-    /// Whether the machine is the one built in.
+    /// `true` for the built-in machine.
     pub is_demo: bool,
 }
 
-/// Largest tolerance that a stamp may promise, mm: more is no correction.
+/// Largest tolerance that a stamp may promise, mm; more is not a correction.
 const MOST_TOLERANCE_MM: f64 = 10.0;
 
-/// A promise as the stamp has it.
+/// A promise as text of the stamp.
 fn promise_text(promise: &Promise) -> String {
     let mut out = format!("tolerance={}", promise.tolerance_mm);
     if let Some(increment_mm) = promise.increment_mm {
@@ -48,7 +48,7 @@ fn promise_text(promise: &Promise) -> String {
     out
 }
 
-/// The promise in the line of a stamp, lower case; `None` where it says nothing, or what cannot be.
+/// Reads the promise from the lower-case line of a stamp; `None` if it has none or an impossible one.
 fn promise_of(line: &str) -> Option<Promise> {
     let value = |key: &str| {
         let (_, rest) = line.split_once(key)?;
@@ -71,19 +71,18 @@ fn promise_of(line: &str) -> Option<Promise> {
     })
 }
 
-/// What every stamp begins with.
+/// Beginning of every stamp.
 const MARK: &str = "ncfix ";
-/// What every stamp holds.
+/// Word that every stamp contains.
 const EPHEMERAL: &str = "ephemeral";
-/// What stands before its sum.
+/// Key of the checksum.
 const CHECK: &str = "check=";
 const ONLY: &str = "for this machine only";
-/// A stamp stands within so many bytes of the start.
+/// A stamp stands within this number of bytes from the start.
 const HEAD_BYTES: usize = 4096;
 
 impl Stamp {
-    /// The text of the comment, without the sign that makes it one. Plain ASCII without the characters that end a comment in some
-    /// dialect.
+    /// The text of the comment, without comment delimiters. Plain ASCII without the characters that end a comment in any dialect.
     #[must_use]
     pub fn text(&self) -> String {
         let machine = with_harmless(&self.machine, |c| c.is_ascii_graphic() && !"\"();".contains(c));
@@ -96,7 +95,7 @@ impl Stamp {
         ))
     }
 
-    /// The same for controls that know capital letters, digits and a few signs only.
+    /// The text of the comment for controls that know only capital letters, digits and a few signs.
     #[must_use]
     pub fn capital_text(&self) -> String {
         let machine = with_harmless(&self.machine, |c| c.is_ascii_alphanumeric() || ".,=_-".contains(c));
@@ -120,13 +119,13 @@ impl Stamp {
     }
 }
 
-/// A stamp with a sum over its letters and digits: nobody changes a stamp by accident.
+/// Adds a checksum over letters and digits to a stamp, which reveals changes.
 fn with_check(text: &str) -> String {
     let sum = sum(text);
     text.replacen(EPHEMERAL, &format!("{CHECK}{sum} {EPHEMERAL}"), 1)
 }
 
-/// FNV-1a over letters, small, and digits: what links and controls do to a comment does not matter.
+/// FNV-1a over lower-case letters and digits: changes that links and controls make to a comment have no effect.
 fn sum(text: &str) -> String {
     const START: u32 = 0x811c_9dc5;
     const PRIME: u32 = 0x0100_0193;
@@ -135,7 +134,7 @@ fn sum(text: &str) -> String {
     format!("{:06x}", sum & 0xff_ffff)
 }
 
-/// Whether the stamp of a program was changed since it was written; `None` without a stamp, and where it has no sum, as those of earlier versions.
+/// `true` if the stamp of a program was changed after it was written; `None` without a stamp or, as in earlier versions, without a checksum.
 #[must_use]
 pub fn is_stamp_changed(bytes: &[u8]) -> Option<bool> {
     let line = line(bytes)?;
@@ -149,14 +148,13 @@ fn with_harmless(text: &str, is_harmless: impl Fn(char) -> bool) -> String {
     text.chars().map(|c| if c == ' ' || is_harmless(c) { c } else { '_' }).collect()
 }
 
-/// Whether a program carries a stamp: a comment, `; …` or `( … )`, among its first lines. Line numbers, header lines and
-/// line ends do not matter.
+/// `true` if a program has a stamp: a comment, `; …` or `( … )`, among its first lines. Line numbers, header lines and line ends have no effect.
 #[must_use]
 pub fn is_stamped(bytes: &[u8]) -> bool {
     bytes[..bytes.len().min(HEAD_BYTES)].split(|&byte| byte == b'\n' || byte == b'\r').any(|line| {
         let Some(at) = line.iter().position(|&byte| byte == b';' || byte == b'(') else { return false };
         let comment = line[at + 1..].trim_ascii_start();
-        // Some links and controls turn everything into capitals.
+        // Some links and controls convert everything to capitals.
         let holds = |part: &[u8]| comment.windows(part.len()).any(|window| window.eq_ignore_ascii_case(part));
         comment.get(..MARK.len()).is_some_and(|start| start.eq_ignore_ascii_case(MARK.as_bytes()))
             && holds(b"machine=")
@@ -171,7 +169,7 @@ pub fn stamped_model(bytes: &[u8]) -> Option<String> {
     stamped(bytes, "model=")
 }
 
-/// The hash of the state of the machine in a program's stamp; `None` where it has none.
+/// The hash of the machine state in a program's stamp; `None` if it has none.
 #[must_use]
 pub fn stamped_state(bytes: &[u8]) -> Option<String> {
     stamped(bytes, "state=")
@@ -183,18 +181,18 @@ pub fn stamped_source(bytes: &[u8]) -> Option<String> {
     stamped(bytes, "source=")
 }
 
-/// Whether the stamp of a program names a machine; `None` without a stamp.
+/// `true` if the stamp of a program names the machine; `None` without a stamp.
 #[must_use]
 pub fn is_stamped_for(bytes: &[u8], machine: &str) -> Option<bool> {
     let line = line(bytes)?;
     let named = line.split_once("machine=")?.1;
     let named = named.split_once(" model=").map_or(named, |(name, _)| name);
-    // Some controls know few signs.
+    // Some controls know only a few signs.
     let plain = |name: &str| name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase();
     Some(plain(named) == plain(machine))
 }
 
-/// What the stamp of a program promises; `None` without a stamp, and where it promises nothing.
+/// The promise in a program's stamp; `None` without a stamp or promise.
 #[must_use]
 pub fn stamped_promise(bytes: &[u8]) -> Option<Promise> {
     promise_of(&line(bytes)?)
@@ -290,7 +288,7 @@ mod tests {
         for text in [stamp.text(), stamp.capital_text()] {
             assert_eq!(stamped_promise(format!("({text})\nG0 X0\n").as_bytes()), Some(promise), "{text}");
         }
-        // A stamp of before says nothing, and nonsense is no promise.
+        // A stamp of an earlier version has no promise, and an invalid value is not a promise.
         for bad in ["", "tolerance=-1", "tolerance=nan", "tolerance=1e9", "tolerance=x"] {
             let text = stamp.text().replace(&promise_text(&promise), bad);
             assert_eq!(stamped_promise(format!("; {text}\n").as_bytes()), None, "{text}");

@@ -1,38 +1,26 @@
-//! Exact stops: they belong to the end of a block of the source, however many lines the block becomes.
+//! Exact stops: they belong to the end of a source block, even if the block becomes several lines.
 
 use super::line::LineBuilder;
+use ncfix_dialect::BlockEnds;
 
-/// The words of a language for stops.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct StopWords {
-    /// From here on every block stops at its end.
-    pub(super) always: &'static str,
-    /// What a line says that is not to stop while that is in force.
-    pub(super) running: &'static str,
-    /// Acts at the end of its block.
-    pub(super) once: Option<&'static str>,
-    /// All of the group of [`Self::always`].
-    pub(super) group: &'static [&'static str],
-}
-
-/// What is in force, and what the block that is being written has still to say.
+/// The active exact stop, and the pending one of the current block.
 #[derive(Debug)]
 pub(super) struct Stops {
-    words: StopWords,
-    /// Whether the block has an exact stop that is not written yet.
+    words: BlockEnds,
+    /// `true` if the block has an exact stop that is not written yet.
     stops_once: bool,
-    /// Whether the program has said that every block stops exactly.
+    /// `true` if the program has commanded an exact stop for every block.
     always_stops: bool,
-    /// Whether the lines of the block run through where the program stops at its end.
+    /// `true` if the lines of the block pass through without stop while the program stops at the end of the block.
     is_running: bool,
 }
 
 impl Stops {
-    pub(super) fn new(words: StopWords) -> Stops {
+    pub(super) fn new(words: BlockEnds) -> Stops {
         Stops { words, stops_once: false, always_stops: false, is_running: false }
     }
 
-    /// Writes a word that is passed on, unless it is the stop at the end of the block, which waits for that.
+    /// Writes a word that is passed on; a stop at the end of the block is held back until then.
     pub(super) fn keep(&mut self, line: &mut LineBuilder, word: &str) {
         if self.words.once == Some(word) {
             self.stops_once = true;
@@ -40,15 +28,15 @@ impl Stops {
         }
         self.note(word);
         line.word(word.as_bytes());
-        if word == self.words.always {
+        if word == self.words.exact {
             line.mark_last(word.len());
         }
     }
 
-    /// Takes note of a word of the group that something else writes.
+    /// Records a word of the group that another part of the writer writes.
     pub(super) fn note(&mut self, word: &str) {
         if self.words.group.contains(&word) {
-            self.always_stops = word == self.words.always;
+            self.always_stops = word == self.words.exact;
         }
     }
 
@@ -56,26 +44,25 @@ impl Stops {
         self.stops_once = false;
     }
 
-    /// Before the last line of a block ends.
+    /// Writes the pending exact stop before the last line of a block ends.
     pub(super) fn end_block(&mut self, line: &mut LineBuilder) {
         if line.is_open() {
             if let Some(once) = self.words.once.filter(|_| std::mem::take(&mut self.stops_once)) {
                 line.insert(once);
             }
             if std::mem::take(&mut self.is_running) {
-                line.insert(self.words.always);
+                line.insert(self.words.exact);
             }
         }
     }
 
-    /// Before another line of a block ends: the program stops at the end of its block, not at the end of each line that the block
-    /// becomes.
+    /// Suppresses the stop before a further line of a block: the program stops at the end of its block, not at the end of each line.
     pub(super) fn run_through(&mut self, line: &mut LineBuilder) {
         if !self.always_stops || !line.has_motion || std::mem::replace(&mut self.is_running, true) {
             return;
         }
-        // One word of a group in a block: the one that is there changes.
-        if !line.replace_marked(self.words.always.len(), self.words.running) {
+        // A block may have one word of a group: the existing one changes.
+        if !line.replace_marked(self.words.exact.len(), self.words.running) {
             line.insert(self.words.running);
         }
     }

@@ -1,7 +1,7 @@
-//! Looks ahead in a stream of elements: what follows a move, and which rotary axes the operation in force turns with feed.
+//! Look-ahead in a stream of elements: the successor of a move, and the rotary axes that the current operation turns with feed.
 //!
-//! An operation lasts from one change of the tool, of a tilted frame or of a five-axis transformation to the next. It is looked at up to
-//! [`MOST_HELD`] elements ahead; where it is longer, an axis counts as turned from the element on that shows it.
+//! An operation lasts from one change of the tool, of a tilted frame or of a five-axis transformation to the next. It is examined up to [`MOST_HELD`]
+//! elements ahead. In a longer operation, an axis counts as turned from the element on that shows it.
 
 use std::collections::VecDeque;
 
@@ -12,56 +12,56 @@ use ncfix_machine::snc::{Element, Kind, Move};
 
 use super::lost_axes;
 
-/// Elements that are held at most.
+/// Maximum number of held elements.
 const MOST_HELD: usize = 2048;
-/// Bytes of texts that are held at most: comments may be long.
+/// Maximum bytes of held texts: comments may be long.
 const MOST_BYTES: usize = 1 << 20;
-/// A position that differs by less is the same, mm or rad: the noise of the arithmetic.
+/// Positions that differ by less are equal within rounding noise, mm or rad.
 const SAME_POSITION: f64 = 1e-9;
 
-/// What comes behind a move.
+/// The successor of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Next {
     /// Another move, which begins where this one ends.
     Move(Move),
-    /// The tool is changed, or something else moves the axes.
+    /// A tool change, or axis motion by something other than a move.
     Change,
-    /// No move that is in sight.
+    /// No move in sight.
     Nothing,
 }
 
 impl Next {
-    /// Whether a cut begins at the end of the move.
+    /// `true` if a cut begins at the end of the move.
     pub(super) fn is_cut(&self) -> bool {
         matches!(self, Next::Move(motion) if !motion.rapid)
     }
 }
 
-/// The stream, some elements ahead of who takes them.
+/// The stream, read some elements ahead of the consumer.
 #[derive(Debug)]
 pub(super) struct Ahead<'a, I> {
     elements: I,
     machine: &'a Machine,
     held: VecDeque<Result<Element, Diagnostic>>,
     held_bytes: usize,
-    /// The axes that are looked for.
+    /// The rotary axes to look for.
     rotary: AxisSet,
     operation: Operation,
-    /// Held elements of the operation that were looked at.
+    /// Number of held elements of the operation that were examined.
     seen: usize,
-    /// The operation ends behind them.
+    /// `true` if the operation ends after them.
     is_closed: bool,
 }
 
-/// The operation in force, as far as it was looked at.
+/// The current operation, as far as examined.
 #[derive(Debug)]
 struct Operation {
     /// Axes that it turns with feed.
     turned: AxisSet,
-    /// Where the axes stand at its end, and which of them are known.
+    /// Axis positions at its end, and which of them are known.
     last: AxisVector,
     known: AxisSet,
-    /// What tilts the tool.
+    /// Linear part of the frame that tilts the tool.
     linear: Matrix,
     is_transformed: bool,
 }
@@ -70,7 +70,7 @@ impl<'a, I> Ahead<'a, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
-    /// Looks for these rotary axes.
+    /// Creates a look-ahead for these rotary axes.
     pub(super) fn new(elements: I, machine: &'a Machine, rotary: AxisSet) -> Self {
         let operation = Operation {
             turned: AxisSet::EMPTY,
@@ -83,12 +83,12 @@ where
         Ahead { elements, machine, held, held_bytes: 0, rotary, operation, seen: 0, is_closed: false }
     }
 
-    /// The stream itself.
+    /// The underlying stream.
     pub(super) fn elements(&self) -> &I {
         &self.elements
     }
 
-    /// The rotary axes that the operation of the last element that was taken turns with feed.
+    /// The rotary axes that the operation of the last taken element turns with feed.
     pub(super) fn turned(&self) -> AxisSet {
         self.operation.turned
     }
@@ -96,7 +96,7 @@ where
     /// Takes the next element.
     pub(super) fn take(&mut self) -> Option<Result<Element, Diagnostic>> {
         let Some(item) = self.held.pop_front() else {
-            // Nobody looks ahead: nothing is held.
+            // Without axes to look for, nothing is held.
             if self.rotary.is_empty() {
                 return self.elements.next();
             }
@@ -122,7 +122,7 @@ where
         Some(item)
     }
 
-    /// What comes behind the element that was taken.
+    /// The successor of the last taken element.
     pub(super) fn next(&mut self) -> Next {
         for at in 0..MOST_HELD {
             if at == self.held.len() && (self.held_bytes > MOST_BYTES || !self.pull()) {
@@ -139,7 +139,7 @@ where
         Next::Nothing
     }
 
-    /// Looks at the rest of the operation, or as much of it as may be held.
+    /// Examines the rest of the operation, or as much of it as may be held.
     fn look(&mut self) {
         while !self.is_closed && !self.rotary.difference(self.operation.turned).is_empty() {
             let is_full = self.held.len() >= MOST_HELD || self.held_bytes > MOST_BYTES;
@@ -157,7 +157,7 @@ where
         }
     }
 
-    /// Holds one element more; whether there was one.
+    /// Holds one more element. Returns `false` at the end of the stream.
     fn pull(&mut self) -> bool {
         let item = self.elements.next();
         self.held_bytes += item.as_ref().map_or(0, bytes);
@@ -168,7 +168,7 @@ where
 }
 
 impl Operation {
-    /// Whether an element belongs to another operation.
+    /// `true` if an element belongs to another operation.
     fn ends_at(&self, element: &Element, machine: &Machine) -> bool {
         match &element.kind {
             Kind::Move(_) => false,
@@ -179,7 +179,7 @@ impl Operation {
         }
     }
 
-    /// Takes an element in.
+    /// Updates the operation with an element.
     fn see(&mut self, element: &Element) {
         match &element.kind {
             Kind::Move(motion) => {
@@ -204,7 +204,7 @@ impl Operation {
     }
 }
 
-/// The size of what an element holds in texts.
+/// Size of the texts of an element, bytes.
 fn bytes(item: &Result<Element, Diagnostic>) -> usize {
     match item.as_ref().map(|element| &element.kind) {
         Ok(Kind::Comment(text) | Kind::Message(text) | Kind::Header(text) | Kind::Verbatim(text)) => text.len(),

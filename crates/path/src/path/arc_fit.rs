@@ -1,15 +1,15 @@
-//! The circle through two given points that lies nearest to others: least squares of the radial distances.
+//! The circle through two given points that is nearest to other points: least squares of the radial distances.
 //!
-//! Between two different points the center has one degree of freedom, its place on their perpendicular bisector; a full circle, whose ends
-//! coincide, has two. The radius is the distance of the center from the start in both cases, so the residuals are
-//! f = |p − c| − |s − c| with ∂f/∂c = u(s) − u(p), u(x) = (x − c) / |x − c|; Gauss–Newton.
+//! Between two different points the center has one degree of freedom, its place on their perpendicular bisector. A full circle, whose ends coincide,
+//! has two. The radius is the distance of the center from the start in both cases, so the residuals are f = |p − c| − |s − c| with ∂f/∂c = u(s) −
+//! u(p), u(x) = (x − c) / |x − c|; Gauss–Newton.
 
-/// Below this distance, mm, start and end are one point.
+/// Distance below which start and end are one point, mm.
 const SAME_POINT_MM: f64 = 1e-9;
-/// Weight of staying at the guess, per point: where the points leave the center open, as on a short arc, a center 20 µm off costs as
-/// much as points 0.1 µm off.
+/// Weight of the initial guess, per point. If the points do not determine the center, as on a short arc, a center 20 µm off costs as much as points
+/// 0.1 µm off.
 const STAY: f64 = 2.5e-5;
-/// The problem is nearly linear: the guess is off by micrometers.
+/// Number of iterations. The problem is nearly linear: the guess is off by micrometers.
 const STEPS: usize = 4;
 
 /// The center, in the plane of the points, mm.
@@ -59,7 +59,7 @@ fn of_full_circle(start: [f64; 2], guess: [f64; 2], points: &[[f64; 2]], stay: f
     center
 }
 
-/// Distance of a point from the circle, and its derivative by the center.
+/// Distance of a point from the circle, and its derivative with respect to the center.
 fn residual(start: [f64; 2], center: [f64; 2], point: [f64; 2]) -> (f64, [f64; 2]) {
     let from_center = |p: [f64; 2]| {
         let across = [p[0] - center[0], p[1] - center[1]];

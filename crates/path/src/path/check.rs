@@ -1,7 +1,7 @@
-//! Where a piece must be looked at so that nothing between its ends is missed.
+//! Selects the places at which a piece is checked, so that no deviation between its ends is missed.
 //!
-//! The error functions of an axis are smooth over a known length (`Features::length`); an eighth of it is a safe distance of samples. Kinks
-//! of tables are looked at exactly.
+//! The error functions of an axis are smooth over a known length (`Features::length`); samples an eighth of it apart are safe. Kinks of tables are
+//! sampled exactly.
 
 use std::f64::consts::FRAC_PI_8;
 
@@ -13,26 +13,26 @@ use super::route::Route;
 
 /// Samples per smooth length.
 const SAMPLES_PER_LENGTH: f64 = 8.0;
-/// Samples of a piece with a kink in it: what is left between them is a hundredth of a bend that is smooth beside the kink.
+/// Samples of a piece that contains a kink: the residual between them is a hundredth of a smooth bend next to the kink.
 const BESIDE_KINKS: u32 = 9;
-/// Samples of a piece whose ends are rounded by much of the tolerance: with them the bend deviates most anywhere too. What is left between
-/// them is 4 (1/12)², 3 % of the bend.
+/// Samples of a piece whose end rounding uses much of the tolerance: the maximum deviation then may be anywhere. The residual between them is 4
+/// (1/12)², 3 % of the bend.
 const BESIDE_ROUNDING: u32 = 5;
-/// Rounding by more than this share of the tolerance is much: below it, the largest deviation beside the middle is at most 1.3 % of the
-/// tolerance larger than in the middle.
+/// Rounding above this share of the tolerance counts as much. Below it, the largest deviation outside the middle is at most 1.3 % of the tolerance
+/// larger than in the middle.
 const MUCH_ROUNDING: f64 = 0.2;
-/// Bounds the time that the check of one piece takes. A helix of 999 turns, the most that can be programmed, needs a quarter of it.
+/// Maximum samples of one piece, which bounds its check time. A helix of 999 turns, the most that can be programmed, needs a quarter of it.
 const MOST_SAMPLES: f64 = 65_536.0;
 
-/// Chooses the places.
+/// Selects the sampling places.
 #[derive(Clone, Debug)]
 pub(super) struct Sampler {
     /// Samples per mm or rad of each axis.
     density: [f64; AXIS_COUNT],
     knots: Vec<(Axis, Vec<f64>)>,
-    /// Axes whose errors depend on the sense of motion.
+    /// Axes whose errors depend on the direction of motion.
     pub(super) backlash: AxisSet,
-    /// The fewest samples of a piece.
+    /// Minimum number of samples of a piece.
     least: u32,
 }
 
@@ -51,7 +51,7 @@ impl Sampler {
         }
     }
 
-    /// The same for pieces whose ends are rounded to increments, and that may deviate by a tolerance, mm.
+    /// Adapts the sampler to pieces whose ends are rounded to increments and that may deviate by a tolerance, mm.
     pub(super) fn with_rounding(mut self, increments: &Increments, tolerance_mm: f64) -> Sampler {
         if increments.rounding_mm() > MUCH_ROUNDING * tolerance_mm {
             self.least = BESIDE_ROUNDING;
@@ -59,19 +59,19 @@ impl Sampler {
         self
     }
 
-    /// Samples that the whole route needs; pieces need their share.
+    /// The number of samples of the whole route; pieces need their share.
     pub(super) fn whole(&self, route: &Route) -> f64 {
         AXES.into_iter().map(|axis| route.travel(axis) * self.density[axis.slot()]).sum()
     }
 
-    /// The largest part of a route that one check can cover.
+    /// The largest share of a route that one check can cover.
     pub(super) fn longest_share(&self, whole: f64) -> f64 {
         if whole > MOST_SAMPLES { MOST_SAMPLES / whole } else { f64::INFINITY }
     }
 
-    /// Fills `fractions` with the places between the ends of the piece of `route` between two parameters: fractions (0 … 1) of it.
-    /// `whole` is what [`Sampler::whole`] says of the route. Errors have their kinks at commands, so these are looked for on the way `emitted`
-    /// that the axes take.
+    /// Fills `fractions` with places between the ends of the piece of `route` between two parameters, as fractions (0 … 1) of the piece. `whole` is
+    /// the result of [`Sampler::whole`] for the route. Errors have their kinks at commands, so kinks are located on the route `emitted` that the axes
+    /// take.
     pub(super) fn fractions(
         &self,
         (route, whole): (&Route, f64),
@@ -83,7 +83,7 @@ impl Sampler {
         let share = between[1] - between[0];
         let needed = whole * share;
         let turned = (route.sweep_rad() * share).abs() / FRAC_PI_8;
-        // Odd, so that the middle, where a bend deviates most, is among them. The conversion is exact: at most 65536.
+        // Odd, so that the middle, where a bend deviates most, is included. The conversion is exact: at most 65536.
         let count = (needed.max(turned).ceil().min(MOST_SAMPLES) as u32).max(self.least) | 1;
         fractions.extend((1..=count).map(|k| f64::from(k) / f64::from(count + 1)));
         let first = fractions.len();
@@ -96,7 +96,7 @@ impl Sampler {
             }
         }
         if fractions.len() > first && count < BESIDE_KINKS {
-            // A bend with a kink in it deviates most anywhere, not in the middle.
+            // The maximum deviation of a bend with a kink may be anywhere, not only in the middle.
             fractions.extend((1..=BESIDE_KINKS).map(|k| f64::from(k) / f64::from(BESIDE_KINKS + 1)));
         }
     }

@@ -1,4 +1,4 @@
-//! The adapter: elements in, corrected pieces and the other elements out, in order, one move at a time.
+//! The corrector adapter: takes elements and emits corrected pieces and other elements, in order, one move at a time.
 
 mod between;
 mod clamps;
@@ -29,11 +29,11 @@ use super::trial::{SegmentFitter, Trial};
 use super::{Arcs, Increments, Options, Output, Piece, PoseSample, Prediction, Rotary, Subdivision};
 use clamps::{Clamps, rotary_axes};
 
-/// Pieces shorter than this are not made, mm.
+/// Minimum length of a piece, mm.
 const SHORTEST_MM: f64 = 0.01;
 
-/// Corrects a stream of elements. Findings are items of the stream too: after an error the correction goes on, so that one run shows
-/// them all.
+/// Corrects a stream of elements. Diagnostics are items of the stream too: after an error the correction goes on, so that one run reports all of
+/// them.
 pub struct Corrector<'a, I> {
     elements: Ahead<'a, I>,
     machine: &'a Machine,
@@ -47,7 +47,7 @@ pub struct Corrector<'a, I> {
     standing: PathState,
     ever_named: AxisSet,
     active: Option<Box<Active>>,
-    /// Room for the next move, so that none is allocated for each.
+    /// Reused storage for the next move.
     idle: Option<Box<Active>>,
     pending: VecDeque<Result<Output, Diagnostic>>,
     findings: DiagnosticCollector<'a>,
@@ -57,7 +57,7 @@ pub struct Corrector<'a, I> {
     scratch: Vec<f64>,
 }
 
-/// The move that is being cut.
+/// The move in progress.
 #[derive(Debug)]
 struct Active {
     origin: Origin,
@@ -68,20 +68,20 @@ struct Active {
     moving: AxisSet,
     treatment: Treatment,
     route: Route,
-    /// Samples that the whole route needs.
+    /// Number of samples of the whole route.
     samples: f64,
-    /// Its time, where the correction may change for which way its feed is.
+    /// Its time, if the correction may change the path to which its feed refers.
     pacing: Option<pace::Pacing>,
-    /// Where the next piece begins.
+    /// Parameter at which the next piece begins.
     parameter: f64,
-    /// Length of the last piece, as a parameter; the whole move before the first.
+    /// Length of the last piece, as a parameter; before the first piece, the whole move.
     length: f64,
     is_first: bool,
-    /// Share of the time that belongs to pieces which were not written, as they are shorter than an increment.
+    /// Share of the time of unwritten pieces, which are shorter than an increment.
     unwritten: f64,
-    /// No useful arc fits.
+    /// No useful arc fits; the arc becomes chords.
     as_chords: bool,
-    /// Whether its error counts in the prediction.
+    /// `true` if its error counts in the prediction.
     is_counted: bool,
     /// As in [`SegmentFitter::settled`].
     settled: [i8; AXIS_COUNT],
@@ -91,12 +91,12 @@ impl<'a, I> Corrector<'a, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
-    /// Starts a correction. The model must be that of the machine.
+    /// Starts a correction. The model must belong to the machine.
     #[must_use]
     pub fn new(elements: I, machine: &'a Machine, model: &'a Model, options: Options) -> Self {
         let mut standing = PathState::default();
         if let Some(start) = options.start {
-            // The machine stands there as the control sees it, uncorrected.
+            // The start is the position in the control, uncorrected.
             standing.nominal = start;
             standing.command = start;
             standing.known = machine.axis_set();
@@ -128,19 +128,19 @@ where
         }
     }
 
-    /// The error along the path so far; complete when the stream has ended.
+    /// The error along the path so far; complete at the end of the stream.
     #[must_use]
     pub fn prediction(&self) -> &Prediction {
         &self.prediction
     }
 
-    /// Poses of the corrected moves so far, some of each part of the program.
+    /// Sampled poses of the corrected moves so far, spread over the program.
     #[must_use]
     pub fn poses(&self) -> &[PoseSample] {
         self.poses.kept()
     }
 
-    /// The stream of elements, for what it knows beside them.
+    /// The underlying stream of elements.
     #[must_use]
     pub fn elements(&self) -> &I {
         self.elements.elements()
@@ -240,7 +240,7 @@ where
             Treatment::Named => return bench.of_named(standing, active.moving),
             Treatment::End | Treatment::Way => {}
         }
-        // A move that a control may make either way has no way that could be cut.
+        // A move that a control may make in either direction has no defined path to cut.
         let is_whole = active.motion.manner != Manner::Path || active.motion.turns_either_way();
         if is_whole && active.treatment == Treatment::Way {
             return bench.straight(standing, [from, 1.0], scratch);
@@ -254,7 +254,7 @@ where
                 }
                 return trial;
             }
-            // Without errors only rounding bends an arc; it turns the bisector of a chord that is not much longer than an increment.
+            // Without errors only rounding bends an arc: it rotates the bisector of a chord that is not much longer than an increment.
             let whole = match active.treatment {
                 Treatment::End => bench.unmeasured_arc(standing, [from, 1.0]),
                 _ => bench.arc(standing, [from, 1.0], scratch).filter(Trial::fits),
@@ -282,7 +282,7 @@ where
         let limit = turning.min(from + step);
         let mut first = None;
         if active.length >= limit - from {
-            // Most moves of a surface are one piece, and that is known by one trial.
+            // Most moves of a surface are one piece, which a single attempt confirms.
             let whole = bench.straight(standing, [from, limit], scratch);
             if whole.fits() && !whole.end.is_held_back {
                 return whole;
@@ -294,7 +294,7 @@ where
         fit_line(&bench, standing, reach, first, scratch).unwrap_or_else(|| bench.unmeasured(standing, [from, turning]))
     }
 
-    /// Makes a tried piece real. A step on the spot before it waits in the queue already.
+    /// Commits a piece candidate. A step on the spot before it is already in the queue.
     fn accept(&mut self, active: &mut Active, trial: &Trial) -> Option<Piece> {
         let [from, to] = trial.between;
         let is_last = to >= 1.0;
@@ -311,7 +311,7 @@ where
             let way = Route::new(self.standing.command, start.command, None);
             let piece = (&active.route, from);
             self.findings.check(&active.origin, stated, piece, &way, &self.placer.setup.tool_mm);
-            // Such a step takes the time that its length takes on the way.
+            // Such a step takes the time that its length takes on the path.
             let share = way.size_mm() / active.route.size_mm();
             let at = active.route.at(from);
             let step = self.write(active, start, None, (share, &at), false);

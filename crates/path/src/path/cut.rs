@@ -1,25 +1,25 @@
-//! Where the next piece of a move ends: arcs by what fits, fixed steps by the axis that moves farthest.
+//! The end of the next piece of a move: for arcs the longest that fits, for fixed steps by the axis that moves farthest.
 
 use super::extend::{SearchBounds, longest};
 use super::route::Route;
 use super::standing::PathState;
 use super::trial::{BEND_SHARE, SegmentFitter, Trial};
 
-/// Arcs that are no full circle turn by at most this in one piece, rad: near a full turn, rounding could swap start and end.
+/// Largest sweep of a piece of an arc that is not a full circle, rad: near a full turn, rounding could swap start and end.
 const MOST_SWEEP: f64 = 330.0 * std::f64::consts::PI / 180.0;
-/// A sweep this near to a full turn is one, rad.
+/// Tolerance within which a sweep counts as a full turn, rad.
 const SAME_ANGLE: f64 = 1e-7;
-/// An arc piece that saves fewer chords than this is not worth its words.
+/// Minimum number of chords that an arc piece must save to be useful.
 const USEFUL_CHORDS: f64 = 3.0;
-/// Halvings of a piece that turns rotary corrections too far.
+/// Maximum halvings of a piece that turns rotary corrections too far.
 const MOST_HALVINGS: u32 = 8;
-/// The largest feed that is written, mm/min or 1/min: controls take six digits before the point. No axis is as fast.
+/// Largest written feed, mm/min or 1/min: controls accept six digits before the point. No axis is as fast.
 pub(super) const MOST_FEED: f64 = 999_999.0;
-/// Parameters nearer than this to each other are one place.
+/// Parameters nearer to each other than this are one place.
 const SAME_PARAMETER: f64 = 1e-9;
 
-/// The longest useful arc between two parameters of the move, beginning at the first; `None` where chords do as well. `guess` is the
-/// length to begin the search with.
+/// The longest useful arc between two parameters of the move, beginning at the first; `None` if chords serve equally well. `guess` is the initial
+/// length of the search.
 pub(super) fn fit_arc(
     bench: &SegmentFitter<'_, '_>,
     standing: &PathState,
@@ -44,7 +44,7 @@ pub(super) fn fit_arc(
             return circle;
         }
     }
-    // Half the angle over which a chord of the tolerance stretches.
+    // Half the angle of a chord whose sag is the tolerance.
     let half_chord = (1.0 - bench.tolerance_mm / bench.route.radius_mm()).max(-1.0).acos();
     let reach = SearchBounds {
         from,
@@ -56,8 +56,8 @@ pub(super) fn fit_arc(
     longest(reach, |between| bench.arc(standing, between, scratch)).filter(Trial::fits)
 }
 
-/// The longest straight piece that fits. `first` is the trial of the whole reach, where it was made. Where it turns rotary corrections too far for one block, it is a shorter one that does not; where
-/// none does, as behind a step of the errors, length is not the reason.
+/// The longest straight piece that fits. `first` is the candidate over the whole range, if available. If a piece turns rotary corrections too far for
+/// one block, it is shortened. If no shorter one helps, as after a step of the errors, length is not the reason.
 pub(super) fn fit_line(
     bench: &SegmentFitter<'_, '_>,
     standing: &PathState,
@@ -68,7 +68,7 @@ pub(super) fn fit_line(
     let mut found =
         longest(reach, |between| first.take().or_else(|| Some(bench.straight(standing, between, scratch))))?;
     if !found.fits() {
-        // The shortest piece leaves as much as it does for another reason than its length: one that leaves hardly more is as good.
+        // The shortest piece has a deviation that does not come from its length: a piece with hardly more is as good.
         let enough_mm = (1.0 + BEND_SHARE) * found.deviation_mm;
         let reach = SearchBounds { guess: reach.limit - reach.from, ..reach };
         found = longest(reach, |between| {
@@ -95,7 +95,7 @@ pub(super) fn next_step(route: &Route, from: f64, step_mm: f64) -> f64 {
     if to < 1.0 - SAME_PARAMETER { to } else { 1.0 }
 }
 
-/// The reciprocal of a share of a time; a step that takes no time keeps that of the move.
+/// Scales a reciprocal time to a share of the move; a step without duration keeps the value of the move.
 pub(super) fn of_share(feed: f64, share: f64) -> f64 {
     let feed = if share > 0.0 && share < 1.0 { feed / share } else { feed };
     ((feed * 1e6).round() / 1e6).min(MOST_FEED)

@@ -1,41 +1,41 @@
-//! How far the next piece may reach: the longest that fits, found by few trials.
+//! Search for the longest piece that fits, with few attempts.
 //!
-//! The deviation of a straight piece grows with the square of its length, that of an arc faster; a trial that is too long or too short so
-//! says where to try next. Where errors have kinks or rounding makes the deviation jump, bisection takes over.
+//! The deviation of a straight piece grows with the square of its length, that of an arc faster. An attempt that is too long or too short thus
+//! predicts the next one. If kinks or rounding make the deviation jump, bisection takes over.
 
 use super::trial::Trial;
 
-/// Trials for one piece.
+/// Maximum attempts for one piece.
 const MOST_TRIALS: usize = 12;
-/// A piece that uses this much of its tolerance is as long as it can be but for a few percent.
+/// Share of the tolerance above which a piece is within a few percent of the longest one.
 const GOOD_ENOUGH: f64 = 0.92;
-/// Bounds between which the search ends: the piece could be longer by this share at most.
+/// Ratio of the bounds at which the search ends.
 const CLOSE_ENOUGH: f64 = 1.03;
-/// Aim of the next trial, as a share of what is allowed.
+/// Target of the next attempt as a share of the allowed deviation.
 const AIM: f64 = 0.96;
-/// A trial that fits may be followed by one this much longer.
+/// Largest ratio of the next attempt to one that fits.
 const MOST_GROWTH: f64 = 3.0;
 
-/// A rest shorter than this share of the piece before it is a splinter.
+/// A remainder shorter than this share of the previous piece is a splinter.
 const SPLINTER_SHARE: f64 = 0.5;
 
-/// What bounds the search: lengths in the parameter of the move.
+/// Bounds of the search: lengths in the parameter of the move.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SearchBounds {
-    /// Where the piece begins.
+    /// Start of the piece.
     pub(super) from: f64,
-    /// As far as it may go.
+    /// Largest end of the piece.
     pub(super) limit: f64,
-    /// Length to begin with.
+    /// Initial length.
     pub(super) guess: f64,
     /// Shortest length.
     pub(super) floor: f64,
-    /// Power of the length with which the deviation grows.
+    /// Exponent with which the deviation grows with the length.
     pub(super) order: f64,
 }
 
-/// The longest piece found that fits, or failing that the one at the floor. Where little would be left behind it, the rest is halved:
-/// the number of pieces is the same, and none is a splinter.
+/// The longest piece that fits, or the one at the floor if none fits. If little would remain after it, the rest is halved: the number of pieces is
+/// unchanged, and none is a splinter.
 pub(super) fn longest(reach: SearchBounds, mut attempt: impl FnMut([f64; 2]) -> Option<Trial>) -> Option<Trial> {
     let found = search(reach, &mut attempt)?;
     let [from, to] = found.between;
@@ -47,7 +47,7 @@ pub(super) fn longest(reach: SearchBounds, mut attempt: impl FnMut([f64; 2]) -> 
     Some(found)
 }
 
-/// The same with whatever is left.
+/// Searches without regard to the remainder.
 fn search(reach: SearchBounds, attempt: &mut impl FnMut([f64; 2]) -> Option<Trial>) -> Option<Trial> {
     let most = reach.limit - reach.from;
     let floor = reach.floor.min(most);
@@ -55,7 +55,7 @@ fn search(reach: SearchBounds, attempt: &mut impl FnMut([f64; 2]) -> Option<Tria
     let mut too_long = f64::INFINITY;
     let mut length = reach.guess.clamp(floor, most);
     for _ in 0..MOST_TRIALS {
-        // A rest that is hardly longer goes along: exactly to the limit.
+        // A remainder that is hardly longer is included: exactly to the limit.
         let to = if length >= most * (1.0 - 1e-9) { reach.limit } else { reach.from + length };
         let trial = attempt([reach.from, to]);
         let share = trial.map_or(f64::INFINITY, |trial| trial.share());
@@ -83,7 +83,7 @@ fn search(reach: SearchBounds, attempt: &mut impl FnMut([f64; 2]) -> Option<Tria
         };
         length = aimed.clamp(floor, most).min(MOST_GROWTH * length);
         if too_long.is_finite() && !(length > fitting && length < too_long) {
-            // The aim is outside of what is still open.
+            // The target is outside the open interval.
             length = if fitting > 0.0 { (fitting * too_long).sqrt() } else { (0.5 * too_long).max(floor) };
         }
     }

@@ -1,6 +1,6 @@
-//! What the correction finds out about a program: positions outside the travel, corrections that are too large or do not exist.
+//! Diagnostics of the correction: positions outside the travel, corrections that are too large or do not exist.
 //!
-//! Each kind once per source line; after a hundred, no more.
+//! Each kind once per source line, at most a hundred.
 
 use std::collections::HashSet;
 
@@ -13,12 +13,12 @@ use ncfix_model::NotConverged;
 
 use super::route::Route;
 
-/// More findings than this help nobody.
+/// Maximum number of diagnostics.
 const MOST_FINDINGS: usize = 100;
-/// A command this much beyond its limit is on it: the noise of the arithmetic, mm or rad.
+/// Tolerance within which a command counts as on its limit: rounding noise, mm or rad.
 pub(super) const ON_LIMIT: f64 = 1e-9;
 
-/// Collects findings.
+/// Collects diagnostics.
 #[derive(Debug)]
 pub(super) struct DiagnosticCollector<'a> {
     machine: &'a Machine,
@@ -27,7 +27,7 @@ pub(super) struct DiagnosticCollector<'a> {
     reported: HashSet<(FileId, u32, Code)>,
     new: Vec<Diagnostic>,
     tolerance_was_missed: bool,
-    /// Axes whose sense was pointed at.
+    /// Axes whose unknown direction was reported.
     unsensed: AxisSet,
 }
 
@@ -44,12 +44,12 @@ impl<'a> DiagnosticCollector<'a> {
         }
     }
 
-    /// Takes the findings that have come up.
+    /// Takes the new diagnostics.
     pub(super) fn take(&mut self) -> impl Iterator<Item = Diagnostic> + '_ {
         self.new.drain(..)
     }
 
-    /// Whether there are any to take.
+    /// `true` if there are no new diagnostics.
     pub(super) fn is_empty(&self) -> bool {
         self.new.is_empty()
     }
@@ -69,9 +69,9 @@ impl<'a> DiagnosticCollector<'a> {
             let end = emitted.end[data.axis];
             if let Some([low, high]) = data.travel {
                 let [least, most] = span_of(emitted, data.axis);
-                // The end of the whole move, corrected where this is its last piece.
+                // The end of the whole move, corrected if this is its last piece.
                 let whole_end = if parameter >= 1.0 { end } else { whole.end[data.axis] };
-                // Ranges, so that a position that is no number is outside.
+                // Ranges, so that NaN is outside.
                 let is_below = |position: f64| !(low - ON_LIMIT..).contains(&position);
                 if is_below(least) {
                     let on_the_way = [span_of(whole, data.axis)[0], least];
@@ -104,7 +104,8 @@ impl<'a> DiagnosticCollector<'a> {
         }
     }
 
-    /// What output in machine coordinates cannot say: the place of an axis, a thread whose lead belongs to an axis of the frame.
+    /// Reports content that output in machine coordinates cannot express: an axis at an unknown position, or a thread whose lead belongs to an axis
+    /// of the frame.
     pub(super) fn in_machine_frame(&mut self, origin: &Origin, unknown: Option<Axis>, is_turned_thread: bool) {
         if let Some(axis) = unknown {
             let message = format!("the frame moves {axis}, and the program has not stated where {axis} is");
@@ -128,7 +129,7 @@ impl<'a> DiagnosticCollector<'a> {
         self.report(origin, Code::NOT_CONVERGED, message, help.into());
     }
 
-    /// Says once that a piece deviates by more than asked for; of moves that are not cut, each time.
+    /// Reports a piece that exceeds the tolerance: once, or each time for moves that are not cut.
     pub(super) fn tolerance_missed(&mut self, origin: &Origin, is_cut: bool, deviation_mm: f64, tolerance_mm: f64) {
         if !is_cut {
             let message = format!(
@@ -145,7 +146,7 @@ impl<'a> DiagnosticCollector<'a> {
         }
     }
 
-    /// Says once for each axis that nobody knows from which side it came to its place.
+    /// Reports, once for each axis, an unknown direction of approach.
     pub(super) fn sense_unknown(&mut self, origin: &Origin, axis: Axis, half_mm: f64) {
         if self.unsensed.contains(axis) {
             return;
@@ -156,12 +157,12 @@ impl<'a> DiagnosticCollector<'a> {
             micrometers(half_mm)
         );
         let help = format!("let the program move {axis} by more than that before it cuts, or give --start");
-        // One for each axis, also where they are in the same line.
+        // One for each axis, even in the same line.
         let place = Place { file: origin.file, span: origin.span };
         self.new.push(Diagnostic::at(Code::SENSE_UNKNOWN, place, message, help));
     }
 
-    /// Says that a feed would be that of the correction.
+    /// Reports a feed that would refer to the path of the correction.
     pub(super) fn feed_of_another_way(&mut self, origin: &Origin) {
         let message =
             "rotary axes turn here, and with the correction the feed would be that of X, Y, Z beside them".to_owned();
@@ -170,7 +171,7 @@ impl<'a> DiagnosticCollector<'a> {
         self.report(origin, Code::FEED_OF_ANOTHER_WAY, message, help.into());
     }
 
-    /// Says that a feed of the tip and of rotary axes together cannot be said for axes.
+    /// Reports a feed of tip and rotary axes together that cannot be expressed in axis coordinates.
     pub(super) fn feed_of_turns(&mut self, origin: &Origin) {
         let message = "the feed is that of rotary axes too (FGROUP), under a transformation that the output leaves out"
             .to_owned();
@@ -196,7 +197,7 @@ impl<'a> DiagnosticCollector<'a> {
     }
 }
 
-/// Least and greatest position of an axis at the end of a way and where the axis turns on it.
+/// Smallest and largest position of an axis at the end of a path and at its turning points.
 fn span_of(way: &Route, axis: Axis) -> [f64; 2] {
     let end = way.end[axis];
     let (mut least, mut most) = (end, end);
@@ -214,8 +215,8 @@ fn span_of(way: &Route, axis: Axis) -> [f64; 2] {
     [least, most]
 }
 
-/// Which position of a move that leads outside a person looks for: the end, which the program states; else the farthest one on the way,
-/// programmed if that is outside, or corrected.
+/// The position to report for a move that leaves the travel: the programmed end if it is outside. Otherwise the farthest one on the path, programmed
+/// if that is outside, or corrected.
 fn place_outside(end: f64, on_the_way: [f64; 2], is_outside: impl Fn(f64) -> bool) -> (f64, &'static str) {
     if is_outside(end) {
         return (end, "");
@@ -224,13 +225,13 @@ fn place_outside(end: f64, on_the_way: [f64; 2], is_outside: impl Fn(f64) -> boo
     (if is_outside(programmed) { programmed } else { corrected }, " on the way")
 }
 
-/// A length for a sentence.
+/// Formats a length for a message.
 fn micrometers(mm: f64) -> String {
     let um = mm * 1e3;
     if um.abs() < 1.0 { format!("{um:.3} µm") } else { format!("{um:.1} µm") }
 }
 
-/// The linear axes that place the tip in space: X Y Z, and U V W where the machine lacks the primary letter.
+/// The linear axes that position the tip: X Y Z, and U V W if the machine lacks the primary letter.
 pub(super) fn placing_axes(machine: &Machine) -> AxisSet {
     let of_dimension =
         |dimension| AXES.into_iter().filter(move |axis| !axis.is_rotary() && axis.dimension() == dimension);

@@ -1,4 +1,4 @@
-//! Axes at rest whose backlash the errors of other axes would turn to and fro.
+//! Axes at rest that the corrections of other axes would reverse repeatedly within their backlash.
 
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_machine::machine::State;
@@ -9,9 +9,9 @@ use super::standing::PathState;
 use super::trial::{PieceEnds, SAME_PLACE_MM, SAMPLED_SHARE, SegmentFitter};
 
 impl SegmentFitter<'_, '_> {
-    /// The ends where an axis that the program does not move is asked to go one way by the errors of the other: it stays through the piece,
-    /// and is off by what its correction changes along it instead of by its backlash. It stays where a step on the spot leads it, to the
-    /// one side or the other, or else where it is. `None` where the program moves all such axes.
+    /// The ends for an axis that the program does not move and that the errors of the others push one way: it is held through the piece. Its error is
+    /// then the change of its correction along the piece instead of its backlash. It is held on the side of a step on the spot, or else at its
+    /// current position. `None` if the program moves all such axes.
     pub(super) fn held(
         &self,
         standing: &PathState,
@@ -29,7 +29,7 @@ impl SegmentFitter<'_, '_> {
             let mut command = placed.command;
             let Placed { mut failure, is_held_back, .. } = placed;
             if held.iter().any(Axis::is_rotary) {
-                // What a rotary axis is off by, the linear ones make up for.
+                // The linear axes compensate the error of the rotary axes.
                 held.iter().filter(|axis| axis.is_rotary()).for_each(|axis| command[axis] = at[axis]);
                 match self.placer.around(nominal, self.known, sense, &command) {
                     Ok(around) => command = around,

@@ -1,13 +1,13 @@
-//! Positions as whole numbers of the smallest increment that a program of the control can express.
+//! Positions as whole numbers of the smallest programmable increment of the control.
 
 use ncfix_base::geometry::Axis;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::machine::Control;
 
-/// What a bend may add to rounding, as a share of it.
+/// Deviation of a bend in addition to rounding, as a share of the rounding.
 const BEND_SHARE: f64 = 0.25;
 
-/// The increments of a control: mm for linear axes, degrees for rotary ones.
+/// The increments of a control: mm for linear axes, degrees for rotary axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increments {
     /// Smallest step of a linear axis in a program, mm.
@@ -19,10 +19,10 @@ pub struct Increments {
 }
 
 impl Increments {
-    /// Those of a control.
+    /// The increments of a control.
     #[must_use]
     pub fn new(control: &Control) -> Increments {
-        // The increment is a short decimal in degrees; its way through radians must not leave a rest in the last digits.
+        // The increment is a short decimal in degrees; the conversion through radians must not alter the last digits.
         let rotary_deg = (control.increment_rad.to_degrees() * 1e12).round() / 1e12;
         let (unit_mm, share) = match (control.output_inch == Some(true), control.has_inch_grid) {
             (false, _) => (1.0, 1.0),
@@ -32,13 +32,13 @@ impl Increments {
         Increments { linear_mm: control.increment_mm * share, rotary_deg, unit_mm }
     }
 
-    /// What rounding the linear axes moves the tip by at most, mm: half an increment in each of three directions.
+    /// Largest tip displacement due to rounding of the linear axes, mm: half an increment in each of three directions.
     #[must_use]
     pub fn rounding_mm(&self) -> f64 {
         0.5 * 3.0_f64.sqrt() * self.linear_mm
     }
 
-    /// How far the tip may be off where a tolerance was promised, mm: where rounding is all that is left, the bend of a piece, or the rounded center of an
+    /// Allowed deviation of the tip for a promised tolerance, mm. If rounding exceeds the tolerance, the bend of a piece, or the rounded center of an
     /// arc, adds a share of it.
     #[must_use]
     pub fn allowed_mm(&self, tolerance_mm: f64) -> f64 {
@@ -46,13 +46,13 @@ impl Increments {
         tolerance_mm.max(rounding_mm) + BEND_SHARE * rounding_mm
     }
 
-    /// The nearest whole number of increments to a position of an axis (mm, rad).
+    /// The nearest whole number of increments to an axis position (mm, rad).
     #[must_use]
     pub fn count(&self, axis: Axis, position: f64) -> i64 {
         self.ratio(axis, position).round() as i64
     }
 
-    /// The position in increments, not rounded.
+    /// The position in increments, unrounded.
     #[must_use]
     pub fn ratio(&self, axis: Axis, position: f64) -> f64 {
         if axis.is_rotary() { position.to_degrees() / self.rotary_deg } else { position / self.linear_mm }

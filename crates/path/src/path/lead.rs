@@ -1,4 +1,4 @@
-//! How commands lead the bodies of axes through their dead bands, along a whole way.
+//! Propagation of commands through the dead bands of the axis bodies along a path.
 
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::Machine;
@@ -6,35 +6,35 @@ use ncfix_model::{DeadBand, Model, Off, Room};
 
 use super::route::Route;
 
-/// What rounding the center of an arc moves an axis by at its turning point is less, mm: e²/2r for a center that is off by e.
+/// Upper bound of the axis displacement at a turning point due to rounding of the arc center, mm: e²/2r for a center that is off by e.
 const QUIET_MM: f64 = 5e-5;
-/// Half the step over which the direction of a way is looked at, as a parameter, and the shortest way that has one, mm.
+/// Half the parameter step for the direction of a path, and the shortest path that has a direction, mm.
 const DIRECTION_STEP: f64 = 1e-4;
 const SHORTEST_MM: f64 = 1e-9;
-/// What an overshoot goes beyond the lost motion, as a share of it, and at least so many increments.
+/// Excess of an overshoot beyond the lost motion: a share of it, and a minimum number of increments.
 const BIT_SHARE: f64 = 0.25;
 const BIT_INCREMENTS: f64 = 5.0;
-/// Turning points of one arc that are looked at.
+/// Maximum number of turning points of one arc.
 const MOST_PLACES: usize = 4096;
 
-/// What the bodies follow.
+/// Data that determine the motion of the bodies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lead<'a> {
     pub(super) model: &'a Model,
-    /// Axes whose errors depend on the sense of motion.
+    /// Axes whose errors depend on the direction of motion.
     pub(super) axes: AxisSet,
     room: Room,
 }
 
 impl<'a> Lead<'a> {
-    /// On a machine with its errors.
+    /// For a machine with its errors.
     pub(super) fn new(model: &'a Model, machine: &Machine) -> Lead<'a> {
         let axes = AXES.into_iter().filter(|&axis| model.features(axis).backlash).collect();
         Lead { model, axes, room: Room::of(&machine.control) }
     }
 
-    /// Notes a way between two parameters; axes turn on it where an arc does. An axis without a dead band, or with one of about an increment, is
-    /// at once on the side to which it is about to go.
+    /// Follows a path between two parameters; axes reverse on it at the turning points of an arc. An axis without a dead band, or with one of about
+    /// an increment, is immediately on the side of its next motion.
     pub(super) fn along(&self, band: &mut DeadBand, route: &Route, stated: AxisSet, [from, to]: [f64; 2]) {
         if self.axes.is_empty() {
             return;
@@ -70,24 +70,24 @@ impl<'a> Lead<'a> {
         }
     }
 
-    /// Whether the least motion leads the body of an axis along: its dead band is no wider than what rounding moves its command by.
+    /// `true` if the smallest motion moves the body of an axis: its dead band is no wider than the rounding of its command.
     pub(super) fn is_quick(&self, axis: Axis, command: &AxisVector) -> bool {
         let lost = self.model.lost_motion(axis, command);
         lost <= self.room.of_axis(axis, lost)
     }
 
-    /// How far an overshoot leads that settles on which side an axis is, mm.
+    /// Length of an overshoot that determines the side of an axis, mm.
     pub(super) fn beyond_mm(&self, axis: Axis, command: &AxisVector, increment_mm: f64) -> f64 {
         let lost_mm = self.model.lost_motion(axis, command);
         lost_mm + (BIT_SHARE * lost_mm).max(BIT_INCREMENTS * increment_mm)
     }
 
-    /// Whether it is known where the body of an axis is.
+    /// `true` if the position of the axis body in its dead band is known.
     pub(super) fn is_known(&self, band: &DeadBand, axis: Axis, command: &AxisVector) -> bool {
         band.is_known(self.model, axis, command)
     }
 
-    /// Adds the parameters of a way at which bodies begin to follow for certain.
+    /// Adds the parameters of a path at which bodies certainly begin to follow.
     pub(super) fn edges(&self, band: &DeadBand, way: &Route, parameters: &mut Vec<f64>) {
         for axis in self.axes.iter() {
             let from = way.start[axis];
@@ -98,7 +98,7 @@ impl<'a> Lead<'a> {
         }
     }
 
-    /// Puts axes that the least motion turns on these sides, by slot.
+    /// Puts quick axes on these sides, by slot.
     pub(super) fn put(&self, band: &mut DeadBand, sides: &[i8; AXIS_COUNT], command: &AxisVector) {
         for axis in self.axes.iter().filter(|axis| sides[axis.slot()] != 0) {
             if self.is_quick(axis, command) {
@@ -107,7 +107,7 @@ impl<'a> Lead<'a> {
         }
     }
 
-    /// Whether an axis would come to a side by a step to `command`, if it were placed for that side instead of for `guess`.
+    /// `true` if a step to `command` would bring the axis to a side if it were placed for that side instead of for `guess`.
     pub(super) fn is_reached(
         &self,
         band: &DeadBand,
@@ -126,7 +126,7 @@ impl<'a> Lead<'a> {
         band.direction()[axis.slot()] == side
     }
 
-    /// As [`DeadBand::error_mm`]; `way` is the route, and the parameter, along which the tool may wait.
+    /// As [`DeadBand::error_mm`]; `way` is the route, and the parameter, along which the tool may lag.
     pub(super) fn error_mm(
         &self,
         band: &DeadBand,
@@ -151,7 +151,7 @@ impl<'a> Lead<'a> {
         band.unknown_mm(self.model, (self.axes, axis), places, tool_mm, along)
     }
 
-    /// The direction in which the tip goes along a route; `None` where it stays.
+    /// The direction of the tip along a route; `None` if it does not move.
     fn direction(&self, route: &Route, at: f64, tool_mm: &Vector) -> Option<Vector> {
         let places = [at - DIRECTION_STEP, at + DIRECTION_STEP].map(|share| route.at(share.clamp(0.0, 1.0)));
         let [from, to] = places.map(|command| self.model.nominal(&command, tool_mm).translation);

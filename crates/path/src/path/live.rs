@@ -1,9 +1,9 @@
-//! Second step of the correction: what the temperatures of the moment ask for, added to pieces just before they are written (Spaan 1995, ch. 7).
+//! Second step of the correction: adds the correction for the current temperatures to pieces just before they are written (Spaan 1995, ch. 7).
 //!
-//! The first step has corrected and cut the program in one condition of the machine. Here each piece is solved for its nominal end once more, in that
-//! condition and in the one of the moment; the difference is what the model asks for, of which [`Doses`] says how much is applied. Along an arc and
-//! on the spot nothing changes, so that centers stay right: a constant shift moves start, end and center alike. A piece that does not name an axis
-//! whose shift has changed gets its word.
+//! The first step has corrected and cut the program for one condition of the machine. Here each piece is solved again for its nominal end, in that
+//! condition and in the current one. The difference is the required shift, of which [`Doses`] determines the applied part. Along an arc and on the
+//! spot nothing changes, so that centers stay valid: a constant shift moves start, end and center alike. A piece that does not name an axis whose
+//! shift has changed gets a word for it.
 
 use std::sync::Arc;
 
@@ -15,59 +15,59 @@ use ncfix_model::{Model, Solve};
 use super::place::Placer;
 use super::{Increments, Options, Output, Piece, lost_axes};
 
-/// What a piece is asked about.
+/// Input of [`Doses`] for a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asked {
-    /// What the model asks for where the axes stand, mm and rad.
+    /// Required shift at the start of the piece, mm and rad.
     pub before: AxisVector,
-    /// The same at the end of the piece.
+    /// Required shift at the end of the piece, mm and rad.
     pub now: AxisVector,
-    /// Way of the tip, mm.
+    /// Tip path length, mm.
     pub way_mm: f64,
-    /// Time that has passed since the last piece, by the program, s.
+    /// Program time since the last piece, s.
     pub time_s: f64,
-    /// What the piece allows.
+    /// Permitted change of the shift.
     pub allows: Allows,
 }
 
-/// What a piece allows.
+/// Permitted change of the shift in a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Allows {
-    /// Another shift at its end: a straight way with feed.
+    /// Another shift at its end: a straight feed path.
     Change,
-    /// The same on a way on which nothing is cut.
+    /// Another shift at its end, on a path without cutting.
     Rapid,
     /// No change: an arc, a step on the spot.
     Nothing,
-    /// It is not corrected: no shift is applied at its end, and the next piece begins without one.
+    /// Uncorrected piece: no shift is applied at its end, and the next piece begins without one.
     Release,
 }
 
-/// Says how much of what is asked for is applied.
+/// Determines the applied part of the required shift.
 pub trait Doses {
     /// The shift at the end of the piece, mm and rad.
     fn dose(&mut self, asked: &Asked) -> AxisVector;
 }
 
-/// What was made of the last piece.
+/// Result for the last piece.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Applied {
-    /// What the model asks for at its end.
+    /// Required shift at its end.
     pub asked: AxisVector,
-    /// What is applied there.
+    /// Applied shift at its end.
     pub shift: AxisVector,
-    /// How long it takes, dwells before it included, s.
+    /// Its duration including preceding dwells, s.
     pub time_s: f64,
 }
 
-/// Adds the second step to pieces, one after the other in the order of the program.
+/// Applies the second step to pieces in the order of the program.
 pub struct Live<'a> {
     machine: &'a Machine,
     placer: Placer<'a>,
-    /// Where the first step has brought the axes, and where they should be.
+    /// Command of the first step, and nominal position.
     command: AxisVector,
     nominal: AxisVector,
-    /// Where they were sent: what was written last, and for which axes.
+    /// Written position, and the axes for which it is valid.
     sent: AxisVector,
     counts: [i64; AXIS_COUNT],
     written: AxisSet,
@@ -76,7 +76,7 @@ pub struct Live<'a> {
 }
 
 impl<'a> Live<'a> {
-    /// Begins one for pieces that were corrected by `base` with the same options.
+    /// Starts the second step for pieces that were corrected by `base` with the same options.
     #[must_use]
     pub fn new(machine: &'a Machine, base: &'a Model, options: &Options) -> Self {
         let start = options.start;
@@ -93,12 +93,12 @@ impl<'a> Live<'a> {
         }
     }
 
-    /// What was made of the last piece.
+    /// Result for the last piece.
     pub fn applied(&self) -> &Applied {
         &self.applied
     }
 
-    /// The next output of the first step, with what `now` asks for; without it with what was applied last.
+    /// Applies the shift of `now` to the next output of the first step; without `now`, the last shift.
     pub fn apply(&mut self, output: Output, now: Option<&Model>, doses: &mut dyn Doses) -> Output {
         let element = match output {
             Output::Piece(piece) => return Output::Piece(self.shift(piece, now, doses)),
@@ -108,7 +108,7 @@ impl<'a> Live<'a> {
             Kind::Setup(setup) => {
                 let [old, new] = [&self.placer.setup.frame, &setup.frame];
                 if old.linear() != new.linear() && !self.placer.is_machine_frame() {
-                    // The words of all axes mean something else.
+                    // The words of all axes change their meaning.
                     self.written = AxisSet::EMPTY;
                 }
                 self.placer.set_up(Arc::clone(setup), &self.sent, &mut self.counts, &mut self.written);
@@ -140,7 +140,7 @@ impl<'a> Live<'a> {
         self.place(piece, &shift)
     }
 
-    /// The piece with a shift, and with the words that it needs.
+    /// The piece with a shift and the words that it then needs.
     fn place(&mut self, piece: Piece, shift: &AxisVector) -> Piece {
         let mut placed = self.placer.round(&(piece.command + *shift), piece.known);
         let mut words = piece.words;
@@ -168,24 +168,24 @@ impl<'a> Live<'a> {
         Piece { counts: placed.counts, command: placed.command, words, arc, ..piece }
     }
 
-    /// What is to be added to a command for the sake of the moment.
+    /// The required shift of a command in the current condition.
     fn asked(&self, nominal: &AxisVector, command: &AxisVector, now: Option<&Model>) -> AxisVector {
         let Some(now) = now else { return self.applied.asked };
         let tool_mm = &self.placer.setup.tool_mm;
-        // In which sense the axes move does to both the same.
+        // The direction of motion affects both solutions equally.
         let solve = |model: &Model, start: &AxisVector| {
             model.solve(nominal, tool_mm, &State::default(), start, Solve::PositionOnly).ok()
         };
         let Some(then) = solve(self.placer.model, command) else { return self.applied.asked };
         let Some(mut moment) = solve(now, &(then + self.applied.asked)) else { return self.applied.asked };
-        // Rotary axes stay as the first step has left them.
+        // Rotary axes keep the command of the first step.
         for axis in ROTARY_AXES {
             moment[axis] = then[axis];
         }
         moment - then
     }
 
-    /// Way of the axes that move the tip, mm, and time of a piece, s.
+    /// Path length of the axes that move the tip, mm, and duration of a piece, s.
     fn way(&self, piece: &Piece) -> (f64, f64) {
         let from = self.command;
         let chord = (piece.command.xyz() - from.xyz()).norm();
@@ -208,7 +208,7 @@ impl<'a> Live<'a> {
         (way_mm, self.time_s(piece, &from, way_mm))
     }
 
-    /// At the feed, and no axis faster than it can.
+    /// Duration at the feed, within the speed limits of the axes, s.
     fn time_s(&self, piece: &Piece, from: &AxisVector, way_mm: f64) -> f64 {
         const SECONDS_PER_MINUTE: f64 = 60.0;
         let slowest = self.machine.axes.iter().flatten().map(|data| {

@@ -1,11 +1,11 @@
-//! From the flat stream to corrected pieces: subdivision, correction, arc fitting, and the error that is left along the path.
+//! From the flat stream to corrected pieces: subdivision, correction, arc fitting, and the residual error along the path.
 //!
-//! [`Corrector`] adapts an iterator of elements and is as lazy as that: it holds one move at a time. Every position that leaves it is
-//! a whole number of the control's increments, rounded from an absolute position, so nothing accumulates; everything behind the
-//! rounding (deviation, sense of motion, prediction, the start of the next piece) uses the rounded commands.
+//! [`Corrector`] adapts an iterator of elements lazily: it holds one move at a time. Every emitted position is a whole number of the control's
+//! increments, rounded from an absolute position, so nothing accumulates. Everything after the rounding (deviation, direction of motion, prediction,
+//! the start of the next piece) uses the rounded commands.
 //!
-//! One forward function judges all: the deviation of a piece is the distance of the tool tip at the emitted command, with all errors,
-//! from the nominal tip at the same parameter of the programmed move.
+//! One forward function evaluates every piece. Its deviation is the distance of the tool tip at the emitted command, with all errors, from the
+//! nominal tip at the same parameter of the programmed move.
 
 mod ahead;
 mod arc_fit;
@@ -60,34 +60,34 @@ use ncfix_base::geometry::{AXIS_COUNT, AxisSet, AxisVector, Plane};
 use ncfix_machine::machine::{Machine, ToolChange};
 use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, Manner, Origin, Way, Word, WordValue};
 
-/// What is to be done with a program.
+/// Options of a correction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Largest deviation of an emitted piece from the exactly corrected path, mm.
     pub tolerance_mm: f64,
-    /// How moves are cut into pieces.
+    /// Subdivision of moves into pieces.
     pub subdivision: Subdivision,
-    /// What becomes of arcs.
+    /// Treatment of arcs.
     pub arcs: Arcs,
-    /// How far one block may lead around a circle.
+    /// Largest turn of one block around a circle.
     pub turns: Turns,
-    /// Where the control has the center of an arc.
+    /// Coordinates of arc centers in the control.
     pub centers: Centers,
-    /// For which way the control takes a feed.
+    /// The path to which the control's feed refers.
     pub feeds: Feeds,
-    /// What becomes of rapid moves.
+    /// Treatment of rapid moves.
     pub rapids: Rapids,
-    /// What the emitted coordinates relate to.
+    /// Frame of the emitted coordinates.
     pub frame: OutputFrame,
-    /// What becomes of five-axis transformations.
+    /// Treatment of five-axis transformations.
     pub five_axis: FiveAxis,
-    /// Corrections beyond this are refused, mm; rotary axes are judged by the arc at the tool tip.
+    /// Largest accepted correction, mm; rotary axes count by the arc at the tool tip.
     pub max_correction_mm: f64,
-    /// Whether rotary axes take part in the correction.
+    /// Participation of rotary axes in the correction.
     pub rotary: Rotary,
     /// Distance of the samples of the prediction along the path, mm.
     pub sample_mm: f64,
-    /// Programmed position before the first block (mm, rad), where the program relies on one.
+    /// Programmed position before the first block (mm, rad), if the program relies on one.
     pub start: Option<AxisVector>,
 }
 
@@ -111,75 +111,75 @@ impl Default for Options {
     }
 }
 
-/// How moves are cut into pieces.
+/// Subdivision of moves into pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Subdivision {
-    /// As few pieces as keep the deviation within the tolerance.
+    /// The fewest pieces that keep the deviation within the tolerance.
     Adaptive,
     /// A fixed step along the axis that moves farthest, mm (Spaan, ch. 7). A rotary axis counts with an arm of 100 mm. Arcs are
     /// cut by the tolerance too, as chords of a fixed step would leave the circle.
     Step(f64),
 }
 
-/// What becomes of arcs.
+/// Treatment of arcs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Arcs {
-    /// They stay arcs where one fits within the tolerance and the control's check of the center.
+    /// Arcs stay arcs if one fits within the tolerance and the control's center check.
     #[default]
     Keep,
-    /// They become straight pieces.
+    /// Arcs become straight pieces.
     Chords,
 }
 
-/// How far one block of the output may lead around a circle; what goes further becomes several.
+/// Largest turn of one output block around a circle; longer arcs become several blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turns {
-    /// As often as it likes.
+    /// Any number of turns.
     #[default]
     Several,
-    /// Once.
+    /// One turn.
     One,
-    /// Once, where nothing but the two axes of the circle moves; else less.
+    /// One turn if only the two axes of the circle move, otherwise less.
     OneFlat,
 }
 
-/// Where a control has the center of an arc whose radii at start and end differ by what rounding has left.
+/// Interpretation of an arc center by the control if rounding makes the radii at start and end differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Centers {
-    /// Moved onto the perpendicular bisector of the chord: both radii are one.
+    /// Moved onto the perpendicular bisector of the chord: both radii are equal.
     #[default]
     OnBisector,
-    /// As written: the way is a spiral.
+    /// As written: the path is a spiral.
     AsWritten,
 }
 
-/// For which way a control takes the feed of a block that turns rotary axes.
+/// The path to which a control's feed refers in a block that turns rotary axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Feeds {
-    /// That of X, Y and Z; that of the rotary axes, in degrees, where nothing else moves (RS274/NGC; Sinumerik without FGROUP). A block may
-    /// say instead how long it takes (G93).
+    /// The path of X, Y and Z; if only rotary axes move, their path in degrees (RS274/NGC; Sinumerik without FGROUP). A block may state its duration
+    /// instead (G93).
     #[default]
     OfLinear,
-    /// The same, and no block says how long it takes.
+    /// As [`Feeds::OfLinear`], but no block can state its duration.
     OfLinearOnly,
-    /// That of all axes, a degree counted as a millimeter, as Fanuc does; with G93 as well. Under a transformation that of the tip.
+    /// The path of all axes, a degree counted as a millimeter, as on Fanuc; also with G93. Under a transformation, the path of the tip.
     OfAll,
 }
 
-/// What becomes of rapid moves. Only the approach to a cut may move axes that the source does not name; moves in machine coordinates, to
-/// reference points, to the change of a tool and along the tool stay as programmed.
+/// Treatment of rapid moves. Only the approach to a cut may move axes that the source does not name. Moves in machine coordinates, to reference
+/// points, to a tool change and along the tool stay as programmed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rapids {
-    /// The end point is corrected, the way is one piece.
+    /// The end point is corrected, the path is one piece.
     #[default]
     Ends,
-    /// They stay as programmed, rounded to the increment (Spaan).
+    /// Rapid moves stay as programmed, rounded to the increment (Spaan).
     None,
-    /// The approach to a cut is treated like a move with feed.
+    /// The approach to a cut is treated like a feed move.
     All,
 }
 
-/// What the emitted coordinates relate to.
+/// Frame of the emitted coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OutputFrame {
     /// The zero offset and frame of the program.
@@ -189,29 +189,29 @@ pub enum OutputFrame {
     Machine,
 }
 
-/// What becomes of five-axis transformations.
+/// Treatment of five-axis transformations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FiveAxis {
-    /// They stay: the output is positions of the tip in the workpiece and rotary axes.
+    /// Kept: the output contains positions of the tip in the workpiece and of rotary axes.
     #[default]
     Tcp,
-    /// The output is positions of the axes, in [`OutputFrame::Machine`].
+    /// Resolved: the output contains axis positions, in [`OutputFrame::Machine`].
     Axes,
 }
 
-/// Whether rotary axes take part in the correction. One that is clamped never does.
+/// Participation of rotary axes in the correction. A clamped axis never participates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rotary {
-    /// Those that the operation turns with feed do; the others stay as programmed.
+    /// Axes that the operation turns with feed participate; the others stay as programmed.
     #[default]
     Auto,
-    /// They turn so that the tool axis points where it should.
+    /// All rotary axes turn so that the tool axis has its nominal direction.
     Correct,
-    /// They stay as programmed; only the position of the tip is corrected.
+    /// Rotary axes stay as programmed; only the tip position is corrected.
     Hold,
 }
 
-/// What leaves the corrector: elements without motion in their places, and pieces of moves.
+/// Output of the corrector: elements without motion in their places, and pieces of moves.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "nearly all are pieces; a box would be an allocation for each")]
 pub enum Output {
@@ -224,9 +224,9 @@ pub enum Output {
 /// A straight or circular piece of a move, its end a whole number of increments on every axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Where its move comes from.
+    /// Origin of its move.
     pub origin: Origin,
-    /// Whether a new executed block starts with it.
+    /// `true` if a new executed block starts with it.
     pub starts_block: bool,
     /// The block number, on the piece that starts the block.
     pub number: Option<BlockNumber>,
@@ -234,43 +234,43 @@ pub struct Piece {
     pub first: bool,
     /// Last piece of its move.
     pub last: bool,
-    /// The path stands still: the axes only go from the command that was right before to the one that is right for what
-    /// follows (reversal of an axis with backlash, a rapid move that was left uncorrected).
+    /// Step on the spot: the path stands still, and the axes go from the previous correct command to the one for the next piece (reversal of an axis
+    /// with backlash, or after an uncorrected rapid move).
     pub take_up: bool,
-    /// Rapid or with feed.
+    /// `true` for a rapid piece, `false` for a feed piece.
     pub rapid: bool,
-    /// Center and sense where it is an arc.
+    /// Center and direction, if it is an arc.
     pub arc: Option<PieceArc>,
     /// Programmed coordinates at the end, in increments ([`Increments`]), in the emitted frame.
     pub counts: [i64; AXIS_COUNT],
     /// Axes to write.
     pub words: AxisSet,
-    /// Feed in force, as in the source, or what [`Feeds`] makes of it.
+    /// Active feed, as in the source or converted for [`Feeds`].
     pub feed: f64,
-    /// What that counts.
+    /// Unit of the feed.
     pub unit: FeedUnit,
-    /// Whether the source names the feed in the block and this is the first piece of it.
+    /// `true` if the source names the feed in the block and this is its first piece.
     pub feed_named: bool,
-    /// How the words of A, B and C are written.
+    /// Notation of the words of A, B and C.
     pub rotary_words: [RotaryWord; 3],
-    /// Whether the source writes machine coordinates for this block only (G53, G153, SUPA).
+    /// `true` if the source writes machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
-    /// How the control carries it out.
+    /// Motion mode.
     pub manner: Manner,
     /// Axis commands at the end, without tool: mm, rad.
     pub command: AxisVector,
-    /// The commands that the program asks for there.
+    /// Commands of the program at the end.
     pub nominal: AxisVector,
-    /// Axes whose position the program has stated by now.
+    /// Axes whose position the program has stated so far.
     pub known: AxisSet,
-    /// Whether it is corrected at all.
+    /// `true` if the piece is corrected.
     pub is_corrected: bool,
-    /// Axes without a word stay where they are, though that is not their corrected place.
+    /// Axes without a word stay, although they are not at their corrected position.
     pub others_stay: bool,
 }
 
 impl Piece {
-    /// Whether it is a further piece of its move that moves nothing.
+    /// `true` for a further piece of its move without motion.
     #[must_use]
     pub fn stands_still(&self) -> bool {
         let is_further = !self.starts_block && !self.first && !self.feed_named;
@@ -278,20 +278,20 @@ impl Piece {
     }
 }
 
-/// How the position of a rotary axis is written.
+/// Notation of the position of a rotary axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RotaryWord {
     /// The position with all its turns: `C370`.
     #[default]
     Plain,
-    /// The position within the turn, `C10`, or as `DC(10)`, `ACP(10)`, `ACN(10)`.
+    /// The position within the turn: `C10`, `DC(10)`, `ACP(10)` or `ACN(10)`.
     Within(Way),
-    /// `IC(…)`: a full turn and more, in increments.
+    /// `IC(…)`: more than a full turn, in increments.
     Step(i64),
 }
 
 impl RotaryWord {
-    /// Whether it is written with a function: `=DC(10)`.
+    /// `true` if it is written with a function: `=DC(10)`.
     #[must_use]
     pub fn is_function(self) -> bool {
         !matches!(self, RotaryWord::Plain | RotaryWord::Within(Way::Plain))
@@ -303,17 +303,17 @@ impl RotaryWord {
 pub struct PieceArc {
     /// Plane of the circle.
     pub plane: Plane,
-    /// G2 rather than G3.
+    /// `true` for G2, `false` for G3.
     pub clockwise: bool,
     /// Center minus start along X, Y, Z in increments: I J K.
     pub center_counts: [i64; 3],
-    /// Programmed coordinates at the start along X, Y, Z, in increments, for controls that want the center itself.
+    /// Programmed coordinates at the start along X, Y, Z, in increments, for controls with absolute centers.
     pub start_counts: [i64; 3],
     /// Full turns beyond the arc itself; 0 unless [`Turns::Several`].
     pub extra_turns: u32,
 }
 
-/// Axes whose place is unknown behind an element: it changes the tool, or something else has moved the machine.
+/// Axes whose position is unknown after an element: a tool change, or motion outside the stream.
 fn lost_axes(element: &Element, machine: &Machine) -> AxisSet {
     let is_change =
         |word: &Word| word.letter == b'M' && word.extension.is_none() && word.value == WordValue::Number(6.0);
@@ -344,7 +344,7 @@ mod tests {
         let tool = element(Kind::Tool(WordValue::Number(3.0)));
         let word = |number: f64| Word { letter: b'M', extension: None, value: WordValue::Number(number) };
         let [change, other] = [6.0, 8.0].map(|number| element(Kind::After(vec![word(number)])));
-        // Where M6 changes, T only selects.
+        // If M6 changes the tool, T only selects it.
         machine.control.tool_change = ToolChange::M6;
         let lost = |machine: &Machine| [&tool, &change, &other].map(|element| lost_axes(element, machine));
         assert_eq!(lost(&machine), [AxisSet::EMPTY, AxisSet::ALL, AxisSet::EMPTY]);

@@ -1,4 +1,4 @@
-//! The straight moves of a program that bend most, as lines on which a fixed step is tried.
+//! The straight moves of a program with the largest bend, as lines for trials of a fixed step.
 
 use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::Machine;
@@ -9,14 +9,14 @@ use super::lost_axes;
 use super::route::Route;
 use super::steps::{Line, StepTrial};
 
-/// Moves that are kept, those that bend most: memory and time stay bounded however long the program is.
+/// Maximum number of kept moves, those with the largest bend: memory and time stay bounded for any program length.
 const MOST_KEPT: usize = 2000;
 
-/// Gathers the moves with feed of a program while it streams by.
+/// Collects the feed moves of a program from its stream.
 pub struct Moves<'a> {
     machine: &'a Machine,
     trial: StepTrial<'a>,
-    /// The tool to be used whatever the program says.
+    /// Tool vector that replaces that of the program.
     fixed_tool_mm: Option<Vector>,
     placing: AxisSet,
     standing: AxisVector,
@@ -25,12 +25,12 @@ pub struct Moves<'a> {
     kept: Vec<(f64, Line)>,
     /// Straight moves with feed.
     pub lines: u64,
-    /// Arcs with feed, which are cut by the tolerance and not looked at.
+    /// Arcs with feed, which are cut by the tolerance and not examined.
     pub arcs: u64,
 }
 
 impl<'a> Moves<'a> {
-    /// Nothing yet. Without `fixed_tool_mm` each move has the tool that the program gives it.
+    /// An empty collection. Without `fixed_tool_mm` each move uses the tool of the program.
     #[must_use]
     pub fn new(machine: &'a Machine, trial: StepTrial<'a>, fixed_tool_mm: Option<Vector>) -> Moves<'a> {
         Moves {
@@ -47,7 +47,7 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// The machine stands at a position that is known.
+    /// Sets a known start position.
     pub fn start_at(&mut self, start: AxisVector) {
         self.standing = start;
         self.known = self.machine.axis_set();
@@ -68,7 +68,7 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// Whether a move is cut by a fixed step: with feed, along a path, between places that are known.
+    /// `true` if a move is cut by a fixed step: with feed, along a path, between known positions.
     fn is_looked_at(&self, motion: &Move) -> bool {
         let is_known =
             motion.named.difference(self.known).is_empty() && self.placing.difference(motion.known).is_empty();
@@ -91,12 +91,12 @@ impl<'a> Moves<'a> {
     }
 
     fn trim(&mut self) {
-        // Stable, so that of equal moves the first stay.
+        // Stable, so that the first of equal moves stay.
         self.kept.sort_by(|a, b| b.0.total_cmp(&a.0));
         self.kept.truncate(MOST_KEPT);
     }
 
-    /// The lines, those that bend most first, and the trial to go on with.
+    /// The lines, largest bend first, and the trial for further use.
     #[must_use]
     pub fn finish(mut self) -> (Vec<Line>, StepTrial<'a>) {
         self.trim();

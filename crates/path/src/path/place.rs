@@ -1,7 +1,7 @@
-//! Puts a nominal position onto the grid of increments so that the tool is where it should be: correction and rounding.
+//! Corrects a nominal position and rounds it to the grid of increments, so that the tool is at its nominal place.
 //!
-//! Rotary axes are rounded first; the linear axes are then solved for the rounded rotary commands and rounded last. So the tip is
-//! off by the rounding of the linear axes only, whatever the lever of the rotary ones.
+//! Rotary axes are rounded first; the linear axes are then solved for the rounded rotary commands and rounded last. The tip error is therefore only
+//! the rounding of the linear axes, independent of the lever arm of rotary axes.
 
 mod partly;
 
@@ -18,21 +18,21 @@ use super::slope::Slope;
 use super::way::turned_deg;
 use super::{Centers, FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
 
-/// Feeds of axes are written to this many parts of a mm/min.
+/// Resolution of axis feeds, parts of a mm/min.
 const FEED_PARTS: f64 = 1e3;
-/// A count this near to a whole number is one: the noise of the arithmetic.
+/// Tolerance within which a count is a whole number: rounding noise.
 const WHOLE_COUNT: f64 = 1e-4;
-/// Ways shorter than this are the noise of the arithmetic, mm.
+/// Paths shorter than this are rounding noise, mm.
 pub(super) const SHORT_MM: f64 = 1e-7;
 
-/// A position that can be written: counts in the emitted frame, and the axis command that they stand for.
+/// A position that can be written: counts in the emitted frame, and the corresponding axis command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placed {
     pub(super) counts: [i64; AXIS_COUNT],
     pub(super) command: AxisVector,
-    /// Why the position is not corrected.
+    /// Reason why the position is not corrected.
     pub(super) failure: Option<NotConverged>,
-    /// Whether a rotary axis is not where its full correction would have it ([`super::singularity`]).
+    /// `true` if the correction of a rotary axis is limited near a singularity ([`super::singularity`]).
     pub(super) is_held_back: bool,
 }
 
@@ -47,16 +47,16 @@ pub(super) struct Placer<'a> {
     kinematics: Kinematics,
     frame: OutputFrame,
     keeps_transform: bool,
-    /// The axes that the machine has.
+    /// The axes of the machine.
     axes: AxisSet,
     pub(super) has_rotary: bool,
-    /// The rotary axes that take part in the correction.
+    /// The rotary axes that participate in the correction.
     turning: AxisSet,
-    /// Axes that stay where they stand while a move is made, and where that is.
+    /// Axes that stay during a move, and their positions.
     fixed: AxisSet,
     fixed_at: AxisVector,
     is_empty: bool,
-    /// Better guesses on a machine without rotary axes.
+    /// Improved guesses on a machine without rotary axes.
     slope: Option<RefCell<Slope>>,
 }
 
@@ -86,8 +86,8 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// From here on coordinates mean something else. The axes stay where they are: `counts` becomes what would be written for that, and axes for
-    /// which there is nothing such leave `written`.
+    /// Changes the meaning of coordinates. The axes stay: `counts` becomes their position in the new coordinates, and axes without such a position
+    /// leave `written`.
     pub(super) fn set_up(
         &mut self,
         setup: Arc<Setup>,
@@ -107,23 +107,23 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// From here on these rotary axes take part in the correction.
+    /// Sets the rotary axes that participate in the correction.
     pub(super) fn set_turning(&mut self, turning: AxisSet) {
         self.turning = turning;
     }
 
-    /// The rotary axes that take part.
+    /// The rotary axes that participate.
     pub(super) fn turning(&self) -> AxisSet {
         self.turning
     }
 
-    /// In the next move these axes stay where `command` has them.
+    /// Fixes axes at their position in `command` for the next move.
     pub(super) fn fix(&mut self, fixed: AxisSet, command: &AxisVector) {
         self.fixed = fixed;
         self.fixed_at = *command;
     }
 
-    /// Puts the axes that stay where they are.
+    /// Sets the fixed axes to their positions.
     fn at_rest(&self, mut command: AxisVector) -> AxisVector {
         if !self.fixed.is_empty() {
             self.fixed.iter().for_each(|axis| command[axis] = self.fixed_at[axis]);
@@ -159,22 +159,22 @@ impl<'a> Placer<'a> {
         if !self.is_transformed() {
             return position;
         }
-        // The execution has refused machines that cannot be transformed.
+        // The execution rejects machines that have no transformation.
         self.kinematics.command_on_workpiece(&position, &self.setup.tool_mm).unwrap_or(position)
     }
 
-    /// Whether the emitted coordinates are those of the tip in the workpiece.
+    /// `true` if the emitted coordinates are those of the tip in the workpiece.
     pub(super) fn is_transformed(&self) -> bool {
         self.keeps_transform && self.setup.transform.is_some()
     }
 
-    /// Whether the program has a transformation here, and the output has none.
+    /// `true` if the program has a transformation here that the output resolves.
     pub(super) fn leaves_transform(&self) -> bool {
         !self.keeps_transform && self.setup.transform.is_some()
     }
 
-    /// Feed of the axes for one of the tip, where the output has no transformation any more: the path feed of a control is that of X, Y, Z,
-    /// or of the rotary axes, in degrees, where only these move, or where the tip stays.
+    /// Converts a tip feed to the axes if the output has no transformation: the path feed of a control then refers to X, Y, Z. If only rotary axes
+    /// move, or the tip stays, it refers to these in degrees.
     pub(super) fn feed(&self, start: &AxisVector, motion: &Move) -> f64 {
         if self.keeps_transform || self.setup.transform.is_none() || motion.is_inverse_time() {
             return motion.feed;
@@ -189,18 +189,18 @@ impl<'a> Placer<'a> {
         ((motion.feed * ratio * FEED_PARTS).round() / FEED_PARTS).min(motion.feed.max(MOST_FEED))
     }
 
-    /// Whether a word is about the transformation, and not for an output without one.
+    /// `true` if a word belongs to the transformation and the output has none.
     pub(super) fn drops(&self, word: &str) -> bool {
         !self.keeps_transform && ["TRA", "ORI"].iter().any(|start| word.starts_with(start))
     }
 
-    /// Whether directions in the emitted frame are those of the axes.
+    /// `true` if directions in the emitted frame are those of the axes.
     pub(super) fn is_parallel(&self) -> bool {
         !self.is_transformed() && (self.frame == OutputFrame::Machine || self.setup.frame.is_translation())
     }
 
-    /// The command on the grid that brings the tip to where it is nominally at `nominal`. Axes outside `known` stay there.
-    /// `guess` is a correction nearby; those of rotary axes differ from it by at most `most_turn_rad`.
+    /// The command on the grid that brings the tip to its nominal place at `nominal`. Axes outside `known` stay at `nominal`. `guess` is a correction
+    /// nearby; those of rotary axes differ from it by at most `most_turn_rad`.
     pub(super) fn place(
         &self,
         nominal: &AxisVector,
@@ -215,7 +215,7 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// The same before the linear axes are rounded.
+    /// As [`Self::place`], before the linear axes are rounded.
     pub(super) fn exact(
         &self,
         nominal: &AxisVector,
@@ -257,7 +257,7 @@ impl<'a> Placer<'a> {
         Ok(self.at_rest(self.keep_unknown(exact, nominal, known)))
     }
 
-    /// The linear axes for a command whose rotary axes stay where they are.
+    /// Solves the linear axes for a command whose rotary axes stay.
     pub(super) fn around(
         &self,
         nominal: &AxisVector,
@@ -305,17 +305,17 @@ impl<'a> Placer<'a> {
         out
     }
 
-    /// Whether programs are written in machine coordinates.
+    /// `true` if programs are written in machine coordinates.
     pub(super) fn is_machine_frame(&self) -> bool {
         self.frame == OutputFrame::Machine
     }
 
-    /// Whether the axes of the output are others than those of the program.
+    /// `true` if the axes of the output are not those of the program.
     pub(super) fn turns_output(&self) -> bool {
         self.is_machine_frame() && !self.setup.frame.is_translation()
     }
 
-    /// The axes of the output that a move names, those that are known behind it, and the first that has to be written and is not known.
+    /// The axes of the output that a move names, those that are known after it, and the first axis that must be written but is unknown.
     pub(super) fn in_output_axes(&self, motion: &Move) -> (AxisSet, AxisSet, Option<Axis>) {
         let frame = &self.setup.frame;
         if !self.is_machine_frame() || frame.is_translation() {
@@ -328,7 +328,7 @@ impl<'a> Placer<'a> {
 
     fn keep_unknown(&self, mut command: AxisVector, nominal: &AxisVector, known: AxisSet) -> AxisVector {
         if !self.is_parallel() {
-            // What is not known is an axis of the program here.
+            // Unknown axes are axes of the program here.
             if !AxisSet::XYZ.difference(known).is_empty() {
                 let (mut programmed, stays) = (self.programmed(&command), self.programmed(nominal));
                 for axis in AxisSet::XYZ.difference(known).iter() {
@@ -353,7 +353,7 @@ impl<'a> Placer<'a> {
     }
 }
 
-/// Axes beside X Y Z that are not known.
+/// Unknown axes other than X Y Z.
 fn unknown_others(known: AxisSet) -> impl Iterator<Item = Axis> {
     AXES.into_iter().skip(3).filter(move |&axis| !known.contains(axis))
 }

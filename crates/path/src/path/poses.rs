@@ -1,31 +1,31 @@
-//! Some poses of a program, spread over all of it: for what is too slow to be looked at everywhere.
+//! Sampled poses, spread over the whole program, for evaluations that are too slow to be made everywhere.
 
 use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::State;
 
-/// Poses kept at most.
+/// Maximum number of kept poses.
 const MOST: usize = 256;
 
-/// Where the tool of an emitted program was.
+/// A pose of the tool in an emitted program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseSample {
     /// Command of the program.
     pub nominal: AxisVector,
     /// Emitted command.
     pub command: AxisVector,
-    /// Sense of motion of the emitted commands.
+    /// Direction of motion of the emitted commands.
     pub state: State,
     /// From the spindle gauge point to the tip, in F at the zero pose, mm.
     pub tool_mm: Vector,
-    /// The rotary axes that took part in the correction.
+    /// The rotary axes that participated in the correction.
     pub turning: AxisSet,
 }
 
-/// Every n-th pose of a stream, n as small as memory allows.
+/// Every n-th pose of a stream, with the smallest n that memory allows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PoseSampler {
     kept: Vec<PoseSample>,
-    /// The first power of two that thins the stream enough, less one.
+    /// The first power of two that thins the stream enough, minus one.
     mask: u64,
     seen: u64,
 }
@@ -35,7 +35,7 @@ impl PoseSampler {
     pub(super) fn offer(&mut self, sample: impl FnOnce() -> PoseSample) {
         if self.seen & self.mask == 0 {
             if self.kept.len() == MOST {
-                // Every other one goes, the first stays.
+                // Every other pose is dropped, the first stays.
                 let mut stays = false;
                 self.kept.retain(|_| {
                     stays = !stays;
@@ -50,7 +50,7 @@ impl PoseSampler {
         self.seen += 1;
     }
 
-    /// The poses in their order.
+    /// The poses in order.
     pub(super) fn kept(&self) -> &[PoseSample] {
         &self.kept
     }

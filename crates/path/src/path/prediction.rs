@@ -1,9 +1,9 @@
-//! The error of the tool tip along the path, before and after the correction, gathered while the program streams by.
+//! The error of the tool tip along the path, before and after the correction, collected from the stream.
 //!
-//! Samples lie between the ends of the pieces, one about every `sample_mm` of the way: long pieces have several, short ones share one. So
-//! means are over the way, however it is divided. "Before" is the programmed command on the error model with the programmed sense of motion,
-//! "after" the emitted command, rounding included; both are measured from the nominal tip at the same parameter of the move. For the maximum
-//! behind the correction the middle of every piece counts.
+//! Samples lie between the ends of the pieces, about one per `sample_mm` of path: long pieces have several, short ones share one. Means therefore
+//! refer to the path, independent of its division. "Before" is the programmed command on the error model with the programmed direction of motion.
+//! "After" is the emitted command with rounding. Both are measured from the nominal tip at the same parameter of the move. The maximum after the
+//! correction includes the middle of every piece.
 
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::snc::Origin;
@@ -41,25 +41,25 @@ impl Spread {
     }
 }
 
-/// What a correction does to the error along the path.
+/// The effect of a correction on the error along the path.
 ///
-/// Only moves with feed count, or all of them in a program that has none. Left out are moves made while an axis that the program has
-/// moved before is at an unknown place.
+/// Only feed moves count, or all moves in a program without feed moves. Moves are left out while an axis that the program moved before is at an
+/// unknown position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prediction {
     feed: SpreadPair,
     rapid: SpreadPair,
-    /// Largest correction of each axis by size: mm, rad.
+    /// Largest correction of each axis by magnitude: mm, rad.
     pub max_correction: AxisVector,
-    /// Moves of the program.
+    /// Number of moves of the program.
     pub moves: u64,
-    /// Pieces that they became.
+    /// Number of emitted pieces.
     pub pieces: u64,
-    /// Rapid moves that stay as programmed.
+    /// Number of rapid moves that stay as programmed.
     pub as_programmed: u64,
-    /// How far the tool is off at the ends of rapid moves that are no approach to a cut, mm: nothing is cut there.
+    /// Largest tip error at the ends of rapid moves that are not an approach to a cut, mm.
     pub off_cut_mm: f64,
-    /// Way behind the last sample, mm.
+    /// Path since the last sample, mm.
     unsampled_mm: f64,
 }
 
@@ -81,11 +81,11 @@ impl SpreadPair {
     }
 }
 
-/// Below this a correction is the noise of the arithmetic, mm or rad.
+/// Corrections below this are rounding noise, mm or rad.
 const NOISE: f64 = 1e-9;
 
 impl Prediction {
-    /// Error of the program as it was written.
+    /// Error of the program as written.
     #[must_use]
     pub fn before(&self) -> &Spread {
         &self.counted().before
@@ -97,13 +97,13 @@ impl Prediction {
         &self.counted().after
     }
 
-    /// Where the largest error of the emitted program lies.
+    /// Place of the largest error of the emitted program.
     #[must_use]
     pub fn max_at(&self) -> Option<Origin> {
         self.counted().max_at
     }
 
-    /// Whether samples of such a move still count.
+    /// `true` if samples of such a move still count.
     pub(super) fn wants(&self, rapid: bool) -> bool {
         !rapid || self.feed.before.samples == 0
     }
@@ -113,7 +113,7 @@ impl Prediction {
         pair.add(before_mm, after_mm, origin);
     }
 
-    /// Whether a piece of a size (mm) needs no sample of its own, being near the last one.
+    /// `true` if a piece of a size (mm) needs no sample because it is near the last one.
     pub(super) fn passes(&mut self, rapid: bool, size_mm: f64, sample_mm: f64) -> bool {
         let pair = if rapid { &self.rapid } else { &self.feed };
         self.unsampled_mm += size_mm;
@@ -124,7 +124,7 @@ impl Prediction {
         passes
     }
 
-    /// A deviation that counts for the maximum alone.
+    /// Records a deviation for the maximum only.
     pub(super) fn note_after(&mut self, rapid: bool, after_mm: f64, origin: &Origin) {
         let pair = if rapid { &mut self.rapid } else { &mut self.feed };
         if after_mm > pair.after.max_mm {
@@ -133,7 +133,7 @@ impl Prediction {
         }
     }
 
-    /// A rapid move that is no approach to a cut.
+    /// Records a rapid move that is not an approach to a cut.
     pub(super) fn note_as_programmed(&mut self, error_mm: f64, is_programmed: bool) {
         self.as_programmed += u64::from(is_programmed);
         self.off_cut_mm = self.off_cut_mm.max(error_mm);
@@ -153,17 +153,17 @@ impl Prediction {
     }
 }
 
-/// More samples than this in one piece tell nothing new; it bounds the time that a long rapid move takes.
+/// Maximum samples of one piece; it bounds the time for long rapid moves.
 const MOST_SAMPLES: f64 = 256.0;
 
 /// The number of samples of a piece of a size, mm.
 pub(super) fn sample_count(size_mm: f64, sample_mm: f64) -> u32 {
-    // The conversion is exact for whole numbers up to 256; what is no number becomes 0.
+    // The conversion is exact for whole numbers up to 256; NaN becomes 0.
     ((size_mm / sample_mm).ceil().min(MOST_SAMPLES) as u32).max(1)
 }
 
-/// Place of sample `k` of `count` in a piece, 0 … 1: one in each of `count` equal parts, but not at the same place of each, so that
-/// an error with a period near the distance of the samples is seen. The golden section spreads the places most evenly.
+/// Place of sample `k` of `count` in a piece, 0 … 1: one in each of `count` equal parts. The place varies between the parts, so that an error with a
+/// period near the sample distance is detected. The golden section spreads the places most evenly.
 pub(super) fn sample_place(k: u32, count: u32) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     (f64::from(k) + (0.5 + GOLDEN * f64::from(k)).fract()) / f64::from(count)

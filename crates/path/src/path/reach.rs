@@ -1,4 +1,4 @@
-//! Whether the axes can go where a program leads them, before any correction.
+//! Checks that the programmed positions are within the travel of the axes, before any correction.
 
 use super::findings::DiagnosticCollector;
 use super::lost_axes;
@@ -8,7 +8,7 @@ use ncfix_base::geometry::{AXES, AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Element, Kind, Manner, Move, Origin};
 
-/// Looks at the moves of a program while it streams by.
+/// Checks the moves of a program from its stream.
 #[derive(Debug)]
 pub struct Reach<'a> {
     machine: &'a Machine,
@@ -18,7 +18,7 @@ pub struct Reach<'a> {
 }
 
 impl<'a> Reach<'a> {
-    /// Nothing is known yet, but where the axes stand, if the caller does (mm, rad).
+    /// Starts a check; `start` is the known start position, if any (mm, rad).
     #[must_use]
     pub fn new(machine: &'a Machine, start: Option<AxisVector>) -> Reach<'a> {
         Reach {
@@ -29,11 +29,11 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// Takes the next element; what was found by now: `E0302`, once a line.
+    /// Checks the next element; returns the diagnostics so far: `E0302`, once per line.
     pub fn note(&mut self, element: &Element) -> impl Iterator<Item = Diagnostic> + '_ {
         self.known = self.known.difference(lost_axes(element, self.machine));
         if let Kind::Move(motion) = &element.kind {
-            // The way to a reference point is that of the control.
+            // The path to a reference point is chosen by the control.
             if motion.manner != Manner::Reference {
                 self.look(&element.origin, motion);
             }
@@ -44,7 +44,7 @@ impl<'a> Reach<'a> {
     }
 
     fn look(&mut self, origin: &Origin, motion: &Move) {
-        // Of an axis that comes from nobody knows where only the end tells.
+        // For an axis whose start is unknown only the end is checked.
         let mut start = motion.target;
         for axis in AXES.into_iter().filter(|&axis| self.known.contains(axis)) {
             start[axis] = self.standing[axis];

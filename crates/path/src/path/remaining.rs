@@ -1,8 +1,8 @@
-//! What a correction leaves, source by source: the roll of the tool, its orientation where no rotary axis can turn it, and errors whose
-//! correction is less than an increment.
+//! Residual errors of a correction by source: the roll of the tool, its orientation if no rotary axis can correct it, and errors whose correction is
+//! less than an increment.
 //!
-//! Each source is looked at alone: it is corrected as the program was, and what is left of it is its own. Rounding, which belongs to no source,
-//! stays out; it is in the predicted error along the path.
+//! Each source is examined alone: it is corrected as the program was, and the residual is its own. Rounding belongs to no source and is excluded; it
+//! is part of the predicted error along the path.
 
 use ncfix_base::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
 use ncfix_machine::machine::{Condition, Machine};
@@ -10,12 +10,12 @@ use ncfix_model::{Accumulator, ErrorModel, Model, Solve};
 
 use super::{Increments, PoseSample};
 
-/// What is left of one source, the largest over the poses.
+/// The residual of one source, the largest over the poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remaining {
     /// The source.
     pub source: &'static str,
-    /// Of the tip, because no axis would move by an increment, mm.
+    /// Of the tip, because the correction of each axis is less than an increment, mm.
     pub position_mm: f64,
     /// Of the direction of the tool axis, rad.
     pub tilt_rad: f64,
@@ -23,7 +23,7 @@ pub struct Remaining {
     pub roll_rad: f64,
 }
 
-/// What a correction leaves of each source that the model has.
+/// The residual of each source of the model after the correction.
 #[must_use]
 pub fn remaining(
     machine: &Machine,
@@ -65,7 +65,7 @@ pub fn remaining(
     all
 }
 
-/// By how much the tool axis is tilted, and the tool is turned about it, rad.
+/// Tilt of the tool axis, and rotation of the tool about it, rad.
 fn turned(
     model: &Model,
     nominal: &AxisVector,

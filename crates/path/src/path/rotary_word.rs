@@ -1,4 +1,4 @@
-//! How the positions of axes that turn without end are written, so that the control goes the way that was meant.
+//! Notation of positions of modulo axes, chosen so that the control takes the intended direction.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,7 +10,7 @@ use super::RotaryWord;
 use super::place::{Placed, Placer};
 use super::standing::PathState;
 
-/// Steps this near to half a turn leave the shortest way open, rad.
+/// Margin around half a turn within which the shortest direction is ambiguous, rad.
 const HALF_TURN_ROOM: f64 = 1e-3;
 
 /// The words of A, B and C at the end of a piece.
@@ -27,18 +27,18 @@ pub(super) fn words(
     }
     let programmed = [&standing.command, &placed.command].map(|command| placer.programmed(command));
     for (axis, word) in ROTARY_AXES.into_iter().zip(&mut out) {
-        // Where positions count their turns they are written with them.
+        // If positions count turns, they are written with them.
         let counts_turns = machine.control.rollover == Some(Rollover::None);
         if counts_turns || !machine.axis(axis).is_some_and(|data| data.modulo) {
             continue;
         }
         if !standing.known.contains(axis) {
-            // Nobody knows which way it is: as the program says.
+            // The direction is unknown: written as in the program.
             *word = RotaryWord::Within(motion.ways.get(axis.dimension()).copied().unwrap_or_default());
             continue;
         }
         if motion.ways.get(axis.dimension()) == Some(&Way::Either) {
-            // The control decides, as it does in the program.
+            // The control decides, as in the program.
             *word = RotaryWord::Within(Way::Either);
             continue;
         }

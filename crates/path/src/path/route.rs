@@ -1,16 +1,16 @@
-//! The way of one move through axis space, straight or circular, by its parameter.
+//! The path of one move in axis space, straight or circular, by its parameter.
 //!
-//! The parameter runs from 0 to 1 in proportion to the way of every axis (straight) or to the angle swept (arc).
+//! The parameter runs from 0 to 1 in proportion to the travel of every axis (straight) or to the swept angle (arc).
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use ncfix_base::geometry::{AXES, Arc, Axis, AxisSet, AxisVector};
 
-/// Radians of a rotary axis count as mm at this arm where pieces need a size: about the reach of a workpiece on a table.
+/// Arm at which radians of a rotary axis count as mm in sizes of pieces: about the extent of a workpiece on a table.
 const ROTARY_ARM_MM: f64 = 100.0;
-/// Parameters nearer than this to each other are one point.
+/// Parameters nearer to each other than this are one point.
 const SAME_PARAMETER: f64 = 1e-9;
-/// Radii at start and end that differ by less are one radius, mm.
+/// Difference below which the radii at start and end are equal, mm.
 const SAME_RADIUS_MM: f64 = 1e-9;
 
 /// A straight line or an arc from start to end.
@@ -21,14 +21,14 @@ pub(super) struct Route {
     circle: Option<Circle>,
 }
 
-/// What is constant along an arc.
+/// Constants of an arc.
 #[derive(Clone, Copy, Debug)]
 struct Circle {
     arc: Arc,
     abscissa: Axis,
     ordinate: Axis,
     radius_mm: f64,
-    /// By how much the radius at the end is larger, mm.
+    /// Radius at the end minus radius at the start, mm.
     widening_mm: f64,
     start_rad: f64,
     sweep_rad: f64,
@@ -46,7 +46,7 @@ impl Route {
                 abscissa,
                 ordinate,
                 radius_mm,
-                // What rounding leaves of a circle is no spiral.
+                // Rounding errors of a circle do not make a spiral.
                 widening_mm: if widening_mm.abs() < SAME_RADIUS_MM { 0.0 } else { widening_mm },
                 start_rad: across[1].atan2(across[0]),
                 sweep_rad: arc.sweep_rad(&start, &end),
@@ -73,7 +73,7 @@ impl Route {
         squares.sqrt()
     }
 
-    /// Way of the axis that moves farthest, mm, rotary axes at an arm of 100 mm.
+    /// Travel of the axis that moves farthest, mm, rotary axes at an arm of 100 mm.
     pub(super) fn leading_mm(&self) -> f64 {
         AXES.into_iter()
             .map(|axis| self.travel(axis) * if axis.is_rotary() { ROTARY_ARM_MM } else { 1.0 })
@@ -112,7 +112,7 @@ impl Route {
         position
     }
 
-    /// An upper bound of the way of an axis over the whole route, mm or rad.
+    /// An upper bound of the travel of an axis over the whole route, mm or rad.
     pub(super) fn travel(&self, axis: Axis) -> f64 {
         match &self.circle {
             Some(circle) if axis == circle.abscissa || axis == circle.ordinate => {
@@ -150,7 +150,7 @@ impl Route {
         }
     }
 
-    /// The parameter of the next turning point of one of the axes on an arc behind `parameter`; 1 where there is none.
+    /// The parameter of the next turning point of one of the axes on an arc after `parameter`; 1 if there is none.
     pub(super) fn next_turning(&self, axes: AxisSet, parameter: f64) -> f64 {
         let Some(circle) = &self.circle else { return 1.0 };
         let mut next = 1.0_f64;
@@ -170,8 +170,7 @@ impl Route {
 }
 
 impl Circle {
-    /// Calls `add` with every parameter, also outside 0 … 1 by up to a turn, at which the angle from the start is `turned` up to
-    /// full turns.
+    /// Calls `add` with every parameter, also outside 0 … 1 by up to a turn, at which the angle from the start equals `turned` modulo full turns.
     fn parameters_of(&self, turned_rad: f64, add: &mut impl FnMut(f64)) {
         let turn = TAU / self.sweep_rad.abs();
         let first = (turned_rad / self.sweep_rad).rem_euclid(turn);

@@ -1,4 +1,4 @@
-//! On which sides of their dead bands a piece finds and leaves the bodies of the axes.
+//! The sides of their dead bands on which axis bodies are before and after a piece.
 
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_machine::machine::State;
@@ -9,8 +9,8 @@ use super::standing::PathState;
 use super::trial::SegmentFitter;
 
 impl SegmentFitter<'_, '_> {
-    /// The largest distance of the tip from its place while axes change to these senses, mm. Their bodies leave the dead bands one after the other,
-    /// in any order.
+    /// The largest distance of the tip from its place while axes change to these directions, mm. Their bodies leave the dead bands one after the
+    /// other, in any order.
     pub(super) fn turning_mm(&self, standing: &PathState, nominal: &AxisVector, sense: &State) -> f64 {
         let error_mm = |state: &State| self.placer.tip_error_mm(nominal, &standing.command, state);
         let lags = |axis: &Axis| {
@@ -18,7 +18,7 @@ impl SegmentFitter<'_, '_> {
         };
         let turning: AxisSet = self.lead.axes.iter().filter(lags).collect();
         let mut most_mm = error_mm(sense);
-        // All of them at once are in it; where none has begun is what is there.
+        // The state with all of them is included; the state with none is the current one.
         for waiting in 1..(1_u32 << turning.iter().count()).saturating_sub(1) {
             let mut state = *sense;
             for (_, axis) in turning.iter().enumerate().filter(|(k, _)| (waiting >> k) & 1 == 1) {
@@ -29,8 +29,8 @@ impl SegmentFitter<'_, '_> {
         most_mm
     }
 
-    /// Where bodies are led on the spot that a step to `start` would leave within their dead bands: from there they come to it in these senses. None
-    /// is moved beyond its place by that.
+    /// A position on the spot for bodies that a step to `start` would leave within their dead bands. From there they reach it in these directions.
+    /// None is moved beyond its place.
     pub(super) fn ready(&self, standing: &PathState, start: &Placed, sense: &State) -> Option<Placed> {
         let axes = self.lead.axes.intersection(standing.sensed);
         let led = self.led(standing, &[standing.command, start.command]);
@@ -44,7 +44,7 @@ impl SegmentFitter<'_, '_> {
         changes.then(|| self.placer.round(&ready, self.known))
     }
 
-    /// On which sides the bodies of axes are behind straight ways through these commands.
+    /// The sides of axis bodies after straight paths through these commands.
     pub(super) fn led(&self, standing: &PathState, commands: &[AxisVector]) -> State {
         if self.lead.axes.is_empty() {
             let mut state = standing.state;
@@ -60,7 +60,7 @@ impl SegmentFitter<'_, '_> {
         band.state()
     }
 
-    /// Where the end was placed for `sense` and would leave a body within its dead band, the other side may be reached: that is tried next.
+    /// If the end was placed for `sense` and would leave a body within its dead band, the other side may be reachable: it is tried next.
     pub(super) fn turn(&self, standing: &PathState, state: &mut State, sense: &State, end: &AxisVector) {
         for axis in self.lead.axes.intersection(standing.sensed).iter() {
             if state.direction(axis) != 0 {
@@ -73,7 +73,7 @@ impl SegmentFitter<'_, '_> {
                 0 => -1,
                 guess => -guess,
             };
-            // A step on the spot leads it to either side.
+            // A step on the spot can lead it to either side.
             let is_free = self.takes_up || self.lead.is_known(&standing.band, axis, end);
             if step != 0.0 && (is_free || self.lead.is_reached(&standing.band, (axis, side), (end, step), guess)) {
                 state.direction[axis.slot()] = side;
@@ -81,7 +81,7 @@ impl SegmentFitter<'_, '_> {
         }
     }
 
-    /// The senses that an overshoot gives.
+    /// Sets the directions that an overshoot determines.
     pub(super) fn settle(&self, state: &mut State) {
         for (sense, &settled) in state.direction.iter_mut().zip(&self.settled) {
             if settled != 0 {

@@ -1,17 +1,16 @@
-//! How the correction changes from place to place on a machine without rotary axes, learnt while the program streams by.
+//! The local change of the correction on a machine without rotary axes, learned from the stream.
 //!
-//! A correction is found by iteration from a guess. The last correction is a good guess; with the way from there and the slope of the
-//! correction along it, it is so good that the first evaluation of the errors only confirms it. The slope is learnt by Broyden's rank-one
-//! update (Broyden 1965, "good" method) from pairs of places that were solved anyway: where errors have kinks or steps, it is wrong for
-//! one place, and that costs one iteration more.
+//! A correction is found by iteration from a guess. The last correction is a good guess. With the distance from there and the slope of the
+//! correction, the first evaluation of the errors usually only confirms it. The slope is learned by Broyden's rank-one update (Broyden 1965, "good"
+//! method) from pairs of solved places. If errors have kinks or steps, it is wrong at one place, which costs one more iteration.
 
 use ncfix_base::geometry::{Axis, AxisVector, Matrix, Vector};
 
-/// Places nearer to each other say nothing about slopes: their corrections differ by the noise of the arithmetic, mm.
+/// Places nearer to each other than this give no slope: their corrections differ by rounding noise, mm.
 const APART_MM: f64 = 0.02;
-/// A guess this near teaches nothing, mm: it is confirmed by one evaluation.
+/// Error of a guess below which nothing is learned, mm: one evaluation confirms it.
 const NEAR_MM: f64 = 2e-8;
-/// No machine tool has errors this steep, mm per mm; it is a step of the errors between two places.
+/// Largest slope of errors, mm per mm; a steeper change is a step of the errors between two places.
 const STEEPEST: f64 = 0.01;
 
 /// A place, its correction, and the slope there.
@@ -20,14 +19,14 @@ pub(super) struct Slope {
     axes: [Option<Axis>; 3],
     /// Commands of the program, mm.
     place: Vector,
-    /// What was added to them, mm.
+    /// The correction added to them, mm.
     correction: Vector,
-    /// Change of the correction by the place, mm/mm.
+    /// Derivative of the correction with respect to the place, mm/mm.
     by_place: Matrix,
 }
 
 impl Slope {
-    /// Nothing is known yet about the axes that correct.
+    /// An untrained slope for the axes that correct.
     pub(super) fn new(axes: [Option<Axis>; 3]) -> Slope {
         Slope { axes, place: Vector::zeros(), correction: Vector::zeros(), by_place: Matrix::zeros() }
     }
@@ -38,7 +37,7 @@ impl Slope {
         Vector::new(of(self.axes[0]), of(self.axes[1]), of(self.axes[2]))
     }
 
-    /// Where the axes will have to go for a nominal position.
+    /// Predicted command for a nominal position.
     #[inline]
     pub(super) fn guess(&self, nominal: &AxisVector) -> AxisVector {
         let correction = self.correction + self.by_place * (self.of(nominal) - self.place);
@@ -51,7 +50,7 @@ impl Slope {
         command
     }
 
-    /// Where they had to go, and where the guess would have had them.
+    /// Learns from the solved command and the guess for it.
     #[inline]
     pub(super) fn learn(&mut self, nominal: &AxisVector, command: &AxisVector, guess: &AxisVector) {
         let missed = self.of(command) - self.of(guess);

@@ -1,8 +1,8 @@
 //! The largest fixed step that keeps a residual (Spaan, ch. 7: 20 mm for 5 µm on his machine).
 //!
-//! Lines are cut as [`Subdivision::Step`](super::Subdivision::Step) cuts them. The ends of the pieces are corrected exactly and the
-//! axes go straight between them; the residual is how far the tip is then from the nominal line at the same parameter, by the forward
-//! function of everything else. Rounding is left out: it does not depend on the step.
+//! Lines are cut as [`Subdivision::Step`](super::Subdivision::Step) cuts them. The ends of the pieces are corrected exactly, and the axes move
+//! straight between them. The residual is the distance of the tip from the nominal line at the same parameter, by the usual forward function.
+//! Rounding is excluded: it does not depend on the step.
 
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::State;
@@ -15,21 +15,21 @@ use super::cut::next_step;
 use super::prediction::sample_place;
 use super::route::Route;
 
-/// The smallest step that is tried, mm: pieces that a control still executes without slowing down.
+/// The smallest step tried, mm: a control executes such pieces without slowing down.
 const SMALLEST_MM: f64 = 0.5;
 /// Steps of the series per doubling.
 const STEPS_PER_OCTAVE: f64 = 2.0;
-/// The answer is bracketed until its bounds are this near to each other.
+/// Ratio of the bounds at which the search ends.
 const NEAR_ENOUGH: f64 = 1.002;
-/// Pieces of one line that are looked at, spread over it where it has more.
+/// Maximum examined pieces of one line, spread over it.
 const MOST_PIECES: u32 = 2048;
 
-/// A straight way of the axes whose residual is looked at.
+/// A straight path of the axes whose residual is examined.
 #[derive(Clone, Debug)]
 pub struct Line {
     route: Route,
     tool_mm: Vector,
-    /// The block that it comes from, where it is a move of a program.
+    /// The block of the program that it comes from, if any.
     pub origin: Option<Origin>,
 }
 
@@ -38,19 +38,19 @@ impl Line {
         Line { route, tool_mm, origin }
     }
 
-    /// Where it begins, mm and rad.
+    /// Its start, mm and rad.
     #[must_use]
     pub fn start(&self) -> &AxisVector {
         &self.route.start
     }
 
-    /// Where it ends, mm and rad.
+    /// Its end, mm and rad.
     #[must_use]
     pub fn end(&self) -> &AxisVector {
         &self.route.end
     }
 
-    /// Way of the axis that moves farthest, mm, rotary axes at an arm of 100 mm.
+    /// Travel of the axis that moves farthest, mm, rotary axes at an arm of 100 mm.
     #[must_use]
     pub fn leading_mm(&self) -> f64 {
         self.route.leading_mm()
@@ -62,9 +62,9 @@ impl Line {
 pub struct StepResidual {
     /// Distance of the tip from the line, mm.
     pub max_mm: f64,
-    /// Number of the line, from 0.
+    /// Index of the line, from 0.
     pub line: usize,
-    /// Where on it, mm and rad.
+    /// Position on it, mm and rad.
     pub at: AxisVector,
     /// Ends of pieces that could not be corrected.
     pub failures: u64,
@@ -77,29 +77,29 @@ pub struct SeriesRow {
     pub step_mm: f64,
     /// Residual of this step, mm.
     pub residual_mm: f64,
-    /// Largest residual of this and all smaller steps, mm: errors with a period may look small where a step meets it.
+    /// Largest residual of this and all smaller steps, mm: a periodic error may look small if a step coincides with its period.
     pub largest_mm: f64,
 }
 
-/// Which steps keep the residual.
+/// Steps that keep the residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
     /// Every line may stay in one piece.
     Any,
     /// Steps up to this one, mm.
     UpTo(f64),
-    /// Not even the smallest step that was tried.
+    /// Not even the smallest step tried.
     None,
 }
 
-/// What was found.
+/// Result of the search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Steps {
     /// The series, steps increasing.
     pub rows: Vec<SeriesRow>,
-    /// Which steps are good.
+    /// Admissible steps.
     pub answer: Answer,
-    /// The largest residual at the answer; at the largest step where any will do, at the smallest where none does.
+    /// The largest residual at the answer: at the largest step for [`Answer::Any`], at the smallest for [`Answer::None`].
     pub worst: StepResidual,
 }
 
@@ -119,11 +119,11 @@ impl<'a> StepTrial<'a> {
         StepTrial { model, sampler: Sampler::new(model), solve, scratch: Vec::new() }
     }
 
-    /// Finds the largest step whose residual stays within `limit_mm`. `note` is told which share (0 … 1) of the series is done.
+    /// Finds the largest step whose residual stays within `limit_mm`. `note` receives the completed share (0 … 1) of the series.
     pub fn search(&mut self, lines: &[Line], limit_mm: f64, mut note: impl FnMut(f64)) -> Steps {
         let longest_mm = lines.iter().map(Line::leading_mm).fold(0.0, f64::max);
         let series = series(longest_mm);
-        // The work of a step is proportional to its pieces.
+        // The effort of a step is proportional to its pieces.
         let total: f64 = series.iter().map(|step_mm| 1.0 / step_mm).sum();
         let mut done = 0.0;
         let mut rows: Vec<SeriesRow> = Vec::with_capacity(series.len());
@@ -160,7 +160,7 @@ impl<'a> StepTrial<'a> {
         Steps { rows, answer, worst }
     }
 
-    /// The largest residual of a step on lines. `note` is told which share of the lines is done.
+    /// The largest residual of a step on lines. `note` receives the completed share of the lines.
     pub fn residual(&mut self, lines: &[Line], step_mm: f64, mut note: impl FnMut(f64)) -> StepResidual {
         let mut worst = StepResidual::default();
         for (number, line) in lines.iter().enumerate() {
@@ -177,7 +177,7 @@ impl<'a> StepTrial<'a> {
         worst.max_mm
     }
 
-    /// Cuts a line and notes the largest residual of its pieces.
+    /// Cuts a line and records the largest residual of its pieces.
     fn cut(&mut self, line: &Line, number: usize, step_mm: f64, worst: &mut StepResidual) {
         let route = &line.route;
         let leading = route.leading_mm();
@@ -228,7 +228,7 @@ impl<'a> StepTrial<'a> {
         }
     }
 
-    /// The command at a place of a line.
+    /// The corrected command at a place of a line.
     fn correct(&self, piece: &Piece, parameter: f64, guess: &AxisVector) -> Option<AxisVector> {
         let nominal = piece.line.route.at(parameter);
         let mut start = nominal + *guess;
@@ -241,19 +241,19 @@ impl<'a> StepTrial<'a> {
     }
 }
 
-/// Where the work on a line stands.
+/// Progress on a line.
 struct Piece<'l> {
     line: &'l Line,
     number: usize,
-    /// Sense of motion along the line.
+    /// Direction of motion along the line.
     state: State,
-    /// Samples that the whole line needs.
+    /// Number of samples of the whole line.
     whole: f64,
     /// The corrected end of the last piece.
     end: Option<AxisVector>,
 }
 
-/// Steps from the smallest to the length of the longest line, evenly by their ratio.
+/// Steps from the smallest to the length of the longest line, at a constant ratio.
 fn series(longest_mm: f64) -> Vec<f64> {
     if longest_mm.is_nan() || longest_mm <= SMALLEST_MM {
         return Vec::from_iter((longest_mm > 0.0).then_some(longest_mm));

@@ -1,4 +1,4 @@
-//! Where the tip of the tool goes in the workpiece, piece by piece: by points, and by how much the way may lie beyond them.
+//! The path of the tool tip in the workpiece, piece by piece, as points with a bound for the path beyond them.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -8,11 +8,11 @@ use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine};
 use ncfix_machine::snc::{Kind, Setup};
 
-/// Points of an arc and of a turn of a rotary axis are so far apart, rad: what lies beyond them is 4·10⁻⁵ of the radius.
+/// Angle between points of an arc or of a rotary turn, rad: the path exceeds them by at most 4·10⁻⁵ of the radius.
 const APART: f64 = TAU / 360.0;
-/// Points of one piece, at most.
+/// Maximum number of points of one piece.
 const MOST: f64 = 1440.0;
-/// Directions that differ by less are the same: the square is lost in the arithmetic.
+/// Directions that differ by less are equal: the square vanishes in double precision.
 const SAME: f64 = 1e-9;
 
 /// Follows the tip.
@@ -24,12 +24,12 @@ pub struct Tips<'a> {
     frame: OutputFrame,
     keeps_transform: bool,
     setup: Arc<Setup>,
-    /// Where the axes stand, as the program asks for it; `None` where nobody knows.
+    /// Nominal position of the axes; `None` if unknown.
     stands: Option<AxisVector>,
 }
 
 impl<'a> Tips<'a> {
-    /// Begins before the first output of a program that was corrected by these options.
+    /// Starts before the first output of a program that was corrected with these options.
     #[must_use]
     pub fn new(machine: &'a Machine, options: &Options) -> Tips<'a> {
         Tips {
@@ -43,13 +43,13 @@ impl<'a> Tips<'a> {
         }
     }
 
-    /// Where the axes stand before the next output; `None` where nobody knows.
+    /// Position of the axes before the next output; `None` if unknown.
     #[must_use]
     pub fn stands(&self) -> Option<&AxisVector> {
         self.stands.as_ref()
     }
 
-    /// Takes the next output: behind it the axes stand at its end.
+    /// Takes the next output; afterwards the axes are at its end.
     pub fn take(&mut self, output: &Output) {
         match output {
             Output::Piece(piece) => self.stands = Some(piece.nominal),
@@ -64,19 +64,19 @@ impl<'a> Tips<'a> {
         }
     }
 
-    /// The tip in the workpiece with the axes there, mm.
+    /// The tip in the workpiece at an axis position, mm.
     #[must_use]
     pub fn tip_mm(&self, command: &AxisVector) -> Vector {
         self.kinematics.tip_mm(command, &self.setup.tool_mm)
     }
 
-    /// From the tip to the spindle, in the workpiece, with the axes there.
+    /// Direction from the tip to the spindle, in the workpiece, at an axis position.
     #[must_use]
     pub fn direction(&self, command: &AxisVector) -> Vector {
         self.kinematics.direction(command)
     }
 
-    /// Whether the tool leaves the workpiece along itself when Z of the machine rises, with the axes there.
+    /// `true` if a rise of Z of the machine retracts the tool along itself, at an axis position.
     #[must_use]
     pub fn rises_along_itself(&self, command: &AxisVector) -> bool {
         let mut above = *command;
@@ -84,7 +84,7 @@ impl<'a> Tips<'a> {
         (self.tip_mm(&above) - self.tip_mm(command)).dot(&self.direction(command)) > 1.0 - SAME
     }
 
-    /// Z of the program with the axes there, mm; `None` where that is not the height along Z of the machine.
+    /// Z of the program at an axis position, mm; `None` if that is not the height along Z of the machine.
     #[must_use]
     pub fn programmed_z_mm(&self, command: &AxisVector) -> Option<f64> {
         let is_height = !(self.keeps_transform && self.setup.transform.is_some())
@@ -93,8 +93,8 @@ impl<'a> Tips<'a> {
         is_height.then(|| self.setup.programmed(command)[Axis::Z])
     }
 
-    /// Where Z is within its travel with the other axes there, mm of Z of the program; `None` where that is not the height along Z of the machine.
-    /// Without limits it is everywhere.
+    /// Travel of Z with the other axes at an axis position, mm of Z of the program; `None` if that is not the height along Z of the machine. Without
+    /// limits it is infinite.
     #[must_use]
     pub fn programmed_travel_mm(&self, command: &AxisVector) -> Option<[f64; 2]> {
         let programmed_mm = self.programmed_z_mm(command)?;
@@ -103,7 +103,7 @@ impl<'a> Tips<'a> {
         Some([low, high].map(|end| end - command[Axis::Z] + programmed_mm))
     }
 
-    /// Shows points of the way of a piece that is to be taken next, in the workpiece, mm, and by how much the way may lie beyond each.
+    /// Calls `look` with points of the path of the next piece, in the workpiece, mm, and with the largest excess of the path beyond each.
     pub fn points(&self, piece: &Piece, look: &mut dyn FnMut(&Vector, f64)) {
         let end = &piece.nominal;
         let start = self.stands.as_ref();
@@ -129,7 +129,7 @@ impl<'a> Tips<'a> {
         for step in 0..=count as u32 {
             let share = f64::from(step) / count;
             let from = start.unwrap_or(end);
-            // More than a turn: each point of the circle at both ends of the way along its axis.
+            // More than a turn: each point of the circle is taken at both ends of the path along its axis.
             let shares = arc.as_ref().filter(|arc| arc.sweep.abs() > TAU).map_or([share, share], |_| [0.0, 1.0]);
             for along in shares {
                 let bulge = arc.as_ref().map_or(Vector::zeros(), |arc| arc.bulge(share, along));
@@ -155,7 +155,7 @@ impl<'a> Tips<'a> {
         let first = from[1].atan2(from[0]);
         let mut sweep = to[1].atan2(to[0]) - first;
         let sense = if arc.clockwise { -1.0 } else { 1.0 };
-        // No way at all is a whole turn.
+        // A zero sweep is a full turn.
         while sense * sweep <= SAME {
             sweep += sense * TAU;
         }
@@ -170,7 +170,7 @@ impl<'a> Tips<'a> {
     }
 }
 
-/// An arc as it lies in its frame.
+/// An arc in its frame.
 struct Circle {
     /// The directions of its plane.
     basis: [Vector; 2],
@@ -182,9 +182,9 @@ struct Circle {
 }
 
 impl Circle {
-    /// From a place on the straight way between its ends to one on the arc, mm.
+    /// Vector from a place on the straight chord to the corresponding place on the arc, mm.
     fn bulge(&self, share: f64, along: f64) -> Vector {
-        // What goes further than a turn has been everywhere after one.
+        // After one turn the arc has passed every direction.
         let angle = self.first + self.sweep.clamp(-TAU, TAU) * share;
         let on = [angle.cos(), angle.sin()].map(|part| self.radius_mm * part);
         let straight = |k: usize| self.from[k] + (self.to[k] - self.from[k]) * along;

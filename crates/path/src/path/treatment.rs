@@ -1,4 +1,4 @@
-//! What is done with a move: corrected along its way, at its end, or not at all.
+//! The treatment of a move: corrected along its path, at its end, or not at all.
 
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::Machine;
@@ -6,21 +6,21 @@ use ncfix_machine::machine::Machine;
 use super::Rapids;
 use super::findings::ON_LIMIT;
 
-/// What is done with a move.
+/// The treatment of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Treatment {
-    /// The axes named go where the program says, the others stay.
+    /// The named axes go to their programmed positions, the others stay.
     Programmed,
     /// The axes named are corrected at its end, the others stay.
     Named,
     /// Corrected at its end, in one piece.
     End,
-    /// Corrected along the way.
+    /// Corrected along the path.
     Way,
 }
 
 impl Treatment {
-    /// That of a cut, or of the approach to one; `is_placed` where its start and all axes that place the tool are known.
+    /// Treatment of a cut or of the approach to one; `is_placed` if its start and all axes that place the tool are known.
     pub(super) fn of(rapid: bool, rapids: Rapids, is_placed: bool) -> Treatment {
         match (rapid, rapids) {
             (true, Rapids::None) => Treatment::Programmed,
@@ -30,14 +30,14 @@ impl Treatment {
         }
     }
 
-    /// Whether axes that the program does not move stay where they are.
+    /// `true` if axes that the program does not move stay.
     pub(super) fn leaves_others(self) -> bool {
         matches!(self, Treatment::Programmed | Treatment::Named)
     }
 }
 
-/// Whether a correction leads out of the travel of an axis from a place within it: where a program moves to the end of an axis, the
-/// reference point above all, it means that end and no place relative to the workpiece.
+/// `true` if a correction leads out of the travel of an axis from a place within it. A program that moves to the end of an axis, typically to a
+/// reference point, means that end and not a place relative to the workpiece.
 pub(super) fn is_pushed_out(machine: &Machine, nominal: &AxisVector, command: &AxisVector) -> bool {
     machine.axes.iter().flatten().any(|data| {
         data.travel.is_some_and(|[low, high]| {

@@ -1,4 +1,4 @@
-//! One piece tried: its ends corrected and rounded, its deviation from the nominal path measured by the forward function.
+//! One candidate piece: its ends corrected and rounded, its deviation from the nominal path measured by the forward function.
 
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
 use ncfix_machine::machine::{Control, State};
@@ -10,66 +10,65 @@ use super::place::{Placed, Placer, SHORT_MM};
 use super::route::{Route, distance_mm};
 use super::standing::PathState;
 
-/// Share of the tolerance that the samples may use; the rest is for what lies between them.
+/// Share of the tolerance for the samples; the rest covers the path between them.
 pub(super) const SAMPLED_SHARE: f64 = 0.97;
-/// What a bend may add where rounding alone exceeds the tolerance, as a share of it.
+/// Deviation of a bend in addition to rounding if rounding alone exceeds the tolerance, as a share of it.
 pub(super) const BEND_SHARE: f64 = 0.1;
-/// Guesses of the sense of motion before an axis that is asked to go both ways is held.
+/// Guesses of the direction of motion before an axis without a consistent direction is held.
 const MOST_TRIES: u32 = 3;
-/// Share of the tolerance that an axis which was asked to go both ways may be off by before a step on the spot.
+/// Share of the tolerance by which an axis without a consistent direction may deviate before a step on the spot.
 const READY_SHARE: f64 = 0.5;
-/// Steps at whose ends a piece is looked at that begins or ends off its place. With them a bend is as well: what is left between them is
-/// 4 (1/16)², 2 % of the bend.
+/// Number of intervals for checking a piece that begins or ends off its place. The residual of a bend between them is 4 (1/16)², 2 % of the bend.
 const BESIDE_ENDS: u32 = 8;
-/// Commands nearer than this are the same place on the grid, mm.
+/// Commands nearer to each other than this are one grid position, mm.
 pub(super) const SAME_PLACE_MM: f64 = 1e-9;
 
-/// What is needed to try pieces of one move.
+/// Input for candidate pieces of one move.
 pub(super) struct SegmentFitter<'a, 'm> {
     pub(super) placer: &'a Placer<'m>,
     pub(super) sampler: &'a Sampler,
     pub(super) lead: &'a Lead<'m>,
     pub(super) control: &'a Control,
     pub(super) route: &'a Route,
-    /// Samples that the whole route needs.
+    /// Number of samples of the whole route.
     pub(super) samples: f64,
     pub(super) known: AxisSet,
     pub(super) tolerance_mm: f64,
-    /// Whether a piece may begin with a step on the spot.
+    /// `true` if a piece may begin with a step on the spot.
     pub(super) takes_up: bool,
-    /// Whether rotary corrections change by little in a piece near a singularity.
+    /// `true` if the change of rotary corrections in a piece is limited near a singularity.
     pub(super) limits_turns: bool,
-    /// Axes that come to their end in this sense whatever was before, by slot: behind an overshoot.
+    /// Axes whose final direction is fixed, by slot: after an overshoot.
     pub(super) settled: [i8; AXIS_COUNT],
 }
 
-/// A piece that was tried.
+/// A candidate piece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {
     /// Parameters of the move at its ends.
     pub(super) between: [f64; 2],
-    /// Where to go before that, so that bodies come to it from the right side.
+    /// Position to go to before the take-up, so that bodies approach it from the right side.
     pub(super) ready: Option<Placed>,
-    /// Where to go first, on the spot.
+    /// Position to go to first, on the spot.
     pub(super) take_up: Option<Placed>,
-    /// Where to go first so that the axes come to the end in a known sense.
+    /// Position to go to first so that the axes reach the end in a known direction.
     pub(super) overshoot: Option<Placed>,
     pub(super) end: Placed,
-    /// Sense of motion of each axis along the piece, as in [`State::direction`].
+    /// Direction of motion of each axis along the piece, as in [`State::direction`].
     pub(super) sense: [i8; AXIS_COUNT],
     /// As in [`PieceEnds`].
     pub(super) is_torn: bool,
     pub(super) begins_off: bool,
     pub(super) circle: Option<PieceArc>,
-    /// What the machine will do.
+    /// The path of the machine.
     pub(super) emitted: Route,
-    /// Largest deviation found, mm; 0 where none was looked for.
+    /// Largest measured deviation, mm; 0 if not measured.
     pub(super) deviation_mm: f64,
     /// Largest deviation allowed, mm.
     pub(super) allowed_mm: f64,
-    /// What of the deviation bodies bring along that are within their dead bands at the start, mm: no length makes it smaller.
+    /// Deviation due to bodies that are within their dead bands at the start, mm: it does not depend on the length.
     pub(super) brought_mm: f64,
-    /// Deviation at the middle, where it was looked for, mm.
+    /// Deviation at the middle, if measured, mm.
     pub(super) middle_mm: Option<f64>,
 }
 
@@ -80,10 +79,10 @@ pub(super) struct PieceEnds {
     pub(super) start: AxisVector,
     pub(super) end: Placed,
     pub(super) sense: [i8; AXIS_COUNT],
-    /// Whether an axis was asked to go the other way wherever it was led: the tip is off by its backlash, or, where the axis is held, by what
-    /// its correction changes.
+    /// `true` if an axis has no consistent direction at any position: the tip is then off by its backlash or, if the axis is held, by the change of
+    /// its correction.
     pub(super) is_torn: bool,
-    /// Whether the start was placed for another sense, or not at all: what that leaves there is within the tolerance.
+    /// `true` if the start was placed for another direction or not at all: the resulting error is within the tolerance.
     pub(super) begins_off: bool,
 }
 
@@ -92,7 +91,7 @@ impl Trial {
         self.deviation_mm <= self.allowed_mm
     }
 
-    /// The share of what its length may deviate that it does; above 1 it does not fit.
+    /// Ratio of the length-dependent deviation to its allowed value; above 1 the piece does not fit.
     pub(super) fn share(&self) -> f64 {
         if self.fits() && self.brought_mm < self.allowed_mm {
             (self.deviation_mm - self.brought_mm).max(0.0) / (self.allowed_mm - self.brought_mm)
@@ -107,25 +106,24 @@ impl Trial {
         if share < 1.0 { from + (to - from) * share } else { to }
     }
 
-    /// What the errors along the piece depend on besides the commands.
+    /// State of the errors along the piece, besides the commands.
     pub(super) fn state(&self) -> State {
         state_of(self.sense)
     }
 }
 
-/// The state of a program that nobody measures: accelerations are not known.
+/// The state of a program that is not simulated in time: accelerations are unknown.
 pub(super) fn state_of(sense: [i8; AXIS_COUNT]) -> State {
     State { direction: sense, ..State::default() }
 }
 
 impl SegmentFitter<'_, '_> {
-    /// The whole move of these axes of the output as programmed; the others stay where they are.
+    /// The whole move of these output axes as programmed; the others stay.
     pub(super) fn as_programmed(&self, standing: &PathState, moving: AxisSet) -> Trial {
         self.unplaced(standing, self.placer.partly(&self.route.end, standing, moving, self.known))
     }
 
-    /// The whole move of these axes of the output to their corrected places; the others stay where they are. An axis that the program leaves
-    /// where it is stays too.
+    /// The whole move of these output axes to their corrected positions; the others stay. An axis that the program does not move stays too.
     pub(super) fn of_named(&self, standing: &PathState, moving: AxisSet) -> Trial {
         let [start, end] = [&self.route.start, &self.route.end].map(|command| self.placer.programmed(command));
         let stands = standing.known.intersection(standing.written);
@@ -135,7 +133,7 @@ impl SegmentFitter<'_, '_> {
         self.unplaced(standing, self.placer.partly(&ends.end.command, standing, moving, self.known))
     }
 
-    /// The whole move straight to an end that was not made for the whole pose.
+    /// The whole move straight to an end that is not placed for the full pose.
     fn unplaced(&self, standing: &PathState, end: Placed) -> Trial {
         let state = self.led(standing, &[standing.command, end.command]);
         let emitted = Route::new(standing.command, end.command, None);
@@ -151,21 +149,21 @@ impl SegmentFitter<'_, '_> {
         self.trial([0.0, 1.0], ends, emitted, None)
     }
 
-    /// The piece as a straight one, its deviation not measured.
+    /// The piece as a straight line, without measured deviation.
     pub(super) fn unmeasured(&self, standing: &PathState, between: [f64; 2]) -> Trial {
         let ends = self.ends(standing, between);
         let emitted = Route::new(ends.start, ends.end.command, None);
         self.trial(between, ends, emitted, None)
     }
 
-    /// The piece as a straight one.
+    /// The piece as a straight line.
     pub(super) fn straight(&self, standing: &PathState, between: [f64; 2], scratch: &mut Vec<f64>) -> Trial {
         let mut trial = self.unmeasured(standing, between);
         self.measure(standing, &mut trial, scratch);
         trial
     }
 
-    /// The piece as an arc; `None` where the ends, rounded, allow none.
+    /// The piece as an arc; `None` if the rounded ends allow none.
     pub(super) fn arc(&self, standing: &PathState, between: [f64; 2], scratch: &mut Vec<f64>) -> Option<Trial> {
         let mut trial = self.unmeasured_arc(standing, between)?;
         self.measure(standing, &mut trial, scratch);
@@ -191,8 +189,8 @@ impl SegmentFitter<'_, '_> {
         }
     }
 
-    /// Corrects and rounds the ends. The sense of motion along the piece follows from the commands that follow from it, so it is
-    /// guessed from the program and tried again where the guess was wrong.
+    /// Corrects and rounds the ends. The direction of motion along the piece depends on the resulting commands, so it is guessed from the program and
+    /// corrected in further attempts.
     pub(super) fn ends(&self, standing: &PathState, between: [f64; 2]) -> PieceEnds {
         let nominal_end = self.route.at(between[1]);
         let place = |nominal: &AxisVector, state: &State, correction: &AxisVector| {
@@ -233,7 +231,7 @@ impl SegmentFitter<'_, '_> {
             let start = take_up.map_or(standing.command, |placed| placed.command);
             let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal_start);
             let end = place(&nominal_end, &sense, &correction);
-            // What the machine will do: an axis that does not move keeps the sense that it has, not the one that was guessed.
+            // The actual motion: an axis that does not move keeps its direction, not the guessed one.
             let first = ready.map_or(standing.command, |placed| placed.command);
             let mut led = self.led(standing, &[standing.command, first, start, end.command]);
             self.settle(&mut led);
@@ -250,16 +248,16 @@ impl SegmentFitter<'_, '_> {
                 if let Some(held) = self.held(standing, between, &state, &sense) {
                     return held;
                 }
-                // The program moves the axis, by less than its backlash. A step on the spot makes room for that, though without one the
-                // tip would be off by less than the tolerance here.
+                // The program moves the axis by less than its backlash. A step on the spot makes room for that, though without it the tip error would
+                // be within the tolerance here.
                 enough_mm = READY_SHARE * self.tolerance_mm;
             }
             sense = state;
         }
     }
 
-    /// An axis whose word does not change is not written and does not move, though a new frame has another grid. Where the frame turns or
-    /// scales, a word is no axis; the grids differ by noise only then.
+    /// An axis whose word does not change is not written and does not move, although a new frame has another grid. If the frame rotates or scales, a
+    /// word does not belong to one axis; the grids then differ by noise only.
     pub(super) fn unmoved(&self, standing: &PathState, mut placed: Placed) -> Placed {
         let is_parallel = self.placer.is_parallel();
         for axis in standing.written.iter().filter(|axis| is_parallel || axis.slot() > 2) {
@@ -267,7 +265,7 @@ impl SegmentFitter<'_, '_> {
                 placed.command[axis] = standing.command[axis];
             }
         }
-        // Nor does the noise of a frame that turns move an axis: it would turn its backlash.
+        // Rounding noise of a rotated frame must not move an axis: it would reverse its backlash.
         for axis in AXES {
             if (placed.command[axis] - standing.command[axis]).abs() < SAME_PLACE_MM {
                 placed.command[axis] = standing.command[axis];
@@ -276,17 +274,17 @@ impl SegmentFitter<'_, '_> {
         placed
     }
 
-    /// Measures the deviation at all places that matter.
+    /// Measures the deviation at all relevant places.
     fn measure(&self, standing: &PathState, trial: &mut Trial, scratch: &mut Vec<f64>) {
         let [from, to] = trial.between;
         let state = trial.state();
         self.sampler.fractions((self.route, self.samples), trial.between, &trial.emitted, scratch);
         if trial.is_torn || trial.begins_off {
-            // Ends are right but for their rounding where they were placed for the sense in which the axes come. Where they were not, the
-            // way between deviates most anywhere.
+            // Ends that were placed for the actual direction are correct except for rounding. Otherwise the largest deviation may be anywhere between
+            // them.
             scratch.extend((0..=BESIDE_ENDS).map(|k| f64::from(k) / f64::from(BESIDE_ENDS)));
         }
-        // Bodies go through their dead bands on the way.
+        // Bodies pass their dead bands on the way.
         let lags = (trial.begins_off || trial.is_torn) && !self.lead.axes.is_empty();
         let mut first = standing.band;
         if lags {
@@ -320,7 +318,7 @@ impl SegmentFitter<'_, '_> {
             }
         }
         if trial.deviation_mm > trial.allowed_mm {
-            // Rounding at the ends is no reason to cut: another end is rounded as badly. Nor is what it begins with, but backlash is.
+            // Rounding at the ends is no reason to cut: another end has the same rounding. Nor is the initial error, but backlash is.
             let at = |parameter: f64, command: &AxisVector| {
                 self.placer.tip_error_mm(&self.route.at(parameter), command, &state)
             };

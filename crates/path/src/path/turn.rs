@@ -1,4 +1,4 @@
-//! A piece as an arc: its center and its plane in the words that are written, and the arc that these stand for.
+//! A piece as an arc: its center and plane as written, and the resulting arc.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -9,13 +9,13 @@ use super::standing::PathState;
 use super::trial::{PieceEnds, SAME_PLACE_MM, SegmentFitter, Trial, state_of};
 use super::{Centers, PieceArc, Turns, arc_fit};
 
-/// Share of the control's tolerance for arc centers that is used, so that its own arithmetic agrees.
+/// Used share of the control's tolerance for arc centers, so that the control's arithmetic agrees.
 const CENTER_SHARE: f64 = 0.5;
-/// A sweep this near to full turns is full turns, rad.
+/// Tolerance within which a sweep is full turns, rad.
 const SAME_ANGLE: f64 = 1e-7;
 
 impl SegmentFitter<'_, '_> {
-    /// The piece as an arc, its deviation not measured; `None` where the ends, rounded, allow none.
+    /// The piece as an arc, without measured deviation; `None` if the rounded ends allow none.
     pub(super) fn unmeasured_arc(&self, standing: &PathState, between: [f64; 2]) -> Option<Trial> {
         let arc = *self.route.arc()?;
         let (plane, clockwise) = self.emitted_plane(arc.plane, arc.clockwise)?;
@@ -102,10 +102,9 @@ impl SegmentFitter<'_, '_> {
         Some(arc_fit::center(start, end, guess, &points[..count as usize]))
     }
 
-    /// Plane and sense of an arc in the emitted frame; `None` where it is no principal plane there, or not the one that is
-    /// selected.
+    /// Plane and direction of an arc in the emitted frame; `None` if the plane is not a principal plane there, or not the selected one.
     ///
-    /// An arc that is counter-clockwise about n is so about sign(det L) · L · n behind the frame L.
+    /// An arc that is counter-clockwise about n is counter-clockwise about sign(det L) · L · n in the frame L.
     fn emitted_plane(&self, plane: Plane, clockwise: bool) -> Option<(Plane, bool)> {
         let setup = &self.placer.setup;
         if self.placer.is_parallel() {
@@ -123,7 +122,7 @@ impl SegmentFitter<'_, '_> {
         is_principal.then_some((setup.plane, clockwise == (across > 0.0)))
     }
 
-    /// A direction of the axes in counts of the emitted frame, and the direction that these stand for.
+    /// A direction of the axes in counts of the emitted frame, and the direction that the counts represent.
     fn round_direction(&self, direction: Vector) -> ([i64; 3], Vector) {
         let is_parallel = self.placer.is_parallel();
         let frame = &self.placer.setup.frame;

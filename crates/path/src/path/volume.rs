@@ -1,7 +1,7 @@
-//! Lines through the working volume on which the residual of a fixed step is looked for.
+//! Lines through the working volume for the residual of a fixed step.
 //!
-//! The set is always the same for a machine: along every axis at several places of the others, corners included, where arms are longest;
-//! the diagonals of the volume; and lines between places that a seeded generator draws.
+//! The set is deterministic for a machine: lines along every axis at several positions of the others, including corners with the longest arms; the
+//! diagonals of the volume; and lines between positions from a seeded generator.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,16 +11,16 @@ use ncfix_machine::machine::{AxisData, Machine};
 use super::route::Route;
 use super::steps::Line;
 
-/// Corners of the other axes at which lines along an axis lie, and diagonals, at most.
+/// Maximum number of corners for lines along an axis, and of diagonals.
 const MOST_CORNERS: u64 = 16;
-/// Places within the volume at which lines along an axis lie.
+/// Number of positions within the volume for lines along an axis.
 const PLACES: u32 = 12;
-/// Lines in any direction.
+/// Number of lines in random directions.
 const RANDOM_LINES: u32 = 64;
-/// Start of the generator; any number will do.
+/// Seed of the generator; any number works.
 const SEED: u64 = 0x5350_4141_4e20_3732;
 
-/// The part of the travel that is looked at: one turn of rotary axes that turn further.
+/// The examined part of the travel: one turn of rotary axes with more travel.
 struct Range {
     axis: Axis,
     low: f64,
@@ -32,7 +32,7 @@ impl Range {
         let axis = data.axis;
         let [low, high] = match data.travel {
             Some([low, high]) if axis.is_rotary() && high - low > TAU => {
-                // Around zero where it can be.
+                // Around zero if possible.
                 let middle = f64::max(0.0, low + PI).min(high - PI);
                 [middle - PI, middle + PI]
             }
@@ -48,7 +48,7 @@ impl Range {
     }
 }
 
-/// Lines through the travel of all axes, for a tool vector. Linear axes without travel limits stay at 0; none where all do.
+/// Lines through the travel of all axes, for a tool vector. Linear axes without travel limits stay at 0; the result is empty if no axis has limits.
 #[must_use]
 pub fn volume(machine: &Machine, tool_mm: &Vector) -> Vec<Line> {
     let ranges: Vec<Range> = machine.axes.iter().flatten().filter_map(Range::of).collect();
@@ -88,7 +88,7 @@ struct Set {
 }
 
 impl Set {
-    /// Corners of the volume, none of them opposite to another: all, or as many as allowed.
+    /// Corners of the volume, none opposite to another: all, or the allowed number.
     fn corners(&self, random: &mut Random) -> Vec<Vec<f64>> {
         let free = self.ranges.len().saturating_sub(1);
         let all = 1_u64 << free;
@@ -98,7 +98,7 @@ impl Set {
         chosen.map(|number| (0..=free).map(|bit| fraction(number, bit)).collect()).collect()
     }
 
-    /// A line along one axis, the others at a place. A corner leaves the last axis low; it changes places with the moving one.
+    /// A line along one axis, the others at a position. In a corner the last axis is at its low end; it swaps places with the moving one.
     fn along(&mut self, moving: usize, mut place: Vec<f64>) {
         if let Some(last) = place.len().checked_sub(1) {
             place.swap(moving, last);
@@ -153,7 +153,7 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// Evenly between 0 and 1.
+    /// A number uniformly distributed between 0 and 1.
     fn fraction(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }

@@ -1,8 +1,8 @@
-//! What changed between a program and its corrected one: rows, and what they add up to.
+//! The changes between a program and its corrected version: rows and their summary.
 //!
-//! A row is a piece of the corrected program beside the place of the original that it belongs to ([`crate::path::Follow`]): both programs are executed, so
-//! that expressions, loops, frames and modal words are values. What a row shows of the text comes from [`words`]. Programs that do not run here are
-//! compared as they are written ([`text`]).
+//! A row pairs a piece of the corrected program with its place in the original ([`crate::path::Follow`]). Both programs are executed, so that
+//! expressions, loops, frames and modal words have values. The text of a row comes from [`words`]. Programs that cannot be executed here are compared
+//! as text ([`text`]).
 
 mod pairs;
 mod summary;
@@ -17,10 +17,10 @@ pub use trace::Trace;
 use crate::path::Follow;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis};
 
-/// What is smaller is arithmetic, mm and rad: a thousandth of the finest increment.
+/// Limit below which a difference is rounding noise, mm and rad: a thousandth of the finest increment.
 const NOTHING: f64 = 1e-8;
 
-/// A piece of the corrected program beside the original. Small, since there may be millions.
+/// A piece of the corrected program with its place in the original. Kept small, as there may be millions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// Number of the file of the original.
@@ -29,27 +29,27 @@ pub struct Row {
     pub line: u32,
     /// Line of the corrected program, from 1.
     pub corrected_line: u32,
-    /// What was added to the word of each axis, by slot, mm and rad.
+    /// Correction added to the word of each axis, by slot, mm and rad.
     pub added: [f32; AXIS_COUNT],
-    /// How far the tip of the original is from its nominal place, on the error model, mm, where the piece is left as it was.
+    /// Distance of the original tip from its nominal place under the error model, mm, if the piece is unchanged.
     pub error_mm: f32,
-    /// Bits of [`Row::RAPID`] and the others.
+    /// Flags: bits of [`Row::RAPID`] and the others.
     flags: u8,
 }
 
 impl Row {
-    /// Rapid.
+    /// Rapid piece.
     const RAPID: u8 = 1;
     /// First piece of its move.
     const FIRST: u8 = 2;
-    /// On the spot.
+    /// Step on the spot.
     const SPOT: u8 = 4;
-    /// The program has not stated where the axes are.
+    /// The program has not stated the position of an axis that it moves.
     const UNSTATED: u8 = 8;
-    /// Its feed is another one.
+    /// The feed differs from that of the original.
     const FEED: u8 = 16;
 
-    /// A row from a piece.
+    /// Creates a row from a piece.
     #[must_use]
     pub fn new(follow: &Follow<'_>) -> Row {
         let added = AXES.map(|axis| {
@@ -73,68 +73,68 @@ impl Row {
         }
     }
 
-    /// All that is told of the row beside numbers: 1 rapid, 2 first piece of its move, 4 on the spot, 8 before the axes were stated, 16 with another feed.
+    /// Flags of the row: 1 rapid, 2 first piece of its move, 4 on the spot, 8 before the axes were stated, 16 with another feed.
     #[must_use]
     pub fn flags(&self) -> u8 {
         self.flags
     }
 
-    /// Rapid or with feed.
+    /// `true` for a rapid piece, `false` for a piece with feed.
     #[must_use]
     pub fn is_rapid(&self) -> bool {
         self.flags & Row::RAPID != 0
     }
 
-    /// The first piece of its move.
+    /// `true` for the first piece of its move.
     #[must_use]
     pub fn is_first(&self) -> bool {
         self.flags & Row::FIRST != 0
     }
 
-    /// A step on the spot.
+    /// `true` for a step on the spot.
     #[must_use]
     pub fn is_on_the_spot(&self) -> bool {
         self.flags & Row::SPOT != 0
     }
 
-    /// Whether the program has stated where all axes are that it moves.
+    /// `true` if the program has stated the position of all axes that it moves.
     #[must_use]
     pub fn is_stated(&self) -> bool {
         self.flags & Row::UNSTATED == 0
     }
 
-    /// Whether its feed is another one than that of the original.
+    /// `true` if the feed differs from that of the original.
     #[must_use]
     pub fn has_other_feed(&self) -> bool {
         self.flags & Row::FEED != 0
     }
 
-    /// What was added to an axis, mm or rad.
+    /// Correction added to an axis, mm or rad.
     #[must_use]
     pub fn added(&self, axis: Axis) -> f64 {
         without_noise(self.added[axis.slot()])
     }
 
-    /// The largest of what was added to some axes, in µm and µrad: one number to sort by.
+    /// The largest correction added to any of these axes, in µm or µrad, as a sort key.
     #[must_use]
     pub fn largest(&self, axes: &[Axis]) -> f64 {
         axes.iter().map(|&axis| 1e3 * size(axis, self.added(axis))).fold(0.0, f64::max)
     }
 }
 
-/// A value as it was stored, mm or rad: to a hundredth of a nanometre. Behind that there is noise, and a limit that is just kept shall be kept.
+/// The stored value, mm or rad, rounded to a hundredth of a nanometre. Digits beyond are noise, and a limit that is just met must hold.
 fn without_noise(value: f32) -> f64 {
     const PARTS: f64 = 1e8;
     (f64::from(value) * PARTS).round() / PARTS
 }
 
-/// A value of an axis as a size that can be compared: mm, and what an angle makes at an arm of 1000 mm.
+/// Comparable magnitude of a value of an axis: mm; an angle counts as its displacement at an arm of 1000 mm.
 fn size(axis: Axis, value: f64) -> f64 {
     const ARM_MM: f64 = 1000.0;
     value.abs() * if axis.is_rotary() { ARM_MM } else { 1.0 }
 }
 
-/// The rows of one move of the original.
+/// The rows of each move of the original.
 pub fn moves(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
     rows.chunk_by(|_, next| !next.is_first())
 }

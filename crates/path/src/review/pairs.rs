@@ -1,8 +1,8 @@
-//! Which line of an original each line of a corrected program comes from: by the moves that were executed, and between these by what is written.
+//! Pairs each line of a corrected program with a line of the original: by the executed moves, and between these by the text.
 
 use super::Row;
 
-/// For each line of the corrected program the line of the main original program, from 1; 0 for those that come from none.
+/// For each line of the corrected program, the line of the main original program, from 1; 0 if it has none.
 #[must_use]
 pub fn pairs<'t>(
     rows: &[Row],
@@ -31,7 +31,7 @@ pub fn pairs<'t>(
         if is_forward && next.0 > last.0 + 1 {
             between((last, next), &original, &corrected, &mut out);
         }
-        // Loops go back: what is behind them follows the last line that was reached.
+        // Loops jump back: lines after them follow the last line that was reached.
         if is_forward {
             last = next;
         } else {
@@ -57,7 +57,7 @@ fn between((last, next): ((usize, usize), (usize, usize)), original: &[&str], co
         out[to.0 - 1] = to.1 as u32;
         to = (to.0 - 1, to.1 - 1);
     }
-    // As many here as there: written anew, with evaluated values.
+    // Equally many lines on both sides: rewritten with evaluated values.
     if to.0 + from.1 == to.1 + from.0 {
         for place in 0..(to.0 + 1).saturating_sub(from.0) {
             out[from.0 + place - 1] = (from.1 + place) as u32;
@@ -83,9 +83,9 @@ mod tests {
         let original = "%\nR1=3\nG54\nTRANS X=R1\nG1 X1\n; end\nG1 X2\nM30";
         let corrected = "%\n; stamp\nG54\nTRANS X3\nG1 X1.01\nG1 X1.51 ;+\n; end\nG1 X2.01\nM30";
         let rows = [row(5, 5), row(5, 6), row(7, 8)];
-        // `R1=3` became the stamp's neighbour: as many lines are left between the pairs on both sides.
+        // `R1=3` now follows the stamp: both sides have equally many lines between the pairs.
         assert_eq!(paired(&rows, original, corrected), [1, 2, 3, 4, 5, 5, 6, 7, 8]);
-        // Without the stamp that line is gone, and frames that were written anew are not guessed at.
+        // Without the stamp that line is missing, and rewritten frames are not paired by guess.
         let shorter = corrected.replace("; stamp\n", "");
         let rows = [row(5, 4), row(5, 5), row(7, 7)];
         assert_eq!(paired(&rows, original, &shorter), [1, 0, 0, 5, 5, 6, 7, 8]);

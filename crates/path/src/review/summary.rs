@@ -1,4 +1,4 @@
-//! What all rows add up to.
+//! The summary of all rows.
 
 use super::{Row, moves, size, without_noise};
 use ncfix_base::geometry::{AXES, Axis};
@@ -18,29 +18,29 @@ impl From<&Row> for ReviewPlace {
     }
 }
 
-/// What was added to the commands of an axis; mm or rad.
+/// Statistics of the corrections added to the commands of an axis; mm or rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisFigures {
     /// The axis.
     pub axis: Axis,
-    /// The largest by its size, with its sign.
+    /// The value of largest magnitude, with its sign.
     pub max: f64,
-    /// Where that is.
+    /// Place of the largest value.
     pub max_at: ReviewPlace,
-    /// Mean, with signs.
+    /// Signed mean.
     pub mean: f64,
     /// Root of the mean square.
     pub rms: f64,
-    /// 99 % of the sizes are no larger.
+    /// The 99th percentile of the magnitudes.
     pub p99: f64,
 }
 
-/// Moves that were left as they are, and why.
+/// Counts of uncorrected moves, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UncorrectedMoves {
-    /// The machine has no error of an increment there.
+    /// The error of the machine there is below an increment.
     pub no_error: u64,
-    /// The program has not stated where the axes are.
+    /// The program has not stated the position of the axes.
     pub unstated: u64,
     /// Rapid moves.
     pub rapid: u64,
@@ -48,29 +48,29 @@ pub struct UncorrectedMoves {
     pub other: u64,
 }
 
-/// What a comparison adds up to.
+/// Summary of a comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
-    /// Moves of the original that were executed.
+    /// Executed moves of the original.
     pub moves: u64,
     /// Pieces of the corrected program.
     pub pieces: u64,
-    /// Moves of which a piece is changed.
+    /// Moves with at least one changed piece.
     pub changed: u64,
-    /// Moves of several pieces.
+    /// Moves of more than one piece.
     pub split: u64,
-    /// Moves that are not changed.
+    /// Unchanged moves.
     pub left: UncorrectedMoves,
-    /// Pieces with another feed than their move.
+    /// Pieces whose feed differs from that of their move.
     pub other_feeds: u64,
-    /// The axes of which anything was changed.
+    /// Statistics of the axes with changes.
     pub axes: Vec<AxisFigures>,
-    /// The largest difference of what was added between two neighbours, mm (rad at an arm of 1 m), and where the second of them is.
+    /// The largest difference between the corrections of two neighbours, mm (rad at an arm of 1 m), and the place of the second one.
     pub largest_step: Option<(f64, ReviewPlace)>,
 }
 
 impl Summary {
-    /// Adds rows up. What is no larger than the tolerances, mm and rad, is the same; `increment_mm` is the finest that the control moves.
+    /// Summarizes rows. Changes up to the tolerances, mm and rad, count as equal; `increment_mm` is the finest increment of the control.
     #[must_use]
     pub fn of(rows: &[Row], axes: &[Axis], tolerance: [f64; 2], increment_mm: f64) -> Summary {
         let is_changed =
@@ -109,9 +109,9 @@ impl Summary {
     }
 }
 
-/// The figures of an axis; `None` where nothing was added to it anywhere.
+/// The statistics of an axis; `None` if nothing was added to it.
 fn figures(rows: &[Row], axis: Axis) -> Option<AxisFigures> {
-    // The first of those that are as large.
+    // The first of equal maxima.
     let size = |row: &Row| row.added(axis).abs();
     let most = rows.iter().reduce(|most, row| if size(row) > size(most) { row } else { most })?;
     let max = most.added(axis);
@@ -125,7 +125,7 @@ fn figures(rows: &[Row], axis: Axis) -> Option<AxisFigures> {
         squares += value * value;
     }
     let mut sizes: Vec<f32> = rows.iter().map(|row| row.added[axis.slot()].abs()).collect();
-    // The smallest size that 99 of 100 do not exceed.
+    // The smallest magnitude that 99 of 100 do not exceed.
     let place = (0.99 * count).ceil() as usize;
     let (_, p99, _) = sizes.select_nth_unstable_by(place.clamp(1, rows.len()) - 1, f32::total_cmp);
     let p99 = without_noise(*p99);
@@ -157,11 +157,11 @@ mod tests {
         assert_eq!((x.max_at.original.1, x.max_at.corrected), (2, 20));
         let (step, at) = found.largest_step.unwrap();
         assert!((step - 8e-3).abs() < 1e-8 && at.original.1 == 2);
-        // Of 200 values 1 to 200 µm 198 are no larger than 198.
+        // Of 200 values, 1 to 200 µm, 198 values are at most 198 µm.
         let many: Vec<Row> = (1_u8..=200).map(|k| row(u32::from(k), true, f32::from(k))).collect();
         let found = Summary::of(&many, &[Axis::X], [0.0; 2], 1e-3);
         assert!((found.axes[0].p99 - 0.198).abs() < 1e-7);
-        // With a tolerance of 10 µm the first ten are the same.
+        // With a tolerance of 10 µm the first ten count as equal.
         assert_eq!(Summary::of(&many, &[Axis::X], [0.01; 2], 1e-3).changed, 190);
     }
 }

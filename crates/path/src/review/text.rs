@@ -1,8 +1,8 @@
-//! Two programs compared as they are written: for programs that do not run here, or that have nothing to do with each other.
+//! Textual comparison of two programs: for programs that cannot be executed here or that are unrelated.
 //!
-//! Lines are aligned by what they say and where they lead to a millimetre, so that a program of which every line is changed is aligned as well as one of
-//! which none is. Block numbers, comments, blanks, the way a number is written and repeated modal words do not count: `X3.100F30.` is
-//! `N10 G1 X3.1 F030` where G1 holds.
+//! Lines are aligned by their text and by their target position to a millimetre. A program in which every line is changed is thus aligned as well as
+//! an unchanged one. Block numbers, comments, blanks, number formats and repeated modal words have no effect: `X3.100F30.` equals `N10 G1 X3.1 F030`
+//! while G1 is active.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
@@ -11,21 +11,21 @@ use similar::{Algorithm, DiffOp, capture_diff_slices_deadline};
 
 use super::words::{Word, words};
 
-/// After this time lines are aligned as well as they are by then.
+/// Time limit; after it the alignment reached so far is used.
 const LONGEST: Duration = Duration::from_secs(5);
-/// Addresses whose numbers are codes: another one is another line.
+/// Addresses whose numbers are codes: another code makes another line.
 const CODES: [&str; 6] = ["G", "M", "T", "D", "H", "L"];
 
-/// What became of a line.
+/// The alignment result of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pairing {
-    /// It says the same: lines of both, from 1.
+    /// Equal text: lines of both programs, from 1.
     Same([u32; 2]),
-    /// It says the same with other numbers.
+    /// Equal but for numbers.
     Changed([u32; 2], Vec<Change>),
-    /// It is in the first program only.
+    /// Present in the first program only.
     Gone(u32),
-    /// It is in the second program only.
+    /// Present in the second program only.
     New(u32),
 }
 
@@ -34,28 +34,27 @@ pub enum Pairing {
 pub struct Change {
     /// Its address.
     pub address: String,
-    /// As it is written in both.
+    /// Its text in both programs.
     pub texts: [String; 2],
-    /// The second number less the first, in the unit of the programs.
+    /// The second number minus the first, in the unit of the programs.
     pub added: f64,
 }
 
-/// A line that says anything.
+/// A line with content.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     number: u32,
-    /// Where it begins, and how long it is, in bytes.
+    /// Start and length, bytes.
     at: (u32, u32),
-    /// What it says without numbers.
+    /// Hash of the line without numbers.
     loose: u64,
-    /// The same with where the axes are to a millimetre.
+    /// Hash that includes the axis positions to a millimetre.
     near: u64,
-    /// Where the axes are behind it, and the feed, as far as numbers tell; NaN where they do not.
+    /// Axis positions after the line, and the feed, as far as numbers determine them; otherwise NaN.
     now: [f64; MODAL.len()],
 }
 
-/// The lines of a program that say anything. Positions, feed and the kind of motion go on from line to line, so that one who repeats them and one
-/// who does not say the same.
+/// The lines of a program with content. Positions, feed and motion mode carry over from line to line, so that repeated modal words have no effect.
 fn lines(bytes: &[u8], end: u8) -> Vec<Line> {
     let mut now = [f64::NAN; MODAL.len()];
     let mut motion = f64::NAN;
@@ -99,16 +98,16 @@ fn lines(bytes: &[u8], end: u8) -> Vec<Line> {
     out
 }
 
-/// Addresses whose numbers hold until another one comes.
+/// Addresses whose numbers are modal.
 const MODAL: [&str; 10] = ["X", "Y", "Z", "A", "B", "C", "U", "V", "W", "F"];
-/// The place of the feed among them.
+/// Index of the feed in [`MODAL`].
 const FEED: usize = MODAL.len() - 1;
 
 fn modal(word: &Word<'_>) -> Option<usize> {
     MODAL.iter().position(|address| word.address.eq_ignore_ascii_case(address))
 }
 
-/// G0 to G3.
+/// `true` for G0 to G3.
 fn is_motion(word: &Word<'_>) -> bool {
     word.address.eq_ignore_ascii_case("G") && word.number.is_some_and(|number| (0.0..=3.0).contains(&number))
 }
@@ -116,7 +115,7 @@ fn is_motion(word: &Word<'_>) -> bool {
 /// The words of two lines whose numbers differ by more than the tolerance.
 fn changes([one, other]: [&Line; 2], texts: [&str; 2], tolerance: f64) -> Vec<Change> {
     let [of_one, of_other] = texts.map(words);
-    // Codes are the same where lines are aligned.
+    // Codes of aligned lines are equal.
     let counts = |word: &&Word<'_>| !CODES.iter().any(|code| word.address.eq_ignore_ascii_case(code));
     let mut out = Vec::new();
     let mut note = |address: &str, texts: [&str; 2], numbers: [Option<f64>; 2]| {
@@ -126,7 +125,7 @@ fn changes([one, other]: [&Line; 2], texts: [&str; 2], tolerance: f64) -> Vec<Ch
             out.push(Change { address: address.to_ascii_uppercase(), texts: texts.map(str::to_owned), added });
         }
     };
-    // Where a line does not repeat what holds, that counts.
+    // If a line does not repeat a modal word, the active value is compared.
     let holds = |line: &Line, place: Option<usize>| place.map(|place| line.now[place]).filter(|held| !held.is_nan());
     for word in of_one.iter().filter(counts) {
         let same = of_other.iter().find(|other| other.address.eq_ignore_ascii_case(word.address));
@@ -141,20 +140,20 @@ fn changes([one, other]: [&Line; 2], texts: [&str; 2], tolerance: f64) -> Vec<Ch
     out
 }
 
-/// Two programs, aligned. What became of a line is looked at when it is asked for: there may be millions.
+/// Two aligned programs. The result of a line is computed on demand, as there may be millions.
 #[derive(Debug)]
 pub struct Aligned<'a> {
     bytes: [&'a [u8]; 2],
     lines: [Vec<Line>; 2],
-    /// Places of lines that belong together, or stand alone.
+    /// Indices of paired lines, or of single lines.
     pairs: Vec<[u32; 2]>,
     tolerance: f64,
 }
 
-/// No line.
+/// Index for no line.
 const NONE: u32 = u32::MAX;
 
-/// Aligns two programs, whose lines end with these bytes. Numbers that differ by no more than the tolerance are the same.
+/// Aligns two programs, each with its line end byte. Numbers that differ by at most the tolerance count as equal.
 #[must_use]
 pub fn compare(programs: [(&[u8], u8); 2], tolerance: f64) -> Aligned<'_> {
     let [one, other] = programs.map(|(bytes, end)| lines(bytes, end));
@@ -164,7 +163,7 @@ pub fn compare(programs: [(&[u8], u8); 2], tolerance: f64) -> Aligned<'_> {
     let mut pairs = Vec::with_capacity(one.len().max(other.len()));
     for step in steps {
         let (of_one, of_other) = (step.old_range(), step.new_range());
-        // Positions on both sides of a half millimetre, or farther apart: still the same lines where they say the same but for the numbers.
+        // Positions on both sides of a half millimetre, or farther apart: lines still pair if they are equal but for the numbers.
         let is_alike = |(one_at, other_at): &(usize, usize)| one[*one_at].loose == other[*other_at].loose;
         let alike = match step {
             DiffOp::Equal { .. } => of_one.len(),
@@ -179,13 +178,13 @@ pub fn compare(programs: [(&[u8], u8); 2], tolerance: f64) -> Aligned<'_> {
 }
 
 impl Aligned<'_> {
-    /// How many lines there are, each pair once.
+    /// The number of lines; a pair counts once.
     #[must_use]
     pub fn count(&self) -> usize {
         self.pairs.len()
     }
 
-    /// What became of a line, by its place in the order of both programs.
+    /// The result of a line, by its index in the merged order of both programs.
     #[must_use]
     pub fn at(&self, place: usize) -> Option<Pairing> {
         let [one, other] = *self.pairs.get(place)?;
@@ -202,7 +201,7 @@ impl Aligned<'_> {
         })
     }
 
-    /// All of them, in order.
+    /// All results, in order.
     pub fn all(&self) -> impl Iterator<Item = Pairing> {
         (0..self.count()).filter_map(|place| self.at(place))
     }
@@ -267,7 +266,7 @@ mod tests {
         assert_eq!(found[..2], [Pairing::Same([1, 1]), Pairing::Same([2, 2])]);
         let Pairing::Changed([3, 3], changes) = &found[2] else { panic!("{found:?}") };
         assert_eq!((changes[0].address.as_str(), &changes[0].texts), ("X", &[String::new(), "3.01".to_owned()]));
-        // Rapid is not feed.
+        // A rapid move is not a feed move.
         assert_eq!(found[3..], [Pairing::Gone(4), Pairing::New(4)]);
     }
 

@@ -1,45 +1,45 @@
-//! What is kept of the pieces of a comparison while it walks.
+//! Data of the pieces that a comparison keeps.
 
 use super::Row;
 use crate::path::Follow;
 use ncfix_machine::snc::WordValue;
 
-/// An arc is drawn as chords over no more than this, rad.
+/// Largest angle of a chord that draws an arc, rad.
 const CHORD_RAD: f64 = 0.26;
-/// Points within arcs at most: a picture of more than a million of them is drawn with what it has.
+/// Maximum number of points within arcs in one picture.
 const MOST_VIA: usize = 1_000_000;
-/// Points within one arc at most, which may have any number of turns.
+/// Maximum number of points within one arc, which may have any number of turns.
 const MOST_OF_ARC: usize = 1000;
-/// A change of a feed below this share is arithmetic.
+/// Relative change of a feed that counts as rounding noise.
 const SAME_FEED: f64 = 1e-6;
 
-/// Rows, and what a picture needs beside them.
+/// Rows, and additional data for a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// The rows.
     pub rows: Vec<Row>,
-    /// Nominal X, Y, Z at the end of each row, mm, in the coordinates of the program; empty where they are not asked for.
+    /// Nominal X, Y, Z at the end of each row, mm, in program coordinates; empty if not requested.
     pub at_mm: Vec<[f32; 3]>,
-    /// Further places on the way to the end of a row, where that is an arc: the row, and X, Y, Z as above.
+    /// Intermediate places of a row that is an arc: the row, and X, Y, Z as above.
     pub via: Vec<(u32, [f32; 3])>,
-    /// From which row on which tool is in use.
+    /// Tool changes: the first row with the tool, and the tool.
     pub tools: Vec<(usize, String)>,
-    /// The smallest and the largest feed of a piece, as a share of that of its move; `None` where feeds are the same.
+    /// The smallest and the largest feed of a piece relative to that of its move; `None` if feeds are unchanged.
     pub feeds: Option<[f64; 2]>,
-    /// The tool word that was seen last.
+    /// The last tool word.
     tool: Option<WordValue>,
 }
 
 impl Trace {
-    /// With room for so many rows; `has_places` for pictures.
+    /// An empty trace with capacity for `rows` rows; `has_places` for pictures.
     #[must_use]
     pub fn new(rows: usize, has_places: bool) -> Trace {
-        // Memory that is not written is not taken.
+        // Memory is not used until it is written.
         let at_mm = Vec::with_capacity(if has_places { rows } else { 0 });
         Trace { rows: Vec::with_capacity(rows), at_mm, ..Trace::default() }
     }
 
-    /// Keeps a piece.
+    /// Adds a piece.
     pub fn see(&mut self, follow: &Follow<'_>, has_places: bool) {
         if follow.tool != self.tool.as_ref() {
             self.tool = follow.tool.cloned();
@@ -62,7 +62,7 @@ impl Trace {
     }
 }
 
-/// A tool as it is called: `5`, `MILL_10`.
+/// The name of a tool: `5`, `MILL_10`.
 fn tool_name(word: &WordValue) -> String {
     match word {
         WordValue::Number(number) => number.to_string(),

@@ -1,15 +1,15 @@
-//! The words of a line of a program as a person compares them: letters and numbers, without block numbers, comments and the way numbers are written.
+//! The words of a program line for comparison by a person: letters and numbers, without block numbers, comments and number formats.
 //!
-//! This reads any language a little: what it does not know is a word without a number.
+//! This reads any language approximately: unknown text becomes a word without a number.
 
 /// A word of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word<'a> {
     /// Its address: `X`, `POS[X]`, `R1`.
     pub address: &'a str,
-    /// What stands behind it.
+    /// The text after the address.
     pub value: &'a str,
-    /// The number, where the value is one.
+    /// The number, if the value is one.
     pub number: Option<f64>,
 }
 
@@ -22,7 +22,7 @@ pub fn block_number(line: &str) -> Option<&str> {
     text.get(..1 + digits).filter(|_| begins && digits > 0)
 }
 
-/// The words of a line. Comments are left out: `;` to the end, and parentheses that are no argument.
+/// The words of a line. Comments are left out: `;` to the end, and parentheses that are not an argument.
 #[must_use]
 pub fn words(line: &str) -> Vec<Word<'_>> {
     let mut out = Vec::new();
@@ -41,7 +41,7 @@ pub fn words(line: &str) -> Vec<Word<'_>> {
         }
         let address = address_length(rest);
         if address == 0 {
-            // A sign that begins no word.
+            // A character that does not begin a word.
             rest = rest.get(rest.chars().next().map_or(1, char::len_utf8)..).unwrap_or_default();
             continue;
         }
@@ -55,7 +55,7 @@ pub fn words(line: &str) -> Vec<Word<'_>> {
     }
 }
 
-/// How long an address is: one letter, or a name of several with an equals sign or an argument behind it.
+/// Length of an address, bytes: one letter, or a longer name with an equals sign or an argument after it.
 fn address_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let is_name = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'$' | b'#');
@@ -71,7 +71,7 @@ fn address_length(text: &str) -> usize {
     if has_equals || letters > 1 || bytes[0] == b'#' || name > 0 && bytes[0] == b'$' { name } else { 1 }
 }
 
-/// How long a value is: a number, or an expression up to the next blank outside of brackets.
+/// Length of a value, bytes: a number, or an expression up to the next blank outside brackets.
 fn value_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
@@ -92,13 +92,13 @@ fn value_length(text: &str) -> usize {
     text.len()
 }
 
-/// A decimal number.
+/// Parses a decimal number.
 fn number(text: &str) -> Option<f64> {
     let digits = text.bytes().any(|byte| byte.is_ascii_digit());
     text.parse::<f64>().ok().filter(|_| digits)
 }
 
-/// The decimals of a number as it is written.
+/// The number of decimals of a number as written.
 #[must_use]
 pub fn decimals(value: &str) -> usize {
     value.split_once('.').map_or(0, |(_, behind)| behind.len())

@@ -1,7 +1,7 @@
-//! Cuts moves into straight pieces of axis space, with what the axes allow along each.
+//! Cuts moves into straight pieces in axis space, with the limits of the axes along each.
 //!
-//! The size of a piece is its length in axis space, rotary axes at an arm of 100 mm; all speeds here are those of the size. The feed of a program
-//! is that of the linear axes, that of the tip in the workpiece under a five-axis transformation, and degrees per minute where only rotary axes move.
+//! The size of a piece is its length in axis space, rotary axes at an arm of 100 mm; all speeds here are size per time. The feed of a program refers
+//! to the linear axes, under a five-axis transformation to the tip in the workpiece. If only rotary axes move, it is in degrees per minute.
 
 use std::f64::consts::TAU;
 
@@ -10,38 +10,38 @@ use ncfix_machine::machine::{Kinematics, Servo};
 
 /// Radians of a rotary axis count as mm at this arm.
 const ARM_MM: f64 = 100.0;
-/// How far a chord may be off the arc or the way of the tip that it stands for, mm: well below what axes contour.
+/// Largest distance of a chord from its arc or tip path, mm: well below the contouring accuracy of axes.
 const SAG_MM: f64 = 5e-5;
-/// Rotary axes turn by at most this in one chord, rad, before the way of the tip is looked at.
+/// Largest turn of rotary axes in one chord, rad, before the path of the tip is checked.
 const LONGEST_TURN: f64 = 0.2;
 /// Moves shorter than this take no time, mm.
 const SHORTEST_MM: f64 = 1e-7;
-/// Shorter ways have no feed of their own, mm.
+/// Shorter paths have no feed, mm.
 const NO_WAY_MM: f64 = 1e-9;
-/// Of one move, so that a wrong number does not take all memory and time.
+/// Maximum number of chords of one move: an invalid number must not exhaust memory and time.
 const MOST_CHORDS: f64 = 1e6;
-/// No slower than this, mm/s: a feed of 0 would never end.
+/// Lowest speed, mm/s: a feed of 0 would never end.
 const SLOWEST: f64 = 1e-4;
 
-/// A move to be made.
+/// A move to be executed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ServoMove {
     /// Axis commands at its end.
     pub target: AxisVector,
-    /// The circle that it goes around; a straight move of all axes without.
+    /// The circle of an arc; `None` for a straight move of all axes.
     pub circle: Option<SpaceCircle>,
-    /// How fast.
+    /// Feed, time or rapid.
     pub pace: MoveSpeed,
-    /// Whether the feed is that of the tip in the workpiece.
+    /// `true` if the feed refers to the tip in the workpiece.
     pub is_tip_feed: bool,
-    /// What it is called in the results.
+    /// Identifier of the block in the results.
     pub block: u64,
 }
 
 /// A circle in the space of X, Y and Z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpaceCircle {
-    /// A point of its axis, mm.
+    /// A point on its axis, mm.
     pub center: Vector,
     /// Unit vector: the move turns about it by the right-hand rule.
     pub normal: Vector,
@@ -49,7 +49,7 @@ pub struct SpaceCircle {
     pub extra_turns: u32,
 }
 
-/// How fast a move is made.
+/// The speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MoveSpeed {
     /// As fast as the axes allow.
@@ -64,24 +64,24 @@ pub enum MoveSpeed {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chord {
     pub(super) start: AxisVector,
-    /// Change of every axis by mm of size.
+    /// Change of each axis per mm of size.
     pub(super) slope: AxisVector,
-    /// Four times how far the middle of an arc is off its chord, mm.
+    /// Four times the distance of the arc's middle from its chord, mm.
     pub(super) bulge_mm: Vector,
     /// The tip in the workpiece at both ends, mm.
     pub(super) tips: [Vector; 2],
     pub(super) block: u64,
     pub(super) is_rapid: bool,
     pub(super) size: f64,
-    /// Highest speed and acceleration, of the size.
+    /// Highest speed and acceleration, in size.
     pub(super) speed: f64,
     pub(super) acceleration: f64,
-    /// mm (degrees) of the feed by mm of size.
+    /// mm (degrees) of feed per mm of size.
     pub(super) feed_share: f64,
 }
 
 impl Chord {
-    /// The position at a way along it: on the arc, as near as a parabola gets.
+    /// The position at a distance along the chord: on the arc, within its parabolic approximation.
     pub(super) fn at(&self, way: f64) -> AxisVector {
         let mut position = self.start;
         for (value, slope) in position.0.iter_mut().zip(self.slope.0) {
@@ -110,10 +110,10 @@ impl SpaceCircle {
 /// A circle, or a helix or spiral about it, between two points.
 struct Turn {
     circle: SpaceCircle,
-    /// Unit vectors in the plane: to the start, and a quarter further.
+    /// Unit vectors in the plane: to the start, and a quarter turn further.
     base: [Vector; 2],
     radii: [f64; 2],
-    /// Along the normal from the center, mm.
+    /// Heights of both ends along the normal from the center, mm.
     heights: [f64; 2],
     sweep: f64,
 }
@@ -145,14 +145,14 @@ impl Turn {
         self.circle.center + out + self.circle.normal * height
     }
 
-    /// Chords that stay within the sag.
+    /// The number of chords that stay within the sag.
     fn chords(&self) -> f64 {
         let radius = self.radii[0].max(self.radii[1]);
         self.sweep / (8.0 * SAG_MM / radius).sqrt().min(LONGEST_TURN)
     }
 }
 
-/// The way of a move.
+/// The path of a move.
 struct Way {
     start: AxisVector,
     end: AxisVector,
@@ -172,7 +172,7 @@ impl Way {
     }
 }
 
-/// What the axes allow, and the machine that moves the tip.
+/// Limits of the axes, and the kinematics that move the tip.
 #[derive(Clone, Debug)]
 pub(super) struct Cutter {
     kinematics: Kinematics,
@@ -192,7 +192,7 @@ impl Cutter {
         &self.kinematics
     }
 
-    /// Hands the chords of a move on, in their order.
+    /// Passes on the chords of a move, in order.
     pub(super) fn cut(&self, start: &AxisVector, motion: &ServoMove, tool_mm: &Vector, see: &mut dyn FnMut(&Chord)) {
         let turn = motion.circle.and_then(|circle| Turn::new(circle, &start.xyz(), &motion.target.xyz()));
         let way = Way { start: *start, end: motion.target, turn };
@@ -213,7 +213,7 @@ impl Cutter {
         }
     }
 
-    /// Into how many chords a way is cut.
+    /// The number of chords of a path.
     fn count(&self, way: &Way, tool_mm: &Vector) -> usize {
         let most_turn = self.kinematics.rotary_axes().map(|axis| (way.end[axis] - way.start[axis]).abs());
         let most_turn = most_turn.fold(0.0, f64::max);

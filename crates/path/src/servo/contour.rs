@@ -1,7 +1,7 @@
-//! How far the tool is from its path, at right angles, in the workpiece.
+//! The distance of the tool from its path in the workpiece, at right angles to the path.
 //!
-//! Along the path a lag does no harm. The nearest point is looked for on the part of the path that the set-points have passed lately: as long ago as
-//! the axes are late and their errors take to die away. A path may come back to a place later.
+//! A lag along the path does no harm. The nearest point is searched on the part of the path that the set-points passed recently. Its duration is the
+//! lag of the axes plus the settling time of their errors, as a path may return to a place later.
 
 use std::collections::VecDeque;
 
@@ -9,7 +9,7 @@ use super::chord::Chord;
 use super::plan::SpeedProfile;
 use ncfix_base::geometry::Vector;
 
-/// Chords that are kept at most; of a path of shorter ones the last are.
+/// Maximum number of stored chords; older chords are dropped.
 const MOST: usize = 4096;
 
 /// The nearest point of the path.
@@ -17,21 +17,21 @@ const MOST: usize = 4096;
 pub struct OnPath {
     /// The block that it belongs to.
     pub block: u64,
-    /// Whether the block is rapid.
+    /// `true` if the block is rapid.
     pub is_rapid: bool,
-    /// From the path to the tool, in the workpiece, mm.
+    /// Vector from the path to the tool, in the workpiece, mm.
     pub off_mm: Vector,
-    /// How fast the set-points have passed it, mm/min or degrees/min as the feed.
+    /// Speed of the set-points at this point, mm/min or degrees/min as the feed.
     pub feed_mm_min: f64,
 }
 
-/// A chord that has been passed.
+/// A chord that the set-points have passed.
 #[derive(Clone, Copy, Debug)]
 struct Passed {
     start: Vector,
     along: Vector,
     square: f64,
-    /// When its end was passed, s.
+    /// Time at which its end was passed, s.
     until_s: f64,
     block: u64,
     is_rapid: bool,
@@ -40,11 +40,11 @@ struct Passed {
     profile: SpeedProfile,
 }
 
-/// The path of the last moments.
+/// The recent path.
 #[derive(Clone, Debug)]
 pub(super) struct Contour {
     passed: VecDeque<Passed>,
-    /// How far back points are looked for, s.
+    /// Search range back in time, s.
     back_s: f64,
 }
 
@@ -75,7 +75,7 @@ impl Contour {
         });
     }
 
-    /// The nearest point to where the tip is now; `None` without a path.
+    /// The nearest path point to the current tip; `None` without a path.
     pub(super) fn nearest(&mut self, tip: &Vector, now_s: f64) -> Option<OnPath> {
         while self.passed.len() > 1 && self.passed.front().is_some_and(|first| first.until_s < now_s - self.back_s) {
             self.passed.pop_front();
@@ -87,7 +87,7 @@ impl Contour {
                 if passed.square > 0.0 { (from.dot(&passed.along) / passed.square).clamp(0.0, 1.0) } else { 0.0 };
             let off = from - passed.along * share;
             let square = off.norm_squared();
-            // Where a path goes back on itself, the tool is on its way back: what comes later counts.
+            // If a path retraces itself, the tool is on its way back: the later point is used.
             if best.is_none_or(|(least, ..)| square <= least) {
                 best = Some((square, share, off, passed));
             }

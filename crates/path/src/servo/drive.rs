@@ -1,4 +1,4 @@
-//! A machine that is driven move by move.
+//! A machine that executes moves one after the other.
 
 use super::chord::{Cutter, ServoMove};
 use super::follow::{AxisFollower, Moment};
@@ -8,24 +8,24 @@ use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine, Servo};
 use ncfix_model::Model;
 
-/// A machine and where it stands. What it is told it does some blocks later, when it has looked ahead.
+/// A machine and its position. Moves are executed some blocks later, after the look-ahead.
 #[derive(Clone, Debug)]
 pub struct Drive<'a> {
     cutter: Cutter,
     plan: LookAhead,
     follow: AxisFollower<'a>,
-    /// Where the moves so far end; `None` before the first.
+    /// End of the moves so far; `None` before the first.
     standing: Option<AxisVector>,
     tool_mm: Vector,
 }
 
 impl<'a> Drive<'a> {
-    /// A machine at rest somewhere. `model` says what gives way under acceleration; its other errors do not count here.
+    /// A machine at rest at an unknown position. `model` gives the compliance under acceleration; its other errors have no effect here.
     #[must_use]
     pub fn new(machine: &Machine, servo: &Servo, model: &'a Model) -> Drive<'a> {
         let kinematics = Kinematics::new(machine);
         let cycles = Smoothing::cycles(servo.smoothing_s, servo.cycle_s);
-        // A single cycle still goes straight from one set-point to the next: a triangle of two cycles.
+        // A single cycle still interpolates linearly between set-points: a triangle of two cycles.
         let kernel_s = 2.0 * cycles as f64 * servo.cycle_s;
         Drive {
             plan: LookAhead::new(servo, kernel_s),
@@ -36,7 +36,7 @@ impl<'a> Drive<'a> {
         }
     }
 
-    /// Makes a move. The first one only says where the machine stands.
+    /// Executes a move. The first move only sets the start position.
     pub fn go(&mut self, motion: &ServoMove, see: &mut dyn FnMut(&Moment)) {
         let Some(standing) = self.standing else {
             self.jump(&motion.target, see);
@@ -48,7 +48,7 @@ impl<'a> Drive<'a> {
         self.standing = Some(motion.target);
     }
 
-    /// Comes to a stop at the end of the last move, and waits until the axes are there.
+    /// Stops at the end of the last move and waits until the axes have arrived.
     pub fn stop(&mut self, see: &mut dyn FnMut(&Moment)) {
         if !self.plan.is_empty() {
             self.pass_all(see);
@@ -56,26 +56,26 @@ impl<'a> Drive<'a> {
         }
     }
 
-    /// Passes what waits in the look-ahead, to a stop at its end.
+    /// Executes all moves of the look-ahead, with a stop at the end.
     fn pass_all(&mut self, see: &mut dyn FnMut(&Moment)) {
         let follow = &mut self.follow;
         self.plan.stop(&mut |chord, profile| follow.pass(chord, profile, see));
     }
 
-    /// Stops and stands for a time, s.
+    /// Stops and dwells, s.
     pub fn wait(&mut self, duration_s: f64, see: &mut dyn FnMut(&Moment)) {
         self.stop(see);
         self.follow.wait(duration_s, see);
     }
 
-    /// The machine stands elsewhere; how it got there is not known and takes no time.
+    /// Sets a new position; the transition is unknown and takes no time.
     pub fn jump(&mut self, position: &AxisVector, see: &mut dyn FnMut(&Moment)) {
         self.stop(see);
         self.follow.jump(position);
         self.standing = Some(*position);
     }
 
-    /// From here on another tool is in the spindle, mm from its gauge point to the tip.
+    /// Sets the tool vector from the spindle gauge point to the tip, mm.
     pub fn change_tool(&mut self, tool_mm: &Vector, see: &mut dyn FnMut(&Moment)) {
         if *tool_mm != self.tool_mm {
             self.stop(see);
@@ -90,25 +90,25 @@ impl<'a> Drive<'a> {
         self.follow.settle(see);
     }
 
-    /// Time of the program so far, without what waits in the look-ahead, s.
+    /// Program time so far, without moves in the look-ahead, s.
     #[must_use]
     pub fn time_s(&self) -> f64 {
         self.follow.time_s()
     }
 
-    /// Whether a move was so slow, an hour for a chord, that it was not followed.
+    /// `true` if a chord took more than an hour and was therefore not simulated.
     #[must_use]
     pub fn has_left_out(&self) -> bool {
         self.follow.has_left_out()
     }
 
-    /// Where the moves so far end.
+    /// End of the moves so far.
     #[must_use]
     pub fn standing(&self) -> Option<&AxisVector> {
         self.standing.as_ref()
     }
 
-    /// The chain of the machine without errors.
+    /// The kinematic chain of the machine without errors.
     #[must_use]
     pub fn kinematics(&self) -> &Kinematics {
         self.cutter.kinematics()

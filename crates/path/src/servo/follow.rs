@@ -1,4 +1,4 @@
-//! From trapezoids to moments: positions by cycles, smoothed, followed by the axes, compared with the path.
+//! From trapezoids to moments: positions by cycles, smoothed, passed through the axis loops, compared with the path.
 
 use super::chord::Chord;
 use super::contour::{Contour, OnPath};
@@ -9,10 +9,10 @@ use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Servo, State};
 use ncfix_model::Model;
 
-/// What is left of an error of following after this many time constants does not matter.
+/// Number of time constants after which a residual following error is negligible.
 const TIME_CONSTANTS: f64 = 6.0;
 
-/// Chords that last longer than this are no cutting, s: the axes follow as well as they ever will, and nothing is seen of them.
+/// Duration of a chord beyond which it is not simulated, s: its following error is constant, and it is not a cut.
 const LONGEST_S: f64 = 3600.0;
 
 /// The machine at the end of a cycle.
@@ -20,40 +20,40 @@ const LONGEST_S: f64 = 3600.0;
 pub struct Moment {
     /// Since the start of the program, s.
     pub time_s: f64,
-    /// Set-points behind the smoothing.
+    /// Set-points after the smoothing.
     pub set_point: AxisVector,
-    /// Where the axes are.
+    /// Positions of the axes.
     pub encoder: AxisVector,
-    /// Senses of motion of the set-points, accelerations and jerks of the axes.
+    /// Directions of the set-points, accelerations and jerks of the axes.
     pub state: State,
-    /// From the spindle gauge point to the tip, mm.
+    /// Vector from the spindle gauge point to the tip, mm.
     pub tool_mm: Vector,
     /// Speed of the set-points along the path, mm/min or degrees/min as the feed.
     pub feed_mm_min: f64,
-    /// The block that the set-points are in.
+    /// The current block of the set-points.
     pub block: u64,
-    /// The nearest point of the path, and how far the tool is off.
+    /// The nearest point of the path, and the distance of the tool from it.
     pub on_path: Option<OnPath>,
 }
 
-/// What is known of a set-point beside its position, while it is being smoothed.
+/// Data of a set-point that pass through the smoothing with its position.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tag {
     feed_mm_min: f64,
     block: u64,
 }
 
-/// Everything behind the look-ahead.
+/// All stages after the look-ahead.
 #[derive(Clone, Debug)]
 pub(super) struct AxisFollower<'a> {
     cycle_s: f64,
-    /// From the start of what comes next to the next cycle, s.
+    /// Time from the start of the next chord to the next cycle, s.
     to_next_s: f64,
     time_s: f64,
     smoothing: Smoothing,
     tags: Vec<Tag>,
     at: usize,
-    /// The last two set-points, and where the axes are with them.
+    /// The last two set-points, and the axis positions that belong to them.
     set_points: [AxisVector; 2],
     encoders: [AxisVector; 2],
     state: State,
@@ -61,11 +61,11 @@ pub(super) struct AxisFollower<'a> {
     contour: Contour,
     kinematics: Kinematics,
     tool_mm: Vector,
-    /// The model, where it says what gives way under acceleration.
+    /// The model, if it contains compliance under acceleration.
     giving_way: Option<&'a Model>,
     settling_s: f64,
     smoothing_s: f64,
-    /// How far from its end an axis may be when the control takes a block as ended.
+    /// Exact-stop windows: largest distance of an axis from its end at which a block counts as ended.
     windows: AxisVector,
     position: AxisVector,
     has_left_out: bool,
@@ -83,7 +83,7 @@ impl<'a> AxisFollower<'a> {
             to_next_s: 0.0,
             time_s: 0.0,
             smoothing: Smoothing::new(cycles),
-            // Late by the cycles of a box less one, and one more for the second difference.
+            // The delay is the cycles of a box minus one, plus one for the second difference.
             tags: vec![Tag::default(); cycles],
             at: 0,
             set_points: [AxisVector::ZERO; 2],
@@ -102,12 +102,12 @@ impl<'a> AxisFollower<'a> {
         }
     }
 
-    /// Whether a chord was too slow to be followed.
+    /// `true` if a chord was too slow to be simulated.
     pub(super) fn has_left_out(&self) -> bool {
         self.has_left_out
     }
 
-    /// The machine stands here, for as long as one likes.
+    /// Sets the position as if the machine had rested there.
     pub(super) fn jump(&mut self, position: &AxisVector) {
         self.smoothing.reset(position);
         self.response.reset(position);
@@ -118,7 +118,7 @@ impl<'a> AxisFollower<'a> {
         self.position = *position;
     }
 
-    /// Another tool: another path of the tip.
+    /// Sets a new tool, and with it a new tip path.
     pub(super) fn change_tool(&mut self, tool_mm: &Vector) {
         if *tool_mm != self.tool_mm {
             self.tool_mm = *tool_mm;
@@ -126,12 +126,12 @@ impl<'a> AxisFollower<'a> {
         }
     }
 
-    /// Since the start, s.
+    /// Time since the start, s.
     pub(super) fn time_s(&self) -> f64 {
         self.time_s
     }
 
-    /// Passes a chord.
+    /// Executes a chord.
     pub(super) fn pass(&mut self, chord: &Chord, profile: &SpeedProfile, see: &mut dyn FnMut(&Moment)) {
         let duration_s = profile.duration_s();
         if duration_s.is_nan() || duration_s > LONGEST_S {
@@ -152,9 +152,9 @@ impl<'a> AxisFollower<'a> {
         self.position = chord.at(chord.size);
     }
 
-    /// Stands for a time.
+    /// Dwells for a time.
     pub(super) fn wait(&mut self, duration_s: f64, see: &mut dyn FnMut(&Moment)) {
-        // Longer ones bring nothing new.
+        // A longer dwell brings no new state.
         let seen_s = duration_s.min(self.settling_s);
         let tag = Tag { feed_mm_min: 0.0, block: self.tags[self.at].block };
         let position = self.position;
@@ -166,7 +166,7 @@ impl<'a> AxisFollower<'a> {
         self.time_s += duration_s;
     }
 
-    /// Waits for the set-points to get to the end, and for the axes until they are within the windows of the exact stop.
+    /// Waits until the set-points reach the end and the axes are within the exact-stop windows.
     pub(super) fn arrive(&mut self, see: &mut dyn FnMut(&Moment)) {
         self.wait(self.smoothing_s, see);
         let mut left_s = self.settling_s;
@@ -181,7 +181,7 @@ impl<'a> AxisFollower<'a> {
         off.zip(self.windows.0).all(|(off, window)| off <= window)
     }
 
-    /// Follows until the axes have come to rest; that is no time of the program.
+    /// Continues until the axes have come to rest; this does not count as program time.
     pub(super) fn settle(&mut self, see: &mut dyn FnMut(&Moment)) {
         let time_s = self.time_s;
         self.wait(self.settling_s, see);
@@ -195,7 +195,7 @@ impl<'a> AxisFollower<'a> {
         let [before, set_point] = self.set_points;
         let [encoder_before, encoder] = self.encoders;
         let ahead = self.response.next(&set_point, &next);
-        // The sense is that of the set-points, whose last digits do not tremble.
+        // The direction is that of the set-points, as their last digits do not fluctuate.
         self.state.note_motion(&before, &set_point);
         self.note_rates(&encoder_before, &encoder, &ahead);
         (self.set_points, self.encoders) = ([set_point, next], [encoder, ahead]);
@@ -213,7 +213,7 @@ impl<'a> AxisFollower<'a> {
         });
     }
 
-    /// Accelerations and jerks of the axes at a position between two others.
+    /// Computes accelerations and jerks of the axes at a position between two others.
     fn note_rates(&mut self, before: &AxisVector, now: &AxisVector, next: &AxisVector) {
         let square = self.cycle_s * self.cycle_s;
         for slot in 0..AXIS_COUNT {
@@ -223,7 +223,7 @@ impl<'a> AxisFollower<'a> {
         }
     }
 
-    /// What gives way, of the tip in the workpiece, mm.
+    /// Elastic deflection of the tip in the workpiece, mm.
     fn deflection_mm(&self, command: &AxisVector) -> Vector {
         let Some(model) = self.giving_way else { return Vector::zeros() };
         let still = State { acceleration: AxisVector::ZERO, jerk: AxisVector::ZERO, ..self.state };
@@ -232,7 +232,7 @@ impl<'a> AxisFollower<'a> {
     }
 }
 
-/// Whether an acceleration or a jerk of any axis changes the pose.
+/// `true` if an acceleration or jerk of any axis changes the pose.
 fn gives_way(model: &Model) -> bool {
     let still = model.volumetric_error(&AxisVector::ZERO, &Vector::zeros(), &State::default());
     AXES.into_iter().any(|axis| {

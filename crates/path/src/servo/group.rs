@@ -1,70 +1,70 @@
-//! Pieces that follow each other closely and share one highest speed in the window of the limiter.
+//! Groups of consecutive pieces that share one speed limit in the window of the limiter.
 //!
-//! Where blocks are shorter than the memory of the axes, a speed of its own for each would make the axes tremble, and none would decide
-//! anything. A group is as long as that memory; a long piece is a group by itself.
+//! If blocks are shorter than the settling time of the axes, separate speeds would make the axes oscillate, and no single speed would have a clear
+//! effect. A group therefore lasts as long as the settling time; a long piece is a group by itself.
 
 use crate::path::{Output, Piece};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_machine::snc::Manner;
 
-/// Feeds are not lowered below this share of that of the program.
+/// Lowest feed as a share of the programmed feed.
 const LEAST_SHARE: f64 = 0.05;
-/// In one round a speed falls at most to this share of itself.
+/// Lowest speed after one iteration as a share of the previous speed.
 const LEAST_STEP: f64 = 0.5;
-/// Speeds that differ less are not worth a trial, and errors that are nearer to the limit neither.
+/// Ratio of speeds, and of limit to error, below which another iteration is not useful.
 const WORTH: f64 = 1.1;
-/// What is aimed at, as a share of the limit.
+/// Target of the error as a share of the limit.
 const AIM: f64 = 0.98;
-/// An error that falls less than this has not followed the speed.
+/// An error that falls by less than this did not respond to the speed.
 const FOLLOWS: f64 = 0.98;
-/// Rounds in which an error may do so before its group is given up.
+/// Number of iterations without response after which the group is given up.
 const PATIENCE: u8 = 6;
 
-/// A piece, or what stands between, that is not certain yet.
+/// A piece, or an element between pieces, that is not final yet.
 #[derive(Debug)]
 pub(super) struct Waiting {
     pub(super) item: Result<Output, Diagnostic>,
-    /// Its feed as programmed.
+    /// Programmed feed.
     programmed: f64,
-    /// Feed in the unit of the program by mm/min; `None` under G93.
+    /// Feed in the unit of the program per mm/min; `None` under G93.
     pub(super) unit: Option<f64>,
-    /// The number of its group; `None` before the first trial, and of what is no piece.
+    /// Number of its group; `None` before the first iteration and for elements that are not pieces.
     pub(super) group: Option<usize>,
-    /// Cycles in which the set-points were on it in the last trial.
+    /// Cycles of the set-points on it in the last iteration.
     pub(super) cycles: u32,
-    /// How far the tool is off in the last trial, mm.
+    /// Distance of the tool from the path in the last iteration, mm.
     pub(super) off_mm: f64,
 }
 
-/// The worst moment on a group.
+/// The moment with the largest error on a group.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WorstMoment {
     pub(super) off_mm: f64,
-    /// How fast that was passed, mm/min.
+    /// Path speed at that moment, mm/min.
     pub(super) speed: f64,
-    /// The group that the set-points were in.
+    /// The group of the set-points at that moment.
     pub(super) until: usize,
-    /// Whether they had come to it just before.
+    /// `true` if the set-points had just entered that group.
     pub(super) is_early: bool,
 }
 
-/// What pieces of a group have in common.
+/// State common to the pieces of a group.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PieceGroup {
-    /// The highest speed that the program wants, mm/min.
+    /// The highest programmed speed, mm/min.
     programmed: f64,
-    /// Highest speed, mm/min.
+    /// Current speed limit, mm/min.
     speed: f64,
-    /// Whether the speed may not be changed.
+    /// `true` if the speed must not be changed.
     is_fixed: bool,
-    /// How far the tool was off in the last trial, mm, and the speed there.
+    /// Distance of the tool in the last iteration, mm, and the speed there.
     last: Option<[f64; 2]>,
-    /// Rounds in which that has not followed the speed, and the speed before them.
+    /// Iterations in which the error did not respond to the speed, and the speed before them.
     futile: u8,
     speed_before: f64,
     /// The lowest speed that was too high.
     too_high: f64,
-    /// The speed before it was lowered for what comes behind.
+    /// The speed before it was lowered for the following group.
     before_next: Option<f64>,
 }
 
@@ -81,13 +81,13 @@ impl Waiting {
         }
     }
 
-    /// Whether its feed must stay.
+    /// `true` if its feed must stay.
     pub(super) fn is_fixed(&self) -> bool {
         self.unit.is_none()
             || self.piece().is_none_or(|piece| piece.rapid || piece.manner != Manner::Path || piece.feed <= 0.0)
     }
 
-    /// The speed that the program wants, mm/min.
+    /// The programmed speed, mm/min.
     pub(super) fn speed(&self) -> f64 {
         self.unit.map_or(0.0, |unit| self.programmed / unit)
     }
@@ -103,18 +103,18 @@ impl Waiting {
         self.piece().is_some_and(|piece| piece.feed < self.programmed)
     }
 
-    /// Takes the speed of its group, mm/min, where that is lower.
+    /// Applies the speed limit of its group, mm/min, if it is lower.
     pub(super) fn go_at(&mut self, speed: f64) {
         let (fixed, programmed) = (self.is_fixed(), self.programmed);
         let Some(unit) = self.unit.filter(|_| !fixed) else { return };
         if let Ok(Output::Piece(piece)) = &mut self.item {
-            // To two digits down, if that is not below the least.
+            // Rounded down to two digits, but not below the minimum.
             let least = programmed * LEAST_SHARE;
             piece.feed = if speed * unit < programmed { two_digits(speed * unit).max(least) } else { programmed };
         }
     }
 
-    /// A finding about a group on which the limit is not kept, at this piece.
+    /// The diagnostic at this piece for a group that exceeds the limit.
     pub(super) fn exceeds(&self, group: &PieceGroup, off_mm: f64, limit_mm: f64) -> Option<Diagnostic> {
         let piece = self.piece()?;
         let (why, help) = if piece.manner != Manner::Path {
@@ -147,7 +147,7 @@ impl Waiting {
 }
 
 impl PieceGroup {
-    /// A group of a piece.
+    /// Creates a group from a piece.
     pub(super) fn of(waiting: &Waiting) -> PieceGroup {
         let programmed = waiting.speed();
         PieceGroup {
@@ -162,18 +162,18 @@ impl PieceGroup {
         }
     }
 
-    /// Takes one more piece in, if nothing has been changed yet.
+    /// Adds a piece, before any speed has been changed.
     pub(super) fn take(&mut self, waiting: &Waiting) {
         let speed = waiting.speed().max(self.programmed);
         (self.programmed, self.speed, self.speed_before, self.too_high) = (speed, speed, speed, speed);
     }
 
-    /// Highest speed, mm/min.
+    /// Speed limit, mm/min.
     pub(super) fn speed(&self) -> f64 {
         self.speed
     }
 
-    /// Whether a lower speed has not helped.
+    /// `true` if lower speeds had no effect.
     pub(super) fn has_given_up(&self) -> bool {
         self.futile > PATIENCE
     }
@@ -182,7 +182,7 @@ impl PieceGroup {
         self.speed <= self.programmed * LEAST_SHARE
     }
 
-    /// The speed, mm/min, at which the error would fit; `None` where it does, or where the speed does not help.
+    /// The speed, mm/min, at which the error would meet the limit; `None` if it already does or if the speed has no effect.
     pub(super) fn judge(&mut self, worst: &WorstMoment, limit_mm: f64) -> Option<f64> {
         let before = self.last.replace([worst.off_mm, worst.speed]);
         if worst.off_mm <= limit_mm || self.has_given_up() {
@@ -206,7 +206,7 @@ impl PieceGroup {
         Some(worst.speed * share)
     }
 
-    /// Lowers the speed, mm/min, where it is higher; whether it was.
+    /// Lowers the speed to `speed`, mm/min. Returns `true` if it was higher.
     pub(super) fn lower_to(&mut self, speed: f64) -> bool {
         if self.is_fixed || self.has_given_up() {
             return false;
@@ -219,7 +219,7 @@ impl PieceGroup {
         is_lower
     }
 
-    /// Lowers it for the sake of the next group; whether it was.
+    /// Lowers the speed for the following group. Returns `true` if it was higher.
     pub(super) fn lower_for_next(&mut self, speed: f64) -> bool {
         let before = self.speed;
         let is_lower = self.lower_to(speed);
@@ -229,14 +229,14 @@ impl PieceGroup {
         is_lower
     }
 
-    /// Takes that back: it has not helped.
+    /// Restores the speed if lowering it for the following group had no effect.
     pub(super) fn restore(&mut self) {
         if let Some(speed) = self.before_next.take() {
             self.speed = speed;
         }
     }
 
-    /// Raises the speed half of the way to the one that was too high, where that is worth a trial; whether it was.
+    /// Raises the speed halfway to the one that was too high, if useful. Returns `true` if it was raised.
     pub(super) fn raise(&mut self, off_mm: f64, limit_mm: f64) -> bool {
         let is_worth = self.speed < self.programmed && self.too_high > WORTH * self.speed && WORTH * off_mm < limit_mm;
         if is_worth {
@@ -245,7 +245,7 @@ impl PieceGroup {
         is_worth
     }
 
-    /// Takes back what was raised.
+    /// Reverts a raise.
     pub(super) fn take_back(&mut self, speed: f64) {
         if self.speed > speed {
             (self.too_high, self.speed) = (self.speed, speed);
@@ -253,14 +253,14 @@ impl PieceGroup {
     }
 }
 
-/// The number of two significant digits below: a feed that can be read.
+/// Rounds down to two significant digits, for a readable feed.
 fn two_digits(value: f64) -> f64 {
     if value.is_nan() || value <= 0.0 {
         return 0.0;
     }
     let step = 10_f64.powi(value.log10().floor() as i32 - 1);
     let digits = (value / step + 1e-9).floor();
-    // A division by a whole number gives the double nearest to the decimal text.
+    // Division by a whole number gives the double nearest to the decimal text.
     if step < 1.0 { digits / (1.0 / step).round() } else { digits * step.round() }
 }
 

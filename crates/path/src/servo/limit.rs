@@ -1,13 +1,13 @@
-//! Lowers the feed of corrected pieces where the tool would be too far off its path.
+//! Lowers the feed of corrected pieces on which the tool would deviate too far from its path.
 //!
-//! The pieces of a window are driven with their feeds; where the tool is off by more than allowed, the speed of the group of pieces at that place, and
-//! of those that the set-points have reached by then, is lowered, until all fit. Lag goes with the speed and what corners and curves do with its square,
-//! so the first step takes the square root of what is too much, and those that follow the power that the last one has shown. Where the worst is at the
-//! start of a group, the axes brought it with them, and the group before is slowed as long as that helps. The first half of the window is
-//! then certain, and the machine goes on from its end: the next pieces are judged with what came before.
+//! The pieces of a window are simulated with their feeds. If the tool deviates by more than the limit, the speed is lowered for the group of pieces
+//! there and for the groups that the set-points have reached by then, until all fit. Lag is proportional to the speed, and errors at corners and
+//! curves to its square. The first step therefore uses the square root of the excess; later steps use the power observed in the last one. If the
+//! maximum is at the start of a group, the axes brought the error with them, and the previous group is slowed as long as that helps. Then the first
+//! half of the window is final, and the simulation continues from its end: the next pieces are evaluated with their history.
 //!
-//! A feed is never raised, and not lowered below a share of that of the program. Times of moves (G93), rapid moves, threads and probing stay. A feed
-//! that changes nothing (the structure gives way while the axes accelerate from rest) is left as it was.
+//! A feed is never raised, and never lowered below a share of the programmed feed. Move times (G93), rapid moves, threads and probing stay. A feed
+//! without effect (compliance while the axes accelerate from rest) stays as it was.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -20,53 +20,53 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_machine::machine::{Machine, Servo};
 use ncfix_model::Model;
 
-/// Pieces that become certain together; as many are looked at behind them.
+/// Number of pieces that become final together; as many after them are simulated.
 const HALF: usize = 256;
-/// Trials of a window at most.
+/// Maximum iterations of a window.
 const ROUNDS: usize = 32;
-/// Trials by which speeds that fit are brought nearer to those that did not.
+/// Iterations that raise acceptable speeds towards those that were too high.
 const REFINEMENTS: usize = 3;
-/// An error of following is forgotten after as many time constants.
+/// Number of time constants after which a following error has decayed.
 const TIME_CONSTANTS: f64 = 3.0;
-/// Findings at most; the others are counted.
+/// Maximum number of diagnostics; further ones are only counted.
 const MOST_FINDINGS: u64 = 20;
 
-/// What limiting the feed did.
+/// Result of the feed limitation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limited {
-    /// With the feeds of the program.
+    /// Contouring error with the programmed feeds.
     pub before: Tally,
-    /// As emitted.
+    /// Contouring error with the emitted feeds.
     pub after: Tally,
-    /// Time of the program with its own feeds, and as emitted, s.
+    /// Program time with its own feeds, and as emitted, s.
     pub times_s: [f64; 2],
     /// Pieces with a lower feed.
     pub slowed: u64,
-    /// Pieces on which the tool is off by more than the limit all the same.
+    /// Pieces on which the tool still deviates by more than the limit.
     pub exceeding: u64,
 }
 
-/// Pieces of a corrected program with feeds that keep the limit.
+/// An iterator over the pieces of a corrected program with feeds that keep the limit.
 #[derive(Debug)]
 pub struct Limiter<'a, I> {
     outputs: I,
     limit_mm: f64,
-    /// The machine behind what is certain, and as the program would have had it.
+    /// The machine after the final pieces, with the emitted and with the programmed feeds.
     certain: Run<'a>,
     programmed: Run<'a>,
     window: VecDeque<Waiting>,
-    /// The number of the first in the window.
+    /// Number of the first piece in the window.
     first: u64,
     groups: VecDeque<PieceGroup>,
-    /// The number of the first group.
+    /// Number of the first group.
     first_group: usize,
-    /// Of each group in the last trial.
+    /// The worst moment of each group in the last iteration.
     worst: Vec<WorstMoment>,
-    /// The last group about which there was a finding, and how many there were.
+    /// The last group with a diagnostic, and the number of diagnostics.
     told: Option<usize>,
     findings: u64,
     ready: VecDeque<Result<Output, Diagnostic>>,
-    /// How long the axes remember what was before, s.
+    /// Settling time of the axes, s.
     memory_s: f64,
     cycle_s: f64,
     limited: Limited,
@@ -106,7 +106,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         }
     }
 
-    /// What was done; complete when the stream has ended.
+    /// The result so far; complete at the end of the stream.
     #[must_use]
     pub fn limited(&self) -> &Limited {
         &self.limited
@@ -121,7 +121,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         }
     }
 
-    /// Puts new pieces into groups, by the time that they took in a trial.
+    /// Groups new pieces by their duration in an iteration.
     fn group(&mut self) {
         let most = (self.memory_s / self.cycle_s).ceil() as u32;
         let mut open: Option<(usize, u32)> = None;
@@ -145,7 +145,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         }
     }
 
-    /// Lowers speeds until the window fits.
+    /// Lowers speeds until the window meets the limit.
     fn fit(&mut self) {
         self.try_out();
         self.group();
@@ -163,7 +163,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         }
     }
 
-    /// Brings speeds nearer to those that were too high; whether any was.
+    /// Raises speeds towards those that were too high. Returns `true` if any was raised.
     fn refine(&mut self) -> bool {
         let speeds: Vec<f64> = self.groups.iter().map(PieceGroup::speed).collect();
         let allowed: Vec<f64> = self.worst.iter().map(|worst| worst.off_mm.max(self.limit_mm)).collect();
@@ -171,7 +171,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         for (group, worst) in self.groups.iter_mut().zip(&self.worst) {
             is_raised |= group.raise(worst.off_mm, self.limit_mm);
         }
-        // Where it was too much, it is taken back there; if that does not help, everywhere.
+        // A raise that was too much is reverted in that group; if that does not help, in all groups.
         for is_last in [false, true] {
             if !is_raised {
                 break;
@@ -192,13 +192,13 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         is_raised
     }
 
-    /// The groups from one to where the set-points were in its worst moment.
+    /// The range from a group to the group of the set-points at its worst moment.
     fn reach(&self, number: usize) -> Range<usize> {
         let until = self.worst[number].until.saturating_sub(self.first_group);
         number..until.clamp(number, self.groups.len() - 1) + 1
     }
 
-    /// Drives the window with the speeds that it has now.
+    /// Simulates the window with the current speeds.
     fn try_out(&mut self) {
         let Limiter { window, worst, certain, first, groups, first_group, .. } = self;
         worst.clear();
@@ -209,9 +209,9 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
                 waiting.go_at(group.speed());
             }
         }
-        // What the moments of a block are about is known when it has been taken: they come later.
+        // The moments of a block come later than the block itself, so they are assigned afterwards.
         let mut pieces: Vec<(Option<usize>, u32, f64)> = window.iter().map(|waiting| (waiting.group, 0, 0.0)).collect();
-        // When the set-points came to the group that they are in.
+        // Time at which the set-points entered the current group.
         let mut since = (None, 0.0);
         let memory_s = self.memory_s;
         let mut see = |moment: &Moment| {
@@ -250,7 +250,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         }
     }
 
-    /// Lowers the speeds of groups on which the tool is too far off; whether any was.
+    /// Lowers the speeds of groups that exceed the limit. Returns `true` if any was lowered.
     fn lower(&mut self) -> bool {
         let mut is_lowered = false;
         for number in 0..self.groups.len() {
@@ -263,7 +263,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
                 }
                 continue;
             };
-            // What the axes bring with them from before is the doing of the group before.
+            // An error that the axes bring with them is caused by the previous group.
             if let Some(before) = before.filter(|_| worst.is_early)
                 && self.groups[before].lower_for_next(target)
             {
@@ -277,7 +277,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         is_lowered
     }
 
-    /// Makes the first pieces certain.
+    /// Makes the first `count` pieces final.
     fn release(&mut self, count: usize) {
         for _ in 0..count {
             let Some(waiting) = self.window.pop_front() else { return };
@@ -305,7 +305,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         self.limited.times_s = [self.programmed.time_s(), self.certain.time_s()];
     }
 
-    /// Where the tool is too far off all the same: once in a group.
+    /// The diagnostic for a limit that is still exceeded, once per group.
     fn finding(&mut self, waiting: &Waiting) -> Option<Diagnostic> {
         let number = waiting.group.filter(|_| waiting.off_mm > self.limit_mm)?;
         self.limited.exceeding += 1;

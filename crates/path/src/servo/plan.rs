@@ -1,13 +1,13 @@
-//! How fast the path is passed: the speed at every corner, and a trapezoid over every chord between.
+//! The speed along the path: a limit at every corner, and a trapezoid over every chord between.
 //!
-//! A step dv of the velocity of an axis, smoothed by a triangular kernel of the length T, is a deviation of dv T/12 and an acceleration of 2 dv/T; braking
-//! in front of the corner and accelerating behind it with a adds a T²/96, half of a/2 times the variance T²/24 of the kernel. Where
-//! corners follow each other faster than T/2, as in a circle of short chords, their steps add up to the acceleration a = dv/t with the time t
-//! from one to the next, and the deviation is a T²/48. A corner is passed as fast as
-//! both allow on every axis; in curves the axes count together, so that a circle has one speed all around.
+//! A step dv of the velocity of an axis, smoothed by a triangular kernel of the length T, causes a deviation of dv T/12 and an acceleration of 2
+//! dv/T. Braking before the corner and accelerating after it with a add a T²/96, half of a/2 times the variance T²/24 of the kernel. If corners
+//! follow each other faster than T/2, as in a circle of short chords, their steps add up to the acceleration a = dv/t with the time t between
+//! corners, and the deviation is a T²/48. Each corner is passed at the highest speed that satisfies both on every axis. In curves the axes count
+//! together, so that a circle has one speed all around.
 //!
-//! Between corners the speed changes with the acceleration that the axes allow along the chord. The look-ahead is bounded: the path behind its end
-//! may be anything, so the speed is such that everything can stop there, as in a control.
+//! Between corners the speed changes with the acceleration limit along the chord. The look-ahead is bounded: the path after its end is unknown, so
+//! the speed always allows a stop there, as in a control.
 
 use std::collections::VecDeque;
 
@@ -15,14 +15,14 @@ use super::chord::Chord;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector};
 use ncfix_machine::machine::Servo;
 
-/// Chords that are looked ahead at least.
+/// Minimum number of chords in the look-ahead.
 const LOOK_AHEAD: usize = 512;
-/// Share of a tolerance that is left for the step of the velocity, whatever the ramps take.
+/// Minimum share of a tolerance for the velocity step, besides the ramps.
 const LEAST_ROOM: f64 = 0.1;
-/// Steps of a direction below this are the noise of its numbers.
+/// Steps of a direction below this are rounding noise.
 const SAME_DIRECTION: f64 = 1e-12;
 
-/// The speed over a chord: up, constant, down. Speeds are those of the size.
+/// The speed over a chord: acceleration, constant speed, deceleration. Speeds are in size per time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpeedProfile {
     size: f64,
@@ -33,16 +33,16 @@ pub(super) struct SpeedProfile {
 }
 
 impl SpeedProfile {
-    /// As fast as the highest speed, the acceleration and the speeds at both ends allow.
+    /// The fastest profile within the highest speed, the acceleration and the speeds at both ends.
     pub(super) fn new(size: f64, [entry, exit]: [f64; 2], speed: f64, acceleration: f64) -> SpeedProfile {
         let reach = 2.0 * acceleration * size;
-        // What the look-ahead has planned can be reached but for rounding.
+        // Planned speeds are reachable except for rounding.
         let exit = exit.min((entry * entry + reach).sqrt()).max((entry * entry - reach).max(0.0).sqrt());
         let peak = speed.min((0.5 * (reach + entry * entry + exit * exit)).sqrt()).max(entry).max(exit);
         SpeedProfile { size, entry, peak, exit, acceleration }
     }
 
-    /// Times of the three parts, s.
+    /// Durations of the three phases, s.
     fn times(&self) -> [f64; 3] {
         let up = (self.peak - self.entry) / self.acceleration;
         let down = (self.peak - self.exit) / self.acceleration;
@@ -54,7 +54,7 @@ impl SpeedProfile {
         self.times().iter().sum()
     }
 
-    /// Way and speed at a time.
+    /// Distance and speed at a time.
     pub(super) fn at(&self, time_s: f64) -> [f64; 2] {
         let [up, cruise, down] = self.times();
         if time_s < up {
@@ -69,7 +69,7 @@ impl SpeedProfile {
         [self.size - 0.5 * left * (self.exit + speed), speed]
     }
 
-    /// Speed at a way.
+    /// Speed at a distance.
     pub(super) fn speed_at(&self, way: f64) -> f64 {
         let reach = 2.0 * self.acceleration;
         let up = self.entry * self.entry + reach * way;
@@ -82,7 +82,7 @@ impl SpeedProfile {
     }
 }
 
-/// How fast corners may be passed.
+/// Speed limits at corners.
 #[derive(Clone, Copy, Debug)]
 struct Corners {
     /// Length of the kernel, s.
@@ -95,7 +95,7 @@ impl Corners {
     fn speed(&self, before: &Chord, after: &Chord) -> f64 {
         let length = before.size.midpoint(after.size);
         let mut speed = before.speed.min(after.speed);
-        // Of the ramps on both sides, for a step of 1.
+        // Deviation by the ramps on both sides, for a unit step.
         let ramp = before.acceleration.max(after.acceleration) * self.kernel_s * self.kernel_s / 96.0;
         let mut squares = 0.0;
         for slot in 0..AXIS_COUNT {
@@ -120,9 +120,9 @@ impl Corners {
 #[derive(Clone, Copy, Debug)]
 struct Ahead {
     chord: Chord,
-    /// Highest speed at its start by the corner there.
+    /// Speed limit at its start by the corner there.
     corner: f64,
-    /// The same by all that follows.
+    /// Speed limit at its start by all that follows.
     entry: f64,
 }
 
@@ -131,12 +131,12 @@ struct Ahead {
 pub(super) struct LookAhead {
     corners: Corners,
     ahead: VecDeque<Ahead>,
-    /// The speed at the start of the first.
+    /// Speed at the start of the first chord.
     entry: f64,
 }
 
 impl LookAhead {
-    /// `kernel_s` is the length of the smoothing as it is carried out.
+    /// `kernel_s` is the effective smoothing length.
     pub(super) fn new(servo: &Servo, kernel_s: f64) -> LookAhead {
         let tolerances =
             AXES.map(|axis| if axis.is_rotary() { servo.corner_tolerance_rad } else { servo.corner_tolerance_mm });
@@ -146,7 +146,7 @@ impl LookAhead {
         LookAhead { corners, ahead: VecDeque::with_capacity(2 * LOOK_AHEAD), entry: 0.0 }
     }
 
-    /// Takes the next chord, and hands on what is far enough before it.
+    /// Adds the next chord, and passes on the chords that are no longer affected by it.
     pub(super) fn push(&mut self, chord: &Chord, see: &mut dyn FnMut(&Chord, &SpeedProfile)) {
         let before = self.ahead.back().filter(|before| before.chord.is_rapid == chord.is_rapid);
         let corner = before.map_or(0.0, |before| self.corners.speed(&before.chord, chord));
@@ -156,13 +156,13 @@ impl LookAhead {
         }
     }
 
-    /// Stops behind what it has, and hands all of it on.
+    /// Plans a stop after the last chord, and passes all chords on.
     pub(super) fn stop(&mut self, see: &mut dyn FnMut(&Chord, &SpeedProfile)) {
         self.release(self.ahead.len(), see);
         self.entry = 0.0;
     }
 
-    /// Whether nothing waits.
+    /// `true` if no chord is pending.
     pub(super) fn is_empty(&self) -> bool {
         self.ahead.is_empty()
     }

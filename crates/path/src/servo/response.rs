@@ -1,4 +1,4 @@
-//! The position loop of an axis: x′ = K (s − x) + f s′ with the velocity gain K and the feed-forward f, behind a dead time.
+//! The position loop of an axis: x′ = K (s − x) + f s′ with the velocity gain K and the feed-forward f, after a dead time.
 //!
 //! Set-points are linear within a cycle, s′ = g. The following error e = s − x obeys e′ = (1 − f) g − K e, so that over a time t
 //!
@@ -6,7 +6,7 @@
 //! e(t) = E + (e(0) − E) exp(−K t),     E = (1 − f) g / K
 //! ```
 //!
-//! without any approximation. The loop is linear: a dead time may as well stand behind it, and its part of a cycle is the same formula.
+//! This is exact. The loop is linear: a dead time can be applied after it, and a fraction of a cycle uses the same formula.
 
 use ncfix_base::geometry::{AXIS_COUNT, AxisVector};
 use ncfix_machine::machine::{AxisServo, Servo};
@@ -24,7 +24,7 @@ impl Response {
         Response { loops, cycle_s: servo.cycle_s }
     }
 
-    /// As if the axes had stood here for long.
+    /// Resets the loops as if the axes had rested here.
     pub(super) fn reset(&mut self, position: &AxisVector) {
         for (axis, value) in self.loops.iter_mut().zip(position.0) {
             if let Some(axis) = axis {
@@ -34,7 +34,7 @@ impl Response {
         }
     }
 
-    /// Where the axes are at the end of a cycle over which the set-points went from one position to another.
+    /// Axis positions at the end of a cycle in which the set-points moved from one position to another.
     pub(super) fn next(&mut self, from: &AxisVector, to: &AxisVector) -> AxisVector {
         let mut out = *to;
         for (slot, axis) in self.loops.iter_mut().enumerate() {
@@ -51,13 +51,13 @@ impl Response {
 struct Loop {
     /// (1 − f)/K, s.
     lag_s: f64,
-    /// What is left of an error after a cycle, and after the part of one that the dead time leaves.
+    /// Residual share of an error after a cycle, and after the fraction of a cycle that the dead time leaves.
     decay: f64,
     decay_part: f64,
-    /// That part, s.
+    /// That fraction, s.
     part_s: f64,
     error: f64,
-    /// Positions of the whole cycles of the dead time.
+    /// Positions delayed by the whole cycles of the dead time.
     late: Vec<f64>,
     at: usize,
 }

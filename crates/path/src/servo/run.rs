@@ -1,7 +1,7 @@
 //! Drives the machine by the elements of a program, or by the pieces of a corrected one.
 //!
-//! Blocks are passed without a stop but where the program wants one: exact stop (G60, G9; G61, G61.1), a dwell, a tool or M word, between rapid moves and
-//! moves with feed, and where the axes go on their own, to a reference point, or until a probe touches.
+//! Blocks are passed without stop, except at an exact stop of the language, a dwell, a tool or M word, and between rapid and feed moves. The axes
+//! also stop for motions of the control itself: to a reference point, or until a probe touches.
 
 use std::sync::Arc;
 
@@ -10,14 +10,10 @@ use super::drive::Drive;
 use super::follow::Moment;
 use crate::path::{Increments, Options, Output, OutputFrame, Piece, PieceArc};
 use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
+use ncfix_dialect::{BlockEnd, BlockEnds};
 use ncfix_machine::machine::{Machine, Servo};
 use ncfix_machine::snc::{Dwell, Element, FeedUnit, Kind, Manner, Setup, Word, WordValue};
 use ncfix_model::Model;
-
-/// Modal words: exact stop from here on, no more, and for one block.
-const EXACT: &[&str] = &["G60", "G61", "G61.1"];
-const RUNNING: &[&str] = &["G64", "G641", "G642", "G643", "G644", "G645", "G62", "G63"];
-const ONCE: &[&str] = &["G9", "G09"];
 
 /// A program on a machine.
 #[derive(Clone, Debug)]
@@ -27,20 +23,21 @@ pub struct Run<'a> {
     is_work_frame: bool,
     keeps_transform: bool,
     setup: Arc<Setup>,
-    /// What the feed of the last move counts.
+    /// Feed unit of the last move.
     unit: FeedUnit,
-    /// Turns per minute, where the program has said.
+    /// Programmed spindle speed, 1/min.
     spindle_rpm: f64,
+    block_ends: BlockEnds,
     stops: bool,
     stops_once: bool,
-    /// Whether the last move was rapid.
+    /// `true` if the last move was rapid.
     is_rapid: bool,
     known: AxisSet,
-    /// Feed of all moves with feed, mm/min, whatever the program says.
+    /// Feed that replaces the programmed one in all feed moves, mm/min.
     feed_mm_min: Option<f64>,
 }
 
-/// How a move is to be made, whoever says so.
+/// A move to execute, from an element or a piece.
 struct Order {
     target: AxisVector,
     circle: Option<SpaceCircle>,
@@ -53,7 +50,7 @@ struct Order {
 }
 
 impl<'a> Run<'a> {
-    /// A machine before the first block. `options` are those of the correction where pieces are to be driven.
+    /// A machine before the first block. `options` are those of the correction if pieces are to be executed.
     #[must_use]
     pub fn new(machine: &Machine, servo: &Servo, model: &'a Model, options: &Options) -> Run<'a> {
         let mut drive = Drive::new(machine, servo, model);
@@ -70,6 +67,7 @@ impl<'a> Run<'a> {
             setup: Arc::default(),
             unit: FeedUnit::default(),
             spindle_rpm: 0.0,
+            block_ends: ncfix_dialect::find(&machine.controller).map_or(BlockEnds::NONE, |dialect| dialect.block_ends),
             stops: false,
             stops_once: false,
             is_rapid: false,
@@ -78,13 +76,13 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The same with one feed, mm/min, for all moves of the path that have one.
+    /// Uses one feed, mm/min, for all feed moves along the path.
     #[must_use]
     pub fn with_feed(self, feed_mm_min: f64) -> Run<'a> {
         Run { feed_mm_min: Some(feed_mm_min), ..self }
     }
 
-    /// Takes an element of a program; `block` is what the results call it.
+    /// Executes an element of a program; `block` identifies it in the results.
     pub fn element(&mut self, element: &Element, block: u64, see: &mut dyn FnMut(&Moment)) {
         let Kind::Move(motion) = &element.kind else {
             self.other(&element.kind, see);
@@ -104,7 +102,7 @@ impl<'a> Run<'a> {
         self.order(&order, block, see);
     }
 
-    /// Takes a piece of a corrected program, or an element between.
+    /// Executes a piece of a corrected program, or an element between pieces.
     pub fn output(&mut self, output: &Output, block: u64, see: &mut dyn FnMut(&Moment)) {
         match output {
             Output::Element(element) => self.element(element, block, see),
@@ -120,19 +118,19 @@ impl<'a> Run<'a> {
         self.drive.finish(see);
     }
 
-    /// Time so far, without what waits in the look-ahead, s.
+    /// Time so far, without moves in the look-ahead, s.
     #[must_use]
     pub fn time_s(&self) -> f64 {
         self.drive.time_s()
     }
 
-    /// Whether a move was so slow, an hour for a chord, that it was not followed.
+    /// `true` if a chord took more than an hour and was therefore not simulated.
     #[must_use]
     pub fn has_left_out(&self) -> bool {
         self.drive.has_left_out()
     }
 
-    /// The feed of a program, in its unit, at a speed of mm/min; `None` where it has no such feed.
+    /// Converts a speed in mm/min to the feed unit of the program; `None` if that unit has no equivalent.
     #[must_use]
     pub fn feed_at(&self, feed_mm_min: f64) -> Option<f64> {
         match self.unit {
@@ -156,7 +154,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The circle of a piece, whose center relates to the emitted frame.
+    /// The circle of a piece, whose center refers to the emitted frame.
     fn circle_of(&self, arc: &PieceArc, start: &AxisVector) -> SpaceCircle {
         let [_, _, across] = arc.plane.axes();
         let mut normal = Vector::zeros();
@@ -168,7 +166,7 @@ impl<'a> Run<'a> {
         if self.is_work_frame {
             let linear = self.setup.frame.linear();
             center = linear * center;
-            // A mirrored turn goes the other way around.
+            // A mirrored arc turns the other way.
             normal = linear * normal * linear.determinant().signum();
         }
         let normal = normal.try_normalize(0.0).unwrap_or(normal);
@@ -263,18 +261,16 @@ impl<'a> Run<'a> {
     }
 
     fn mode(&mut self, word: &str) {
-        let is_of = |words: &[&str]| words.contains(&word);
-        if is_of(EXACT) {
-            self.stops = true;
-        } else if is_of(RUNNING) {
-            self.stops = false;
-        } else if is_of(ONCE) {
-            self.stops_once = true;
+        match self.block_ends.of(word) {
+            Some(BlockEnd::Exact) => self.stops = true,
+            Some(BlockEnd::Running) => self.stops = false,
+            Some(BlockEnd::Once) => self.stops_once = true,
+            None => {}
         }
     }
 }
 
-/// The contouring error over a program: distances from the path, by cycles, of moves with feed.
+/// Statistics of the contouring error over a program: distances from the path in each cycle of feed moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
     cycles: u64,
@@ -286,7 +282,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Takes a moment into account.
+    /// Adds a moment.
     pub fn note(&mut self, moment: &Moment) {
         let Some(on_path) = moment.on_path.filter(|on_path| !on_path.is_rapid) else { return };
         let off_mm = on_path.off_mm.norm();
@@ -297,13 +293,13 @@ impl Tally {
         }
     }
 
-    /// Root of the mean square over the cycles, mm.
+    /// Root mean square over the cycles, mm.
     #[must_use]
     pub fn rms_mm(&self) -> f64 {
         if self.cycles == 0 { 0.0 } else { (self.squares / self.cycles as f64).sqrt() }
     }
 
-    /// Cycles that counted.
+    /// Number of cycles in the statistics.
     #[must_use]
     pub fn cycles(&self) -> u64 {
         self.cycles

@@ -1,4 +1,4 @@
-//! Smooths set-points: two box filters, one behind the other, make a triangular kernel.
+//! Smooths set-points: two box filters in series form a triangular kernel.
 
 use ncfix_base::geometry::{AXIS_COUNT, AxisVector};
 
@@ -9,7 +9,7 @@ pub(super) struct Smoothing {
 }
 
 impl Smoothing {
-    /// Cycles of each box for a kernel of a length; 1 smooths nothing.
+    /// Cycles of each box for a kernel length; 1 means no smoothing.
     pub(super) fn cycles(kernel_s: f64, cycle_s: f64) -> usize {
         (0.5 * kernel_s / cycle_s).round().max(1.0) as usize
     }
@@ -18,19 +18,19 @@ impl Smoothing {
         Smoothing { boxes: [Mean::new(cycles), Mean::new(cycles)] }
     }
 
-    /// As if it had stood here for long.
+    /// Resets the filter as if the position had been constant.
     pub(super) fn reset(&mut self, position: &AxisVector) {
         self.boxes.iter_mut().for_each(|mean| mean.reset(position));
     }
 
-    /// What becomes of the next position: it is late by the cycles of a box less one.
+    /// The smoothed position after the next input; its delay is the cycles of a box minus one.
     pub(super) fn next(&mut self, position: &AxisVector) -> AxisVector {
         let [first, second] = &mut self.boxes;
         second.next(&first.next(position))
     }
 }
 
-/// The mean of the last positions.
+/// Moving average of the last positions.
 #[derive(Clone, Debug)]
 struct Mean {
     last: Vec<AxisVector>,
@@ -55,7 +55,7 @@ impl Mean {
         self.at += 1;
         if self.at >= self.last.len() {
             self.at = 0;
-            // Added up anew, so that rounding does not gather over days.
+            // The sum is recomputed, so that rounding errors do not accumulate over days.
             self.sum = self.total();
         }
         let count = self.last.len() as f64;

@@ -1,4 +1,4 @@
-//! What is told again of a control: state by state, and row by row of all tables of codes.
+//! Restored state of a control: state by state, and row by row of all code tables.
 
 use super::*;
 
@@ -14,7 +14,7 @@ fn told(lines: &[&str]) -> SentState {
     told_in("rs274", lines)
 }
 
-/// Lines of a plan behind some lines and a place.
+/// Returns the restart lines after some lines and a place.
 fn plan(language: &str, lines: &[&str]) -> Option<Vec<String>> {
     let all = [lines, &["G0 X1. Y2. Z30."]].concat();
     told_in(language, &all).lines(false, WAY)
@@ -39,7 +39,7 @@ fn behind_a_tool_change_or_machine_coordinates_places_must_be_stated_again() {
         &["G0 X1. Y2. Z3.", "G55", "G0 Z5."],
         &["G0 X1. Y2. Z3.", "G43 H1", "G0 Z5."],
         &["G0 X1. Y2. Z3.", "G20", "G0 Z5."],
-        // Increments say nothing, and neither do expressions.
+        // Neither increments nor expressions state a position.
         &["G0 X1. Y2. Z3.", "G91 G0 X1.", "G90"],
         &["G0 X1. Y2. Z3. A=IC(90)"],
         &["G0 X1. Y2. Z3. A90.", "G55", "G0 X1. Y2. Z3."],
@@ -47,7 +47,7 @@ fn behind_a_tool_change_or_machine_coordinates_places_must_be_stated_again() {
         assert_eq!(told(lines).lines(false, WAY), None, "{lines:?}");
     }
     assert!(told(&["T4 M6", "G0 X1. Y2. Z3."]).lines(false, WAY).is_some());
-    // A rotary axis stands where it stood.
+    // A rotary axis keeps its position.
     let found = told(&["G0 A90.", "T4 M6", "G0 X1. Y2. Z30."]).lines(false, WAY).unwrap();
     assert_eq!(found, ["G0 Z30.", "G0 A90.", "G0 X1. Y2."]);
     for (language, lines) in
@@ -80,7 +80,7 @@ fn what_was_told_later_must_have_been_told_before() {
     for later in ["G0 A90", "M8", "G18", "G43 H1", "T4 M6", "M64 P1", "G92 X0"] {
         assert!(!before.knows(&told(&["G90 G54 S100 M3", "G0 X1. Y2. Z3.", later])), "{later}");
     }
-    // Another of the same group is known.
+    // Another code of the same group is known.
     assert!(before.knows(&told(&["G90 G55 S100 M4", "G0 X1. Y2. Z3."])));
 }
 
@@ -90,13 +90,13 @@ fn a_clearance_comes_first_in_the_unit_that_is_in_force_and_nothing_rapid_goes_b
     let way = |clearance_mm: f64, stands_mm: f64| RestartPath { clearance_mm, stands_mm };
     let found = told(&lines).lines(false, way(30.0, 5.0)).unwrap();
     assert_eq!(found[2..], ["G0 Z30.", "G0 X1. Y2.", "G1 Z5. F200.", "G0 X1. Y2.", "F300"]);
-    // 50.8 mm are 2 inches, 200 mm/min 7.874 inches a minute.
+    // 50.8 mm are 2 inches, 200 mm/min are 7.874 inches per minute.
     let found = told(&["G20 G90", "G0 X1. Y2. Z1."]).lines(true, way(50.8, 25.4)).unwrap();
     assert_eq!(found[1..], ["N2 G0 Z2.", "N3 G0 X1. Y2.", "N4 G1 Z1. F7.874", "N5 G0 X1. Y2."]);
-    // Up where the program stands higher.
+    // Up to the place if the program is higher there.
     let found = told(&lines).lines(false, way(3.0, 5.0)).unwrap();
     assert_eq!(found[2..], ["G0 Z3.", "G0 X1. Y2.", "G0 Z5.", "F300"]);
-    // Not down by a feed that means something else, and from no arc or straight line.
+    // No descent if the feed has another unit, or after an arc or a straight line.
     for mode in ["G93", "G95"] {
         let lines = [mode, "G0 X1. Y2. Z5."];
         assert_eq!(told(&lines).lines(false, way(30.0, 5.0)), None, "{mode}");
@@ -110,7 +110,7 @@ fn a_clearance_comes_first_in_the_unit_that_is_in_force_and_nothing_rapid_goes_b
         told_in("fanuc", &["G21 G90", "G54.1 P2"]).beginning(false, 12.5).unwrap(),
         ["G90 G21", "G54.1 P2", "G0 Z12.5"]
     );
-    // What an output has switched is of no matter for a height.
+    // A switched output does not affect a height.
     assert!(told(&["G21 G90", "M64 P1"]).beginning(false, 12.5).is_some());
     for tool in ["T3 M6", "G43 H1", "M6", "T3", "G92 Z5", "M60", "M150"] {
         assert_eq!(told(&["G21 G90", tool]).beginning(false, 12.5), None, "{tool}");
@@ -121,7 +121,7 @@ fn a_clearance_comes_first_in_the_unit_that_is_in_force_and_nothing_rapid_goes_b
 fn codes_are_told_with_the_words_of_their_blocks() {
     for (language, lines, expected) in [
         ("rs274", &["G43.1 Z100."][..], &["G43.1 Z100."][..]),
-        // The base, and what is added to it, in their order.
+        // The base and its additions, in their order.
         ("rs274", &["G43 H1", "G43.2 H9", "G43.2 Z0.5"], &["G43 H1", "G43.2 H9", "G43.2 Z0.5"]),
         ("rs274", &["G43 H1", "G43.2 H9", "G43 H2"], &["G43 H2"]),
         ("rs274", &["G43 H1", "G43.2 H9", "G49"], &["G49"]),
@@ -149,7 +149,7 @@ fn what_cannot_be_told_again_is_no_place() {
     for (language, lines) in [
         ("rs274", &["G91"][..]),
         ("rs274", &["G41 D1"]),
-        // 4 inches are no 4 mm.
+        // 4 inches are not 4 mm.
         ("rs274", &["G20", "G43.1 Z4", "G21"]),
         ("sinumerik", &["G70", "G641 ADIS=0.002", "G71"]),
         ("rs274", &["M19 R90"]),
@@ -182,7 +182,7 @@ fn what_cannot_be_told_again_is_no_place() {
     ] {
         assert_eq!(plan(language, lines), None, "{language}: {lines:?}");
     }
-    // What ends such a state.
+    // Codes that end such a state.
     for (language, lines) in [
         ("rs274", &["G41 D1", "G40"][..]),
         ("rs274", &["M19 R90", "M5"]),
@@ -214,7 +214,7 @@ fn every_row_with_words_and_a_group_is_told_with_them_or_not_at_all() {
                 )
                 .collect();
             if words.is_empty() {
-                // F alone, which is told by itself.
+                // Only F, which is restored separately.
                 continue;
             }
             let block = format!("{first} {}", words.join(" "));
@@ -222,26 +222,26 @@ fn every_row_with_words_and_a_group_is_told_with_them_or_not_at_all() {
             count[usize::from(found.is_some())] += 1;
             let Some(found) = found else { continue };
             if row.group == 1 && !row.name.starts_with('M') {
-                // The rapid move behind it has ended it.
+                // The next rapid move has ended it.
                 continue;
             }
             if ["G4", "G53", "G74", "G75", "G63"].contains(&first) && language == "sinumerik" {
-                // Good for their block.
+                // Effective only in its block.
                 continue;
             }
             if first == "M61" {
-                // The plan names the tool, which a person brings.
+                // The plan names the tool; a person loads it.
                 assert_eq!(told_in(language, &[&block]).tool.as_deref(), Some("T3"));
                 continue;
             }
             let told = found.iter().find(|line| line.split(' ').any(|word| word == first));
             let told = told.unwrap_or_else(|| panic!("{language}: {block} is not told again: {found:?}"));
-            // A speed of the spindle is told with the spindle.
+            // A spindle speed is restored with the spindle.
             let is_told = |word: &String| {
                 let is_in = |line: &str| line.split(' ').any(|other| other == word);
                 is_in(told) || word.starts_with('S') && found.iter().any(|line| is_in(line))
             };
-            // Length compensation of a Fanuc: the word of the axis is where it goes.
+            // Length compensation of a Fanuc: the axis word is the target position.
             let is_position =
                 |word: &String| language == "fanuc" && ["G43", "G44"].contains(&first) && word.starts_with('Z');
             assert!(
@@ -273,7 +273,7 @@ fn the_tool_is_the_one_that_was_changed_and_not_the_next() {
     ] {
         assert_eq!(tool(language, changes_on_t, lines).as_deref(), expected, "{lines:?}");
     }
-    // The next is made ready again, as the program changes to it without naming it.
+    // The next tool is prepared again, as the program changes to it without naming it.
     let found = plan("rs274", &["T1 M6", "G43 H1", "T2"]).unwrap();
     assert_eq!(found[..2], ["G43 H1", "T2"]);
 }

@@ -1,17 +1,17 @@
-//! Answers of one line each, and what every dialogue takes for a reset.
+//! Splits bytes into one-line answers, and recognizes greetings, which every dialogue treats as a reset.
 
 use std::sync::LazyLock;
 
 use regex::bytes::{Regex, RegexBuilder, RegexSet, RegexSetBuilder};
 
-/// Answers are no longer than this, bytes; what has no end is none.
+/// Longest answer, bytes; the rest of a longer one is dropped.
 const LONGEST_ANSWER: usize = 1024;
-/// Answers of one line each, out of bytes as they come.
+/// Collects one-line answers from bytes as they arrive.
 #[derive(Debug, Default)]
 pub(super) struct Answers(Vec<u8>);
 
 impl Answers {
-    /// The next answer that ends within some bytes; what is left of these is for the next.
+    /// Returns the next answer that ends within these bytes. The bytes after it stay for the next call.
     pub(super) fn next(&mut self, bytes: &mut &[u8]) -> Option<String> {
         while let Some((&byte, rest)) = bytes.split_first() {
             *bytes = rest;
@@ -26,23 +26,23 @@ impl Answers {
     }
 }
 
-/// Patterns of ASCII in either case, `.` for any byte. They are constants, and tests match with each of them.
+/// Compiles ASCII patterns that ignore case; `.` matches any byte. They are constants, and tests match each of them.
 pub(super) fn patterns<'p>(patterns: impl IntoIterator<Item = &'p str>) -> RegexSet {
     let set = RegexSetBuilder::new(patterns).unicode(false).case_insensitive(true).dot_matches_new_line(true).build();
     set.unwrap_or_else(|_| RegexSet::empty())
 }
 
-/// One such pattern; `None` for a text that is no pattern.
+/// Compiles one such pattern; `None` if the text is not a pattern.
 pub(super) fn pattern(text: &str) -> Option<Regex> {
     RegexBuilder::new(text).unicode(false).case_insensitive(true).dot_matches_new_line(true).build().ok()
 }
 
-/// What greetings are made of, by its place in this list.
+/// Parts of greetings, addressed by their position in this list.
 static GREETINGS: LazyLock<RegexSet> = LazyLock::new(|| {
     patterns([
         // `Grbl 1.1h ['$' for help]`, `GrblHAL 1.1f …`, ` PlannerBufferBytes: 1152`
         r"grbl(?:hal)?(?:\s*[0-9]|.*for help)|plannerbufferbytes",
-        // `start`; but `//action:start` is what a person chose at its screen.
+        // `start`; but `//action:start` means that a person has started something at the screen.
         "start$",
         "//|restart",
         // `Marlin 2.1.2`; but `FIRMWARE_NAME:Marlin 2.1` answers M115.
@@ -54,19 +54,19 @@ static GREETINGS: LazyLock<RegexSet> = LazyLock::new(|| {
     ])
 });
 
-/// Whether firmware greets: it was reset, and what it had is gone. Behind or between characters that mean nothing, too, and in capitals or not.
+/// True if the text is a greeting of the firmware: it was reset and has lost its state. Case, and meaningless characters around or inside, do not matter.
 pub(super) fn is_greeting(text: &str) -> bool {
     let found = GREETINGS.matches(text.as_bytes());
     let has = |place| found.matched(place);
     has(0) || has(1) && !has(2) || has(3) && !has(4) || has(5) && has(6)
 }
 
-/// What ends a job on an answer that no control gives that is as it must be.
+/// Returns the reason that ends a job after an answer that a correct control never gives.
 pub(super) fn impossible(what: &str) -> String {
     format!("{what}: the state of the control is unknown")
 }
 
-/// The first characters of an answer, to be shown.
+/// Returns the first 80 characters of an answer for display; control characters become dots.
 pub(super) fn shown(text: &str) -> String {
     text.chars().take(80).map(|character| if character.is_control() { '.' } else { character }).collect()
 }

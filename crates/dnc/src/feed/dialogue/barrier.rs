@@ -1,14 +1,14 @@
-//! When a control is to stand still for a moment, so that it can say what it has carried out.
+//! Decides when a control is to come to a stop, so that it can report what it has carried out.
 //!
-//! Where nothing but the count of answers says which lines were taken, one answer too many makes all later ones belong to other lines. There the sender
-//! waits now and then until all moves are done. It does so behind rapid moves alone: a stop on a contour leaves a mark.
+//! If only the count of answers says which lines were taken, one answer too many shifts all later ones. In this case the sender waits now and then until all
+//! moves are done. It waits only after rapid moves: a stop on a contour leaves a mark.
 
-/// Lines between two of these stops, at least: few enough that little is carried out twice, many enough that nobody notices the time.
+/// Minimum number of lines between two stops: few enough to repeat little, enough to cost no noticeable time.
 const EVERY: u64 = 50;
-/// Codes of motion other than rapid, whole numbers.
+/// Motion codes other than rapid, whole numbers.
 const CUTS: &[u32] = &[1, 2, 3, 5, 33, 38, 73, 76, 81, 82, 83, 84, 85, 86, 87, 88, 89];
 
-/// Counts lines and follows the motion that is in force.
+/// Counts lines and follows the motion mode in force.
 #[derive(Debug, Default)]
 pub(super) struct Barrier {
     lines: u64,
@@ -16,7 +16,7 @@ pub(super) struct Barrier {
 }
 
 impl Barrier {
-    /// A line is sent; whether a stop behind it is due.
+    /// Notes a line that is sent. Returns true if a stop is due after it.
     pub(super) fn sent(&mut self, text: &[u8]) -> bool {
         let (mut moves, mut rest) = (false, text);
         while let Some((&letter, behind)) = rest.split_first() {
@@ -38,7 +38,7 @@ impl Barrier {
         moves && self.is_rapid && self.lines >= EVERY
     }
 
-    /// It has said what it has carried out.
+    /// Notes that the control has reported what it has carried out.
     pub(super) fn is_over(&mut self) {
         self.lines = 0;
     }

@@ -1,27 +1,28 @@
-//! Blockwise transfer of Heidenhain (FE1, EXT): each block with a check character, answered by ACK or NAK.
+//! Heidenhain blockwise transfer (FE1, EXT): each block has a check character and is answered by ACK or NAK.
 //!
-//! The header is `SOH H name E ETB BCC DC1`, a block `STX text ETB BCC`, the end `ETX` or `EOT`; the check character is the exclusive or of all
-//! characters from SOH or STX to ETB (TNC 360, user's manual, data transfer). A block that is answered by NAK is sent again, three times at most. Blocks
-//! have no numbers: where an answer does not come, nobody may send the block again, as the control might carry it out twice.
+//! The header is `SOH H name E ETB BCC DC1`, a block is `STX text ETB BCC`, the end is `ETX` or `EOT`. The check character is the exclusive or of all
+//! characters from SOH or STX to ETB (TNC 360, user's manual, data transfer). A block that is answered by NAK is sent again, three times at most. Blocks have
+//! no numbers. A block without an answer must not be sent again, as the control might carry it out twice.
 //!
-//! What a control can answer that is as it must be; anything else ends the job, its state is unknown:
+//! Answers of a correct control; any other answer ends the job, because the state of the control is then unknown:
 //!
 //! | state | answer | meaning |
 //! | --- | --- | --- |
-//! | all of the block has left | `ACK` | it is stored; not that it was carried out |
-//! | | `NAK` | its check character does not fit: it is sent again, some times |
-//! | | `DC1` | it lets the flow go on: nothing |
-//! | the block still leaves, or none is under way | `ACK`, `NAK` | impossible: an answer came twice, or too late |
-//! | any | `EOT`, `CAN` | it has broken off the transfer |
+//! | the whole block has left | `ACK` | the block is stored, not necessarily carried out |
+//! | | `NAK` | its check character is wrong: it is sent again, up to the limit |
+//! | | `DC1` | permission to continue: no effect |
+//! | the block is still leaving, or none is under way | `ACK`, `NAK` | impossible: an answer came twice, or too late |
+//! | any | `EOT`, `CAN` | the control has aborted the transfer |
 //!
-//! An answer that disturbance makes up just before the true one cannot be told from it; the true one then comes while the next block leaves, and ends the job.
+//! A false answer caused by interference just before the true one cannot be distinguished from it. The true one then arrives while the next block leaves, and
+//! ends the job.
 
 use std::time::Duration;
 
 use super::answers::impossible;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
-/// What profiles call it.
+/// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "block",
     title: "blocks with a check character, ACK and NAK (Heidenhain FE1)",
@@ -41,7 +42,7 @@ const DC1: u8 = 0x11;
 const NAK: u8 = 0x15;
 const CAN: u8 = 0x18;
 const ETB: u8 = 0x17;
-/// Check characters below this are control characters.
+/// First printable character: check characters below this are control characters.
 const FIRST_PRINTED: u8 = b' ';
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,13 +58,13 @@ enum State {
 
 struct Block {
     state: State,
-    /// What the header calls the program.
+    /// Name of the program in the header.
     program: Vec<u8>,
     avoids_controls: bool,
     longest_line: usize,
     patience: Duration,
     most_repeats: u32,
-    /// The block under way, 0 for the header, and how long the one before it takes.
+    /// Block under way (number, 0 for the header; bytes; duration of the block before it).
     under_way: Option<(u64, Vec<u8>, Duration)>,
     repeats: u32,
     since: Duration,
@@ -84,13 +85,13 @@ impl Block {
         }
     }
 
-    /// A block with its check character.
+    /// Adds the frame and the check character to a block.
     fn frame(&self, begin: u8, text: &[u8]) -> Vec<u8> {
         let mut bytes = vec![begin];
         bytes.extend_from_slice(text);
         let sum = |bytes: &[u8]| bytes.iter().fold(ETB, |sum, byte| sum ^ byte);
         if self.avoids_controls && sum(&bytes) < FIRST_PRINTED {
-            // A blank more makes it a printed character.
+            // An additional blank makes the check character printable.
             bytes.push(b' ');
         }
         let check = sum(&bytes);
@@ -111,7 +112,7 @@ impl Block {
     }
 }
 
-/// Whether some of what was sent has not left, as far as the system tells.
+/// True if some of the sent bytes have not left, as far as the operating system reports it.
 fn is_leaving(wire: &Wire) -> bool {
     !wire.is_empty() || wire.left() < wire.sent()
 }
@@ -248,7 +249,7 @@ mod tests {
 
     #[test]
     fn the_check_character_of_the_manual() {
-        // TNC 360, user's manual, p. 8-18: SOH H 1 5 E ETB gives 1F; a blank more makes 3F of it.
+        // TNC 360, user's manual, p. 8-18: SOH H 1 5 E ETB gives 1F; an additional blank makes it 3F.
         assert_eq!(block(false).frame(SOH, b"H15E"), [&[SOH][..], b"H15E", &[ETB, 0x1F]].concat());
         assert_eq!(block(true).frame(SOH, b"H15E"), [&[SOH][..], b"H15E ", &[ETB, 0x3F]].concat());
     }

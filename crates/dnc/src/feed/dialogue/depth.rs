@@ -1,20 +1,20 @@
-//! How many blocks a control may have answered and not carried out, as it says itself, and whether it stands still.
+//! Number of blocks that a control may have answered but not carried out, as it reports itself, and whether it is idle.
 //!
-//! An answer says that a line was taken into the planner, not that anything has moved. How deep a planner is differs from control to control and is a
-//! setting on many, so that no constant is of use: what the control states when the job begins counts, the largest where it states several.
+//! An answer says that the planner has taken a line, not that anything has moved. Planner depth differs between controls and is often a setting, so a
+//! constant is of no use. The depth that the control states at the beginning of the job counts; if it states several, the largest.
 
 use super::Event;
 
-/// What a control has said of the depth of its planner.
+/// Planner depth that a control has stated.
 #[derive(Debug, Default)]
 pub(super) struct Depth {
-    /// Blocks, at most, and the words of the control; `None` where it says nothing.
+    /// Maximum number of blocks, and the words of the control; `None` if it states nothing.
     stated: Option<(u64, String)>,
     is_told: bool,
 }
 
 impl Depth {
-    /// The control states a number of blocks; `beyond` more have left the planner and still move. A planner without places is none.
+    /// Notes a stated number of blocks. `beyond` more have left the planner and still move. A planner without places is ignored.
     pub(super) fn hear(&mut self, blocks: Option<&str>, beyond: u64, said: &str) {
         let Some(blocks) = blocks.and_then(|blocks| blocks.trim().parse::<u64>().ok()) else { return };
         let most = blocks.saturating_add(beyond);
@@ -24,7 +24,7 @@ impl Depth {
         }
     }
 
-    /// What is written down before the first line.
+    /// Reports the depth once, before the first line.
     pub(super) fn tell(&mut self, events: &mut Vec<Event>) {
         if let Some((most, said)) = self.stated.clone().filter(|_| !self.is_told) {
             self.is_told = true;
@@ -32,7 +32,7 @@ impl Depth {
         }
     }
 
-    /// For people.
+    /// Describes the depth for people.
     pub(super) fn words(&self) -> String {
         match &self.stated {
             Some((most, _)) => format!("up to {most} blocks of its planner"),
@@ -41,9 +41,9 @@ impl Depth {
     }
 }
 
-/// Why nothing may be sent to a control of the family of Grbl that reports this state; `None` where it is idle.
+/// Returns why nothing may be sent to a control of the Grbl family that reports this state; `None` if it is idle.
 ///
-/// The states of Grbl 1.1 and grblHAL; what follows a colon says more of them.
+/// The states are those of Grbl 1.1 and grblHAL; text after a colon gives details.
 pub(super) fn not_idle(state: &str) -> Option<String> {
     let what = match state.split(':').next().unwrap_or_default() {
         "Idle" => return None,

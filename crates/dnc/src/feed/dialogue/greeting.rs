@@ -1,16 +1,16 @@
-//! What linuxcncrsh is asked before the first line, one step after the other: passwords, that it is ready, and MDI.
+//! Questions to linuxcncrsh before the first line, step by step: passwords, readiness, MDI.
 //!
-//! Its answers are whole texts of a protocol, compared as such: there is nothing in them to be matched by a pattern.
+//! Answers are complete texts of a protocol and are compared as such; they need no pattern.
 
-/// What an answer means.
+/// Meaning of an answer.
 pub(super) enum Reply<'a> {
-    /// This step is next.
+    /// Continue with this step.
     Next(usize),
-    /// A message that somebody left there; there may be more.
+    /// A message that was left there; more may follow.
     Message(&'a str),
-    /// The job ends here: why.
+    /// The job ends here, for this reason.
     Refusal(&'static str),
-    /// It is no answer to the question.
+    /// Not an answer to the question.
     Other,
 }
 
@@ -31,7 +31,7 @@ const REFUSALS: &[(usize, &str, &str)] = &[
     (8, "SET MODE NAK", "it does not go to MDI"),
 ];
 
-/// The question of a step; none behind the last.
+/// Returns the question of a step; `None` after the last step.
 pub(super) fn question(step: usize, passwords: &(String, String)) -> Option<String> {
     let text = match step {
         0 => return Some(format!("hello {} ncfix 1.0", passwords.0)),
@@ -41,17 +41,17 @@ pub(super) fn question(step: usize, passwords: &(String, String)) -> Option<Stri
         4 => "get machine",
         5 => "get program_status",
         6 => "set set_wait received",
-        // What later versions call it.
+        // Name in later versions.
         7 => "set wait_mode received",
         8 => "set mode mdi",
-        // What others have left there is no matter of this job.
+        // Messages of other clients do not concern this job.
         9 => "get error",
         _ => return None,
     };
     Some(text.to_owned())
 }
 
-/// What an answer to a step means.
+/// Returns the meaning of an answer to a step.
 pub(super) fn answer(step: usize, answer: &str) -> Reply<'_> {
     if let Some((_, _, why)) = REFUSALS.iter().find(|(at, said, _)| (*at, *said) == (step, answer)) {
         return Reply::Refusal(why);

@@ -1,6 +1,6 @@
-//! What of a line matters to MDI of LinuxCNC: O-words, stops, ends, the spindle.
+//! Words of a line that matter to MDI of LinuxCNC: O-words, stops, ends, the spindle.
 
-/// What a line says that matters here.
+/// Relevant words of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Words {
     pub(super) is_empty: bool,
@@ -11,22 +11,22 @@ pub(super) struct Words {
     pub(super) ends: bool,
     /// M3 or M4.
     pub(super) starts_spindle: bool,
-    /// Any other M than those and the coolant: it may stop the spindle.
+    /// Any M code other than those and the coolant: it may stop the spindle.
     pub(super) has_other_m: bool,
 }
 
-/// Reads letters and the numbers behind them, outside of comments.
+/// Reads letters and the numbers after them, outside comments.
 pub(super) fn words(text: &[u8]) -> Words {
     let mut words = Words { is_empty: true, ..Words::default() };
     let (mut letter, mut number, mut is_comment, mut is_first) = (0, String::new(), false, true);
     let mut take = |letter: u8, number: &str, words: &mut Words| match (letter, number.parse::<f64>().ok()) {
-        // Before anything else, or it is part of a name.
+        // Before any other word; later it would be part of a name.
         (b'N' | b'/' | 0, _) => {}
         _ if std::mem::take(&mut is_first) && letter == b'O' => words.has_o = true,
         (b'M', Some(value)) if [0.0, 1.0, 60.0].contains(&value) => words.stops = true,
         (b'M', Some(value)) if [2.0, 30.0].contains(&value) => words.ends = true,
         (b'M', Some(value)) if [3.0, 4.0].contains(&value) => words.starts_spindle = true,
-        // The coolant leaves the spindle alone.
+        // The coolant does not affect the spindle.
         (b'M', Some(value)) if [7.0, 8.0, 9.0].contains(&value) => {}
         (b'M', _) => words.has_other_m = true,
         _ => {}

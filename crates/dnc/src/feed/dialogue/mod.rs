@@ -1,6 +1,6 @@
-//! Dialogues: what a sender and a control say to each other, as pure machines.
+//! Dialogues between a sender and a control, as state machines without input, output or a clock.
 //!
-//! To add one, write its file and register it in [`PROTOCOLS`]; profiles name it. From another crate, write a static [`Protocol`], give it to
+//! To add one, write its file and register it in [`PROTOCOLS`]; profiles refer to it by its name. From another crate, write a static [`Protocol`], pass it to
 //! [`Protocols::with`](ncfix_base::register::Register::with) and read the profile with [`Profile::read_with`].
 
 mod answers;
@@ -20,108 +20,108 @@ use ncfix_base::register::{Register, Registered};
 
 use super::{Line, Profile, Wire};
 
-/// What a dialogue has made of what it heard, or of the time that passed.
+/// Event of a dialogue, caused by received bytes or by elapsed time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// The control has taken this line, and all before it.
     Acknowledged(u64),
-    /// Something other than the count of answers says that the control has taken this line, and all before it: what its buffer holds, or the number of
-    /// the line in its answer. One answer too many proves nothing.
+    /// Evidence other than the count of answers shows that the control has taken this line and all before it: the buffer state, or the line number in its
+    /// answer. A single surplus answer proves nothing.
     Checked(u64),
-    /// The control has carried out this line, and all before it, as far as it says so.
+    /// The control reports that it has carried out this line and all before it.
     Executed(u64),
-    /// The control states that so many blocks, at most, are taken and not carried out: how many, and its words.
+    /// The control states the maximum number of blocks that are taken and not carried out: the number, and its words.
     Holds(u64, String),
-    /// The last byte of this line, and of all before it, has gone over a link without answers: nobody knows whether the control has carried it out.
+    /// The last byte of this line, and of all before it, has left over a link without answers. It is not known whether the control has carried the line out.
     Left(u64),
-    /// The control asks to pause, or to go on.
+    /// The control asks to pause (`true`) or to resume.
     Paused(bool),
-    /// The control says something of itself that people should read.
+    /// The control reports something about itself that people should read.
     Said(String),
-    /// Nothing has come for longer than a block can take: where the control is has been asked.
+    /// No answer has come for longer than a block can take; the control was asked for its status.
     Stalled,
     /// A line was sent again, with the same bytes.
     Repeated(u64),
-    /// The control has refused this line: what it says. Lines behind it that it has may still run.
+    /// The control has refused this line, with its answer. Later lines that it has may still run.
     Refused(u64, String),
-    /// The job is lost: the control was reset, stands in an alarm, or does not answer as it must. Nothing more may be sent.
+    /// The job is lost: the control was reset, is in alarm, or does not answer as it must. Nothing more may be sent.
     Lost(String),
 }
 
-/// What a person asks for. Each leaves something else in the control.
+/// Stop command of a person. Each leaves the control in a different state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Halt {
-    /// Axes stop now; lines stay in the control and go on when a person lets them.
+    /// Axes stop now; lines stay in the control and continue when a person resumes them.
     Hold,
-    /// No further line is sent; what the control has runs out.
+    /// No further line is sent; the lines in the control are carried out.
     Stop,
-    /// Lines that the control has are thrown away.
+    /// Lines in the control are discarded.
     Abort,
 }
 
-/// One dialogue with one control.
+/// Dialogue with one control.
 pub trait Dialogue: Send {
-    /// What is said before the first line.
+    /// Sends the opening before the first line.
     fn open(&mut self, now: Duration, wire: &mut Wire);
 
-    /// Whether the control is ready for lines.
+    /// True if the control is ready for lines.
     fn is_open(&self) -> bool;
 
-    /// Whether a line of so many bytes may be frozen and sent: the window in lines and bytes.
+    /// True if a line of this length, bytes, may be frozen and sent: the window in lines and bytes.
     fn has_room(&self, length: usize) -> bool;
 
     /// Sends a line.
     ///
     /// # Errors
-    /// A sentence where its bytes would be taken for something else on this link; nothing was sent then.
+    /// A sentence if its bytes have another meaning on this link. Nothing was sent then.
     fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String>;
 
-    /// Hears bytes.
+    /// Handles received bytes.
     fn hear(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>);
 
-    /// Time has passed.
+    /// Handles the passing of time.
     fn tick(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>);
 
-    /// What is said behind the last line.
+    /// Sends the end after the last line.
     fn close(&mut self, now: Duration, wire: &mut Wire);
 
-    /// Whether all that was sent is acknowledged, or has left where nothing is, and the end was said.
+    /// True if everything sent is acknowledged, or has left on a link without answers, and the end was sent.
     fn is_done(&self, wire: &Wire) -> bool;
 
-    /// Lines and bytes that were sent and not acknowledged; where nothing is, that have not left.
+    /// Returns the lines and bytes that were sent and not acknowledged. On a link without answers: that have not left.
     fn in_flight(&self) -> (usize, usize);
 
-    /// What a person asked for. Returns what this does to what the control has, as a sentence; `None` where this dialogue has no word for it.
+    /// Carries out a stop command. Returns its effect on the lines in the control as a sentence; `None` if this dialogue has no such command.
     fn halt(&mut self, halt: Halt, now: Duration, wire: &mut Wire) -> Option<String>;
 }
 
-/// A kind of dialogue.
+/// Kind of dialogue.
 #[derive(Clone, Copy, Debug)]
 pub struct Protocol {
-    /// What profiles call it.
+    /// Name in profiles.
     pub name: &'static str,
-    /// What it is.
+    /// Description for people.
     pub title: &'static str,
-    /// Whether the control is asked, before the first line, if it stands still: it gets no line unless it says so.
+    /// True if the control is asked before the first line whether it is idle. It gets no line unless it says so.
     pub asks_idle: bool,
-    /// Whether its answer to a line means that the line lies in a planner, so that a depth says how many may not be carried out.
+    /// True if its answer means that the line is in a planner. The planner depth then limits the lines that may not be carried out.
     pub has_planner: bool,
-    /// Blocks beyond the places of the planner that may not be carried out either: what still moves, and what waits before it.
+    /// Blocks beyond the planner places that may not be carried out either: those that still move, and those that wait before the planner.
     pub beyond: u64,
-    /// Whether a line can go over it; a sentence where not.
+    /// Checks that a line can be sent over it; a sentence if not.
     pub check: fn(&Profile, &[u8]) -> Result<(), String>,
-    /// Begins one; a sentence where the profile does not fit it.
+    /// Creates a dialogue; a sentence if the profile does not fit it.
     pub create: fn(&Profile) -> Result<Box<dyn Dialogue>, String>,
 }
 
 impl PartialEq for Protocol {
-    /// A name is that of one protocol of a register.
+    /// Two protocols are equal if their names are: names are unique in a register.
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
     }
 }
 
-/// The kinds of dialogues that a profile may name: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+/// Kinds of dialogues that a profile may name. [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type Protocols = Register<&'static Protocol>;
 
 impl Registered for &'static Protocol {
@@ -136,11 +136,11 @@ impl Registered for &'static Protocol {
     }
 }
 
-/// Those that are built in.
+/// Built-in protocols.
 pub const PROTOCOLS: &[Protocol] =
     &[block::PROTOCOL, grbl::PROTOCOL, linuxcncrsh::PROTOCOL, marlin::PROTOCOL, tape::PROTOCOL];
 
-/// Whether a text can go over a link: not too long, printed characters only, and none that means something else there.
+/// Checks that a text can be sent over a link: not too long, only printable characters, and none with another meaning on the link.
 fn check_text(text: &[u8], longest: usize, refused: &[u8]) -> Result<(), String> {
     if text.len() > longest {
         return Err(format!(

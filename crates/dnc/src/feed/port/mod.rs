@@ -1,20 +1,20 @@
-//! Ports: serial lines, pseudo-terminals and TCP, none of which ever waits unless it is told to.
+//! Ports: serial lines, pseudo-terminals and TCP. None of them waits unless asked to.
 
 mod serial;
 mod tcp;
 
 use super::{Port, Profile};
 
-/// What a port over TCP begins with.
+/// Prefix of the name of a TCP port.
 const TCP: &str = "tcp:";
-/// Where pseudo-terminals are: they have no speed.
+/// Folder of pseudo-terminals, which have no speed.
 const PSEUDO: &str = "/dev/pts/";
 
-/// A port that is open.
+/// Open port.
 pub struct OpenPort {
-    /// It.
+    /// The port.
     pub port: Box<dyn Port>,
-    /// What a person should know of it: settings that it did not take, a name that stays the same.
+    /// Notes for a person: settings that it rejected, a permanent name.
     pub notes: Vec<String>,
 }
 
@@ -29,7 +29,7 @@ pub fn open(name: &str, profile: &Profile) -> Result<OpenPort, String> {
     }
 }
 
-/// Characters that go over a port in a second; infinite where it has no speed of its own.
+/// Returns the characters per second of a port; infinite if it has no speed of its own.
 #[must_use]
 pub fn characters_per_s(name: &str, profile: &Profile) -> f64 {
     let is_line = !name.starts_with(TCP) && !name.starts_with(PSEUDO);

@@ -1,7 +1,7 @@
-//! A serial port or a pseudo-terminal.
+//! Serial port or pseudo-terminal.
 //!
-//! Bytes that hold the flow are read by the dialogue, not by the system: what lies in the queue of an adapter would go on after a stop. The parity bit can
-//! be made here and sent as the eighth data bit, for adapters that know eight bits only.
+//! The dialogue, not the operating system, reads the bytes that hold the flow: bytes in the queue of an adapter would still be sent after a stop. For
+//! adapters that support only eight data bits, the parity bit can be computed here and sent as the eighth data bit.
 
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind};
@@ -13,19 +13,19 @@ use serialport::{DataBits, FlowControl, SerialPort, StopBits};
 use super::{OpenPort, PSEUDO};
 use crate::feed::{Parity, Port, Profile, Serial};
 
-/// Bytes that are read ahead while it waits.
+/// Bytes read ahead while it waits.
 const CHUNK: usize = 256;
-/// Names of Linux that stay the same whichever port was plugged in first.
+/// Folder of permanent port names on Linux; they do not depend on the order in which ports are connected.
 const BY_ID: &str = "/dev/serial/by-id";
-/// The bit beside seven.
+/// The eighth bit.
 const EIGHTH: u8 = 0x80;
 
 struct Line {
     port: Box<dyn SerialPort>,
-    /// Made here and sent as the eighth bit.
+    /// Computed here and sent as the eighth bit.
     parity: Parity,
     heard: VecDeque<u8>,
-    /// With the bit of parity, what the port has not taken is made again.
+    /// Buffer for bytes with parity; bytes that the port did not accept are coded again.
     coded: Vec<u8>,
 }
 
@@ -71,7 +71,7 @@ pub(super) fn open(name: &str, profile: &Profile) -> Result<OpenPort, String> {
     Ok(OpenPort { port: Box::new(Line { port, parity, heard: VecDeque::new(), coded: Vec::new() }), notes })
 }
 
-/// `7E2`.
+/// Formats the settings, for example `7E2`.
 fn describe(serial: &Serial) -> String {
     let parity = match serial.parity {
         Parity::None => 'N',
@@ -81,7 +81,7 @@ fn describe(serial: &Serial) -> String {
     format!("{}{parity}{}", serial.data_bits, serial.stop_bits)
 }
 
-/// The name of a port that stays the same.
+/// Returns the permanent name of a port.
 fn lasting_name(name: &str) -> Option<String> {
     let device = Path::new(name).canonicalize().ok()?;
     if Path::new(name).starts_with(BY_ID) {
@@ -93,7 +93,7 @@ fn lasting_name(name: &str) -> Option<String> {
         .find_map(|link| Some(link.to_str()?.to_owned()))
 }
 
-/// A byte with the bit that makes its ones even or odd.
+/// Returns a byte with the bit that makes the number of its ones even or odd.
 fn with_parity(byte: u8, parity: Parity) -> u8 {
     let byte = byte & !EIGHTH;
     let is_odd = byte.count_ones() % 2 == 1;
@@ -138,7 +138,7 @@ impl Port for Line {
     }
 
     fn wait(&mut self, most: Duration) {
-        // What goes wrong here goes wrong again when it is read.
+        // An error here occurs again at the next read.
         if self.heard.is_empty() && self.port.set_timeout(most).is_ok() {
             let mut chunk = [0; CHUNK];
             if let Ok(count) = self.read_now(&mut chunk) {

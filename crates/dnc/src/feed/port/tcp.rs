@@ -1,4 +1,4 @@
-//! A port over TCP: terminal servers, controls with a network socket.
+//! Port over TCP: terminal servers, controls with a network socket.
 
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::{TcpStream, ToSocketAddrs as _};
@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::OpenPort;
 use crate::feed::Port;
 
-/// A server that does not answer sooner is not there.
+/// Timeout of a connection attempt.
 const CONNECT: Duration = Duration::from_secs(5);
 
 struct Tcp(TcpStream);
@@ -20,7 +20,7 @@ pub(super) fn open(address: &str) -> Result<OpenPort, String> {
     for address in addresses {
         match TcpStream::connect_timeout(&address, CONNECT) {
             Ok(stream) => {
-                // A line waits for no other one.
+                // Lines are sent without waiting for further ones.
                 stream.set_nodelay(true).and_then(|()| stream.set_nonblocking(true)).map_err(|error| fault(&error))?;
                 return Ok(OpenPort { port: Box::new(Tcp(stream)), notes: Vec::new() });
             }
@@ -43,7 +43,7 @@ impl Port for Tcp {
     }
 
     fn wait(&mut self, most: Duration) {
-        // What goes wrong here goes wrong again when it is read.
+        // An error here occurs again at the next read.
         let most = most.max(Duration::from_micros(1));
         if self.0.set_read_timeout(Some(most)).is_ok() && self.0.set_nonblocking(false).is_ok() {
             let _ = self.0.peek(&mut [0]);

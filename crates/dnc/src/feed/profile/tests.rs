@@ -1,4 +1,4 @@
-//! Profiles: what is shipped, what is refused.
+//! Shipped profiles, and profiles that are refused.
 
 use super::*;
 use ncfix_base::source::FileId;

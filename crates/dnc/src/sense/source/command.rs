@@ -1,4 +1,4 @@
-//! A command that prints readings: run each time, ended where it takes too long.
+//! Command that prints readings: started for each poll, and ended if it takes too long.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use super::super::lines::{LONGEST_LINE, LineReader};
 use super::super::outlet::Outlet;
 use super::{Items, Kind, Opened, Plan, Polled, Wanted, items, polled};
 
-/// How often a command that runs is looked at.
+/// Interval at which a running command is checked.
 const LOOK: Duration = Duration::from_millis(20);
 
 pub(super) const KIND: Kind =
@@ -43,7 +43,7 @@ fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn 
 
 impl Plan for Settings {
     fn open(&self, base: &Path, poll: Duration) -> Result<Opened, String> {
-        // A bare name is looked for by the system, a path counts from the folder like all others.
+        // The operating system looks up a bare name; a path is relative to the folder like all others.
         let (program, arguments) = self.command.split_first().ok_or("the command has no program")?;
         let is_path = program.contains('/') || program.contains('\\');
         let program = if is_path { base.join(program) } else { PathBuf::from(program) };
@@ -65,7 +65,7 @@ struct Run {
     arguments: Vec<String>,
     folder: PathBuf,
     settings: Settings,
-    /// The output of a command whose children still hold it open.
+    /// Output of a command that its child processes still hold open.
     held: Option<Receiver<Vec<u8>>>,
 }
 
@@ -83,7 +83,7 @@ impl Polled for Run {
         #[cfg(unix)]
         {
             use std::os::unix::process::CommandExt as _;
-            // What it starts is ended with it.
+            // Child processes are ended with it.
             command.process_group(0);
         }
         let mut child = command.spawn().map_err(|error| format!("{}: {error}", self.program.display()))?;
@@ -114,7 +114,7 @@ impl Polled for Run {
 }
 
 impl Run {
-    /// Reads the output in a thread, so that nobody waits for one that is held open.
+    /// Reads the output in a thread, so that an output that is held open delays no one.
     fn gather(&self, output: ChildStdout) -> Result<Receiver<Vec<u8>>, String> {
         let (sender, receiver) = sync_channel(1);
         let read = move || {
@@ -127,7 +127,7 @@ impl Run {
         Ok(receiver)
     }
 
-    /// Waits for the command as long as it may take, then ends it.
+    /// Waits for the command up to the timeout, then ends it.
     fn finish(&self, child: &mut Child, outlet: &Outlet) -> Result<ExitStatus, String> {
         let until = Instant::now() + self.settings.timeout;
         loop {
@@ -145,11 +145,11 @@ impl Run {
     }
 }
 
-/// Ends a command and what it started.
+/// Ends a command and its child processes.
 fn end(child: &mut Child) {
     #[cfg(unix)]
     {
-        // The shell knows groups of processes; the library does not.
+        // The shell supports process groups; the standard library does not.
         let group = format!("kill -9 -{}", child.id());
         let kill = Command::new("/bin/sh").args(["-c", &group]).stdin(Stdio::null()).stderr(Stdio::null()).status();
         drop(kill);

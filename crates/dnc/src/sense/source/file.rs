@@ -1,7 +1,7 @@
-//! A file that grows, or one that holds a value: `tail` reads rows as they are added, `value` the whole file each time (a sensor in sysfs).
+//! File that grows, or file that holds a value: `tail` reads rows as they are added, `value` reads the whole file each time (a sensor in sysfs).
 //!
-//! A line counts when its end has been written. A file that is replaced or cut short is read from its beginning; what was there before ncfix came is as
-//! old as the file.
+//! A line counts once its end has been written. A file that is replaced or truncated is read from its beginning. Rows that existed before ncfix started are
+//! as old as the file.
 
 use std::collections::BTreeMap;
 use std::fs::{File, Metadata};
@@ -18,9 +18,9 @@ use super::super::monitor::Told;
 use super::super::outlet::Outlet;
 use super::{Items, Kind, Opened, Plan, Polled, Wanted, items, polled};
 
-/// So much of a file that is already there is read for its last row.
+/// Number of bytes at the end of an existing file that are searched for its last row.
 const LAST: u64 = 1 << 16;
-/// And so much of a growing one at once.
+/// Maximum number of bytes that are read at once from a growing file.
 const MOST_AT_ONCE: usize = 1 << 20;
 
 pub(super) const KIND: Kind = Kind {
@@ -65,14 +65,14 @@ impl Plan for Settings {
     }
 }
 
-/// Why a file cannot be read.
+/// Describes why a file cannot be read.
 fn fault(path: &Path, error: &io::Error) -> String {
     let reason =
         if error.kind() == io::ErrorKind::NotFound { "there is no such file".to_owned() } else { error.to_string() };
     format!("{}: {reason}", path.display())
 }
 
-/// A file that holds a value.
+/// File that holds a value.
 struct Whole {
     path: PathBuf,
     lines: LineReader,
@@ -82,7 +82,7 @@ impl Polled for Whole {
     fn poll(&mut self, outlet: &Outlet) -> Result<(), String> {
         let mut bytes = Vec::new();
         let file = File::open(&self.path).map_err(|error| fault(&self.path, &error))?;
-        // Files of the kernel are made when they are read; any other is as old as it says.
+        // Files of the kernel are created on reading; the age of any other file follows from its modification time.
         let is_of_kernel = self.path.starts_with("/sys") || self.path.starts_with("/proc");
         let written = file.metadata().and_then(|data| data.modified()).ok().filter(|_| !is_of_kernel);
         file.take(LONGEST_LINE as u64).read_to_end(&mut bytes).map_err(|error| fault(&self.path, &error))?;
@@ -97,18 +97,18 @@ impl Polled for Whole {
     }
 }
 
-/// A file that grows.
+/// File that grows.
 struct Tail {
     path: PathBuf,
     lines: LineReader,
     splitter: Splitter,
-    /// The file, which one it is, and how far it has been read.
+    /// The open file, its identity, and the number of bytes that were read.
     open: Option<(File, Identity, u64)>,
-    /// When it was looked at last.
+    /// Time of the last look.
     looked: SystemTime,
 }
 
-/// Which file it is, where the system says.
+/// Identity of a file, if the system provides it.
 type Identity = (u64, u64);
 
 fn identity(data: &Metadata) -> Identity {
@@ -128,7 +128,7 @@ impl Polled for Tail {
     fn poll(&mut self, outlet: &Outlet) -> Result<(), String> {
         let path = self.path.clone();
         let no = |error: io::Error| fault(&path, &error);
-        // What was still written into a file before it was replaced belongs to its rows.
+        // Bytes that were written to a file before it was replaced belong to its rows.
         let grown = self.grow(outlet).map_err(no);
         let data = std::fs::metadata(&self.path).map_err(no)?;
         grown?;
@@ -144,14 +144,14 @@ impl Polled for Tail {
 }
 
 impl Tail {
-    /// Reads what was added.
+    /// Reads added bytes.
     fn grow(&mut self, outlet: &Outlet) -> io::Result<()> {
         let Some((file, _, done)) = &mut self.open else { return Ok(()) };
         if file.metadata()?.len() < *done {
-            // It was cut short and is begun again.
+            // It was truncated and is read again from the beginning.
             return Ok(());
         }
-        // What is new was written since the last look, whatever the clock of another computer says of it.
+        // New bytes were written since the last look, whatever the clock of another computer says.
         let (before, now) = (std::mem::replace(&mut self.looked, SystemTime::now()), SystemTime::now());
         let written = file.metadata()?.modified().unwrap_or(now).max(before).min(now);
         let mut bytes = vec![0; 1 << 14];
@@ -168,7 +168,7 @@ impl Tail {
         Ok(())
     }
 
-    /// Begins with a file: of what is there already the last row of each channel counts.
+    /// Opens a file; of its existing rows the last one of each channel counts.
     fn begin(&mut self, outlet: &Outlet) -> io::Result<()> {
         self.open = None;
         self.splitter.clear();
@@ -185,7 +185,7 @@ impl Tail {
         };
         let mut done = 0;
         if data.len() > 2 * LAST {
-            // The names of the columns stand in the first line, the last row near the end.
+            // The column names are in the first line, the last row is near the end.
             let mut head = Vec::new();
             (&mut file).take(LAST).read_to_end(&mut head)?;
             let end = head.iter().position(|&byte| byte == b'\n').unwrap_or(0);
@@ -195,7 +195,7 @@ impl Tail {
         }
         let mut bytes = Vec::new();
         (&mut file).take(2 * LAST).read_to_end(&mut bytes)?;
-        // Behind a jump the first line is a part of one.
+        // After a seek the first line is incomplete.
         let cut = bytes.iter().position(|&byte| byte == b'\n').filter(|_| done > 0).map_or(0, |end| end + 1);
         done += bytes.len() as u64;
         self.splitter.take(bytes.get(cut..).unwrap_or_default(), &mut |line| lines.read(line, &mut tell));

@@ -1,9 +1,9 @@
-//! Where readings come from: one file for each kind of source, and the register of them ([`SensorSources`]), which a caller extends.
+//! Sources of readings: one file for each kind, and their register ([`SensorSources`]), which a caller can extend.
 //!
-//! To add one from another crate, implement [`SensorSource`], give it to [`SensorSources::with`](ncfix_base::register::Register::with) and read the file of the sensors
-//! with [`Config::read_with`](super::Config::read_with).
+//! To add a kind from another crate, implement [`SensorSource`] and pass it to [`SensorSources::with`](ncfix_base::register::Register::with). Then read the
+//! sensor file with [`Config::read_with`](super::Config::read_with).
 
-/// Stands for a kind that is not built in: its name is known, and it says so.
+/// Placeholder for a kind that is not built in: its name is known, and its use is reported.
 #[allow(unused_macros, reason = "with all features there is none")]
 macro_rules! absent {
     ($name:ident, $title:literal, $other:literal) => {
@@ -61,26 +61,26 @@ use ncfix_machine::machine::file::Section;
 use super::monitor::{Fault, Told};
 use super::outlet::Outlet;
 
-/// A kind of source of readings.
+/// Kind of source of readings.
 pub trait SensorSource: Send + Sync {
-    /// What the file of the sensors calls it: `kind = "file"`.
+    /// Returns its name in the sensor file: `kind = "file"`.
     fn name(&self) -> &str;
 
-    /// What it is.
+    /// Returns its description for people.
     fn title(&self) -> &str;
 
-    /// Whether its values were judged when they were recorded.
+    /// True if its values were checked when they were recorded.
     fn is_record(&self) -> bool {
         false
     }
 
-    /// Whether it reads standard input, which there is one of.
+    /// True if it reads standard input, which exists only once.
     fn is_standard_input(&self) -> bool {
         false
     }
 
-    /// Reads the keys of `[source.NAME]`, and those that its channels have for it; what is wrong is reported in the sections. `kind`, `poll_s`, and what is
-    /// believed of a channel, are read already. `None` where it is not sound.
+    /// Reads the keys of `[source.NAME]` and the keys of its channels that belong to the source; faults are reported in the sections. `kind`, `poll_s` and
+    /// the plausibility limits of a channel have been read already. `None` if the section is not valid.
     fn read(&self, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>>;
 }
 
@@ -96,7 +96,7 @@ impl<S: SensorSource + 'static> From<S> for Box<dyn SensorSource> {
     }
 }
 
-/// The kinds of sources that a file of sensors may have: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+/// Kinds of sources that a sensor file may have. [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type SensorSources = Register<dyn SensorSource>;
 
 impl Registered for dyn SensorSource {
@@ -111,10 +111,10 @@ impl Registered for dyn SensorSource {
     }
 }
 
-/// Reads the section of a source and what its channels have for it; findings go into the sections.
+/// Reads the section of a source and the keys of its channels; diagnostics go into the sections.
 type Read = fn(&mut Section<'_>, &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>>;
 
-/// A kind of source that is built in.
+/// Built-in kind of source.
 #[derive(Clone, Copy)]
 struct Kind {
     name: &'static str,
@@ -146,54 +146,54 @@ impl SensorSource for Kind {
     }
 }
 
-/// Those that are built in.
+/// Built-in kinds.
 const BUILT_IN: &[Kind] =
     &[command::KIND, file::KIND, modbus::KIND, mqtt::KIND, mtconnect::KIND, opcua::KIND, replay::KIND, stdin::KIND];
 
-/// A channel that wants its values from a source.
+/// Channel that takes its values from a source.
 #[derive(Debug)]
 pub struct Wanted<'a> {
-    /// Which one it is.
+    /// Index of the channel.
     pub index: usize,
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// What the file says of it.
+    /// Section of the channel in the file.
     pub section: Section<'a>,
 }
 
-/// A source as its file has it.
+/// Settings of a source as read from the file.
 pub trait Plan: fmt::Debug + Send + Sync {
-    /// Makes it ready to run; paths count from `base`.
+    /// Prepares the source for running; paths are relative to `base`.
     ///
     /// # Errors
-    /// A sentence where it never can.
+    /// A sentence if it can never run.
     fn open(&self, base: &Path, poll: Duration) -> Result<Opened, String>;
 }
 
-/// A source that is ready.
+/// Source that is ready to run.
 pub enum Opened {
-    /// Runs in a thread of its own until its outlet is over.
+    /// Runs in a separate thread until its outlet is over.
     Thread(Box<dyn FnOnce(Outlet) + Send>),
-    /// Has all its readings already and is driven by the clock of the job.
+    /// Has all its readings in advance and is driven by the clock of the job.
     Clocked(Box<dyn Clocked>),
 }
 
-/// A source that has all its readings already.
+/// Source that has all its readings in advance.
 pub trait Clocked: Send {
-    /// Tells what is read until now: the channel, what is told, and when it was read.
+    /// Reports everything that was read until `now`: channel, report, time.
     fn until(&mut self, now: Duration, hear: &mut dyn FnMut(usize, &Told, Duration));
 }
 
-/// A source that is asked from time to time.
+/// Source that is polled.
 pub trait Polled: Send + 'static {
-    /// Asks once.
+    /// Polls once.
     ///
     /// # Errors
-    /// A sentence where it cannot be reached.
+    /// A sentence if it cannot be reached.
     fn poll(&mut self, outlet: &Outlet) -> Result<(), String>;
 }
 
-/// Runs a source that is asked from time to time.
+/// Runs a polled source.
 #[must_use]
 pub fn polled(mut source: impl Polled, every: Duration) -> Opened {
     Opened::Thread(Box::new(move |outlet| {
@@ -208,10 +208,10 @@ pub fn polled(mut source: impl Polled, every: Duration) -> Opened {
     }))
 }
 
-/// Names under which a source knows its channels.
+/// Names under which a source knows its channels, with the channel indices.
 pub type Items = Vec<(String, usize)>;
 
-/// The key `item` of each channel: what the source calls it; its own name where it is left out.
+/// Reads the key `item` of each channel: its name in the source; the name of the channel if the key is absent.
 pub fn items(wanted: &mut [Wanted<'_>]) -> Items {
     wanted
         .iter_mut()
@@ -219,12 +219,12 @@ pub fn items(wanted: &mut [Wanted<'_>]) -> Items {
         .collect()
 }
 
-/// The key `address` of a server, with its port or the usual one.
+/// Reads the key `address` of a server; adds the usual port if it has none.
 #[allow(dead_code, reason = "sources over a network are features")]
 fn host_and_port(section: &mut Section<'_>, usual: u16) -> Option<String> {
     let address = section.required("address", &format!("\"192.168.0.5:{usual}\""), Section::text)?;
     let port = address.rsplit_once(':').map(|(_, port)| port);
-    // An address of version 6 has colons of its own, and then brackets.
+    // An IPv6 address contains colons and is written in brackets.
     let has_port = port.is_some_and(|port| !port.contains(']'));
     if address.is_empty() || address.contains('/') || (has_port && port.is_none_or(|port| port.parse::<u16>().is_err()))
     {
@@ -235,7 +235,7 @@ fn host_and_port(section: &mut Section<'_>, usual: u16) -> Option<String> {
     Some(if has_port { address.to_owned() } else { format!("{address}:{usual}") })
 }
 
-/// Reports that a kind is not built in, and what to do.
+/// Reports that a kind is not built in, with advice.
 #[allow(dead_code, reason = "with all features there is none")]
 fn not_built_in(name: &str, help: &str, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) {
     let message = format!("this ncfix was built without {name}");

@@ -1,8 +1,8 @@
-//! Registers of a control or a coupler over Modbus TCP: functions 3 (holding registers) and 4 (input registers), nothing is ever written.
+//! Registers of a control or a coupler over Modbus TCP: functions 3 (holding registers) and 4 (input registers); nothing is ever written.
 //!
-//! After *MODBUS Application Protocol Specification* V1.1b3 and *MODBUS Messaging on TCP/IP Implementation Guide* V1.0b: a header of seven bytes
-//! (transaction, protocol 0, length, unit) before each request and answer, registers with their high byte first. How a number of 32 bits lies in two
-//! registers is not part of the standard.
+//! According to *MODBUS Application Protocol Specification* V1.1b3 and *MODBUS Messaging on TCP/IP Implementation Guide* V1.0b. A header of seven bytes
+//! (transaction, protocol 0, length, unit) precedes each request and answer; registers have their high byte first. The order of the two registers of a 32-bit
+//! number is not part of the standard.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::{TcpStream, ToSocketAddrs as _};
@@ -18,11 +18,11 @@ use super::super::monitor::{Fault, Told};
 use super::super::outlet::Outlet;
 use super::{Kind, Opened, Plan, Polled, Wanted, host_and_port, polled};
 
-/// The port of the standard.
+/// Standard port.
 const PORT: u16 = 502;
-/// Unit, function and registers of a request.
+/// Length of unit, function and registers of a request, bytes.
 const REQUEST: u16 = 6;
-/// No answer is longer, bytes behind the length.
+/// Maximum length of an answer, bytes after the length field.
 const LONGEST: usize = 254;
 
 pub(super) const KIND: Kind = Kind {
@@ -33,7 +33,7 @@ pub(super) const KIND: Kind = Kind {
     read,
 };
 
-/// How a number lies in registers.
+/// Type of a number in registers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Type {
     I16,
@@ -53,7 +53,7 @@ struct Register {
     address: u16,
     kind: Type,
     is_low_first: bool,
-    /// Whether the highest and the lowest number say that there is no value.
+    /// True if the highest and the lowest number mean that there is no value.
     has_sentinels: bool,
 }
 
@@ -123,13 +123,13 @@ impl Polled for Client {
             let told = self.ask(&mut stream, &register).map_err(|error| format!("{}: {error}", self.settings.host))?;
             outlet.tell(register.channel, told, None);
         }
-        // Only a connection on which all was answered is used again.
+        // Only a connection on which everything was answered is used again.
         self.stream = Some(stream);
         Ok(())
     }
 }
 
-/// Connects to a host, whose addresses are tried one after the other.
+/// Connects to a host; tries its addresses one after the other.
 fn connect(host: &str, timeout: Duration) -> Result<TcpStream, String> {
     let no = |error: io::Error| format!("{host}: {error}");
     let mut last = io::Error::from(io::ErrorKind::AddrNotAvailable);
@@ -193,7 +193,7 @@ impl Client {
     }
 }
 
-/// The number in the bytes of its registers.
+/// Returns the number in the bytes of its registers.
 fn value(register: &Register, data: &[u8]) -> Option<Told> {
     let (number, sentinels): (f64, &[f64]) = match (register.kind, data) {
         (Type::I16, &[high, low]) => (i16::from_be_bytes([high, low]).into(), &[-32_768.0, 32_767.0]),
@@ -203,7 +203,7 @@ fn value(register: &Register, data: &[u8]) -> Option<Told> {
             match kind {
                 Type::I32 => (i32::from_be_bytes(bytes).into(), &[-2_147_483_648.0, 2_147_483_647.0]),
                 Type::U32 => (u32::from_be_bytes(bytes).into(), &[2_147_483_647.0, 2_147_483_648.0, 4_294_967_295.0]),
-                // The shortest decimal of a number of 32 bits, not the long one that the same bits have as 64.
+                // The shortest decimal of a 32-bit number, not the long one of the equal 64-bit number.
                 _ => (f32::from_be_bytes(bytes).to_string().parse().ok()?, &[]),
             }
         }
@@ -216,7 +216,7 @@ fn value(register: &Register, data: &[u8]) -> Option<Told> {
     Some(Told::Value(number))
 }
 
-/// The exceptions of the specification, section 7.
+/// Exceptions of the specification, section 7.
 fn exception(code: u8) -> String {
     let name = match code {
         1 => "illegal function",

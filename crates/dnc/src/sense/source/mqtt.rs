@@ -1,7 +1,7 @@
 //! Messages of an MQTT broker (3.1.1, without TLS).
 //!
-//! A broker hands a kept message to whoever subscribes, and nothing in it says whether it is a second or a week old: such a value counts only where it
-//! carries its own time.
+//! A broker sends a retained message to every new subscriber, and the message does not say how old it is. Such a value counts only if it contains its own
+//! time.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,22 +21,22 @@ use super::super::outlet::Outlet;
 use super::super::stamp::stamp;
 use super::{Kind, Opened, Plan, Wanted, host_and_port};
 
-/// The port of the standard.
+/// Standard port.
 const PORT: u16 = 1883;
-/// Every so often a connection without messages shows that it is alive; a thread ends within this time.
+/// Interval at which a connection without messages shows that it is alive; a thread ends within this time.
 const KEEP_ALIVE: Duration = Duration::from_secs(5);
-/// Time between two tries to connect, at first and at most.
+/// Time between two connection attempts: initial and maximum.
 const TRY_AGAIN: [Duration; 2] = [Duration::from_millis(500), Duration::from_secs(30)];
 
 pub(super) const KIND: Kind =
     Kind { name: "mqtt", title: "messages of an MQTT broker", is_record: false, is_standard_input: false, read };
 
-/// What a channel listens to.
+/// Topic of a channel.
 #[derive(Clone, Debug)]
 struct Topic {
     channel: usize,
     topic: String,
-    /// Which value of an object; without it the message is a number, or an object with `value`.
+    /// Key of the value in an object. If absent, the message is a number, or an object with `value`.
     key: Option<String>,
 }
 
@@ -84,7 +84,7 @@ impl Plan for Settings {
 
 impl Settings {
     fn run(&self, password_file: Option<&PathBuf>, outlet: &Outlet) {
-        // Two clients of one name throw each other out.
+        // Two clients with the same name disconnect each other.
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let started = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().subsec_nanos();
         let own = format!("ncfix-{:x}-{:x}-{:x}", std::process::id(), started, COUNT.fetch_add(1, Ordering::Relaxed));
@@ -103,7 +103,7 @@ impl Settings {
             match connection.recv() {
                 Ok(Ok(Event::Incoming(Packet::ConnAck(_)))) => {
                     pause = TRY_AGAIN[0];
-                    // A session of its own ends with the connection: it is subscribed to everything again.
+                    // A clean session ends with the connection: everything is subscribed again.
                     let filters =
                         self.topics.iter().map(|one| SubscribeFilter::new(one.topic.clone(), QoS::AtMostOnce));
                     if client.try_subscribe_many(filters).is_err() {

@@ -1,8 +1,8 @@
-//! An MTConnect agent, asked for `/current` over HTTP.
+//! MTConnect agent, polled with `/current` over HTTP.
 //!
-//! After ANSI/MTC1.4-2018 Parts 1 and 2: observations are elements with the attributes `dataItemId`, `timestamp` and, where the device has one, `name`;
-//! their text is the value or `UNAVAILABLE`. The name space changes with each version, so that only local names are looked at. An agent that was
-//! restarted has another `instanceId`.
+//! According to ANSI/MTC1.4-2018 Parts 1 and 2: observations are elements with the attributes `dataItemId`, `timestamp` and, if the device has one, `name`.
+//! Their text is the value or `UNAVAILABLE`. The name space changes with each version, so only local names are compared. A restarted agent has another
+//! `instanceId`.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -22,7 +22,7 @@ use super::super::outlet::Outlet;
 use super::super::stamp::stamp;
 use super::{Items, Kind, Opened, Plan, Polled, Wanted, items, polled};
 
-/// A longer answer is none, bytes.
+/// Maximum length of an answer, bytes.
 const MOST_BYTES: u64 = 8 << 20;
 
 pub(super) const KIND: Kind =
@@ -56,7 +56,7 @@ fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn 
     Some(Arc::new(Settings { url, timeout, has_times, items: items(wanted) }))
 }
 
-/// A text as a part of an address, RFC 3986.
+/// Encodes a text as part of an address, RFC 3986.
 fn encoded(text: &str) -> String {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~".contains(&byte);
     text.bytes()
@@ -79,7 +79,7 @@ impl Plan for Settings {
 struct Client {
     settings: Settings,
     agent: ureq::Agent,
-    /// Which run of the agent it was.
+    /// Instance of the agent.
     instance: Option<String>,
 }
 
@@ -117,7 +117,7 @@ fn nothing(why: String) -> Told {
     Told::Nothing(Fault::Invalid, why)
 }
 
-/// What an agent answers.
+/// Answer of an agent.
 #[derive(Debug, Default)]
 struct Document {
     instance: String,
@@ -138,7 +138,7 @@ impl Document {
         let mut document = Document::default();
         let mut reader = Reader::from_str(text);
         let mut depth = 0_usize;
-        // The observation, or the error, whose text is being read, and how deep it stands.
+        // The observation or error whose text is being read, and its depth.
         let mut open: Option<(usize, Observation)> = None;
         let mut has_root = false;
         loop {
@@ -181,7 +181,7 @@ impl Document {
         }
     }
 
-    /// Looks at an element; returns whether it is the root of a document of streams or of errors.
+    /// Handles the start of an element. Returns true if it is the root of a document of streams or errors.
     fn begin(&mut self, start: &BytesStart<'_>, depth: usize) -> Result<bool, String> {
         let name = local(start);
         if name == "Header" {
@@ -194,7 +194,7 @@ impl Document {
     }
 }
 
-/// The observation that begins with an element; one without an id is the text of an error.
+/// Returns the observation that begins with an element; one without an id is the text of an error.
 fn observation(start: &BytesStart<'_>) -> Result<Option<Observation>, String> {
     if local(start) == "Error" {
         return Ok(Some(Observation::default()));
@@ -209,7 +209,7 @@ fn observation(start: &BytesStart<'_>) -> Result<Option<Observation>, String> {
     }))
 }
 
-/// The name of an element without its name space.
+/// Returns the name of an element without its name space.
 fn local(start: &BytesStart<'_>) -> String {
     let name = start.name();
     let text: &str = name.as_ref();

@@ -1,4 +1,4 @@
-//! A log that is played again by the clock of the job, so that a job repeats bit for bit.
+//! Log that is replayed by the clock of the job, so that a job is reproducible bit for bit.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -14,7 +14,7 @@ use ncfix_machine::machine::file::Section;
 use super::super::monitor::{Fault, Told};
 use super::{Clocked, Items, Kind, Opened, Plan, Wanted, items};
 
-/// A longer log is none of one job, bytes.
+/// Maximum length of a log, bytes.
 const MOST_BYTES: u64 = 256 << 20;
 
 pub(super) const KIND: Kind = Kind {
@@ -72,18 +72,18 @@ impl Plan for Settings {
     }
 }
 
-/// A finding about the log, with its place: the file of the sensors is another one.
+/// Formats a diagnostic of the log with its place, as the log is another file than the sensor file.
 fn sentence(source: &Source, finding: &Diagnostic) -> String {
     let (line, column) = finding.place.map_or((1, 1), |place| source.line_column(place.span.start));
     format!("{}:{line}:{column}: {}; {}", source.name(), finding.message, finding.help)
 }
 
 struct Player {
-    /// Seconds since the start of the job, channel, °C.
+    /// Time since the start of the job, s; channel; temperature, °C.
     points: Vec<(f64, usize, f64)>,
     next: usize,
     channels: Vec<usize>,
-    /// Whether it was told that the log is over.
+    /// True if the end of the log was reported.
     is_told: bool,
 }
 
@@ -94,7 +94,7 @@ impl Clocked for Player {
             self.next += 1;
             hear(channel, &Told::Value(value_c), Duration::try_from_secs_f64(at_s).unwrap_or_default());
         }
-        // The last reading is as good as the others for as long as the next one could have taken to come.
+        // The last reading stays good for as long as the interval to the one before it.
         let is_over = self.next == self.points.len();
         let last_s = self.points.last().map_or(0.0, |&(at_s, ..)| at_s);
         let before_s = self.points.iter().rev().map(|&(at_s, ..)| at_s).find(|&at_s| at_s < last_s).unwrap_or(last_s);

@@ -29,7 +29,7 @@ impl Plan for Settings {
         let mut lines = LineReader::new(&self.items, self.has_times);
         Ok(Opened::Thread(Box::new(move |outlet| {
             let (mut input, mut bytes, mut splitter) = (io::stdin(), [0; 1 << 12], Splitter::default());
-            // A read that waits cannot be ended; the thread ends with the next line, or with the program.
+            // A waiting read cannot be aborted; the thread ends with the next line, or with the program.
             while let Ok(count) = input.read(&mut bytes) {
                 if count == 0 || outlet.is_over() {
                     return;

@@ -38,8 +38,8 @@ pub(super) struct Circle {
 
 /// The motion of a block while G2 or G3 is in force.
 pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, target: Target) -> Result<(), Fault> {
-    let clockwise = channel.modal.motion == MotionKind::Clockwise;
-    let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+    let clockwise = channel.modal.modes.motion == MotionKind::Clockwise;
+    let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
     let letter = |axis: Axis| b"IJK".get(axis.slot()).copied().unwrap_or_default();
     let words = [gathered.once(letter(abscissa), None)?, gathered.once(letter(ordinate), None)?];
@@ -50,7 +50,7 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
     let is_idle = !has_center && radius.is_none() && sweep.is_none() && target.named.is_empty();
     if is_idle {
         if channel.block.feed_named {
-            channel.outlet.push(Kind::Feed(channel.modal.feed));
+            channel.outlet.push(Kind::Feed(channel.modal.modes.feed));
         }
         return Ok(());
     }
@@ -80,7 +80,7 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
     let turns = match pitch {
         None => None,
         Some((pitch, span)) => {
-            let pitch = pitch.abs() * channel.modal.scale();
+            let pitch = pitch.abs() * channel.modal.modes.scale();
             if pitch < 1e-6 || depth < 1e-9 {
                 let letter = char::from(letter(applicate));
                 let message = format!("the pitch {letter} needs a value and the end of {applicate}");
@@ -157,7 +157,7 @@ fn center_by_radius(
 ) -> Result<[f64; 2], Fault> {
     let control = &machine.control;
     let tolerance = |radius: f64| control.arc_tolerance_mm.max(control.arc_tolerance_ratio * radius);
-    center_of_radius(radius * modal.scale(), start, end, clockwise, &tolerance).map_err(|found| {
+    center_of_radius(radius * modal.modes.scale(), start, end, clockwise, &tolerance).map_err(|found| {
         let help = "correct R or the end point; a full circle needs its center";
         fault(Code::RADIUS_TOO_SMALL, span, found.message("R"), help)
     })
@@ -171,8 +171,8 @@ fn center(
     start: [f64; 2],
     span: Span,
 ) -> Result<[f64; 2], Fault> {
-    let scale = modal.scale();
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let scale = modal.modes.scale();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     if let [Some((angle, span)), Some((length, _))] = polar {
         if words.iter().any(Option::is_some) {
             let message = "the center of this arc is given in two ways";
@@ -192,9 +192,9 @@ fn center(
     let mut center = start;
     for ((place, word), axis) in center.iter_mut().zip(words).zip([abscissa, ordinate]) {
         match word {
-            Some((value, _)) if modal.incremental => *place += value * scale,
+            Some((value, _)) if modal.modes.incremental => *place += value * scale,
             Some((value, _)) => *place = value * scale,
-            None if modal.incremental => {}
+            None if modal.modes.incremental => {}
             None => {
                 let message = format!("the center of this arc has no coordinate along {axis}");
                 let help = "program both: absolute centers are not relative to the start";
@@ -208,7 +208,13 @@ fn center(
 /// A circular motion, one move a turn; other axes have their share of each.
 pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector, named: AxisSet) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
-    step::check_feed(channel.settings.strict, &mut channel.feed_warned, &mut channel.outlet, channel.modal.feed, span)?;
+    step::check_feed(
+        channel.settings.strict,
+        &mut channel.feed_warned,
+        &mut channel.outlet,
+        channel.modal.modes.feed,
+        span,
+    )?;
     let turns = circle.sweep_rad / TAU;
     let mut whole = turns.floor();
     if turns - whole > 1.0 - NO_REST {
@@ -216,7 +222,7 @@ pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector
     }
     let has_rest = turns - whole > NO_REST;
     let from = target::here(&channel.modal, &channel.standing);
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
     // Between 0 and the limit of turns.
     for turn in 1..=whole as u32 {
         let mut end = from.lerp(&to, f64::from(turn) / turns);
@@ -233,13 +239,13 @@ pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector
 /// One arc of at most a turn.
 pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector, named: AxisSet) -> Result<(), Fault> {
     let (machine, setup, plane) =
-        (channel.settings.machine, std::sync::Arc::clone(&channel.standing.setup), channel.modal.plane);
+        (channel.settings.machine, std::sync::Arc::clone(&channel.standing.setup), channel.modal.modes.plane);
     let control = &machine.control;
     let [abscissa, ordinate, _] = plane.axes();
     let span = channel.outlet.origin.span;
     let programmed = target::here(&channel.modal, &channel.standing);
     let to = *to;
-    step::elementary(channel, &to, named, false, channel.modal.feed, |[start, target]| {
+    step::elementary(channel, &to, named, false, channel.modal.modes.feed, |[start, target]| {
         // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit.
         let is_shifted = setup.frame.is_translation();
         let (from, end) = if is_shifted { (*start, *target) } else { (programmed, to) };

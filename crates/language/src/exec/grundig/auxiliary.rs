@@ -26,13 +26,13 @@ pub(super) fn feed_and_speed(
         if feed < 0.0 {
             return Err(bad_value(span, "a feed below 0", "write a feed above 0"));
         }
-        modal.feed = if modal.inch { feed * MM_PER_INCH } else { feed };
+        modal.modes.feed = if modal.modes.inch { feed * MM_PER_INCH } else { feed };
         block.feed_named = true;
     } else {
         block.feed_named = false;
     }
     if let Some((speed, _)) = gathered.once(b'S', None)? {
-        modal.speed = Some(speed);
+        modal.modes.speed = Some(speed);
         block.before.push(Word { letter: b'S', extension: None, value: WordValue::Number(speed) });
     }
     if gathered.functions.is_empty() && !block.before.is_empty() {

@@ -3,7 +3,6 @@
 use super::geometry::Choice;
 use super::geometry::Element;
 use crate::exec::core::step::Flat;
-use std::collections::BTreeMap;
 
 use super::expression::Parameters;
 use super::modal::Modal;
@@ -12,9 +11,10 @@ use crate::exec::core::options::Options;
 use crate::exec::core::outlet::{HasOutlet, Outlet};
 use crate::exec::core::settings::RunSettings;
 use crate::exec::core::standing::InForce;
+use crate::exec::core::tool::{ToolSize, ToolTable};
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeTable;
-use ncfix_machine::machine::{Machine, Tool};
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Word};
 
 /// State and output of the channel.
@@ -25,8 +25,8 @@ pub(super) struct Channel<'a> {
     pub(super) modal: Modal,
     pub(super) parameters: Parameters,
     pub(super) codes: &'static CodeTable,
-    /// The tools of the control.
-    pub(super) memory: ToolMemory,
+    /// Tools that stand beside the program.
+    pub(super) tools: ToolTable<ToolSize>,
     /// Frame, tool length and plane in force.
     pub(super) standing: InForce,
     /// What the block at hand says and does.
@@ -36,14 +36,6 @@ pub(super) struct Channel<'a> {
     pub(super) feed_warned: bool,
     /// A motion whose end the next one tells.
     pub(super) open: Option<Open>,
-}
-
-/// The tools of the control.
-#[derive(Default)]
-pub(super) struct ToolMemory {
-    pub(super) tools: Vec<Tool>,
-    /// Wear in the radii of the tools, mm.
-    pub(super) radius_wear: BTreeMap<(u32, u32), f64>,
 }
 
 /// What the block at hand says and does.
@@ -78,7 +70,7 @@ impl<'a> Channel<'a> {
             modal: Modal::new(options.start, machine),
             parameters: Parameters::new(machine),
             codes,
-            memory: ToolMemory { tools: machine.tools.clone(), radius_wear: machine.radius_wear_mm.clone() },
+            tools: ToolTable::default(),
             standing: InForce { changed: true, ..InForce::default() },
             block: GrundigAtHand::default(),
             spindle: None,

@@ -26,7 +26,7 @@ use ncfix_machine::machine::Machine;
 /// Takes R1= and I1= of a motion: what stands between it and the next one.
 pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     channel.block.corner = None;
-    if !channel.modal.geometry {
+    if !channel.modal.calculates_geometry() {
         return Ok(());
     }
     let (round, chamfer) = (gathered.once(b'R', Some(1))?, gathered.once(b'I', Some(1))?);
@@ -42,7 +42,7 @@ fn transition(
     round: Option<Found>,
     chamfer: Option<Found>,
 ) -> Result<Option<Corner>, Fault> {
-    let scale = modal.scale() * plane_factor(modal, standing);
+    let scale = modal.modes.scale() * plane_factor(modal, standing);
     let size = |(value, span): Found| {
         if value > 0.0 {
             return Ok(value * scale);
@@ -94,7 +94,7 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
             _ => Err(bad_value(gathered.span, message, "keep the end, or leave the end of the element before open")),
         };
     };
-    let incremental = channel.modal.incremental;
+    let incremental = channel.modal.modes.incremental;
     let target = target_of_plane(channel, gathered, incremental)?;
     let end = target::flat(&channel.modal, &target.to);
     let choice = if choice == Choice::Second { choice } else { open.choice };
@@ -107,13 +107,13 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
             return Err(fault(Code::BAD_WORD_VALUE, gathered.span, found.message(), help));
         }
     };
-    let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
+    let plane: AxisSet = channel.modal.modes.plane.axes().into_iter().take(2).collect();
     let mut place = target::here(&channel.modal, &channel.standing);
     target::set_flat(&channel.modal, &mut place, corner);
-    channel.modal.command = step::reach(&channel.modal, &channel.standing, &place, plane);
-    channel.modal.known = channel.modal.known.union(plane);
+    channel.modal.position.command = step::reach(&channel.modal, &channel.standing, &place, plane);
+    channel.modal.position.known = channel.modal.position.known.union(plane);
     let shown = setup::shown_axes(&channel.standing, plane, true);
-    channel.outlet.close(Some(channel.modal.command), shown);
+    channel.outlet.close(Some(channel.modal.position.command), shown);
     match element {
         Element::Arc { center, clockwise } => {
             let sweep_rad = sweep_between(corner, end, center, clockwise);
@@ -127,7 +127,7 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
 
 /// The target of a block whose angles are done.
 fn target_of_plane(channel: &mut Channel<'_>, gathered: &mut Gathered, incremental: bool) -> Result<Target, Fault> {
-    let plane = channel.modal.plane.axes();
+    let plane = channel.modal.modes.plane.axes();
     if incremental && plane.into_iter().take(2).any(|axis| gathered.peek(axis.letter(), None).is_some()) {
         let message = "the end of this element is incremental, and its start is where it meets the one before";
         return Err(bad_value(gathered.span, message, "program the end absolute"));
@@ -142,7 +142,7 @@ fn element_of(
     standing: &InForce,
     gathered: &mut Gathered,
 ) -> Result<Option<(Element, bool)>, Fault> {
-    let axes = modal.plane.axes();
+    let axes = modal.modes.plane.axes();
     let words = |gathered: &Gathered| {
         let named = |axis: ncfix_base::geometry::Axis| {
             [None, Some(90), Some(91)].into_iter().any(|index| gathered.peek(axis.letter(), index).is_some())
@@ -153,7 +153,7 @@ fn element_of(
     let is_polar =
         [(b'B', 2), (b'L', 1)].into_iter().any(|(letter, index)| gathered.peek(letter, Some(index)).is_some());
     let has_end = ends == 2;
-    match modal.motion {
+    match modal.modes.motion {
         MotionKind::Rapid | MotionKind::Line => {
             if is_polar || ends == 1 {
                 return Ok(None);
@@ -181,12 +181,12 @@ fn element_of(
                 gathered.take(letter, None);
             }
             let here = target::here(modal, standing);
-            let scale = modal.scale();
-            let base = if modal.incremental { [here[axes[0]], here[axes[1]]] } else { [0.0; 2] };
+            let scale = modal.modes.scale();
+            let base = if modal.modes.incremental { [here[axes[0]], here[axes[1]]] } else { [0.0; 2] };
             let mut center = here;
             center[axes[0]] = base[0] + first * scale;
             center[axes[1]] = base[1] + second * scale;
-            let clockwise = modal.motion == MotionKind::Clockwise;
+            let clockwise = modal.modes.motion == MotionKind::Clockwise;
             Ok(Some((Element::Arc { center: target::flat(modal, &center), clockwise }, has_end)))
         }
     }
@@ -195,15 +195,15 @@ fn element_of(
 /// Begins a motion whose end is not known.
 fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span: Span) -> Result<(), Fault> {
     target::check_plane_known(channel.settings.strict, &channel.modal, span)?;
-    if !channel.standing.setup.frame.keeps_circles(channel.modal.plane) {
+    if !channel.standing.setup.frame.keeps_circles(channel.modal.modes.plane) {
         let message = "intersections of G64 under unequal scale";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program the ends of the elements"));
     }
     let start = target::flat(&channel.modal, &target::here(&channel.modal, &channel.standing));
     let to = target::here(&channel.modal, &channel.standing);
     channel.block.is_open = true;
-    let feed = channel.modal.feed;
-    let rapid = channel.modal.motion == MotionKind::Rapid;
+    let feed = channel.modal.modes.feed;
+    let rapid = channel.modal.modes.motion == MotionKind::Rapid;
     let done = match element {
         Element::Arc { center, clockwise } => {
             step::check_feed(channel.settings.strict, &mut channel.feed_warned, &mut channel.outlet, feed, span)?;
@@ -225,7 +225,7 @@ fn plane_factor(modal: &Modal, standing: &InForce) -> f64 {
     if frame.is_translation() {
         return 1.0;
     }
-    frame.linear().column(modal.plane.axes()[0].slot()).norm()
+    frame.linear().column(modal.modes.plane.axes()[0].slot()).norm()
 }
 
 fn without_end(outlet: &mut Outlet<'_>, open: &Open) -> Fault {
@@ -249,23 +249,23 @@ pub(super) fn end_open(channel: &mut Channel<'_>) {
 fn plane_coordinates(modal: &Modal, flat: Flat) -> [f64; 2] {
     let mut place = ncfix_base::geometry::AxisVector::ZERO;
     target::set_flat(modal, &mut place, flat);
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     [place[abscissa], place[ordinate]]
 }
 
 /// `G11`: two lines in one block, each by its end, by angle and length, or the first by its angle alone.
 pub(super) fn two_lines(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
     let help = "write for example G11 X40 Y10 R5 X1=60 Y1=30, or G11 B30 X1=60 Y1=30 B1=90";
-    if channel.modal.incremental {
+    if channel.modal.modes.incremental {
         return Err(fault(Code::NOT_SUPPORTED, span, "G11 behind G91", "program it behind G90"));
     }
     target::check_plane_known(channel.settings.strict, &channel.modal, span)?;
-    channel.modal.motion = MotionKind::Line;
+    channel.modal.modes.motion = MotionKind::Line;
     let start = target::here(&channel.modal, &channel.standing);
     let first = leg(&channel.modal, gathered, None)?;
     let second = leg(&channel.modal, gathered, Some(1))?;
     let corners = [(None, None), (Some(1), Some(1))].map(|(r, k)| (gathered.take(b'R', r), gathered.take(b'K', k)));
-    let scale = channel.modal.scale();
+    let scale = channel.modal.modes.scale();
     let from = target::flat(&channel.modal, &start);
     let middle = match (first.end(from, scale, channel), second) {
         (Some(middle), _) => middle,
@@ -282,12 +282,12 @@ pub(super) fn two_lines(channel: &mut Channel<'_>, gathered: &mut Gathered, span
     let Some(end) = second.end(middle, scale, channel) else {
         return Err(bad_value(span, "the second line has no end", help));
     };
-    let plane: AxisSet = channel.modal.plane.axes().into_iter().take(2).collect();
+    let plane: AxisSet = channel.modal.modes.plane.axes().into_iter().take(2).collect();
     for (place, (round, chamfer)) in [middle, end].into_iter().zip(corners) {
         channel.block.corner = transition(channel.settings.machine, &channel.modal, &channel.standing, round, chamfer)?;
         let mut to = start;
         target::set_flat(&channel.modal, &mut to, place);
-        step::feed_line(channel, &to, plane, channel.modal.feed)?;
+        step::feed_line(channel, &to, plane, channel.modal.modes.feed)?;
     }
     Ok(())
 }
@@ -303,7 +303,7 @@ fn leg(modal: &Modal, gathered: &mut Gathered, index: Option<u16>) -> Result<Leg
 
 /// The letters of the axes in which angles count.
 fn flat_letters(modal: &Modal) -> [u8; 2] {
-    match modal.plane.number() {
+    match modal.modes.plane.number() {
         17 => *b"XY",
         18 => *b"XZ",
         _ => *b"YZ",
@@ -326,7 +326,7 @@ pub(super) fn soft_words(
         other => return Err(bad_value(span, format!("I2={other} is no form"), "write I2=0, 1 or 2")),
     };
     let size = match gathered.once(b'R', None)? {
-        Some((value, _)) if value > 0.0 => value * modal.scale(),
+        Some((value, _)) if value > 0.0 => value * modal.modes.scale(),
         _ => return Err(bad_value(span, "the approach needs R", "write its radius or length")),
     };
     if !modal.contour.compensates() && !retracts {
@@ -343,8 +343,8 @@ pub(super) fn soft_words(
         size_mm: size,
         clearance: Clearance::Above(0.0),
         infeed: 0.0,
-        feed_before: modal.feed,
-        rapid_before: modal.motion == MotionKind::Rapid,
+        feed_before: modal.modes.feed,
+        rapid_before: modal.modes.motion == MotionKind::Rapid,
     };
     block.soft = Some((soft, span));
     Ok(())
@@ -375,7 +375,7 @@ impl Leg {
     /// The coordinates that are given, the others from where it starts.
     fn given(&self, from: Flat, scale: f64, channel: &Channel<'_>) -> Flat {
         // In G18 the second coordinate counts along −Z.
-        let signs = [1.0, if channel.modal.plane.number() == 18 { -1.0 } else { 1.0 }];
+        let signs = [1.0, if channel.modal.modes.plane.number() == 18 { -1.0 } else { 1.0 }];
         let mut out = from;
         for ((place, word), sign) in out.iter_mut().zip(self.place).zip(signs) {
             if let Some(value) = word {

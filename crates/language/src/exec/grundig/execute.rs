@@ -48,7 +48,7 @@ pub(in crate::exec) fn start<'a>(
             channel.outlet.push(Kind::Header(source.slice(header).to_vec()));
         }
     }
-    tables::take_tables(&mut channel.modal, &mut channel.memory, &mut channel.parameters, tables::read(&program));
+    tables::take_tables(&mut channel.modal, &mut channel.tools, &mut channel.parameters, tables::read(&program));
     let mut ledger = Ledger::new(source, program.blocks.len(), options);
     ledger.findings.extend(left_out(&program, main));
     ledger.findings.extend(tables_left_out(&program));

@@ -45,6 +45,9 @@ fn no_parameter(number: usize, span: Span) -> Fault {
     fault(Code::BAD_INDEX, span, format!("there is no parameter E{number}"), "use E0 to E1999")
 }
 
+/// Operators may join this many operands to one another.
+const MAX_DEPTH: u32 = 500;
+
 /// What an expression can see.
 #[derive(Clone, Copy)]
 pub(super) struct Scope<'a> {
@@ -55,19 +58,28 @@ pub(super) struct Scope<'a> {
 impl Scope<'_> {
     /// The value of an expression.
     pub(super) fn number(&self, id: ExprId) -> Result<f64, Fault> {
+        self.number_at(id, 0)
+    }
+
+    fn number_at(&self, id: ExprId, depth: u32) -> Result<f64, Fault> {
         let expr = self.program.expr(id);
+        if depth > MAX_DEPTH {
+            let message = format!("more than {MAX_DEPTH} operators in one expression");
+            return Err(fault(Code::TOO_DEEP, expr.span, message, "take it apart over several blocks"));
+        }
+        let depth = depth + 1;
         let value = match expr.node {
             Node::Number(value) => value,
             Node::Parameter(number) => self.parameters.get(number as usize, expr.span)?,
             Node::ParameterAt(inner) => {
-                let number = self.number(inner)?;
+                let number = self.number_at(inner, depth)?;
                 if number.fract() != 0.0 || !(0.0..=1e6).contains(&number) {
                     return Err(fault(Code::BAD_INDEX, expr.span, format!("E{number} is no parameter"), "check it"));
                 }
                 self.parameters.get(number as usize, expr.span)?
             }
             Node::Unary(operator, inner) => {
-                let value = self.number(inner)?;
+                let value = self.number_at(inner, depth)?;
                 match operator {
                     UnaryOperator::Plus => value,
                     UnaryOperator::Minus => -value,
@@ -75,11 +87,11 @@ impl Scope<'_> {
                 }
             }
             Node::Binary(operator, left, right) => {
-                binary(operator, self.number(left)?, self.number(right)?, expr.span)?
+                binary(operator, self.number_at(left, depth)?, self.number_at(right, depth)?, expr.span)?
             }
             Node::Call(function, inner, second) => {
-                let value = self.number(inner)?;
-                let second = second.map(|id| self.number(id)).transpose()?;
+                let value = self.number_at(inner, depth)?;
+                let second = second.map(|id| self.number_at(id, depth)).transpose()?;
                 call(function, value, second, expr.span)?
             }
             Node::Named(_) => {

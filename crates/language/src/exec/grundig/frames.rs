@@ -86,7 +86,7 @@ fn settable(channel: &mut Channel<'_>, gathered: &mut Gathered, number: u16, spa
                 text.push_str(&format!(" {axis}{}", shown_value(axis, values[axis])));
             }
             if let Some((angle, _)) = angle {
-                let tool = channel.modal.plane.axes()[2].slot();
+                let tool = channel.modal.modes.plane.axes()[2].slot();
                 parts.rotation = [0.0; 3];
                 if let Some(place) = parts.rotation.get_mut(tool) {
                     *place = angle.to_radians();
@@ -114,7 +114,7 @@ fn stored_words(modal: &Modal, gathered: &mut Gathered) -> Result<(AxisVector, A
     let (mut values, mut named) = (AxisVector::ZERO, AxisSet::EMPTY);
     for axis in AXES {
         if let Some((value, _)) = gathered.once(axis.letter(), None)? {
-            values[axis] = if axis.is_rotary() { value.to_radians() } else { value * modal.scale() };
+            values[axis] = if axis.is_rotary() { value.to_radians() } else { value * modal.modes.scale() };
             named.insert(axis);
         }
     }
@@ -154,13 +154,13 @@ fn programmed_shift(
             return Err(bad_value(span, "B2= without L2=", "write angle and length of the shift"));
         };
         let way = channel.modal.direction(angle);
-        values = plus(&values, &way, length * channel.modal.scale());
-        let [abscissa, ordinate, _] = channel.modal.plane.axes();
+        values = plus(&values, &way, length * channel.modal.modes.scale());
+        let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
         named.insert(abscissa);
         named.insert(ordinate);
     }
     let angle = gathered.take(b'B', Some(4));
-    let plane = channel.modal.plane;
+    let plane = channel.modal.modes.plane;
     let frames = &mut channel.modal.frames;
     if frames.angle_rad != 0.0 && frames.turned_in != plane && (angle.is_some() || additive) {
         let message = "the zero point is turned in another plane";
@@ -214,7 +214,7 @@ fn mirror_and_scale(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
             return Err(bad_value(span, format!("A4={value} is no factor"), "write a factor above 0"));
         }
         channel.modal.frames.factor = factor;
-        let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+        let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
         channel.modal.frames.scaled = match settings.scaled_axes {
             ScaledAxes::Plane => [abscissa, ordinate].into_iter().collect(),
             ScaledAxes::All => [abscissa, ordinate, applicate].into_iter().collect(),
@@ -242,13 +242,13 @@ pub(super) fn table_access(
     for axis in AXES {
         let Some((value, at)) = gathered.take(axis.letter(), Some(7)) else { continue };
         if writes {
-            let inside = if axis.is_rotary() { value.to_radians() } else { value * channel.modal.scale() };
+            let inside = if axis.is_rotary() { value.to_radians() } else { value * channel.modal.modes.scale() };
             channel.modal.frames.table.entry(name.clone()).or_default().translation[axis] = inside;
             text.push_str(&format!(" {axis}7={}", shown_value(axis, inside)));
             continue;
         }
         let stored = channel.modal.frames.table.get(&name).map_or(0.0, |parts| parts.shift()[axis]);
-        let own = if axis.is_rotary() { stored.to_degrees() } else { stored / channel.modal.scale() };
+        let own = if axis.is_rotary() { stored.to_degrees() } else { stored / channel.modal.modes.scale() };
         if value.fract() != 0.0 || value < 0.0 {
             return Err(bad_value(at, format!("{value} is no number of a parameter"), help));
         }

@@ -88,7 +88,7 @@ impl Gathered {
     /// Puts lengths and angles on the increment of the control, a tenth of as many inches; factors, counts, feeds and times stay.
     pub(super) fn put_on_grid(&mut self, modal: &Modal, machine: &Machine) {
         let has = |number: u16| self.codes.iter().any(|code| code.number == number);
-        let inch = if has(70) || has(71) { has(70) } else { modal.inch };
+        let inch = if has(70) || has(71) { has(70) } else { modal.modes.inch };
         let per_length = per_unit(machine.control.grid[0]) * if inch { 10.0 } else { 1.0 };
         let per_degree = per_unit(machine.control.grid[1].to_degrees());
         // J of tapping is a lead, A4= a factor.

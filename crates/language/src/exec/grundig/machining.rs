@@ -83,13 +83,13 @@ pub(super) fn cycle_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) ->
             let help = "program G40 with a motion in the plane before it";
             return Err(fault(Code::BAD_COMPENSATION, span, message, help));
         }
-        let modal_feed = channel.modal.feed;
+        let modal_feed = channel.modal.modes.feed;
         let done = if number == 77 {
             on_circle(channel, gathered, &defined, span)
         } else {
             at_positions(channel, gathered, &defined, span)
         };
-        channel.modal.feed = modal_feed;
+        channel.modal.modes.feed = modal_feed;
         done?;
         return Ok(true);
     }
@@ -103,7 +103,7 @@ fn define_cycle(
     span: Span,
 ) -> Result<(), Fault> {
     let mut words = CycleWords::default();
-    let scale = channel.modal.scale();
+    let scale = channel.modal.modes.scale();
     for (letter, index, unit) in allowed(cycle.number) {
         let found = gathered.once(letter, (index > 0).then_some(index))?;
         if let Some((value, _)) = found {
@@ -114,7 +114,7 @@ fn define_cycle(
         let message = format!("G{} ({}) needs {}", cycle.number, cycle.title, char::from(missing));
         return Err(fault(Code::CYCLE_ALARM, span, message, "add the word"));
     }
-    let feed = channel.block.feed_named.then_some(channel.modal.feed);
+    let feed = channel.block.feed_named.then_some(channel.modal.modes.feed);
     let mut pitch = None;
     if cycle.number == 84 {
         let message = "tapping becomes feed moves with the spindle reversed between them";
@@ -128,7 +128,7 @@ fn define_cycle(
         pitch = words.get(b'J', 0).filter(|pitch| *pitch > 0.0);
     }
     channel.block.feed_named = false;
-    channel.modal.cycle = Some(Defined { cycle, words, feed, pitch, per_turn: channel.modal.per_turn });
+    channel.modal.cycle = Some(Defined { cycle, words, feed, pitch, per_turn: channel.modal.is_per_turn() });
     Ok(())
 }
 
@@ -162,7 +162,7 @@ fn at_positions(
 /// `G77`: holes on a circle.
 fn on_circle(channel: &mut Channel<'_>, gathered: &mut Gathered, defined: &Defined, span: Span) -> Result<(), Fault> {
     let rotation = pocket_angle(gathered, defined);
-    let scale = channel.modal.scale();
+    let scale = channel.modal.modes.scale();
     let Some((radius, _)) = gathered.once(b'R', None)? else {
         return Err(bad_value(span, "G77 needs the radius R", "write for example G77 X0 Y0 Z0 R20 I0 J6"));
     };
@@ -174,7 +174,7 @@ fn on_circle(channel: &mut Channel<'_>, gathered: &mut Gathered, defined: &Defin
     let center = position(channel, gathered)?;
     let places = cycles::bolt_circle(target::flat(&channel.modal, &center.to), radius * scale, first, last, count)
         .map_err(|found| cycle_fault(found, span))?;
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
     for flat in places {
         let mut place = center;
         target::set_flat(&channel.modal, &mut place.to, flat);
@@ -194,12 +194,12 @@ fn pocket_angle(gathered: &mut Gathered, defined: &Defined) -> f64 {
 
 /// The position of G77 and G79; the word of the tool axis is the surface, behind G91 too.
 fn position(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Target, Fault> {
-    let [.., applicate] = channel.modal.plane.axes();
+    let [.., applicate] = channel.modal.modes.plane.axes();
     let surface = gathered.once(applicate.letter(), None)?;
-    let incremental = channel.modal.incremental;
+    let incremental = channel.modal.modes.incremental;
     let mut target = target::target(channel, gathered, incremental)?;
     if let Some((value, _)) = surface {
-        target.to[applicate] = value * channel.modal.scale();
+        target.to[applicate] = value * channel.modal.modes.scale();
         target.named.insert(applicate);
     }
     Ok(target)
@@ -208,7 +208,7 @@ fn position(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Target
 /// A cycle at a position.
 fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotation_rad: f64) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
-    let [.., applicate] = channel.modal.plane.axes();
+    let [.., applicate] = channel.modal.modes.plane.axes();
     target::check_known(channel.settings.strict, &channel.modal, applicate, span)?;
     let extra: AxisSet = place.named.difference(AxisSet::XYZ);
     if !extra.is_empty() {
@@ -222,7 +222,7 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
         surface: place.to[applicate],
         height: target::here(&channel.modal, &channel.standing)[applicate],
         rotation_rad,
-        tool_radius_mm: channel.modal.tool.whole_radius_mm(),
+        tool_radius_mm: channel.modal.whole_radius_mm(),
         peck_clearance_mm: settings.peck_clearance_mm,
         engagement_percent: settings.engagement_percent,
         slot_from_arc_center: settings.slot_from_arc_center,
@@ -236,7 +236,7 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
     let cutting = cutting_feed(&channel.modal, defined, span)?;
     let plunging = defined.words.get(b'F', 2).unwrap_or(cutting);
     for step in steps {
-        channel.modal.feed = cutting;
+        channel.modal.modes.feed = cutting;
         carry_out(channel, step, plunging)?;
     }
     Ok(())
@@ -244,13 +244,13 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
 
 /// The feed of a cycle where it is carried out: that of a pitch belongs to the speed and the feed mode there.
 fn cutting_feed(modal: &Modal, defined: &Defined, span: Span) -> Result<f64, Fault> {
-    let per_turn = modal.per_turn;
+    let per_turn = modal.is_per_turn();
     if let Some(pitch) = defined.pitch {
         if per_turn {
             return Ok(pitch);
         }
-        return match modal.speed {
-            Some(speed) if speed > 0.0 && !modal.constant_cutting_speed => Ok(pitch * speed),
+        return match modal.modes.speed {
+            Some(speed) if speed > 0.0 && !modal.has_cutting_speed() => Ok(pitch * speed),
             _ => {
                 let message = "G84 with the pitch J needs the speed S in turns per minute";
                 Err(fault(Code::CYCLE_ALARM, span, message, "program S before, and G97 where G96 is in force"))
@@ -263,11 +263,11 @@ fn cutting_feed(modal: &Modal, defined: &Defined, span: Span) -> Result<f64, Fau
         let message = format!("the cycle was defined with its feed under {then}, and is carried out under {now}");
         return Err(fault(Code::CYCLE_ALARM, span, message, "define it again behind the feed mode"));
     }
-    Ok(defined.feed.unwrap_or(modal.feed))
+    Ok(defined.feed.unwrap_or(modal.modes.feed))
 }
 
 fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(), Fault> {
-    let axes = channel.modal.plane.axes();
+    let axes = channel.modal.modes.plane.axes();
     match step {
         Step::Rapid { plane, height } | Step::Line { plane, height, .. } => {
             let here = target::here(&channel.modal, &channel.standing);
@@ -287,7 +287,7 @@ fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(),
             }
             match step {
                 Step::Line { feed, .. } => {
-                    let feed = if feed == Feed::Plunge { plunging } else { channel.modal.feed };
+                    let feed = if feed == Feed::Plunge { plunging } else { channel.modal.modes.feed };
                     step::feed_line(channel, &to, named, feed)
                 }
                 _ => step::rapid_line(channel, &to, named),

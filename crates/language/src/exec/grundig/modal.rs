@@ -5,9 +5,13 @@ use std::collections::BTreeMap;
 use super::defined::Defined;
 use super::shifts::Frames;
 use crate::exec::core::contour::ContourModal;
+use crate::exec::core::modal::{CodesInForce, Modes};
+use crate::exec::core::position::Position;
+use crate::exec::core::tool::ToolState;
 use ncfix_base::geometry::{AxisSet, AxisVector, Plane};
-use ncfix_base::units::{MM_PER_INCH, sin_deg};
+use ncfix_base::units::sin_deg;
 use ncfix_machine::machine::{Control, Machine};
+use ncfix_machine::snc::FeedUnit;
 
 /// The kind of motion that is in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,92 +36,72 @@ pub(super) struct Point {
     pub(super) named: AxisSet,
 }
 
-/// The active tool.
-#[derive(Clone, Debug, Default)]
-pub(super) struct ActiveTool {
-    /// T word that waits for M6, M66 or M67.
-    pub(super) selected: Option<f64>,
-    /// T word of the tool in the spindle.
-    pub(super) number: Option<f64>,
-    /// Length in force, mm.
-    pub(super) length_mm: f64,
-    /// Radius in force, mm.
-    pub(super) radius_mm: f64,
-    /// Allowances of G39, mm.
-    pub(super) allowance_mm: [f64; 2],
-    /// G66: the tool points the other way.
-    pub(super) reversed: bool,
-    /// Whether the tool has no value in the machine file.
-    pub(super) assumed: bool,
-}
-
-impl ActiveTool {
-    /// Radius with its allowance, mm.
-    pub(super) fn whole_radius_mm(&self) -> f64 {
-        self.radius_mm + self.allowance_mm[1]
-    }
-}
-
 /// Modal state.
 #[derive(Clone, Debug)]
 pub(super) struct Modal {
-    pub(super) motion: MotionKind,
-    pub(super) plane: Plane,
-    pub(super) incremental: bool,
-    pub(super) inch: bool,
-    /// mm/min, mm per turn behind G95; 0 for none yet.
-    pub(super) feed: f64,
-    /// G95: feeds are per turn.
-    pub(super) per_turn: bool,
-    /// G96: S is the cutting speed.
-    pub(super) constant_cutting_speed: bool,
-    /// Last speed of the spindle.
-    pub(super) speed: Option<f64>,
+    pub(super) modes: Modes<MotionKind>,
+    /// Codes of the other groups of the code table.
+    pub(super) codes: CodesInForce<u8, u16>,
     /// Whether rapid moves go to the tool axis and the plane one behind the other.
     pub(super) positioning_logic: bool,
-    /// G64: words for the calculation of intersections.
-    pub(super) geometry: bool,
     /// The pole of B2, L2, as programmed.
     pub(super) pole: AxisVector,
     pub(super) points: BTreeMap<u32, Point>,
     pub(super) frames: Frames,
-    pub(super) tool: ActiveTool,
+    /// Tools are T words: the hundredths say which edge.
+    pub(super) tool: ToolState<f64, f64>,
+    /// Allowances of G39 on length and radius, mm.
+    pub(super) allowance_mm: [f64; 2],
+    /// G66: the tool points the other way.
+    pub(super) tool_reversed: bool,
     pub(super) contour: ContourModal,
     pub(super) cycle: Option<Defined>,
-    /// Axis commands, mm and rad.
-    pub(super) command: AxisVector,
-    /// Axes of the program whose place it has stated.
-    pub(super) known: AxisSet,
+    pub(super) position: Position,
 }
+
+/// Groups of the code table that have a meaning here beside [`Modes`].
+pub(super) const GEOMETRY: u8 = 9;
+pub(super) const SPINDLE: u8 = 15;
+/// Codes in force at the start.
+const START: &[(u8, u16)] = &[(GEOMETRY, 63), (SPINDLE, 97)];
 
 impl Modal {
     pub(super) fn new(start: Option<AxisVector>, machine: &Machine) -> Modal {
         let control: &Control = &machine.control;
         Modal {
-            motion: MotionKind::Rapid,
-            plane: control.initial_plane,
-            incremental: false,
-            inch: false,
-            feed: 0.0,
-            per_turn: false,
-            constant_cutting_speed: false,
-            speed: None,
+            modes: Modes::new(MotionKind::Rapid, control.initial_plane),
+            codes: CodesInForce::new(START),
             positioning_logic: control.grundig.positioning_logic,
-            geometry: false,
             pole: AxisVector::ZERO,
             points: BTreeMap::new(),
             frames: Frames::new(machine),
-            tool: ActiveTool::default(),
+            tool: ToolState::default(),
+            allowance_mm: [0.0; 2],
+            tool_reversed: false,
             contour: ContourModal::grundig(control),
             cycle: None,
-            command: start.unwrap_or(AxisVector::ZERO),
-            known: if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY },
+            position: Position::at_start(start, machine),
         }
     }
 
-    /// mm per unit of lengths.
-    pub(super) fn scale(&self) -> f64 {
-        if self.inch { MM_PER_INCH } else { 1.0 }
+    /// Radius of the tool with its allowance, mm.
+    pub(super) fn whole_radius_mm(&self) -> f64 {
+        self.tool.radius_mm + self.allowance_mm[1]
+    }
+
+    /// G95: feeds are per turn.
+    pub(super) fn is_per_turn(&self) -> bool {
+        self.modes.feed_unit == FeedUnit::PerTurn
+    }
+
+    /// G96: S is the cutting speed.
+    pub(super) fn has_cutting_speed(&self) -> bool {
+        self.codes.is(SPINDLE, 96)
+    }
+
+    /// G64: words for the calculation of intersections.
+    pub(super) fn calculates_geometry(&self) -> bool {
+        self.codes.is(GEOMETRY, 64)
     }
 
     /// The direction of an angle in the working plane: from X (in G19 from Y) counter-clockwise as seen against the tool axis, in G18
@@ -125,7 +109,7 @@ impl Modal {
     pub(super) fn direction(&self, degrees: f64) -> AxisVector {
         let (sine, cosine) = (sin_deg(degrees), sin_deg(degrees + 90.0));
         let mut out = AxisVector::ZERO;
-        match self.plane {
+        match self.modes.plane {
             Plane::XY => (out.0[0], out.0[1]) = (cosine, sine),
             Plane::ZX => (out.0[0], out.0[2]) = (cosine, -sine),
             Plane::YZ => (out.0[1], out.0[2]) = (cosine, sine),

@@ -2,8 +2,7 @@
 
 use super::channel::Channel;
 use super::gathered::{Gathered, name};
-use super::modal::Modal;
-use super::modal::MotionKind;
+use super::modal::{GEOMETRY, Modal, MotionKind, SPINDLE};
 use super::setup;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::outlet::Outlet;
@@ -12,7 +11,7 @@ use ncfix_base::geometry::{Axis, AxisSet, Plane};
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeTable;
 use ncfix_dialect::{CodeEntry, Effect};
-use ncfix_machine::snc::Kind;
+use ncfix_machine::snc::{FeedUnit, Kind};
 
 /// Modal codes without motion that the control must see.
 const KEPT: &[(u16, &str)] = &[(25, "G25"), (26, "G26"), (27, "G27"), (94, "G94"), (95, "G95")];
@@ -35,7 +34,7 @@ pub(super) fn passed_codes(
         };
         gathered.codes.remove(at);
         if let 96 | 97 = code.number {
-            modal.constant_cutting_speed = code.number == 96;
+            modal.codes.set(SPINDLE, code.number);
         }
         let mut text = format!("G{}", code.number);
         for item in gathered.take_used_by(entry) {
@@ -52,35 +51,35 @@ pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) ->
     let motions = [MotionKind::Rapid, MotionKind::Line, MotionKind::Clockwise, MotionKind::CounterClockwise];
     for (number, kind) in (0..).zip(motions) {
         if gathered.take_code(number).is_some() {
-            channel.modal.motion = kind;
+            channel.modal.modes.motion = kind;
         }
     }
     for (number, word) in [(17, "G17"), (18, "G18"), (19, "G19")] {
         let Some(span) = gathered.take_code(number) else { continue };
         channel.outlet.push(Kind::Keep(word));
         let plane = u8::try_from(number).ok().and_then(Plane::from_number).unwrap_or_default();
-        if plane != channel.modal.plane {
+        if plane != channel.modal.modes.plane {
             if channel.modal.contour.compensates() {
                 let message = "the plane changes while the radius is compensated";
                 return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
             }
-            channel.modal.plane = plane;
+            channel.modal.modes.plane = plane;
             setup::refresh_setup(channel)?;
         }
     }
     for (number, inch) in [(70, true), (71, false)] {
         if gathered.take_code(number).is_some() {
-            channel.modal.inch = inch;
+            channel.modal.modes.inch = inch;
         }
     }
     for (number, incremental) in [(90, false), (91, true)] {
         if gathered.take_code(number).is_some() {
-            channel.modal.incremental = incremental;
+            channel.modal.modes.incremental = incremental;
         }
     }
-    for (number, geometry) in [(63, false), (64, true)] {
+    for number in [63, 64] {
         if gathered.take_code(number).is_some() {
-            channel.modal.geometry = geometry;
+            channel.modal.codes.set(GEOMETRY, number);
         }
     }
     for &(number, word) in KEPT {
@@ -88,11 +87,8 @@ pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) ->
             channel.outlet.push(Kind::Keep(word));
             match number {
                 27 => channel.modal.positioning_logic = true,
-                94 | 95 if channel.modal.per_turn != (number == 95) => {
-                    // F meant something else: it must be programmed again.
-                    channel.modal.per_turn = number == 95;
-                    channel.modal.feed = 0.0;
-                }
+                94 => channel.modal.modes.select_feed_unit(FeedUnit::PerMinute),
+                95 => channel.modal.modes.select_feed_unit(FeedUnit::PerTurn),
                 _ => {}
             }
         }
@@ -125,13 +121,13 @@ pub(super) fn reference(
         let axis = Axis::from_letter(item.letter);
         axis.into_iter().for_each(|axis| lost.insert(axis));
         let is_length = item.index.is_none() && axis.is_some_and(|axis| !axis.is_rotary());
-        let value = if is_length { item.value * modal.scale() } else { item.value };
+        let value = if is_length { item.value * modal.modes.scale() } else { item.value };
         text.push_str(&format!(" {}{}", name(item.letter, item.index), (value * 1e9).round() / 1e9));
     }
     if lost.is_empty() {
         return Err(bad_value(span, "G74 names no axis", "write for example G74 Z-1 L1"));
     }
-    modal.known = modal.known.difference(lost);
+    modal.position.known = modal.position.known.difference(lost);
     outlet.push(Kind::Verbatim(text.into_bytes()));
     outlet.push(Kind::Lost(lost));
     Ok(())

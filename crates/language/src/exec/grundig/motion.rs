@@ -17,14 +17,14 @@ use ncfix_machine::snc::Kind;
 /// The motion of a block, if it has one.
 pub(super) fn motion_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     let block_feed = block_feed(&channel.modal, gathered)?;
-    let modal_feed = channel.modal.feed;
+    let modal_feed = channel.modal.modes.feed;
     if let Some(feed) = block_feed {
-        channel.modal.feed = feed;
+        channel.modal.modes.feed = feed;
         channel.block.feed_named = true;
     }
     let done = motion(channel, gathered);
     if block_feed.is_some() {
-        channel.modal.feed = modal_feed;
+        channel.modal.modes.feed = modal_feed;
     }
     done
 }
@@ -35,19 +35,19 @@ fn block_feed(modal: &Modal, gathered: &mut Gathered) -> Result<Option<f64>, Fau
     if feed <= 0.0 {
         return Err(bad_value(span, "a feed must be above 0", "correct F6="));
     }
-    Ok(Some(feed * modal.scale()))
+    Ok(Some(feed * modal.modes.scale()))
 }
 
 fn motion(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
-    if channel.modal.geometry {
+    if channel.modal.calculates_geometry() {
         contour_words::corner_words(channel, gathered)?;
         if contour_words::open_element(channel, gathered)? {
             return Ok(());
         }
     }
     let points = target::points(&channel.modal, gathered)?;
-    let is_arc = matches!(channel.modal.motion, MotionKind::Clockwise | MotionKind::CounterClockwise);
-    let incremental = channel.modal.incremental;
+    let is_arc = matches!(channel.modal.modes.motion, MotionKind::Clockwise | MotionKind::CounterClockwise);
+    let incremental = channel.modal.modes.incremental;
     let target = target::target(channel, gathered, incremental)?;
     if points.is_empty() {
         if is_arc {
@@ -57,7 +57,7 @@ fn motion(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Faul
             return step::straight(channel, target);
         }
         if channel.block.feed_named {
-            channel.outlet.push(Kind::Feed(channel.modal.feed));
+            channel.outlet.push(Kind::Feed(channel.modal.modes.feed));
         } else if gathered.items.is_empty() && gathered.codes.is_empty() && gathered.functions.is_empty() {
             channel.outlet.push(Kind::Empty);
         }

@@ -21,21 +21,23 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     let frame = stored.compose(&frames.programmed(&channel.settings.machine.control.grundig).ok_or_else(flat)?);
     let tool = &channel.modal.tool;
     let mut tool_mm = Vector::zeros();
-    let length = tool.length_mm + tool.allowance_mm[0];
+    let length = tool.length_mm + channel.modal.allowance_mm[0];
     if length != 0.0 {
-        tool_mm[channel.modal.plane.axes()[2].slot()] = if tool.reversed { length } else { -length };
+        tool_mm[channel.modal.modes.plane.axes()[2].slot()] =
+            if channel.modal.tool_reversed { length } else { -length };
     }
     let assumed = frames.assumed || tool.assumed;
-    let plane = channel.modal.plane;
+    let plane = channel.modal.modes.plane;
     let setup = Setup { frame, tool_mm, plane, transform: None, assumed };
     let lost = lengthened(&channel.standing.setup, &setup);
     if !lost.is_empty() {
         // The length that the control has may differ: nothing must lead to where the tip would be by this one.
-        channel.modal.known = channel.modal.known.difference(lost);
+        channel.modal.position.known = channel.modal.position.known.difference(lost);
         channel.outlet.push(Kind::Lost(lost));
     }
     if setup.frame.linear() != channel.standing.setup.frame.linear() {
-        channel.modal.known = known_behind(channel.modal.known, &channel.standing.setup.frame, &setup.frame);
+        channel.modal.position.known =
+            known_behind(channel.modal.position.known, &channel.standing.setup.frame, &setup.frame);
     }
     let shown = Setup { frame: stored, ..setup.clone() };
     if shown != *channel.standing.shown {

@@ -1,7 +1,6 @@
 //! Straight motions, and what each becomes on its way to the outlet.
 
 use super::channel::Channel;
-use super::channel::ToolMemory;
 use super::modal::Modal;
 use super::modal::MotionKind;
 use super::setup;
@@ -18,15 +17,15 @@ use crate::exec::core::options::RapidOrder;
 use crate::exec::core::outlet::Outlet;
 use crate::exec::core::path::Path;
 use crate::exec::core::path::Shape;
-use crate::exec::core::radius::Radius;
+use crate::exec::core::settings::RunSettings;
 use crate::exec::core::standing::InForce;
+use crate::exec::core::tool::{ToolSize, ToolTable};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::geometry::PlaneBasis;
 use ncfix_base::source::Span;
-use ncfix_machine::snc::FeedUnit;
 use ncfix_machine::snc::Kind;
 use ncfix_machine::snc::Manner;
 use ncfix_machine::snc::Move;
@@ -41,16 +40,16 @@ pub(super) const ALONG: f64 = 0.2;
 
 /// A straight motion of the kind in force.
 pub(super) fn straight(channel: &mut Channel<'_>, target: Target) -> Result<(), Fault> {
-    match channel.modal.motion {
+    match channel.modal.modes.motion {
         MotionKind::Rapid => rapid(channel, target),
-        _ => feed_line(channel, &target.to, target.named, channel.modal.feed),
+        _ => feed_line(channel, &target.to, target.named, channel.modal.modes.feed),
     }
 }
 
 /// A rapid motion: with positioning logic first the tool axis where it leads off the work, else it comes last.
 pub(super) fn rapid(channel: &mut Channel<'_>, target: Target) -> Result<(), Fault> {
     let Target { to, named } = target;
-    let [.., applicate] = channel.modal.plane.axes();
+    let [.., applicate] = channel.modal.modes.plane.axes();
     let others = named.difference([applicate].into_iter().collect());
     let here = target::here(&channel.modal, &channel.standing);
     let is_moving = |axis: Axis| (to[axis] - here[axis]).abs() > ALONG;
@@ -62,7 +61,7 @@ pub(super) fn rapid(channel: &mut Channel<'_>, target: Target) -> Result<(), Fau
         return rapid_line(channel, &to, named);
     }
     let tool: AxisSet = [applicate].into_iter().collect();
-    let away = (to[applicate] > here[applicate]) != channel.modal.tool.reversed;
+    let away = (to[applicate] > here[applicate]) != channel.modal.tool_reversed;
     let mut between = if away { here } else { to };
     between[applicate] = if away { to[applicate] } else { here[applicate] };
     let (first, second) = if away { (tool, others) } else { (others, tool) };
@@ -72,7 +71,7 @@ pub(super) fn rapid(channel: &mut Channel<'_>, target: Target) -> Result<(), Fau
 
 /// One straight line at rapid.
 pub(super) fn rapid_line(channel: &mut Channel<'_>, to: &AxisVector, named: AxisSet) -> Result<(), Fault> {
-    elementary(channel, to, named, true, channel.modal.feed, |_| Ok(Shape::Line))
+    elementary(channel, to, named, true, channel.modal.modes.feed, |_| Ok(Shape::Line))
 }
 
 /// One straight line with feed.
@@ -92,22 +91,22 @@ pub(super) fn elementary(
     shape: impl FnOnce([&AxisVector; 2]) -> Result<Shape, Fault>,
 ) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
-    let start = channel.modal.command;
+    let start = channel.modal.position.command;
     let target = reach(&channel.modal, &channel.standing, to, named);
     if let Some(axis) = AXES_OF_MOTION.into_iter().find(|&axis| target[axis].is_nan() || target[axis].abs() > 1e9) {
         return Err(bad_value(span, format!("{axis} would move to {}", target[axis]), "check the values"));
     }
-    let basis = PlaneBasis::behind(&channel.standing.setup.frame, channel.modal.plane)
+    let basis = PlaneBasis::behind(&channel.standing.setup.frame, channel.modal.modes.plane)
         .ok_or_else(|| bad_value(span, "the frame squeezes the working plane flat", "check G73"))?;
-    let start_known = setup::shown_axes(&channel.standing, channel.modal.known, false);
+    let start_known = setup::shown_axes(&channel.standing, channel.modal.position.known, false);
     // What follows begins where the block leads, also where its way is faulty.
     let found = shape([&start, &target]);
-    channel.modal.command = target;
-    channel.modal.known = channel.modal.known.union(named);
+    channel.modal.position.command = target;
+    channel.modal.position.known = channel.modal.position.known.union(named);
     let shape = found?;
     let (moving, stated) = (
         setup::shown_axes(&channel.standing, named, true),
-        setup::shown_axes(&channel.standing, channel.modal.known, false),
+        setup::shown_axes(&channel.standing, channel.modal.position.known, false),
     );
     // A turned axis moves two of the output: where the other one stands decides where both end.
     if let Some(axis) = moving.difference(stated).iter().next().filter(|_| channel.settings.strict) {
@@ -127,7 +126,7 @@ pub(super) fn elementary(
         known: stated,
         feed,
         feed_named: std::mem::take(&mut channel.block.feed_named),
-        unit: if channel.modal.per_turn { FeedUnit::PerTurn } else { FeedUnit::PerMinute },
+        unit: channel.modal.modes.feed_unit,
         ways: [Way::Plain; 3],
         in_machine_frame: false,
         manner: Manner::Path,
@@ -148,19 +147,19 @@ pub(super) fn put(channel: &mut Channel<'_>, path: Path) {
         return;
     }
     if channel.outlet.keeps_wear && contour.compensates() {
-        contour.shown = Shown::of(&path.basis, &channel.standing.shown.frame, channel.modal.plane);
+        contour.shown = Shown::of(&path.basis, &channel.standing.shown.frame, channel.modal.modes.plane);
     }
     let wish = Wish::of(
         contour,
-        radius_mm(channel.settings.radius, &channel.modal, &channel.memory),
+        radius_mm(&channel.settings, &channel.modal, &channel.tools),
         path.span,
         channel.outlet.origin.file,
     );
     let wish = Wish { corner, soft, ..wish };
     if channel.settings.strict {
-        channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.plane));
+        channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.modes.plane));
     }
-    let tool = channel.modal.tool.number;
+    let tool = channel.modal.tool.active;
     channel.outlet.name_register(&wish, || tool.map_or_else(|| "the tool".to_owned(), |tool| format!("T{tool}")));
     let element = channel.outlet.element(Kind::Empty);
     if channel.block.is_open {
@@ -176,7 +175,7 @@ pub(super) fn reach(modal: &Modal, standing: &InForce, to: &AxisVector, named: A
     if !frame.is_translation() {
         return standing.setup.command(to);
     }
-    let mut target = modal.command;
+    let mut target = modal.position.command;
     for axis in named.iter() {
         let tool = if axis.slot() < 3 { standing.setup.tool_mm[axis.slot()] } else { 0.0 };
         target[axis] = to[axis] + frame.shift(axis) - tool;
@@ -196,7 +195,7 @@ pub(super) const AXES_OF_MOTION: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A
 /// Whether it is stated, or may be assumed, where these axes stand.
 pub(super) fn has_place(strict: bool, rapid_order: RapidOrder, modal: &Modal, axes: AxisSet) -> bool {
     let may_assume = !strict && rapid_order != RapidOrder::Stated;
-    may_assume || axes.difference(modal.known).is_empty()
+    may_assume || axes.difference(modal.position.known).is_empty()
 }
 
 /// Whether a rapid move of these axes may be taken apart. Where it does not know where it starts, the control itself puts the motions
@@ -227,8 +226,10 @@ pub(super) fn check_feed(
 }
 
 /// The radius that G41 and G42 work with, mm.
-pub(super) fn radius_mm(radius: Radius, modal: &Modal, memory: &ToolMemory) -> f64 {
-    let tool = &modal.tool;
-    let wear = tool.number.and_then(|number| memory.radius_wear.get(&place(number)));
-    radius.of(tool.whole_radius_mm(), wear.copied().unwrap_or(0.0))
+pub(super) fn radius_mm(settings: &RunSettings<'_>, modal: &Modal, tools: &ToolTable<ToolSize>) -> f64 {
+    let wear_mm = || {
+        let (number, edge) = place(modal.tool.active?);
+        Some(tools.size(settings.machine, number, edge)?.radius_wear_mm)
+    };
+    settings.radius.of(modal.whole_radius_mm(), wear_mm().unwrap_or(0.0))
 }

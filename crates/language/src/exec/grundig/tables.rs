@@ -3,12 +3,12 @@
 //! Each line holds one entry as words: `T5 L120.5 R6 L4=0 R4=-0.02`, `G54 X100 Y50 Z0` or `G54 I3 …` or `N54 …`, `E10=5`, `P1 X20 Y30`.
 //! Words that say nothing of positions are passed over. Lengths are mm.
 
-use super::channel::ToolMemory;
 use super::expression::Parameters;
 use super::frames::entry_name;
 use super::modal::Modal;
 use super::modal::Point;
 use super::tool::place;
+use crate::exec::core::tool::{ToolSize, ToolTable};
 use crate::syntax::words::{self, Address, Block, PartKind, Program, Value};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts};
@@ -24,7 +24,7 @@ const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 pub(super) struct Tables {
     pub(super) offsets: Vec<(String, FrameParts)>,
     pub(super) tools: Vec<Tool>,
-    /// Wear in their radii by number and edge, mm.
+    /// Wear in the radius of each by number and edge, mm.
     pub(super) radius_wear: Vec<((u32, u32), f64)>,
     pub(super) parameters: Vec<(usize, f64)>,
     pub(super) points: Vec<(u32, Point)>,
@@ -165,12 +165,16 @@ pub(in crate::exec) fn apply(
 }
 
 /// Takes tables of the control that stand beside the program.
-pub(super) fn take_tables(modal: &mut Modal, memory: &mut ToolMemory, parameters: &mut Parameters, tables: Tables) {
-    memory.radius_wear.extend(tables.radius_wear);
+pub(super) fn take_tables(
+    modal: &mut Modal,
+    tools: &mut ToolTable<ToolSize>,
+    parameters: &mut Parameters,
+    tables: Tables,
+) {
     modal.frames.table.extend(tables.offsets);
-    for tool in tables.tools {
-        memory.tools.retain(|known| (known.number, known.edge) != (tool.number, tool.edge));
-        memory.tools.push(tool);
+    for (tool, (_, radius_wear_mm)) in tables.tools.into_iter().zip(tables.radius_wear) {
+        let Tool { number, edge, length_mm, radius_mm, .. } = tool;
+        tools.write(number, edge, ToolSize { length_mm, radius_mm, radius_wear_mm });
     }
     for (number, value) in tables.parameters {
         // A number that is none is said where the program uses it.

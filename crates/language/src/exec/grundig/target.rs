@@ -29,12 +29,12 @@ pub(super) struct Target {
 
 /// The present position as programmed.
 pub(super) fn here(modal: &Modal, standing: &InForce) -> AxisVector {
-    standing.setup.programmed(&modal.command)
+    standing.setup.programmed(&modal.position.command)
 }
 
 /// mm or rad of a word of an axis.
 fn value_of(modal: &Modal, axis: Axis, value: f64) -> f64 {
-    if axis.is_rotary() { modal.frames.sign(axis) * value.to_radians() } else { value * modal.scale() }
+    if axis.is_rotary() { modal.frames.sign(axis) * value.to_radians() } else { value * modal.modes.scale() }
 }
 
 /// The words of a target. `incremental` stands for G91.
@@ -64,7 +64,7 @@ pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, increme
         out.to[axis] = if is_relative {
             here[axis] + own
         } else {
-            let from = Some(here[axis]).filter(|_| channel.modal.known.contains(axis));
+            let from = Some(here[axis]).filter(|_| channel.modal.position.known.contains(axis));
             rollover::position(channel.settings.machine, axis, own, from, span)?
         };
         out.named.insert(axis);
@@ -75,7 +75,7 @@ pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, increme
 
 /// What is relative needs a place to start from.
 pub(super) fn check_known(strict: bool, modal: &Modal, axis: Axis, span: Span) -> Result<(), Fault> {
-    if !strict || modal.known.contains(axis) {
+    if !strict || modal.position.known.contains(axis) {
         return Ok(());
     }
     let message = format!("the program has not stated where {axis} is");
@@ -85,7 +85,7 @@ pub(super) fn check_known(strict: bool, modal: &Modal, axis: Axis, span: Span) -
 
 /// Both axes of the plane.
 pub(super) fn check_plane_known(strict: bool, modal: &Modal, span: Span) -> Result<(), Fault> {
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     check_known(strict, modal, abscissa, span)?;
     check_known(strict, modal, ordinate, span)
 }
@@ -108,7 +108,7 @@ fn polar(
             (Some((angle, _)), Some((length, _))) => {
                 let base = if index == 1 { here } else { &modal.pole };
                 let way = modal.direction(angle);
-                plus(base, &way, length * modal.scale())
+                plus(base, &way, length * modal.modes.scale())
             }
             (Some(angle), None) if index == 1 => mixed(modal, angle, here, out)?,
             _ => {
@@ -116,7 +116,7 @@ fn polar(
                 return Err(fault(Code::BAD_POLAR, span, message, "program both in the block"));
             }
         };
-        let [abscissa, ordinate, _] = modal.plane.axes();
+        let [abscissa, ordinate, _] = modal.modes.plane.axes();
         let is_taken = |axis: Axis| out.named.contains(axis);
         if length.is_some() && (is_taken(abscissa) || is_taken(ordinate)) {
             let message = "a polar position and an axis of the plane in one block";
@@ -132,7 +132,7 @@ fn polar(
 
 /// One coordinate of the plane and the direction of the way there.
 fn mixed(modal: &Modal, (degrees, span): Found, here: &AxisVector, out: &Target) -> Result<AxisVector, Fault> {
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let given = match [abscissa, ordinate].map(|axis| out.named.contains(axis)) {
         [true, false] => abscissa,
         [false, true] => ordinate,
@@ -171,7 +171,7 @@ pub(super) fn define_point(channel: &mut Channel<'_>, gathered: &mut Gathered, s
     let found = gathered.take(b'P', None).or_else(|| gathered.take(b'P', Some(1)));
     let Some(found) = found else { return Err(bad_value(span, "G78 needs P", "write for example G78 P1 X10 Y20")) };
     let number = point_number(found)?;
-    let incremental = channel.modal.incremental;
+    let incremental = channel.modal.modes.incremental;
     let target = target(channel, gathered, incremental)?;
     channel.modal.points.insert(number, Point { values: target.to, named: target.named });
     Ok(())
@@ -179,7 +179,7 @@ pub(super) fn define_point(channel: &mut Channel<'_>, gathered: &mut Gathered, s
 
 /// `G9`: sets the pole absolutely, by polar coordinates from zero (B2, L2), or from the old pole (B1, L1).
 pub(super) fn set_pole(modal: &mut Modal, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-    let scale = modal.scale();
+    let scale = modal.modes.scale();
     for (index, base) in [(1, modal.pole), (2, AxisVector::ZERO)] {
         if let (Some((angle, _)), Some((length, _))) =
             (gathered.take(b'B', Some(index)), gathered.take(b'L', Some(index)))
@@ -190,9 +190,9 @@ pub(super) fn set_pole(modal: &mut Modal, gathered: &mut Gathered, span: Span) -
         }
     }
     let mut is_set = false;
-    for axis in modal.plane.axes().into_iter().take(2) {
+    for axis in modal.modes.plane.axes().into_iter().take(2) {
         if let Some((value, _)) = gathered.once(axis.letter(), None)? {
-            let base = if modal.incremental { modal.pole[axis] } else { 0.0 };
+            let base = if modal.modes.incremental { modal.pole[axis] } else { 0.0 };
             modal.pole[axis] = base + value * scale;
             is_set = true;
         }
@@ -210,7 +210,7 @@ fn point_number((value, span): Found) -> Result<u32, Fault> {
 
 /// Coordinates of the plane as angles count in it: in G18 X and −Z.
 pub(super) fn flat(modal: &Modal, position: &AxisVector) -> Flat {
-    match modal.plane {
+    match modal.modes.plane {
         Plane::XY => [position[Axis::X], position[Axis::Y]],
         Plane::ZX => [position[Axis::X], -position[Axis::Z]],
         Plane::YZ => [position[Axis::Y], position[Axis::Z]],
@@ -219,7 +219,7 @@ pub(super) fn flat(modal: &Modal, position: &AxisVector) -> Flat {
 
 /// Sets them.
 pub(super) fn set_flat(modal: &Modal, position: &mut AxisVector, [first, second]: Flat) {
-    match modal.plane {
+    match modal.modes.plane {
         Plane::XY => (position[Axis::X], position[Axis::Y]) = (first, second),
         Plane::ZX => (position[Axis::X], position[Axis::Z]) = (first, -second),
         Plane::YZ => (position[Axis::Y], position[Axis::Z]) = (first, second),

@@ -6,10 +6,10 @@ use super::modal::Modal;
 use super::setup;
 use crate::exec::core::contour::{FeedAt, Reach, Side};
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::tool::{ToolSize, without_value};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
-use ncfix_machine::machine::Tool;
 use ncfix_machine::snc::{Kind, WordValue};
 
 /// M functions that put the selected tool in force, and whether the machine moves to change it.
@@ -31,7 +31,7 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
                 let help = "program G40 with a motion in the plane before it";
                 return Err(fault(Code::BAD_COMPENSATION, code.span, message, help));
             }
-            channel.modal.known = AxisSet::EMPTY;
+            channel.modal.position.known = AxisSet::EMPTY;
         }
         activate(channel, code.span)?;
     }
@@ -40,7 +40,7 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
     }
     for (number, word, reversed) in [(66, "G66", true), (67, "G67", false)] {
         if gathered.take_code(number).is_some() {
-            channel.modal.tool.reversed = reversed;
+            channel.modal.tool_reversed = reversed;
             // The control adds the length itself, and must know in which direction.
             channel.outlet.push(Kind::Keep(word));
             setup::refresh_setup(channel)?;
@@ -60,41 +60,35 @@ fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
         channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, message, "program T before it"));
         return Ok(());
     };
-    channel.modal.tool.number = Some(selected);
+    channel.modal.tool.change();
     let (number, edge) = place(selected);
-    let data = channel.memory.tools.iter().find(|tool| tool.number == number && tool.edge == edge);
-    let size = data.map(|tool: &Tool| (tool.length_mm[0], tool.radius_mm));
-    (channel.modal.tool.length_mm, channel.modal.tool.radius_mm) = size.unwrap_or_default();
-    // Without T0 there is no tool in the spindle, and nothing to know.
-    let missing = size.is_none() && number != 0;
-    channel.modal.tool.assumed = missing;
+    let size = channel.tools.size(channel.settings.machine, number, edge);
+    // With T0 there is no tool in the spindle, and nothing to know.
+    let size = size.or_else(|| (number == 0).then(ToolSize::default));
+    channel.modal.tool.put_size(size.map(|size| (size.length_mm[0], size.radius_mm)));
     setup::refresh_setup(channel)?;
-    if !missing {
+    if !channel.modal.tool.assumed {
         return Ok(());
     }
     let message = format!("T{selected} has no value in the machine file");
-    if channel.settings.strict {
-        return Err(fault(Code::NO_TOOL, span, message, help));
-    }
-    channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
-    Ok(())
+    without_value(channel.settings.strict, &mut channel.outlet.warnings, span, &message, "length 0", help)
 }
 
 /// `G39 L R`: allowances on length and radius until others are programmed.
 fn allowances(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-    let scale = channel.modal.scale();
+    let scale = channel.modal.modes.scale();
     let words = [gathered.once(b'L', None)?, gathered.once(b'R', None)?];
     if words.iter().all(Option::is_none) {
         return Err(bad_value(span, "G39 needs L or R", "write G39 L… R…; G39 L0 R0 ends it"));
     }
-    for (place, word) in channel.modal.tool.allowance_mm.iter_mut().zip(words) {
+    for (place, word) in channel.modal.allowance_mm.iter_mut().zip(words) {
         if let Some((value, _)) = word {
             *place = value * scale;
         }
     }
     if words[0].is_some() {
         // The control adds the length itself; the radius goes into the path.
-        let length = (channel.modal.tool.allowance_mm[0] * 1e9).round() / 1e9;
+        let length = (channel.modal.allowance_mm[0] * 1e9).round() / 1e9;
         channel.outlet.push(Kind::Verbatim(format!("G39 L{length}").into_bytes()));
     }
     setup::refresh_setup(channel)

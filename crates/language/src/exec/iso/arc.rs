@@ -5,6 +5,7 @@ use super::measure;
 use super::modal::Modal;
 use super::step;
 use super::target;
+use crate::exec::core::position::unknown_start;
 use crate::exec::core::standing::InForce;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
@@ -13,7 +14,6 @@ use std::sync::Arc as Shared;
 use super::channel::Channel;
 use super::gathered::Gathered;
 use super::step::Step;
-use super::target::unknown_start;
 use crate::exec::core::arc::{behind_frame, center_of_radius};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::grid::{Meeting, closes_in_linuxcnc, is_one_place, meeting, unsure};
@@ -42,10 +42,10 @@ pub(super) fn arc(
     named: AxisSet,
 ) -> Result<(), Fault> {
     let setup = Shared::clone(&channel.standing.setup);
-    let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+    let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
     if channel.settings.strict {
         let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-        if let Some(axis) = plane.difference(channel.modal.known).iter().next() {
+        if let Some(axis) = plane.difference(channel.modal.position.known).iter().next() {
             return Err(unknown_start(gathered.span, axis));
         }
     }
@@ -60,7 +60,7 @@ pub(super) fn arc(
     // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit; else as programmed.
     let is_shifted = setup.frame.is_translation();
     let (from, to) = if is_shifted {
-        (channel.modal.command, target)
+        (channel.modal.position.command, target)
     } else {
         (target::here(&channel.modal, &channel.standing), end)
     };
@@ -71,8 +71,11 @@ pub(super) fn arc(
     let radius = measure::length(channel, gathered, b'R')?;
     let has_across = !direction::has_directions(&channel.modal);
     if let Some(value) = gathered.raw(across).filter(|&value| has_across && (value != 0.0 || channel.is_rs274())) {
-        let message =
-            format!("{}{value} lies outside the working plane G{}", char::from(across), channel.modal.plane.number());
+        let message = format!(
+            "{}{value} lies outside the working plane G{}",
+            char::from(across),
+            channel.modal.modes.plane.number()
+        );
         return Err(fault(Code::BAD_ARC, gathered.span_of(across), message, "select the plane of the arc"));
     }
     if radius.is_some() && has_center && channel.is_rs274() {
@@ -111,7 +114,7 @@ pub(super) fn arc(
         to = if is_shifted { target } else { end };
     }
     let arc = center.and_then(|center| {
-        let plane = channel.modal.plane;
+        let plane = channel.modal.modes.plane;
         let (arc, help) = if channel.is_rs274() {
             let help = "correct the center or the end point";
             (Arc::spiral(plane, clockwise, &from, &to, center, turns, &tolerance), help)
@@ -137,10 +140,10 @@ pub(super) fn arc(
     });
     // What follows begins where the block leads, so that one fault is not found again in every arc behind it.
     let arc = arc.inspect_err(|_| {
-        channel.modal.command = target;
-        channel.modal.known = channel.modal.known.union(named);
+        channel.modal.position.command = target;
+        channel.modal.position.known = channel.modal.position.known.union(named);
     })?;
-    if !setup.frame.keeps_circles(channel.modal.plane) {
+    if !setup.frame.keeps_circles(channel.modal.modes.plane) {
         let message = "an arc under a scaling that differs between the axes of its plane";
         let help = "scale both axes alike: what else a control does is no circle and no ellipse";
         return Err(fault(Code::NOT_SUPPORTED, span, message, help));
@@ -159,9 +162,9 @@ fn closed_on_grid(
     span: Span,
 ) -> Result<AxisVector, Fault> {
     let here = target::here(modal, standing);
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let (start, to) = ([here[abscissa], here[ordinate]], [end[abscissa], end[ordinate]]);
-    match meeting(start, to, measure::increments_per_length(machine, modal) / modal.scale()) {
+    match meeting(start, to, measure::increments_per_length(machine, modal) / modal.modes.scale()) {
         Meeting::Apart => {}
         Meeting::Same => (end[abscissa], end[ordinate]) = (start[0], start[1]),
         Meeting::Unsure => return Err(unsure(span, start, to, "the grid is that of control.increment_system")),
@@ -176,12 +179,12 @@ fn center(
     start: [f64; 2],
     is_shifted: bool,
 ) -> Result<[f64; 2], Fault> {
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
     let mut center = start;
     for (place, axis) in center.iter_mut().zip([abscissa, ordinate]) {
         let letter = b"IJK"[axis.slot()];
         let value = measure::length(channel, gathered, letter)?;
-        if channel.modal.arc_absolute {
+        if channel.modal.has_absolute_centers() {
             let Some(value) = value else {
                 let message = format!("{} is missing, and G90.1 is in force", char::from(letter));
                 return Err(fault(Code::NO_CENTER, gathered.span, message, "give both coordinates of the center"));
@@ -216,7 +219,7 @@ fn turns(language: Language, gathered: &Gathered) -> Result<u32, Fault> {
 fn arc_tolerance(machine: &Machine, language: Language, modal: &Modal) -> impl Fn(f64) -> f64 + use<> {
     let control = &machine.control;
     let (length, share, most) = if language == Language::Rs274 {
-        let length = if modal.inch { SPIRAL_INCH_MM } else { SPIRAL_MM };
+        let length = if modal.modes.inch { SPIRAL_INCH_MM } else { SPIRAL_MM };
         (length, SPIRAL_SHARE, length * SPIRAL_MOST)
     } else {
         (control.arc_tolerance_mm, control.arc_tolerance_ratio, f64::INFINITY)

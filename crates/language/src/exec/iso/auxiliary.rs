@@ -150,7 +150,7 @@ pub(super) fn lose_by_functions(channel: &mut Channel<'_>, gathered: &Gathered) 
 
 /// The tool that was selected comes into the spindle; a tool change may have moved the axes.
 fn change_tool(language: Language, modal: &mut Modal) {
-    modal.active = modal.selected.or(modal.active);
+    modal.tool.change();
     modal.forget(AxisSet::ALL);
     if language == Language::Rs274 {
         modal.spindle = 5;
@@ -164,7 +164,7 @@ fn look_where_axes_are(modal: &mut Modal, outlet: &mut Outlet<'_>, gathered: &Ga
         return;
     }
     if let Some(place) = outlet.settle() {
-        modal.command = place;
+        modal.position.command = place;
     }
 }
 
@@ -206,7 +206,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
         0 | 1 | 60 => channel.block.after.push(word(number)),
         6 => {
             forbidden::no_compensation(channel.language, &channel.modal, span, "M6")?;
-            if channel.modal.selected.is_none() {
+            if channel.modal.tool.selected.is_none() {
                 let message = "M6, and no tool was selected with T";
                 return Err(bad_value(span, message, "program T before it or in its block"));
             }
@@ -219,8 +219,8 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
             let Some(tool) = tool else {
                 return Err(bad_value(span, "M61 needs Q with the tool", "write for example M61 Q3"));
             };
-            channel.modal.active = Some(tool);
-            channel.modal.selected = Some(tool);
+            channel.modal.tool.active = Some(tool);
+            channel.modal.tool.selected = Some(tool);
             look_where_axes_are(&mut channel.modal, &mut channel.outlet, gathered);
             m_with_words(channel, gathered, number, b"Q");
         }

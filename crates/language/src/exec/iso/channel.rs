@@ -15,12 +15,14 @@ use super::zero_offset::System;
 use crate::exec::core::contour::Corner;
 use crate::exec::core::options::Options;
 use crate::exec::core::outlet::{HasOutlet, Outlet};
+use crate::exec::core::reference::Via;
 use crate::exec::core::settings::RunSettings;
 use crate::exec::core::standing::InForce;
+use crate::exec::core::tool::{ToolEntry, ToolSize, ToolTable};
 use ncfix_base::geometry::{AxisSet, AxisVector, FrameParts, Vector};
 use ncfix_base::source::Span;
 use ncfix_dialect::{Dialect, Language};
-use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::{Machine, Tool};
 use ncfix_machine::snc::{BlockNumber, Kind, Origin, Word};
 
 /// State and output of the channel.
@@ -56,9 +58,9 @@ pub(super) struct WrittenData {
     /// Zero offsets that the program has set.
     pub(super) offsets: BTreeMap<System, FrameParts>,
     /// Tool offsets that the program has set.
-    pub(super) tools: BTreeMap<u32, ToolOffset>,
-    /// The point by way of which G28 and G30 went, machine positions.
-    pub(super) through: Option<AxisVector>,
+    pub(super) tools: ToolTable<ToolOffset>,
+    /// The point by way of which G28 and G30 went.
+    pub(super) via: Via,
 }
 
 /// What the block at hand says and does.
@@ -187,6 +189,24 @@ pub(super) struct ToolOffset {
     pub(super) radius_wear_mm: f64,
     /// Whether the program has set it.
     pub(super) is_stated: bool,
+}
+
+impl ToolEntry for ToolOffset {
+    fn of(tool: &Tool, _: &Machine) -> Self {
+        let [first, second, third] = tool.length_mm;
+        // Lengths 1, 2, 3 lie along Z, Y, X.
+        let length_mm = Vector::new(third, second, first);
+        ToolOffset { length_mm, radius_mm: tool.radius_mm, ..ToolOffset::default() }
+    }
+
+    fn size(&self) -> ToolSize {
+        let length = self.length_mm + Vector::new(0.0, 0.0, self.length_wear_mm);
+        ToolSize {
+            length_mm: [length.z, length.y, length.x],
+            radius_mm: self.radius_mm + self.radius_wear_mm,
+            radius_wear_mm: self.radius_wear_mm,
+        }
+    }
 }
 
 /// What the kinds of motion here keep from block to block.

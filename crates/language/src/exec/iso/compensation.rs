@@ -6,10 +6,10 @@ use super::gathered::Gathered;
 use super::measure;
 use super::measure::whole;
 use super::modes;
-use super::target;
 use crate::exec::core::contour::{Shown, Side, Wish, unstated};
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::Path;
+use crate::exec::core::tool::without_value;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisVector, Plane, PlaneBasis};
 use ncfix_base::source::Span;
@@ -40,19 +40,19 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
             let help = "write the number of the offset with it, for example G41 D1";
             return Err(fault(Code::BAD_COMPENSATION, span, message, help));
         };
-        channel.modal.radius_mm = radius_of(channel, number, span)?;
+        channel.modal.tool.radius_mm = radius_of(channel, number, span)?;
         channel.modal.contour.register = Some(number);
     } else {
         if channel.modal.contour.compensates() {
             let message = "radius compensation is on already";
             return Err(fault(Code::BAD_COMPENSATION, span, message, "program G40 first"));
         }
-        if channel.modal.plane == Plane::YZ {
+        if channel.modal.modes.plane == Plane::YZ {
             let message = "radius compensation in G19";
             return Err(fault(Code::BAD_COMPENSATION, span, message, "select G17 or G18"));
         }
         channel.modal.contour.register = None;
-        channel.modal.radius_mm = match code {
+        channel.modal.tool.radius_mm = match code {
             411 | 421 => match measure::length(channel, gathered, b'D')? {
                 Some(diameter) => diameter / 2.0,
                 None => {
@@ -63,12 +63,12 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
             _ => {
                 let number = match gathered.raw(b'D') {
                     Some(value) => whole(value, gathered.span_of(b'D'), "D")?,
-                    None if channel.modal.active.is_none() && channel.settings.strict => {
+                    None if channel.modal.tool.active.is_none() && channel.settings.strict => {
                         let message =
                             format!("{} and no tool: the radius is that of an earlier program", name_of(code));
                         return Err(fault(Code::BAD_COMPENSATION, span, message, "program T and M6, or D, before it"));
                     }
-                    None => channel.modal.active.unwrap_or(0),
+                    None => channel.modal.tool.active.unwrap_or(0),
                 };
                 channel.modal.d = Some(number);
                 channel.modal.contour.register = Some(number);
@@ -87,7 +87,7 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
 
 /// G40 with I, J, K in the plane: where the contour seems to lead behind its end, in the plane as the frame places it.
 fn leaving_direction(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<Option<[f64; 2]>, Fault> {
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
     let letters = [abscissa, ordinate].map(|axis| b"IJK"[axis.slot()]);
     let is_straight =
         matches!(modes::motion_of(channel.language, &channel.modal, &channel.cycles, gathered), Some(0 | 10));
@@ -101,7 +101,7 @@ fn leaving_direction(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<O
     let frame = &channel.standing.setup.frame;
     let turned = frame.apply_direction(direction.xyz());
     direction.set_xyz(turned);
-    let basis = PlaneBasis::behind(frame, channel.modal.plane);
+    let basis = PlaneBasis::behind(frame, channel.modal.modes.plane);
     Ok(basis.map(|basis| basis.flat(&direction)).filter(|[x, y]| x.hypot(*y) > 0.0))
 }
 
@@ -111,7 +111,7 @@ fn offset_number(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), F
         let number = whole(value, gathered.span_of(b'D'), "D")?;
         channel.modal.d = Some(number);
         if channel.modal.contour.compensates() {
-            channel.modal.radius_mm = radius_of(channel, number, gathered.span_of(b'D'))?;
+            channel.modal.tool.radius_mm = radius_of(channel, number, gathered.span_of(b'D'))?;
             channel.modal.contour.register = Some(number);
         }
     }
@@ -123,15 +123,12 @@ fn radius_of(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<f64, 
     if number == 0 {
         return Ok(0.0);
     }
-    if let Some(offset) = target::tool_offset(channel.settings.machine, &channel.written, number) {
-        return Ok(channel.settings.radius.of(offset.radius_mm + offset.radius_wear_mm, offset.radius_wear_mm));
+    if let Some(size) = channel.written.tools.size(channel.settings.machine, number, 1) {
+        return Ok(size.compensated_mm(channel.settings.radius));
     }
     let message = format!("offset {number} has no radius in the machine file");
     let help = "add a [[tool]] entry of this number there or in a file given with --setup";
-    if channel.settings.strict {
-        return Err(fault(Code::NO_TOOL, span, message, help));
-    }
-    channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; 0 is used"), help));
+    without_value(channel.settings.strict, &mut channel.outlet.warnings, span, &message, "0", help)?;
     Ok(0.0)
 }
 
@@ -145,14 +142,14 @@ pub(super) fn pass(channel: &mut Channel<'_>, path: Path) {
         return;
     }
     if channel.outlet.keeps_wear && modal.compensates() {
-        modal.shown = Shown::of(&path.basis, &channel.standing.shown.frame, channel.modal.plane);
+        modal.shown = Shown::of(&path.basis, &channel.standing.shown.frame, channel.modal.modes.plane);
     }
     let file = channel.outlet.file();
-    let wish = Wish { corner, ..Wish::of(modal, channel.modal.radius_mm, path.span, file) };
+    let wish = Wish { corner, ..Wish::of(modal, channel.modal.tool.radius_mm, path.span, file) };
     if channel.settings.strict {
-        channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.plane));
+        channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.modes.plane));
     }
-    let (number, tool) = (modal.register, channel.modal.active);
+    let (number, tool) = (modal.register, channel.modal.tool.active);
     channel.outlet.name_register(&wish, || match (number, tool) {
         (Some(number), Some(tool)) if tool != number => format!("D{number} (T{tool})"),
         (Some(number), _) => format!("D{number}"),

@@ -43,7 +43,7 @@ fn is_tapping(code: u16) -> bool {
 
 /// Notes the kind of motion that comes into force.
 pub(super) fn note_motion(channel: &mut Channel<'_>, code: u16) {
-    let before = std::mem::replace(&mut channel.modal.motion, code);
+    let before = std::mem::replace(&mut channel.modal.modes.motion, code);
     if before == code || is_cycle(code, channel.is_rs274()) {
         return;
     }
@@ -62,7 +62,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     let span = gathered.code_span(if channel.is_rs274() { Group::Motion } else { Group::Cycle });
     let span = if span == Span::default() { gathered.span } else { span };
     check_cycle(channel, gathered, code, span)?;
-    let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+    let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
     let here = target::here(&channel.modal, &channel.standing);
     let bottom = word_of(channel, gathered, applicate)?;
     let mut words = [word_of(channel, gathered, abscissa)?, word_of(channel, gathered, ordinate)?];
@@ -88,7 +88,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, b'^')?,
     ];
     let is_polar = polar_words.iter().any(Option::is_some);
-    let incremental = channel.modal.incremental;
+    let incremental = channel.modal.modes.incremental;
     for (axis, word) in [abscissa, ordinate].into_iter().zip(words) {
         if incremental || word.is_none() {
             target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span)?;
@@ -187,7 +187,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
 fn brought(channel: &mut Channel<'_>, axis: Axis, place: &AxisVector, span: Span) -> Result<(), Fault> {
     let setup = Shared::clone(&channel.standing.setup);
     let named: AxisSet = [axis].into_iter().collect();
-    channel.modal.command = step::reach(&channel.modal, &setup, named, place, span)?;
+    channel.modal.position.command = step::reach(&channel.modal, &setup, named, place, span)?;
     if channel.settings.strict {
         let lost = channel.modal.forget(named);
         channel.push(Kind::Lost(lost));
@@ -217,7 +217,7 @@ fn call(
     from: Place,
 ) -> Result<Call, Fault> {
     let is_rs274 = channel.is_rs274();
-    let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+    let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
     let dwell_s = feed::dwell_of_p(channel.language, gathered, &name_of(code))?;
     if let Some(seconds) = dwell_s.filter(|seconds| *seconds < 0.0) {
         let message = format!("a dwell of {seconds} s");
@@ -251,14 +251,14 @@ fn call(
     Ok(Call {
         code,
         from,
-        is_lost: ![abscissa, ordinate].into_iter().all(|axis| channel.modal.known.contains(axis)),
+        is_lost: ![abscissa, ordinate].into_iter().all(|axis| channel.modal.position.known.contains(axis)),
         r: measure::length(channel, gathered, b'R')?,
         bottom,
         q: measure::length(channel, gathered, b'Q')?.map(|q| q / growth),
         dwell_s,
         repeats,
-        incremental: channel.modal.incremental,
-        to_r: channel.modal.to_r_plane,
+        incremental: channel.modal.modes.incremental,
+        to_r: channel.modal.ends_at_r(),
         spindle: match channel.modal.spindle {
             3 => Turn::Clockwise,
             4 => Turn::CounterClockwise,
@@ -273,7 +273,7 @@ fn call(
 
 /// A direction of the machine in the program's plane.
 fn direction_of(modal: &Modal, standing: &InForce, axis: Axis, sign: f64) -> [f64; 2] {
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let direction = standing.setup.frame.unapply_direction(Vector::ith(axis.dimension(), sign));
     [abscissa, ordinate].map(|axis| direction.get(axis.slot()).copied().unwrap_or_default())
 }
@@ -289,7 +289,7 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
         Some(("radius compensation", "end it with G40 first"))
     } else if channel.modal.turning.is_some() {
         Some(("tool center point control", "end it with G49 first"))
-    } else if channel.modal.feed_mode == FeedUnit::InverseTime {
+    } else if channel.modal.modes.feed_unit == FeedUnit::InverseTime {
         Some(("inverse-time feed (G93)", "program G94 or G95"))
     } else {
         None
@@ -302,7 +302,7 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
         let message = format!("{axis} in a canned cycle");
         return Err(bad_value(gathered.span_of(axis.letter()), message, "move it in a block of its own"));
     }
-    if channel.is_rs274() && matches!(code, 740 | 840) && channel.modal.plane != Plane::XY {
+    if channel.is_rs274() && matches!(code, 740 | 840) && channel.modal.modes.plane != Plane::XY {
         let message = format!("{name} outside the XY plane: LinuxCNC takes the axes for one another there");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17, or program the motions one by one"));
     }
@@ -343,7 +343,7 @@ fn check_rigid(machine: &Machine, cycles: &Cycles, code: u16, name: &str, span: 
 /// LinuxCNC stops exactly within cycles; the motions that stand for them must not be blended.
 fn stop_exactly(channel: &mut Channel<'_>) {
     if channel.is_rs274()
-        && channel.modal.path_control.0 != 610
+        && !channel.modal.codes.is(Group::Control, 610)
         && !std::mem::replace(&mut channel.cycles.is_exact, true)
     {
         channel.push(Kind::Keep("G61"));

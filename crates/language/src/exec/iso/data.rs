@@ -74,7 +74,7 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
         for axis in gathered.axes.iter() {
             let value = target::axis_value(channel, gathered, axis)?;
             // Of a Fanuc, G91 adds to what is there.
-            let adds = channel.modal.incremental && !channel.is_rs274();
+            let adds = channel.modal.modes.incremental && !channel.is_rs274();
             if adds && known.is_none() && channel.settings.strict {
                 let message = format!("{} is changed by a step, and has no value in the machine file", system.words());
                 return Err(fault(Code::NO_OFFSET, span, message, format!("add [zero_offset.\"{}\"]", system.words())));
@@ -145,10 +145,10 @@ fn say_offset(channel: &mut Channel<'_>, system: System, parts: &FrameParts, nam
 
 /// `G10 L1`, `L10`, `L11` of RS274/NGC: length and radius of a tool.
 fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32, span: Span) -> Result<(), Fault> {
-    let mut offset = target::tool_offset(channel.settings.machine, &channel.written, number).unwrap_or_default();
+    let mut offset = channel.written.tools.find(channel.settings.machine, number, 1).unwrap_or_default();
     let mut text = format!("G10 L1 P{number}");
     // Where the tip would be without length, in the coordinates that L10 and L11 mean.
-    let mut bare = channel.modal.command;
+    let mut bare = channel.modal.position.command;
     if l == 10 {
         bare = channel.modal.frame().unapply(&bare);
     } else if l == 11 {
@@ -181,7 +181,7 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
     if gathered.axes.is_empty() && !gathered.has_any(b"RIJQ") {
         return Err(bad_value(span, "G10 L1 without offsets", "name the axes or R"));
     }
-    channel.written.tools.insert(number, offset);
+    channel.written.tools.write(number, 1, offset);
     channel.push(Kind::Verbatim(text.into_bytes()));
     Ok(())
 }
@@ -199,13 +199,13 @@ fn set_tool_value(
     let Some(value) = measure::length(channel, gathered, b'R')? else {
         return Err(bad_value(span, "G10 needs R with the value", "write for example G10 L10 P1 R100."));
     };
-    let known = target::tool_offset(channel.settings.machine, &channel.written, number);
-    if known.is_none() && channel.settings.strict && (channel.modal.incremental || matches!(l, 11 | 13)) {
+    let known = channel.written.tools.find(channel.settings.machine, number, 1);
+    if known.is_none() && channel.settings.strict && (channel.modal.modes.incremental || matches!(l, 11 | 13)) {
         let message = format!("offset {number} is changed in part, and has no value in the machine file");
         return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
     }
     let mut offset = known.unwrap_or_default();
-    let incremental = channel.modal.incremental;
+    let incremental = channel.modal.modes.incremental;
     let place = match l {
         11 => &mut offset.length_wear_mm,
         12 => &mut offset.radius_mm,
@@ -214,7 +214,7 @@ fn set_tool_value(
     };
     *place = value + if incremental { *place } else { 0.0 };
     let value = *place;
-    channel.written.tools.insert(number, ToolOffset { is_stated: true, ..offset });
+    channel.written.tools.write(number, 1, ToolOffset { is_stated: true, ..offset });
     let mut text = format!("G10 L{l} P{number}");
     text::append_length(channel.settings.machine, channel.language, &mut text, b'R', value);
     channel.push(Kind::Verbatim(text.into_bytes()));

@@ -5,10 +5,11 @@ use ncfix_machine::machine::Machine;
 use std::f64::consts::TAU;
 
 use super::channel::Channel;
+use super::codes::Group;
 use super::gathered::Gathered;
-use super::target::unknown_start;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::Path;
+use crate::exec::core::position::unknown_start;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::source::Span;
@@ -22,7 +23,7 @@ const LETTERS: &[u8; 3] = b"IJK";
 
 /// Whether blocks give the direction of the tool.
 pub(super) fn has_directions(modal: &Modal) -> bool {
-    modal.length_code == BY_DIRECTION && modal.turning.is_some()
+    modal.turning.is_some() && modal.codes.is(Group::Length, BY_DIRECTION)
 }
 
 /// The direction at the end of a motion of the code `motion`, in tenths; components that it does not name are zero.
@@ -98,8 +99,8 @@ pub(super) fn orient(channel: &mut Channel<'_>, path: &mut Path, direction: Vect
         path.motion.target[axis] = found[axis];
         path.motion.named.insert(axis);
         path.motion.known.insert(axis);
-        channel.modal.command[axis] = found[axis];
-        channel.modal.known.insert(axis);
+        channel.modal.position.command[axis] = found[axis];
+        channel.modal.position.known.insert(axis);
     }
     Ok(())
 }

@@ -186,6 +186,6 @@ pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, dialect: &'stat
     if let Err(found) = offsets::load_offset(&mut channel, Span::default()) {
         channel.outlet.warnings.push(found);
     }
-    channel.modal.known = if options.start.is_some() { channel.axes } else { AxisSet::EMPTY };
+    channel.modal.position.known = if options.start.is_some() { channel.axes } else { AxisSet::EMPTY };
     channel
 }

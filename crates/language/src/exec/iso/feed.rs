@@ -35,7 +35,7 @@ pub(super) fn feed_mode(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
             let span = gathered.code_span(Group::SpindleMode);
             return Err(bad_value(span, "G96 without S", "write the cutting speed with it"));
         }
-        channel.modal.spindle_mode = code;
+        channel.modal.codes.set(Group::SpindleMode, code);
         let name = if code == 960 { "G96" } else { "G97" };
         let letters: &[u8] = match (channel.is_rs274(), code) {
             (true, 960) => b"D$",
@@ -62,10 +62,10 @@ pub(super) fn feed_mode(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         950 => (FeedUnit::PerTurn, "G95"),
         _ => (FeedUnit::PerMinute, "G94"),
     };
-    if mode != channel.modal.feed_mode || channel.is_rs274() {
-        // F meant something else: it must be programmed again. LinuxCNC forgets it at each of these codes.
-        channel.modal.feed_mode = mode;
-        channel.modal.feed = 0.0;
+    channel.modal.modes.select_feed_unit(mode);
+    if channel.is_rs274() {
+        // LinuxCNC forgets F at each of these codes.
+        channel.modal.modes.feed = 0.0;
     }
     channel.push(Kind::Keep(word));
     Ok(())
@@ -77,8 +77,8 @@ pub(super) fn feed(modal: &mut Modal, gathered: &Gathered) -> Result<(), Fault> 
         let message = "a feed must not be negative";
         return Err(bad_value(gathered.span_of(b'F'), message, "program F with a positive value"));
     }
-    let scale = if modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { modal.scale() };
-    modal.feed = value * scale;
+    let scale = if modal.modes.feed_unit == FeedUnit::InverseTime { 1.0 } else { modal.modes.scale() };
+    modal.modes.feed = value * scale;
     Ok(())
 }
 
@@ -95,9 +95,9 @@ pub(super) fn speed(
     }
     // A cutting speed is in feet per minute where lengths are in inches.
     let in_meters = |inch: bool| if inch { METERS_PER_FOOT } else { 1.0 };
-    let (own, output) = (modal.inch, machine.control.output_inch == Some(true));
-    let is_other = modal.spindle_mode == 960 && own != output;
-    modal.speed = Some(value);
+    let (own, output) = (modal.modes.inch, machine.control.output_inch == Some(true));
+    let is_other = own != output && modal.has_cutting_speed();
+    modal.modes.speed = Some(value);
     modal.speed_word = if is_other { to_places(value * in_meters(own) / in_meters(output)) } else { value };
     let value = WordValue::Number(modal.speed_word);
     block.before.push(Word { letter: b'S', extension: None, value });
@@ -107,7 +107,7 @@ pub(super) fn speed(
 pub(super) fn tool_word(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(value) = gathered.raw(b'T') else { return Ok(()) };
     let number = whole(value, gathered.span_of(b'T'), "T")?;
-    channel.modal.selected = Some(number);
+    channel.modal.tool.selected = Some(number);
     channel.push(Kind::Tool(WordValue::Number(f64::from(number))));
     Ok(())
 }
@@ -142,7 +142,7 @@ pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
             let value = gathered.raw(letter).unwrap_or_default();
             // Without a point the value counts milliseconds, whatever the unit of lengths.
             let counts = gathered.is_unpointed(letter)
-                && measure::length(channel, gathered, letter)? != Some(value * channel.modal.scale());
+                && measure::length(channel, gathered, letter)? != Some(value * channel.modal.modes.scale());
             if counts { value / 1000.0 } else { value }
         }
         _ => return Err(bad_value(span, "G4 needs the time", "write for example G4 P1000 or, for RS274, G4 P1")),
@@ -150,7 +150,7 @@ pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
     if seconds < 0.0 {
         return Err(bad_value(span, "a dwell must not be negative", "check the time"));
     }
-    if channel.modal.feed_mode == FeedUnit::PerTurn
+    if channel.modal.modes.feed_unit == FeedUnit::PerTurn
         && !channel.is_rs274()
         && channel.settings.machine.control.iso.dwell_turns
     {
@@ -173,11 +173,12 @@ pub(super) fn path_control(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
         )?;
     }
     modes::leave_exact_stops(channel, true);
-    channel.modal.path_control = (code, None, None);
+    channel.modal.codes.set(Group::Control, code);
+    channel.modal.path_tolerance_mm = [None; 2];
     if code == 640 && channel.is_rs274() && gathered.has_any(b"PQR") {
         let mut text = "G64".to_owned();
         let (p, q) = (measure::length(channel, gathered, b'P')?, measure::length(channel, gathered, b'Q')?);
-        channel.modal.path_control = (code, p, q);
+        channel.modal.path_tolerance_mm = [p, q];
         let unit_mm = text::output_unit_mm(channel.settings.machine);
         let (p, q) = (p.map(|length| length / unit_mm), q.map(|length| length / unit_mm));
         for (letter, value) in [(b'P', p), (b'Q', q), (b'R', gathered.raw(b'R'))] {
@@ -213,7 +214,7 @@ pub(super) fn passed_on(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     let mut text = entry.name.to_owned();
     for letter in entry.words.split(' ').filter_map(|word| word.bytes().next().filter(|_| word.len() == 1)) {
         let is_length = LENGTHS.contains(&letter);
-        let is_other = channel.modal.inch && channel.settings.machine.control.output_inch != Some(true);
+        let is_other = channel.modal.modes.inch && channel.settings.machine.control.output_inch != Some(true);
         if is_other && !is_length && gathered.has(letter) && !gathered.is_unpointed(letter) {
             let message = format!(
                 "{} with {} under G20: it may be in inches, and the output is metric",

@@ -83,7 +83,8 @@ fn within_transforms(
     // The machine's own places do not turn with a tilted plane, and its plane is chosen within it.
     let is_free = is_tilted && *kind != Kind::Origin;
     // `G17 G68 X0 Y0 R30.`: the plane of the turn that begins here.
-    let begins = *kind == Kind::Plane && gathered.code(group).is_some() && plane_of(modal, gathered) == modal.plane;
+    let begins =
+        *kind == Kind::Plane && gathered.code(group).is_some() && plane_of(modal, gathered) == modal.modes.plane;
     if is_free || begins || machine.control.iso.codes_within_rotation {
         return Ok(());
     }
@@ -110,7 +111,7 @@ fn transform_within(modal: &Modal, gathered: &Gathered) -> Option<(&'static str,
 /// Operator's manual, "cutter compensation": another plane is alarm 037; what the other codes do with the offset vector is a
 /// matter of parameters (5003, 5008), and the tool moves by the radius in any case.
 fn within_compensation(modal: &Modal, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
-    if !modal.contour.compensates() || *kind == Kind::Plane && plane_of(modal, gathered) == modal.plane {
+    if !modal.contour.compensates() || *kind == Kind::Plane && plane_of(modal, gathered) == modal.modes.plane {
         return Ok(());
     }
     let why = match kind {
@@ -144,12 +145,12 @@ fn within_polar(
     if special.polar.is_none() || gathered.code(Group::Polar).is_some() {
         return Ok(());
     }
-    let [abscissa, ordinate, _] = modal.plane.axes();
-    let has_words = [abscissa, ordinate]
-        .into_iter()
-        .any(|axis| gathered.axes.contains(axis) && !(modal.incremental && gathered.raw(axis.letter()) == Some(0.0)));
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
+    let has_words = [abscissa, ordinate].into_iter().any(|axis| {
+        gathered.axes.contains(axis) && !(modal.modes.incremental && gathered.raw(axis.letter()) == Some(0.0))
+    });
     let is_forbidden = match kind {
-        Kind::Plane => plane_of(modal, gathered) != modal.plane,
+        Kind::Plane => plane_of(modal, gathered) != modal.modes.plane,
         Kind::Machine => name != "G53" && has_words,
         Kind::Origin => false,
     };
@@ -162,7 +163,7 @@ fn within_polar(
 
 fn plane_of(modal: &Modal, gathered: &Gathered) -> Plane {
     let number = gathered.code(Group::Plane).and_then(|code| u8::try_from(code / 10).ok());
-    number.and_then(Plane::from_number).unwrap_or(modal.plane)
+    number.and_then(Plane::from_number).unwrap_or(modal.modes.plane)
 }
 
 /// The same for a zero offset in force that is written as a variable.

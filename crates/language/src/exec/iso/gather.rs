@@ -17,7 +17,7 @@ const MAX_VALUE: f64 = 1e9;
 /// Reads words of a block; assignments and names among them are not its business.
 pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) -> Result<(), Fault> {
     // The unit of the block holds for all its words.
-    let mut inch = scope.channel.modal.inch;
+    let mut inch = scope.channel.modal.modes.inch;
     for word in words.iter().filter(|word| word.address == Address::Letter(b'G')) {
         match word.value {
             Value::Number { value: 20.0, .. } => inch = true,

@@ -9,6 +9,7 @@ use super::step::Step;
 use super::target;
 use super::variables::Variables;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::position::unknown_start;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet};
 use ncfix_base::source::Span;
@@ -30,7 +31,7 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
         Some(_) => return Err(bad_value(gathered.span_of(b'P'), "G30 has the points 2, 3 and 4", "write P2")),
     };
     // By way of where the axes stand, wherever that is: `G91 G28 Z0` at the start of a program.
-    let mut stays = channel.modal.incremental;
+    let mut stays = channel.modal.modes.incremental;
     for axis in gathered.axes.iter() {
         stays &= target::axis_value(channel, gathered, axis)? == 0.0;
     }
@@ -45,12 +46,12 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
         step::step(channel, Step::straight(gathered, true, through, named))?;
         channel.outlet.begin_line();
     }
-    channel.written.through = Some(channel.modal.command);
+    channel.written.via.note(channel.modal.position.command);
     let homed = if named.is_empty() && channel.is_rs274() { channel.axes } else { named };
     if homed.is_empty() {
         return Err(bad_value(span, format!("{} without axis words", name_of(code)), "name the axes"));
     }
-    let mut end = channel.modal.command;
+    let mut end = channel.modal.position.command;
     for axis in homed.iter() {
         end[axis] = reference(channel.settings.machine, channel.language, &channel.variables, point, axis, span)?;
     }
@@ -70,7 +71,7 @@ fn reference(
 ) -> Result<f64, Fault> {
     if language == Language::Rs274 {
         let first = PARAMETERS.get(usize::from(point) - 1).copied().unwrap_or_default();
-        let value = variables.get(first + number_of(axis)).unwrap_or_default();
+        let value = variables.get(first + axis.slot() as u32).unwrap_or_default();
         return Ok(if axis.is_rotary() { value.to_radians() } else { value });
     }
     let points = &machine.control.iso.reference_points;
@@ -90,9 +91,10 @@ fn reference(
 /// `G28.1`, `G30.1`: the present position becomes the reference point.
 pub(super) fn save_home(channel: &mut Channel<'_>, code: u16, span: Span) -> Result<(), Fault> {
     forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
-    if let Some(axis) = AxisSet::XYZ.iter().find(|&axis| channel.settings.strict && !channel.modal.known.contains(axis))
+    if let Some(axis) =
+        AxisSet::XYZ.iter().find(|&axis| channel.settings.strict && !channel.modal.position.known.contains(axis))
     {
-        return Err(target::unknown_start(span, axis));
+        return Err(unknown_start(span, axis));
     }
     if channel.settings.strict {
         let message = format!("{} would store where the axes stand with their correction", name_of(code));
@@ -101,25 +103,10 @@ pub(super) fn save_home(channel: &mut Channel<'_>, code: u16, span: Span) -> Res
     }
     let first = PARAMETERS[usize::from(code == 301)];
     for axis in AXES {
-        let value = channel.modal.command[axis];
+        let value = channel.modal.position.command[axis];
         let saved = if axis.is_rotary() { value.to_degrees() } else { value };
-        channel.variables.set(first + number_of(axis), Some(saved));
+        channel.variables.set(first + axis.slot() as u32, Some(saved));
     }
     channel.push(Kind::Keep(if code == 281 { "G28.1" } else { "G30.1" }));
     Ok(())
-}
-
-/// The place of an axis in the order X Y Z A B C U V W of the parameters.
-fn number_of(axis: Axis) -> u32 {
-    match axis {
-        Axis::X => 0,
-        Axis::Y => 1,
-        Axis::Z => 2,
-        Axis::A => 3,
-        Axis::B => 4,
-        Axis::C => 5,
-        Axis::U => 6,
-        Axis::V => 7,
-        Axis::W => 8,
-    }
 }

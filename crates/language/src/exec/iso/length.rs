@@ -12,6 +12,7 @@ use super::text;
 use super::tilt;
 use super::tip;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::tool::without_value;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Vector};
 use ncfix_base::source::Span;
@@ -37,20 +38,20 @@ pub(super) fn length_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
 
 /// H alone changes the offset while compensation is on (Fanuc).
 fn again(language: Language, modal: &Modal, gathered: &Gathered) -> Option<u16> {
-    let code = modal.length_code;
+    let code = modal.code(Group::Length);
     (language != Language::Rs274 && code != 490 && gathered.has(b'H') && gathered.code(Group::Action).is_none())
         .then_some(code)
 }
 
 fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<bool, Fault> {
-    let mut length = if code == 490 || code == 430 { Vector::zeros() } else { channel.modal.length_mm };
+    let mut length = if code == 490 || code == 430 { Vector::zeros() } else { channel.modal.tool.length_mm };
     let mut text = name_of(code);
     let (mut takes_axes, mut assumed) = (false, false);
     match code {
         430 => {
             let number = match gathered.raw(b'H') {
                 Some(value) => whole(value, gathered.span_of(b'H'), "H")?,
-                None => channel.modal.active.unwrap_or(0),
+                None => channel.modal.tool.active.unwrap_or(0),
             };
             if gathered.has(b'H') {
                 text::append(channel.language, &mut text, b'H', f64::from(number));
@@ -81,7 +82,7 @@ fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
         }
         _ => {}
     }
-    channel.modal.length_code = code;
+    channel.modal.codes.set(Group::Length, code);
     setup::put_length(channel, length, assumed);
     channel.push(Kind::Verbatim(text.into_bytes()));
     Ok(takes_axes)
@@ -92,16 +93,13 @@ fn table_length(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(V
     if number == 0 {
         return Ok((Vector::zeros(), false));
     }
-    if let Some(offset) = target::tool_offset(channel.settings.machine, &channel.written, number) {
-        let wear = Vector::new(0.0, 0.0, offset.length_wear_mm);
-        return Ok((offset.length_mm + wear, false));
+    if let Some(size) = channel.written.tools.size(channel.settings.machine, number, 1) {
+        let [along_z, along_y, along_x] = size.length_mm;
+        return Ok((Vector::new(along_x, along_y, along_z), false));
     }
     let message = format!("tool offset {number} has no value in the machine file");
     let help = "add a [[tool]] entry of this number there or in a file given with --setup";
-    if channel.settings.strict {
-        return Err(fault(Code::NO_TOOL, span, message, help));
-    }
-    channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
+    without_value(channel.settings.strict, &mut channel.outlet.warnings, span, &message, "length 0", help)?;
     Ok((Vector::zeros(), true))
 }
 
@@ -121,7 +119,7 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
     let mut length = Vector::zeros();
     if !is_off {
         if channel.settings.machine.control.iso.length_axis != LengthAxis::Z {
-            length = channel.modal.length_mm;
+            length = channel.modal.tool.length_mm;
         }
         if size != 0.0 || length != Vector::zeros() {
             let is_along_tool = matches!(code, 434 | 435);
@@ -142,7 +140,7 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
         tip::axis_command(&channel.modal, &channel.standing, &channel.outlet),
     );
     tip::switch_tip(channel, code, gathered, span)?;
-    channel.modal.length_code = code;
+    channel.modal.codes.set(Group::Length, code);
     setup::put_length(channel, length, assumed);
     if !is_off {
         tilt::stand_anew(channel, span)?;
@@ -169,7 +167,7 @@ fn length_axis(machine: &Machine, modal: &Modal, gathered: &Gathered, span: Span
     match machine.control.iso.length_axis {
         LengthAxis::Z => Ok(Axis::Z),
         LengthAxis::Plane => {
-            let [.., applicate] = modal.plane.axes();
+            let [.., applicate] = modal.modes.plane.axes();
             Ok(applicate)
         }
         LengthAxis::Programmed => {
@@ -177,7 +175,7 @@ fn length_axis(machine: &Machine, modal: &Modal, gathered: &Gathered, span: Span
             match (named.next(), named.next()) {
                 (Some(axis), None) => Ok(axis),
                 (None, _) => {
-                    let has_length = |axis: &Axis| modal.length_mm[axis.slot()] != 0.0;
+                    let has_length = |axis: &Axis| modal.tool.length_mm[axis.slot()] != 0.0;
                     let mut in_force = AxisSet::XYZ.iter().filter(has_length);
                     match (in_force.next(), in_force.next()) {
                         (Some(_), Some(_)) => Err(unclear_axis(span)),

@@ -16,7 +16,7 @@ use ncfix_machine::machine::Machine;
 /// A length word, mm.
 pub(super) fn length(channel: &mut Channel<'_>, gathered: &Gathered, letter: u8) -> Result<Option<f64>, Fault> {
     let Some(value) = gathered.raw(letter) else { return Ok(None) };
-    let scale = channel.modal.scale();
+    let scale = channel.modal.modes.scale();
     if channel.is_rs274() || value == 0.0 {
         return Ok(Some(value * scale));
     }
@@ -51,7 +51,7 @@ pub(super) fn angle(
 
 /// Increments of a Fanuc in a length unit of the program.
 pub(super) fn increments_per_length(machine: &Machine, modal: &Modal) -> f64 {
-    increments_per(machine, modal.inch)
+    increments_per(machine, modal.modes.inch)
 }
 
 /// Increments of a Fanuc in a degree.

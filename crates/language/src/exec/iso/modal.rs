@@ -1,30 +1,25 @@
 //! What stays in force from block to block: modal codes, offsets, tool, position.
 
-use super::codes::G80;
+use super::codes::{G80, Group};
 use super::frames::Transforms;
 use super::zero_offset::System;
 use crate::exec::core::contour::ContourModal;
-use ncfix_base::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
-use ncfix_base::units::MM_PER_INCH;
+use crate::exec::core::modal::{CodesInForce, Modes};
+use crate::exec::core::position::Position;
+use crate::exec::core::tool::ToolState;
+use ncfix_base::geometry::{AxisSet, AxisVector, Frame, Vector};
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{FeedUnit, Setup, Turning};
+use ncfix_machine::snc::{Setup, Turning};
 
 /// Modal state of the channel.
 #[derive(Clone, Debug)]
 pub(super) struct Modal {
-    /// Kind of motion, a G code in tenths; G80 for none.
-    pub(super) motion: u16,
-    pub(super) plane: Plane,
-    pub(super) incremental: bool,
-    /// G90.1
-    pub(super) arc_absolute: bool,
-    pub(super) inch: bool,
-    /// mm/min, mm/turn or 1/min; 0 for none yet.
-    pub(super) feed: f64,
-    pub(super) feed_mode: FeedUnit,
-    pub(super) speed: Option<f64>,
-    /// The same as the output has it: of G96, m/min.
+    /// The kind of motion is a G code in tenths; G80 for none.
+    pub(super) modes: Modes<u16>,
+    /// Codes of the other groups, in tenths.
+    pub(super) codes: CodesInForce<Group, u16>,
+    /// The speed as the output has it: of G96, m/min.
     pub(super) speed_word: f64,
     /// M3, M4 or M5.
     pub(super) spindle: u8,
@@ -32,12 +27,8 @@ pub(super) struct Modal {
     pub(super) coolant: [bool; 2],
     /// M48 to M53: feed override, speed override, adaptive feed, feed stop.
     pub(super) overrides: [bool; 4],
-    /// G99: cycles end at R.
-    pub(super) to_r_plane: bool,
-    /// G61, G61.1, G64, in tenths, and the words of G64.
-    pub(super) path_control: (u16, Option<f64>, Option<f64>),
-    /// G96 or G97, in tenths.
-    pub(super) spindle_mode: u16,
+    /// P and Q of G64, mm.
+    pub(super) path_tolerance_mm: [Option<f64>; 2],
     /// G54 and its kin.
     pub(super) system: System,
     /// The frame of the zero offset in force, that of all systems (EXT) included.
@@ -52,51 +43,36 @@ pub(super) struct Modal {
     pub(super) local: AxisVector,
     /// Rotation, scale, mirror, tilted plane.
     pub(super) transforms: Transforms,
-    /// Code of length compensation, in tenths.
-    pub(super) length_code: u16,
-    /// Offset of the tool in force along X, Y, Z, mm.
-    pub(super) length_mm: Vector,
-    /// Where it has no value in the machine file.
-    pub(super) length_assumed: bool,
-    /// Selected with T, not yet changed to.
-    pub(super) selected: Option<u32>,
-    /// In the spindle.
-    pub(super) active: Option<u32>,
+    /// The length lies along X, Y, Z; it may be assumed, the radius not.
+    pub(super) tool: ToolState<u32, Vector>,
     /// H and D in force.
     pub(super) h: u32,
     pub(super) d: Option<u32>,
-    /// Radius of compensation, mm.
-    pub(super) radius_mm: f64,
     pub(super) contour: ContourModal,
     /// G43.4, G43.5.
     pub(super) turning: Option<Turning>,
-    /// Axis commands, mm and rad; under a transformation positions fixed to the workpiece.
-    pub(super) command: AxisVector,
-    /// Axes whose position the program has stated, in the frame in force.
-    pub(super) known: AxisSet,
+    pub(super) position: Position,
 }
+
+/// Codes that are in force at the start, of RS274/NGC and of a Fanuc: LinuxCNC starts with G99.
+const RS274_START: &[(Group, u16)] = &[(Group::Retract, 990), START[0], START[1], START[2], START[3]];
+const FANUC_START: &[(Group, u16)] = &[(Group::Retract, 980), START[0], START[1], START[2], START[3]];
+/// Of both.
+const START: [(Group, u16); 4] =
+    [(Group::ArcDistance, 911), (Group::Control, 640), (Group::SpindleMode, 970), (Group::Length, 490)];
 
 impl Modal {
     pub(super) fn new(start: Option<AxisVector>, machine: &Machine, language: Language) -> Self {
         let is_fanuc = language == Language::Fanuc;
         Modal {
             // LinuxCNC starts with G80, a Fanuc with G0 or G1 by parameter.
-            motion: if is_fanuc { 0 } else { G80 },
-            plane: machine.control.initial_plane,
-            incremental: false,
-            arc_absolute: false,
-            inch: false,
-            feed: 0.0,
-            feed_mode: FeedUnit::PerMinute,
-            speed: None,
+            modes: Modes::new(if is_fanuc { 0 } else { G80 }, machine.control.initial_plane),
+            codes: CodesInForce::new(if is_fanuc { FANUC_START } else { RS274_START }),
             speed_word: 0.0,
             spindle: 5,
             coolant: [false; 2],
             overrides: [true, true, false, true],
-            // LinuxCNC starts with G99.
-            to_r_plane: !is_fanuc,
-            path_control: (640, None, None),
-            spindle_mode: 970,
+            path_tolerance_mm: [None; 2],
             system: machine.control.initial_zero_offset.as_deref().and_then(System::of_name).unwrap_or(System::FIRST),
             settable: Frame::identity(),
             offset_assumed: false,
@@ -104,24 +80,33 @@ impl Modal {
             stored_shift: AxisVector::ZERO,
             local: AxisVector::ZERO,
             transforms: Transforms::default(),
-            length_code: 490,
-            length_mm: Vector::zeros(),
-            length_assumed: false,
-            selected: None,
-            active: None,
+            tool: ToolState::default(),
             h: 0,
             d: None,
-            radius_mm: 0.0,
             contour: if is_fanuc { ContourModal::fanuc(&machine.control) } else { ContourModal::rs274() },
             turning: None,
-            command: start.unwrap_or_default(),
-            known: if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY },
+            position: Position::at_start(start, machine),
         }
     }
 
-    /// mm per programmed length unit.
-    pub(super) fn scale(&self) -> f64 {
-        if self.inch { MM_PER_INCH } else { 1.0 }
+    /// The code in force of a group that has one from the start, in tenths.
+    pub(super) fn code(&self, group: Group) -> u16 {
+        self.codes.code(group).unwrap_or_default()
+    }
+
+    /// G99: cycles end at R.
+    pub(super) fn ends_at_r(&self) -> bool {
+        self.codes.is(Group::Retract, 990)
+    }
+
+    /// G96: S is the cutting speed.
+    pub(super) fn has_cutting_speed(&self) -> bool {
+        self.codes.is(Group::SpindleMode, 960)
+    }
+
+    /// G90.1
+    pub(super) fn has_absolute_centers(&self) -> bool {
+        self.codes.is(Group::ArcDistance, 901)
     }
 
     /// Total frame: zero offset, shifts, then what is nearest to the programmed value.
@@ -147,23 +132,17 @@ impl Modal {
     pub(super) fn shown(&self) -> Setup {
         Setup {
             frame: self.settable,
-            tool_mm: -self.length_mm,
-            plane: self.plane,
+            tool_mm: -self.tool.length_mm,
+            plane: self.modes.plane,
             transform: self.turning,
-            assumed: self.offset_assumed || self.length_assumed,
+            assumed: self.offset_assumed || self.tool.assumed,
         }
     }
 
     /// Where some axes are is unknown from here on. Those that a frame or a transformation mixes are unknown together; gives all that
     /// are.
     pub(super) fn forget(&mut self, axes: AxisSet) -> AxisSet {
-        let mut lost = axes;
-        if self.turning.is_some() {
-            lost = AxisSet::ALL;
-        } else if !self.frame().is_translation() && !axes.intersection(AxisSet::XYZ).is_empty() {
-            lost = axes.union(AxisSet::XYZ);
-        }
-        self.known = self.known.difference(lost);
-        lost
+        let frame = self.frame();
+        self.position.forget(axes, self.turning.is_some(), &frame)
     }
 }

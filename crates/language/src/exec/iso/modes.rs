@@ -20,7 +20,7 @@ use ncfix_machine::snc::Kind;
 pub(super) fn plane(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Plane) else { return Ok(()) };
     let Some(plane) = u8::try_from(code / 10).ok().and_then(Plane::from_number) else { return Ok(()) };
-    if plane != channel.modal.plane {
+    if plane != channel.modal.modes.plane {
         if channel.is_rs274() {
             forbidden::no_compensation(
                 channel.language,
@@ -29,7 +29,7 @@ pub(super) fn plane(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
                 "another plane",
             )?;
         }
-        channel.modal.plane = plane;
+        channel.modal.modes.plane = plane;
         setup::refresh_setup(channel);
     }
     channel.push(Kind::Keep(match plane.number() {
@@ -47,9 +47,9 @@ pub(super) fn units(
     gathered: &Gathered,
 ) -> Result<(), Fault> {
     let Some(code) = gathered.code(Group::Units) else { return Ok(()) };
-    modal.inch = code == 200;
+    modal.modes.inch = code == 200;
     match machine.control.output_inch {
-        Some(inch) if inch != modal.inch && language != Language::Rs274 => {
+        Some(inch) if inch != modal.modes.inch && language != Language::Rs274 => {
             let message = "the program is in inches in one part and in millimeters in another";
             let help = "correct them as two programs: what the control keeps in tool and zero offsets follows the unit in force";
             Err(fault(Code::MIXED_UNITS, gathered.code_span(Group::Units), message, help))
@@ -60,16 +60,16 @@ pub(super) fn units(
 
 pub(super) fn distance(modal: &mut Modal, gathered: &Gathered) {
     if let Some(code) = gathered.code(Group::Distance) {
-        modal.incremental = code == 910;
+        modal.modes.incremental = code == 910;
     }
     if let Some(code) = gathered.code(Group::ArcDistance) {
-        modal.arc_absolute = code == 901;
+        modal.codes.set(Group::ArcDistance, code);
     }
 }
 
 pub(super) fn retract(modal: &mut Modal, gathered: &Gathered) {
     if let Some(code) = gathered.code(Group::Retract) {
-        modal.to_r_plane = code == 990;
+        modal.codes.set(Group::Retract, code);
     }
 }
 
@@ -91,19 +91,25 @@ pub(super) fn leave_exact_stops(channel: &mut Channel<'_>, is_named: bool) {
     if !std::mem::take(&mut channel.cycles.is_exact) || is_named {
         return;
     }
-    match channel.modal.path_control {
-        (611, ..) => channel.push(Kind::Keep("G61.1")),
-        (_, None, None) => channel.push(Kind::Keep("G64")),
-        (_, p, q) => {
-            let mut text = "G64".to_owned();
-            for (letter, value) in [(b'P', p), (b'Q', q)] {
-                if let Some(value) = value {
-                    text::append_length(channel.settings.machine, channel.language, &mut text, letter, value);
-                }
-            }
+    match (channel.modal.code(Group::Control), channel.modal.path_tolerance_mm) {
+        (611, _) => channel.push(Kind::Keep("G61.1")),
+        (_, [None, None]) => channel.push(Kind::Keep("G64")),
+        (_, tolerance_mm) => {
+            let text = blending(channel.settings.machine, channel.language, tolerance_mm);
             channel.push(Kind::Verbatim(text.into_bytes()));
         }
     }
+}
+
+/// `G64` with its P and Q.
+pub(super) fn blending(machine: &Machine, language: Language, tolerance_mm: [Option<f64>; 2]) -> String {
+    let mut text = "G64".to_owned();
+    for (letter, value) in b"PQ".iter().zip(tolerance_mm) {
+        if let Some(value) = value {
+            text::append_length(machine, language, &mut text, *letter, value);
+        }
+    }
+    text
 }
 
 /// The kind of motion of a block that names a code of motion or has words for the one in force.
@@ -111,7 +117,7 @@ pub(super) fn motion_of(language: Language, modal: &Modal, cycles: &Cycles, gath
     if let Some(code) = code_of_motion(language, cycles, gathered) {
         return Some(code);
     }
-    let is_arc = matches!(modal.motion, 20 | 30) || direction::has_directions(modal);
+    let is_arc = matches!(modal.modes.motion, 20 | 30) || direction::has_directions(modal);
     let moves = !gathered.axes.is_empty() || gathered.has_any(b"@^") || is_arc && gathered.has_any(b"IJKR");
-    moves.then_some(modal.motion)
+    moves.then_some(modal.modes.motion)
 }

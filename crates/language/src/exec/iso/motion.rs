@@ -54,12 +54,12 @@ fn machine_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, spa
         let message = "G53 stands with G0 or G1";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G0 or G1 in the block of G53"));
     }
-    if channel.modal.incremental {
+    if channel.modal.modes.incremental {
         // A Fanuc ignores it; a motion that somebody has programmed does not vanish.
         return Err(fault(Code::BAD_WORD_VALUE, span, "G53 under G91", "program G90 in the block"));
     }
     forbidden::no_compensation(channel.language, &channel.modal, span, "G53")?;
-    let here = channel.modal.command;
+    let here = channel.modal.position.command;
     let mut end = here;
     for axis in gathered.axes.iter() {
         let value = target::axis_value(channel, gathered, axis)?;

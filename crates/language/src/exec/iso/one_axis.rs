@@ -32,7 +32,7 @@ pub(super) fn note_turn(
     let now = target::here(modal, standing);
     let transforms = &modal.transforms;
     let is_in_space = before.is_in_space() || transforms.is_in_space();
-    let plane: AxisSet = modal.plane.axes().into_iter().take(2).collect();
+    let plane: AxisSet = modal.modes.plane.axes().into_iter().take(2).collect();
     let group = if is_in_space { AxisSet::XYZ } else { plane };
     let mut values = *here;
     if let Some(old) = &special.doubt {
@@ -67,7 +67,7 @@ pub(super) fn other_axes(
     let moved = doubt.group.intersection(named);
     let span = moved.iter().next().map_or(gathered.span, |axis| gathered.span_of(axis.letter()));
     let setting = channel.settings.machine.control.iso.one_axis_in_rotation;
-    if channel.modal.incremental {
+    if channel.modal.modes.incremental {
         if !doubt.has_ended {
             // The way is the same by either rule: the tool turns about where it stands.
             for axis in moved.iter() {

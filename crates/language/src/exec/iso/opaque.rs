@@ -20,7 +20,7 @@ impl Interpreter<'_> {
         };
         let control = &self.machine.control;
         let Some(moves) = names.iter().find_map(|name| control.opaque_moves(name)) else { return Ok(false) };
-        if self.channel.modal.inch && !call.arguments.is_empty() {
+        if self.channel.modal.modes.inch && !call.arguments.is_empty() {
             let message = "the arguments of this call are in inches, and the output is metric";
             return Err(at(call.span, Code::NOT_SUPPORTED, message, "call it under G21"));
         }
@@ -31,8 +31,8 @@ impl Interpreter<'_> {
             return Err(at(call.span, Code::NOT_SUPPORTED, message, help));
         }
         let text = self.text_of(call)?;
-        if self.channel.modal.feed_mode != FeedUnit::InverseTime {
-            self.channel.outlet.feed_for_call(self.channel.modal.feed);
+        if self.channel.modal.modes.feed_unit != FeedUnit::InverseTime {
+            self.channel.outlet.feed_for_call(self.channel.modal.modes.feed);
         }
         self.channel.push(Kind::Verbatim(text.into_bytes()));
         if moves && self.channel.modal.contour.compensates() {

@@ -33,7 +33,7 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
     let done = if channel.is_rs274() { execute_rs274(channel, gathered) } else { execute_fanuc(channel, gathered) };
     // Even where the block has a fault, the program ends where it says so.
     done?;
-    if !channel.is_rs274() && channel.modal.length_code == 490 && gathered.raw_quietly(b'H') == Some(0.0) {
+    if !channel.is_rs274() && channel.modal.codes.is(Group::Length, 490) && gathered.raw_quietly(b'H') == Some(0.0) {
         // No offset, where none is in force.
         gathered.use_up(b"H");
     }
@@ -146,7 +146,7 @@ pub(super) fn has_way(modal: &Modal, gathered: &Gathered, code: u16) -> bool {
 /// F of a block without a motion.
 pub(super) fn feed_alone(channel: &mut Channel<'_>, gathered: &Gathered) {
     if gathered.has(b'F') && gathered.code(Group::Action) != Some(40) {
-        channel.push(Kind::Feed(channel.modal.feed));
+        channel.push(Kind::Feed(channel.modal.modes.feed));
     }
 }
 

@@ -63,8 +63,9 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
         // What the table says of the tool in the spindle, whether it is in force or not.
         5401..=5403 | 5410 => match channel
             .modal
+            .tool
             .active
-            .and_then(|tool| target::tool_offset(channel.settings.machine, &channel.written, tool))
+            .and_then(|tool| channel.written.tools.find(channel.settings.machine, tool, 1))
         {
             Some(offset) if number == 5410 => Ok(2.0 * offset.radius_mm),
             Some(offset) => Ok(offset.length_mm[(number - 5401) as usize]),
@@ -97,7 +98,7 @@ pub(super) fn note_probe(channel: &mut Channel<'_>) {
 
 /// Which tool is in the spindle before the first M6, only the machine knows.
 fn tool_in_spindle(strict: bool, modal: &Modal) -> Result<f64, Missing> {
-    match modal.active {
+    match modal.tool.active {
         Some(tool) => Ok(f64::from(tool)),
         None if strict => Err(Missing::OnlyMachine),
         None => Ok(0.0),
@@ -106,7 +107,7 @@ fn tool_in_spindle(strict: bool, modal: &Modal) -> Result<f64, Missing> {
 
 /// Where an axis is, as the program would say it.
 fn here_of(strict: bool, modal: &Modal, standing: &InForce, axis: Axis) -> Result<f64, Missing> {
-    if strict && !modal.known.contains(axis) {
+    if strict && !modal.position.known.contains(axis) {
         return Err(Missing::Unstated);
     }
     Ok(system::shown_value(modal, axis, target::here(modal, standing)[axis]))
@@ -145,37 +146,37 @@ pub(super) fn predefined_name(channel: &Channel<'_>, name: &str) -> Option<Resul
         "_METRIC_MACHINE" | "_LATHE_RADIUS_MODE" | "_SPEED_OVERRIDE" | "_FEED_OVERRIDE" => Ok(1.0),
         "_ADAPTIVE_FEED" | "_FEED_HOLD" => Err(Missing::OnlyMachine),
         "_LINE" => Ok(f64::from(channel.outlet.origin.line)),
-        "_MOTION_MODE" => code(modal.motion),
-        "_PLANE" => Ok(10.0 * f64::from(modal.plane.number())),
+        "_MOTION_MODE" => code(modal.modes.motion),
+        "_PLANE" => Ok(10.0 * f64::from(modal.modes.plane.number())),
         "_CCOMP" => code(match modal.contour.side {
             Side::Off => 400,
             Side::Left => 410,
             Side::Right => 420,
         }),
-        "_METRIC" => is(!modal.inch),
-        "_IMPERIAL" => is(modal.inch),
-        "_ABSOLUTE" => is(!modal.incremental),
-        "_INCREMENTAL" => is(modal.incremental),
-        "_INVERSE_TIME" => is(modal.feed_mode == FeedUnit::InverseTime),
-        "_UNITS_PER_MINUTE" => is(modal.feed_mode == FeedUnit::PerMinute),
-        "_UNITS_PER_REV" => is(modal.feed_mode == FeedUnit::PerTurn),
+        "_METRIC" => is(!modal.modes.inch),
+        "_IMPERIAL" => is(modal.modes.inch),
+        "_ABSOLUTE" => is(!modal.modes.incremental),
+        "_INCREMENTAL" => is(modal.modes.incremental),
+        "_INVERSE_TIME" => is(modal.modes.feed_unit == FeedUnit::InverseTime),
+        "_UNITS_PER_MINUTE" => is(modal.modes.feed_unit == FeedUnit::PerMinute),
+        "_UNITS_PER_REV" => is(modal.modes.feed_unit == FeedUnit::PerTurn),
         "_COORD_SYSTEM" if modal.system.0 < 7 => Ok(530.0 + 10.0 * f64::from(modal.system.0)),
         "_COORD_SYSTEM" => Ok(584.0 + f64::from(modal.system.0)),
-        "_TOOL_OFFSET" => is(modal.length_mm.iter().any(|&value| value != 0.0)),
-        "_RETRACT_R_PLANE" => is(modal.to_r_plane),
-        "_RETRACT_OLD_Z" => is(!modal.to_r_plane),
-        "_SPINDLE_RPM_MODE" => is(modal.spindle_mode != 960),
-        "_SPINDLE_CSS_MODE" => is(modal.spindle_mode == 960),
-        "_IJK_ABSOLUTE_MODE" => is(modal.arc_absolute),
+        "_TOOL_OFFSET" => is(modal.tool.length_mm.iter().any(|&value| value != 0.0)),
+        "_RETRACT_R_PLANE" => is(modal.ends_at_r()),
+        "_RETRACT_OLD_Z" => is(!modal.ends_at_r()),
+        "_SPINDLE_RPM_MODE" => is(!modal.has_cutting_speed()),
+        "_SPINDLE_CSS_MODE" => is(modal.has_cutting_speed()),
+        "_IJK_ABSOLUTE_MODE" => is(modal.has_absolute_centers()),
         "_SPINDLE_ON" => is(matches!(modal.spindle, 3 | 4)),
         "_SPINDLE_CW" => is(modal.spindle == 3),
         "_MIST" => is(modal.coolant[0]),
         "_FLOOD" => is(modal.coolant[1]),
-        "_FEED" if modal.feed_mode == FeedUnit::InverseTime => Ok(modal.feed),
-        "_FEED" => Ok(modal.feed / modal.scale()),
-        "_RPM" => Ok(modal.speed.unwrap_or(0.0).abs()),
+        "_FEED" if modal.modes.feed_unit == FeedUnit::InverseTime => Ok(modal.modes.feed),
+        "_FEED" => Ok(modal.modes.feed / modal.modes.scale()),
+        "_RPM" => Ok(modal.modes.speed.unwrap_or(0.0).abs()),
         "_CURRENT_TOOL" => tool_in_spindle(channel.settings.strict, &channel.modal),
-        "_SELECTED_TOOL" => Ok(modal.selected.map_or(-1.0, f64::from)),
+        "_SELECTED_TOOL" => Ok(modal.tool.selected.map_or(-1.0, f64::from)),
         "_CURRENT_POCKET" | "_SELECTED_POCKET" => Err(Missing::OnlyMachine),
         "_VALUE" => Ok(channel.variables.returned.unwrap_or(0.0)),
         "_VALUE_RETURNED" => is(channel.variables.returned.is_some()),
@@ -186,7 +187,7 @@ pub(super) fn predefined_name(channel: &Channel<'_>, name: &str) -> Option<Resul
 
 /// Where an axis of the machine is.
 fn machine_of(strict: bool, modal: &Modal, standing: &InForce, axis: Axis) -> Result<f64, Missing> {
-    if strict && !modal.known.contains(axis) {
+    if strict && !modal.position.known.contains(axis) {
         return Err(Missing::Unstated);
     }
     Ok(system::shown_value(modal, axis, target::tip(modal, standing)[axis]))

@@ -17,7 +17,7 @@ pub(super) fn probe(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         let message = format!("{name} under radius compensation or tool center point control");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "end it before probing"));
     }
-    if channel.is_rs274() && channel.modal.feed_mode == FeedUnit::PerTurn {
+    if channel.is_rs274() && channel.modal.modes.feed_unit == FeedUnit::PerTurn {
         let message = format!("{name} under a feed per revolution (G95)");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G94: LinuxCNC refuses it too"));
     }

@@ -17,14 +17,10 @@ pub(super) fn back_to_work(channel: &mut Channel<'_>, gathered: &Gathered, code:
         return Err(bad_value(span, "G27 and G29 need axis words", "name the axes"));
     }
     if code == 290 {
-        let Some(through) = channel.written.through else {
+        let Some(target) = channel.written.via.back(gathered.axes, channel.modal.position.command) else {
             let help = "program G28 or G30 before it";
             return Err(bad_value(span, "G29, and no G28 or G30 has stated its point", help));
         };
-        let mut target = channel.modal.command;
-        for axis in gathered.axes.iter() {
-            target[axis] = through[axis];
-        }
         let setup = Shared::clone(&channel.standing.setup);
         let step = Step::straight(gathered, true, setup.programmed(&target), gathered.axes);
         step::send(channel, step, target, Shape::Line, setup)?;

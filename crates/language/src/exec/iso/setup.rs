@@ -13,13 +13,19 @@ use std::sync::Arc;
 /// states it again: whether the control moves it at once is a parameter.
 pub(super) fn refresh_setup(channel: &mut Channel<'_>) {
     let (setup, shown) = (channel.modal.setup(), channel.modal.shown());
-    keep_pose(&channel.standing.setup, &setup, channel.outlet.kinematics.as_deref(), &mut channel.modal.command);
+    keep_pose(
+        &channel.standing.setup,
+        &setup,
+        channel.outlet.kinematics.as_deref(),
+        &mut channel.modal.position.command,
+    );
     if !channel.is_rs274() {
-        channel.modal.known = channel.modal.known.difference(lengthened(&channel.standing.setup, &setup));
+        channel.modal.position.known =
+            channel.modal.position.known.difference(lengthened(&channel.standing.setup, &setup));
     }
     let (old, new) = (&channel.standing.setup.frame, &setup.frame);
     if old.linear() != new.linear() {
-        channel.modal.known = known_behind(channel.modal.known, old, new);
+        channel.modal.position.known = known_behind(channel.modal.position.known, old, new);
     }
     if *channel.standing.shown != shown {
         channel.standing.shown = Arc::new(shown);
@@ -31,8 +37,8 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) {
 
 /// Puts a length in force.
 pub(super) fn put_length(channel: &mut Channel<'_>, length_mm: Vector, assumed: bool) {
-    channel.modal.length_mm = length_mm;
-    channel.modal.length_assumed = assumed;
+    channel.modal.tool.length_mm = length_mm;
+    channel.modal.tool.assumed = assumed;
     refresh_setup(channel);
 }
 

@@ -48,7 +48,7 @@ pub(super) fn polar_end(
     if !named.intersection(plane).is_empty() {
         return Err(bad_value(span, "X or Y beside polar coordinates", "write X and Y, or @ and ^"));
     }
-    let incremental = channel.modal.incremental;
+    let incremental = channel.modal.modes.incremental;
     if incremental || radius.is_none() || angle.is_none() {
         check_plane_stated(channel.settings.strict, &channel.modal, plane, span)?;
     }
@@ -70,12 +70,12 @@ fn polar_axes(
     end: &mut AxisVector,
     named: &mut AxisSet,
 ) -> Result<(), Fault> {
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
     if named.intersection(plane).is_empty() {
         return Ok(());
     }
-    let incremental = channel.modal.incremental;
+    let incremental = channel.modal.modes.incremental;
     let radius = measure::length(channel, gathered, abscissa.letter())?;
     let angle =
         measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, ordinate.letter())?;
@@ -100,7 +100,7 @@ fn angle_word(
     named: &mut AxisSet,
 ) -> Result<(), Fault> {
     let span = gathered.span_of(b'a');
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
     let angle = measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, b'a')?
         .unwrap_or_default();
@@ -146,11 +146,11 @@ pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
         return Ok(());
     }
     let frame = &channel.standing.setup.frame;
-    if !frame.is_translation() && !frame.keeps_circles(channel.modal.plane) {
+    if !frame.is_translation() && !frame.keeps_circles(channel.modal.modes.plane) {
         let message = ",C or ,R under unequal scaling";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "scale both axes of the plane alike"));
     }
-    let [abscissa, ..] = channel.modal.plane.axes();
+    let [abscissa, ..] = channel.modal.modes.plane.axes();
     let size = size * frame.linear().column(abscissa.slot()).norm();
     let transition = if round { Transition::Round(size) } else { Transition::ChamferSetback(size) };
     channel.block.corner = Some(Corner { transition, feed: 0.0, is_modal: false });

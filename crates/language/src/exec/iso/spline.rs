@@ -108,7 +108,7 @@ pub(super) fn nurbs_point(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
 pub(super) fn nurbs_end(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let curve = std::mem::take(&mut channel.special.curve);
     channel.special.curve.onwards = curve.onwards;
-    let is_open = std::mem::replace(&mut channel.modal.motion, G80) == 52;
+    let is_open = std::mem::replace(&mut channel.modal.modes.motion, G80) == 52;
     if !is_open || curve.control.is_empty() {
         return Err(bad_value(gathered.span, "G5.3 without G5.2", "begin the curve with G5.2"));
     }
@@ -138,7 +138,7 @@ fn along(channel: &mut Channel<'_>, curve: &Nurbs, gathered: &Gathered) -> Resul
         place[Axis::Y] = y;
         ends.push(step::reach(&channel.modal, &setup, named, &place, gathered.span)?);
     }
-    let target = ends.last().copied().unwrap_or(channel.modal.command);
+    let target = ends.last().copied().unwrap_or(channel.modal.position.command);
     let (feed_named, span) = (gathered.has(b'F'), gathered.span);
     let step = Step { rapid: false, end: here, named, feed_named, manner: Manner::Path, span };
     step::send(channel, step, target, Shape::Chords(ends), setup)
@@ -147,7 +147,7 @@ fn along(channel: &mut Channel<'_>, curve: &Nurbs, gathered: &Gathered) -> Resul
 fn check_curve(strict: bool, language: Language, modal: &Modal, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let (name, span) = (name_of(code), gathered.span);
     forbidden::no_compensation(language, modal, span, &name)?;
-    if modal.plane != Plane::XY {
+    if modal.modes.plane != Plane::XY {
         let message = format!("{name} outside the XY plane");
         return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17"));
     }

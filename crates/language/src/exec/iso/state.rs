@@ -2,7 +2,9 @@
 
 use super::channel::Channel;
 use super::channel::SavedState;
+use super::codes::Group;
 use super::modal::Modal;
+use super::modes;
 use super::offsets;
 use super::setup;
 use super::text;
@@ -59,64 +61,58 @@ pub(super) fn restore_state(channel: &mut Channel<'_>, span: Span) -> Result<(),
 /// Puts the modal codes of a saved state in force and says so to the output.
 fn bring_back(channel: &mut Channel<'_>, saved: &Modal) {
     let modal = &mut channel.modal;
-    modal.inch = saved.inch;
-    modal.incremental = saved.incremental;
-    modal.arc_absolute = saved.arc_absolute;
-    modal.to_r_plane = saved.to_r_plane;
+    modal.modes.inch = saved.modes.inch;
+    modal.modes.incremental = saved.modes.incremental;
+    for group in [Group::ArcDistance, Group::Retract] {
+        modal.codes.bring_back(&saved.codes, group);
+    }
     let mut words: Vec<&'static str> = Vec::new();
-    if modal.plane != saved.plane {
-        modal.plane = saved.plane;
-        words.push(match saved.plane.number() {
+    if modal.modes.plane != saved.modes.plane {
+        modal.modes.plane = saved.modes.plane;
+        words.push(match saved.modes.plane.number() {
             17 => "G17",
             18 => "G18",
             _ => "G19",
         });
     }
-    if modal.feed_mode != saved.feed_mode {
-        modal.feed_mode = saved.feed_mode;
-        words.push(match saved.feed_mode {
+    if modal.modes.feed_unit != saved.modes.feed_unit {
+        modal.modes.feed_unit = saved.modes.feed_unit;
+        words.push(match saved.modes.feed_unit {
             FeedUnit::PerMinute => "G94",
             FeedUnit::PerTurn => "G95",
             FeedUnit::InverseTime => "G93",
         });
     }
-    modal.feed = saved.feed;
-    if modal.spindle_mode != saved.spindle_mode {
-        modal.spindle_mode = saved.spindle_mode;
-        words.push(if saved.spindle_mode == 960 { "G96" } else { "G97" });
+    modal.modes.feed = saved.modes.feed;
+    if let Some(code) = modal.codes.bring_back(&saved.codes, Group::SpindleMode) {
+        words.push(if code == 960 { "G96" } else { "G97" });
     }
     let mut texts: Vec<String> = Vec::new();
-    if modal.path_control != saved.path_control {
-        modal.path_control = saved.path_control;
-        match saved.path_control {
-            (610, ..) => words.push("G61"),
-            (611, ..) => words.push("G61.1"),
-            (_, p, q) => {
-                let mut text = "G64".to_owned();
-                for (letter, value) in [(b'P', p), (b'Q', q)] {
-                    if let Some(value) = value {
-                        text::append_length(channel.settings.machine, channel.language, &mut text, letter, value);
-                    }
-                }
-                texts.push(text);
-            }
+    let is_other = modal.codes.bring_back(&saved.codes, Group::Control).is_some();
+    if is_other || modal.path_tolerance_mm != saved.path_tolerance_mm {
+        modal.path_tolerance_mm = saved.path_tolerance_mm;
+        match saved.code(Group::Control) {
+            610 => words.push("G61"),
+            611 => words.push("G61.1"),
+            _ => texts.push(modes::blending(channel.settings.machine, channel.language, saved.path_tolerance_mm)),
         }
     }
     // Compensation that was off comes back off; that it was on is not brought back by LinuxCNC without its tool either.
     if saved.contour.side == Side::Off {
         channel.modal.contour.side = Side::Off;
     }
-    if channel.modal.length_code != saved.length_code || channel.modal.length_mm != saved.length_mm {
-        channel.modal.length_code = saved.length_code;
+    let is_other = channel.modal.codes.bring_back(&saved.codes, Group::Length).is_some();
+    if is_other || channel.modal.tool.length_mm != saved.tool.length_mm {
         channel.modal.h = saved.h;
-        let mut text = if saved.length_code == 490 { "G49".to_owned() } else { "G43.1".to_owned() };
-        if saved.length_code != 490 {
-            for (letter, value) in b"XYZ".iter().zip(saved.length_mm.iter()) {
+        let is_off = saved.codes.is(Group::Length, 490);
+        let mut text = if is_off { "G49".to_owned() } else { "G43.1".to_owned() };
+        if !is_off {
+            for (letter, value) in b"XYZ".iter().zip(saved.tool.length_mm.iter()) {
                 text::append_length(channel.settings.machine, channel.language, &mut text, *letter, *value);
             }
         }
         texts.push(text);
-        setup::put_length(channel, saved.length_mm, saved.length_assumed);
+        setup::put_length(channel, saved.tool.length_mm, saved.tool.assumed);
     }
     if channel.modal.system != saved.system {
         channel.modal.system = saved.system;
@@ -136,7 +132,7 @@ fn bring_back(channel: &mut Channel<'_>, saved: &Modal) {
 
 fn bring_back_auxiliaries(channel: &mut Channel<'_>, saved: &Modal) {
     let mut aux: Vec<(u8, f64)> = Vec::new();
-    if saved.speed.is_some() && channel.modal.speed_word != saved.speed_word {
+    if saved.modes.speed.is_some() && channel.modal.speed_word != saved.speed_word {
         aux.push((b'S', saved.speed_word));
     }
     if channel.modal.spindle != saved.spindle {
@@ -157,7 +153,7 @@ fn bring_back_auxiliaries(channel: &mut Channel<'_>, saved: &Modal) {
         }
     }
     channel.modal.overrides = saved.overrides;
-    channel.modal.speed = saved.speed;
+    channel.modal.modes.speed = saved.modes.speed;
     channel.modal.speed_word = saved.speed_word;
     channel.modal.spindle = saved.spindle;
     channel.modal.coolant = saved.coolant;

@@ -60,7 +60,7 @@ pub(super) fn end(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(Axi
     let (mut end, mut named) = (here, gathered.axes);
     for axis in gathered.axes.iter() {
         let value = target::axis_value(channel, gathered, axis)?;
-        if channel.modal.incremental {
+        if channel.modal.modes.incremental {
             target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
             end[axis] += value;
         } else {
@@ -89,16 +89,16 @@ pub(super) fn machine_step(channel: &mut Channel<'_>, step: Step) -> Result<(), 
     let mut shift = AxisVector::ZERO;
     shift.set_xyz(tool_mm);
     let frame = Frame::translation(shift);
-    let bare = Shared::new(Setup { frame, tool_mm, plane: channel.modal.plane, transform: None, assumed: false });
+    let bare = Shared::new(Setup { frame, tool_mm, plane: channel.modal.modes.plane, transform: None, assumed: false });
     one_axis::settle_axes(&mut channel.special, step.named);
     channel.push(Kind::Keep("G53"));
     channel.push(Kind::Setup(Shared::clone(&bare)));
     channel.standing.changed = true;
     let full = channel.standing.setup.frame;
-    channel.modal.known = known_behind(channel.modal.known, &full, &bare.frame);
+    channel.modal.position.known = known_behind(channel.modal.position.known, &full, &bare.frame);
     let target = reach(&channel.modal, &bare, step.named, &step.end, step.span);
     let sent = target.and_then(|target| send(channel, step, target, Shape::Line, Shared::clone(&bare)));
-    channel.modal.known = known_behind(channel.modal.known, &bare.frame, &full);
+    channel.modal.position.known = known_behind(channel.modal.position.known, &bare.frame, &full);
     sent
 }
 
@@ -110,7 +110,7 @@ pub(super) fn reach(
     end: &AxisVector,
     span: Span,
 ) -> Result<AxisVector, Fault> {
-    let mut target = modal.command;
+    let mut target = modal.position.command;
     if setup.frame.is_translation() {
         // Axis by axis, so that the command of an axis that the block does not name keeps its last bit.
         for axis in named.iter() {
@@ -145,12 +145,12 @@ pub(super) fn send(
     if channel.modal.transforms.tilt().is_some() && !in_machine_frame {
         forbidden::check_tilt(channel, step.named, step.span)?;
     }
-    let basis = PlaneBasis::behind(&setup.frame, channel.modal.plane)
+    let basis = PlaneBasis::behind(&setup.frame, channel.modal.modes.plane)
         .ok_or_else(|| bad_value(step.span, "the frame squeezes the working plane flat", "check its factors"))?;
-    let (start, start_known) = (channel.modal.command, channel.modal.known);
-    channel.modal.known = start_known.union(step.named);
-    channel.modal.command = target;
-    let (mut named, mut known, mut begun) = (step.named, channel.modal.known, start_known);
+    let (start, start_known) = (channel.modal.position.command, channel.modal.position.known);
+    channel.modal.position.known = start_known.union(step.named);
+    channel.modal.position.command = target;
+    let (mut named, mut known, mut begun) = (step.named, channel.modal.position.known, start_known);
     if !in_machine_frame
         && !Shared::ptr_eq(&channel.standing.setup, &channel.standing.shown)
         && !setup.frame.is_translation()
@@ -172,9 +172,9 @@ pub(super) fn send(
         target,
         named,
         known,
-        feed: if is_driven { 0.0 } else { channel.modal.feed },
+        feed: if is_driven { 0.0 } else { channel.modal.modes.feed },
         feed_named: step.feed_named && !is_driven,
-        unit: if is_driven { FeedUnit::PerMinute } else { channel.modal.feed_mode },
+        unit: if is_driven { FeedUnit::PerMinute } else { channel.modal.modes.feed_unit },
         ways: Default::default(),
         in_machine_frame,
         manner: step.manner,
@@ -190,13 +190,15 @@ pub(super) fn send(
 }
 
 pub(super) fn check_feed(channel: &mut Channel<'_>, step: &Step) {
-    if step.rapid || channel.modal.feed > 0.0 && (step.feed_named || channel.modal.feed_mode != FeedUnit::InverseTime) {
+    if step.rapid
+        || channel.modal.modes.feed > 0.0 && (step.feed_named || channel.modal.modes.feed_unit != FeedUnit::InverseTime)
+    {
         return;
     }
     if matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven()) {
         return;
     }
-    let (message, help) = match channel.modal.feed_mode {
+    let (message, help) = match channel.modal.modes.feed_unit {
         FeedUnit::InverseTime => ("a feed motion in G93 without F", "program F in each block with G93"),
         _ => ("a feed motion, and no F was programmed yet", "program F before it or in it"),
     };

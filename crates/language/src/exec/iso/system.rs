@@ -2,6 +2,7 @@
 
 use super::channel::Channel;
 use super::channel::ToolOffset;
+use super::codes::Group;
 use super::forbidden;
 use super::modal::Modal;
 use super::offsets;
@@ -113,8 +114,8 @@ pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Opti
                 None => Err(Missing::OnlyMachine),
             }
         }
-        Meaning::Tool(number, part) => match target::tool_offset(channel.settings.machine, &channel.written, number) {
-            Some(mut offset) => Ok(Some(*part_of(&mut offset, part) / channel.modal.scale())),
+        Meaning::Tool(number, part) => match channel.written.tools.find(channel.settings.machine, number, 1) {
+            Some(mut offset) => Ok(Some(*part_of(&mut offset, part) / channel.modal.modes.scale())),
             None if channel.settings.strict => Err(Missing::OnlyMachine),
             None => Ok(Some(0.0)),
         },
@@ -138,20 +139,20 @@ fn axis_at(axes: AxisSet, place: u32) -> Option<Axis> {
 
 /// A value of an axis in the units of the program.
 pub(super) fn shown_value(modal: &Modal, axis: Axis, value: f64) -> f64 {
-    if axis.is_rotary() { value.to_degrees() } else { value / modal.scale() }
+    if axis.is_rotary() { value.to_degrees() } else { value / modal.modes.scale() }
 }
 
 fn position(channel: &Channel<'_>, position: Position, axis: Axis) -> Result<f64, Missing> {
     if position == Position::Length {
         let place = axis.slot();
-        return Ok(if place < 3 { channel.modal.length_mm[place] / channel.modal.scale() } else { 0.0 });
+        return Ok(if place < 3 { channel.modal.tool.length_mm[place] / channel.modal.modes.scale() } else { 0.0 });
     }
     if position == Position::Skip {
         // Where the skip came only the machine knows; without strictness it is taken for the end of the motion.
         let probed = channel.variables.probed.filter(|_| !channel.settings.strict);
         return probed.map(|values| values[axis]).ok_or(Missing::OnlyMachine);
     }
-    if channel.settings.strict && !channel.modal.known.contains(axis) {
+    if channel.settings.strict && !channel.modal.position.known.contains(axis) {
         return Err(Missing::Unstated);
     }
     if channel.modal.contour.compensates() && position != Position::Programmed {
@@ -159,8 +160,8 @@ fn position(channel: &Channel<'_>, position: Position, axis: Axis) -> Result<f64
     }
     let values: AxisVector = match position {
         Position::Programmed => work_frame(&channel.modal).unapply(&target::tip(&channel.modal, &channel.standing)),
-        Position::Machine => channel.modal.command,
-        Position::Gauge => work_frame(&channel.modal).unapply(&channel.modal.command),
+        Position::Machine => channel.modal.position.command,
+        Position::Gauge => work_frame(&channel.modal).unapply(&channel.modal.position.command),
         Position::Skip | Position::Length => AxisVector::ZERO,
     };
     Ok(shown_value(&channel.modal, axis, values[axis]))
@@ -176,34 +177,36 @@ fn modal_value(channel: &Channel<'_>, place: u32) -> Option<f64> {
     let modal = &channel.modal;
     let either = |is_first: bool, first: u16, second: u16| f64::from(if is_first { first } else { second });
     Some(match place {
-        1 if modal.motion <= 330 => f64::from(modal.motion) / 10.0,
-        2 => f64::from(modal.plane.number()),
-        3 => either(modal.incremental, 91, 90),
-        5 => match modal.feed_mode {
+        1 if modal.modes.motion <= 330 => f64::from(modal.modes.motion) / 10.0,
+        2 => f64::from(modal.modes.plane.number()),
+        3 => either(modal.modes.incremental, 91, 90),
+        5 => match modal.modes.feed_unit {
             FeedUnit::InverseTime => 93.0,
             FeedUnit::PerMinute => 94.0,
             FeedUnit::PerTurn => 95.0,
         },
-        6 => either(modal.inch, 20, 21),
+        6 => either(modal.modes.inch, 20, 21),
         7 => match modal.contour.side {
             Side::Off => 40.0,
             Side::Left => 41.0,
             Side::Right => 42.0,
         },
-        8 => f64::from(modal.length_code) / 10.0,
-        9 if modal.motion >= 730 => f64::from(modal.motion) / 10.0,
+        8 => f64::from(modal.code(Group::Length)) / 10.0,
+        9 if modal.modes.motion >= 730 => f64::from(modal.modes.motion) / 10.0,
         9 => 80.0,
-        10 => either(modal.to_r_plane, 99, 98),
+        10 => either(modal.ends_at_r(), 99, 98),
         12 => either(channel.modal_calls.is_empty(), 67, 66),
-        13 => f64::from(modal.spindle_mode) / 10.0,
+        13 => f64::from(modal.code(Group::SpindleMode)) / 10.0,
         14 if modal.system.0 > System::ADDITIONAL => 54.1,
         14 => 53.0 + f64::from(modal.system.0),
-        15 => f64::from(modal.path_control.0) / 10.0,
+        15 => f64::from(modal.code(Group::Control)) / 10.0,
         107 => f64::from(modal.d.unwrap_or(0)),
-        109 => modal.feed / if modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { modal.scale() },
+        109 => {
+            modal.modes.feed / if modal.modes.feed_unit == FeedUnit::InverseTime { 1.0 } else { modal.modes.scale() }
+        }
         111 => f64::from(modal.h),
-        119 => modal.speed?,
-        120 => f64::from(modal.selected.or(modal.active)?),
+        119 => modal.modes.speed?,
+        120 => f64::from(modal.tool.selected.or(modal.tool.active)?),
         130 if modal.system.0 > System::ADDITIONAL => f64::from(modal.system.0 - System::ADDITIONAL),
         130 => 0.0,
         _ => return None,
@@ -277,7 +280,7 @@ fn write_offset(
         ));
     }
     let mut parts = known.unwrap_or_default();
-    let inside = if axis.is_rotary() { value.to_radians() } else { value * channel.modal.scale() };
+    let inside = if axis.is_rotary() { value.to_radians() } else { value * channel.modal.modes.scale() };
     parts.translation[axis] = inside;
     parts.fine[axis] = 0.0;
     channel.written.offsets.insert(system, parts);
@@ -301,15 +304,15 @@ fn write_tool(
     value: f64,
     span: Span,
 ) -> Result<(), Fault> {
-    let known = target::tool_offset(channel.settings.machine, &channel.written, tool);
+    let known = channel.written.tools.find(channel.settings.machine, tool, 1);
     if known.is_none() && channel.settings.strict {
         let message = format!("offset {tool} is changed in part, and has no value in the machine file");
         return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
     }
     let mut offset = known.unwrap_or_default();
-    let inside = value * channel.modal.scale();
+    let inside = value * channel.modal.modes.scale();
     *part_of(&mut offset, part) = inside;
-    channel.written.tools.insert(tool, ToolOffset { is_stated: true, ..offset });
+    channel.written.tools.write(tool, 1, ToolOffset { is_stated: true, ..offset });
     tell(channel, number, inside / text::output_unit_mm(channel.settings.machine), "");
     Ok(())
 }

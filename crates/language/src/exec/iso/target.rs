@@ -1,7 +1,6 @@
 //! Where the channel is, and where the words of a block lead.
 
 use super::channel::Channel;
-use super::channel::ToolOffset;
 use super::channel::WrittenData;
 use super::codes::Group;
 use super::gathered::Gathered;
@@ -10,6 +9,7 @@ use super::modal::Modal;
 use super::zero_offset::System;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::fault;
+use crate::exec::core::position::unknown_start;
 use crate::exec::core::rollover;
 use crate::exec::core::standing::InForce;
 use ncfix_base::diagnostic::Code;
@@ -18,24 +18,13 @@ use ncfix_base::geometry::AxisSet;
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::geometry::Frame;
 use ncfix_base::geometry::FrameParts;
-use ncfix_base::geometry::Vector;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
-/// Offsets of a number, as the program or the machine file set them.
-pub(super) fn tool_offset(machine: &Machine, written: &WrittenData, number: u32) -> Option<ToolOffset> {
-    written.tools.get(&number).copied().or_else(|| {
-        let tool = machine.tool(number, 1)?;
-        let [first, second, third] = tool.length_mm;
-        // Lengths 1, 2, 3 lie along Z, Y, X.
-        let length_mm = Vector::new(third, second, first);
-        Some(ToolOffset { length_mm, radius_mm: tool.radius_mm, ..ToolOffset::default() })
-    })
-}
 
 /// The tip of the tool as the control sees it, machine coordinates.
 pub(super) fn tip(modal: &Modal, standing: &InForce) -> AxisVector {
-    let mut tip = modal.command;
+    let mut tip = modal.position.command;
     tip.set_xyz(tip.xyz() + standing.setup.tool_mm);
     tip
 }
@@ -59,7 +48,7 @@ pub(super) fn absolute(
     value: f64,
     here: f64,
 ) -> Result<f64, Fault> {
-    let here = Some(here).filter(|_| modal.known.contains(axis));
+    let here = Some(here).filter(|_| modal.position.known.contains(axis));
     rollover::position(machine, axis, value, here, gathered.span_of(axis.letter()))
 }
 
@@ -79,15 +68,6 @@ pub(super) fn check_axes(language: Language, axes: AxisSet, gathered: &Gathered)
     }
 }
 
-pub(super) fn unknown_start(span: Span, axis: Axis) -> Fault {
-    fault(
-        Code::UNKNOWN_START,
-        span,
-        format!("the program has not stated where {axis} is"),
-        "begin with an absolute position of this axis, or give --start",
-    )
-}
-
 /// The value of a zero offset; `None` where neither program nor machine file give one.
 pub(super) fn offset_of(machine: &Machine, written: &WrittenData, system: System) -> Option<FrameParts> {
     let own = written.offsets.get(&system).copied();
@@ -96,7 +76,7 @@ pub(super) fn offset_of(machine: &Machine, written: &WrittenData, system: System
 
 /// What depends on where an axis stands must not be corrected where the program has not stated it.
 pub(super) fn check_stated(strict: bool, modal: &Modal, axis: Axis, span: Span) -> Result<(), Fault> {
-    if strict && !modal.known.contains(axis) {
+    if strict && !modal.position.known.contains(axis) {
         return Err(unknown_start(span, axis));
     }
     Ok(())
@@ -104,7 +84,7 @@ pub(super) fn check_stated(strict: bool, modal: &Modal, axis: Axis, span: Span) 
 
 /// Where the channel is, as the program would say it.
 pub(super) fn here(modal: &Modal, standing: &InForce) -> AxisVector {
-    standing.setup.programmed(&modal.command)
+    standing.setup.programmed(&modal.position.command)
 }
 
 /// The frame of a zero offset alone, that of all systems included.

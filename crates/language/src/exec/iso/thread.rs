@@ -21,7 +21,8 @@ pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
     check_thread(channel.language, &channel.modal, gathered, code)?;
     let letter = if channel.is_rs274() { b'K' } else { b'F' };
     let lead = measure::length(channel, gathered, letter)?;
-    let Some(lead) = lead.or((!channel.is_rs274()).then_some(channel.modal.feed)).filter(|lead| *lead > 0.0) else {
+    let Some(lead) = lead.or((!channel.is_rs274()).then_some(channel.modal.modes.feed)).filter(|lead| *lead > 0.0)
+    else {
         let message = format!("{} needs {} with the lead", name_of(code), char::from(letter));
         return Err(bad_value(gathered.span, message, "write the way of one turn of the spindle"));
     };
@@ -56,7 +57,7 @@ pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
 pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     check_thread(channel.language, &channel.modal, gathered, 760)?;
     let span = gathered.span;
-    if channel.modal.plane != Plane::ZX {
+    if channel.modal.modes.plane != Plane::ZX {
         let message = "G76 outside the XZ plane";
         return Err(bad_value(span, message, "select G18"));
     }

@@ -103,17 +103,18 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     if kinematics.rotary_axes().next().is_none() {
         return Ok(());
     }
-    let unstated = |axis: &Axis| channel.settings.machine.axis(*axis).is_some() && !channel.modal.known.contains(*axis);
+    let unstated =
+        |axis: &Axis| channel.settings.machine.axis(*axis).is_some() && !channel.modal.position.known.contains(*axis);
     let unknown: AxisSet = AxisSet::XYZ.iter().chain(kinematics.rotary_axes()).filter(unstated).collect();
     if channel.settings.strict && !unknown.is_empty() {
         // The plane comes into force all the same, so that what follows is not refused for its lack.
         channel.outlet.warnings.push(unknown_places(span, unknown, "G90 G53 G0"));
-        channel.modal.known = channel.modal.known.union(unknown);
+        channel.modal.position.known = channel.modal.position.known.union(unknown);
     }
     let below = channel.modal.below_transforms();
     let tool_mm = channel.standing.setup.tool_mm;
     let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
-    let near = channel.modal.command;
+    let near = channel.modal.position.command;
     let turned = match (kinematics.orientations(&normal, &near), choice) {
         ([None, None], _) => {
             let message = "the rotary axes cannot put the tool on this plane";
@@ -150,7 +151,7 @@ pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fa
     }
     let kinematics = Kinematics::new(channel.settings.machine);
     let below = channel.modal.below_transforms();
-    let total = turned_frame(&kinematics, &below, &tilt, &channel.modal.command, &tool_mm)
+    let total = turned_frame(&kinematics, &below, &tilt, &channel.modal.position.command, &tool_mm)
         .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
     channel.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
     setup::refresh_setup(channel);

@@ -49,7 +49,9 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
             channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.settings.machine)));
         let rotary = kinematics.rotary_axes().count();
         let can = (1..=2).contains(&rotary)
-            && kinematics.command_on_workpiece(&channel.modal.command, &channel.standing.setup.tool_mm).is_some();
+            && kinematics
+                .command_on_workpiece(&channel.modal.position.command, &channel.standing.setup.tool_mm)
+                .is_some();
         if !can {
             let message = format!("G43.4 needs X, Y, Z and one or two rotary axes, and the machine has {rotary}");
             return Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"));
@@ -61,15 +63,15 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
     let tool_mm = channel.standing.setup.tool_mm;
     let modal = &mut channel.modal;
     modal.turning = turning;
-    modal.command = if turning.is_some() {
-        kinematics.on_workpiece(&modal.command, &tool_mm)
+    modal.position.command = if turning.is_some() {
+        kinematics.on_workpiece(&modal.position.command, &tool_mm)
     } else {
-        kinematics.command_on_workpiece(&modal.command, &tool_mm).unwrap_or(modal.command)
+        kinematics.command_on_workpiece(&modal.position.command, &tool_mm).unwrap_or(modal.position.command)
     };
     // Each linear coordinate depends on all axes.
     let needed: AxisSet = LINEAR_AXES.into_iter().take(3).chain(kinematics.rotary_axes()).collect();
-    if !needed.difference(modal.known).is_empty() {
-        modal.known = modal.known.intersection(ROTARY_AXES.into_iter().collect());
+    if !needed.difference(modal.position.known).is_empty() {
+        modal.position.known = modal.position.known.intersection(ROTARY_AXES.into_iter().collect());
     }
     Ok(())
 }
@@ -78,11 +80,11 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
 /// it in that block: they are the zero offset's where the table stands at zero (Fanuc parameter 19696, bit 5, as delivered).
 fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
     for &axis in channel.settings.machine.topology.workpiece.iter().filter(|axis| axis.is_rotary()) {
-        let (here, is_known) = (channel.modal.command[axis], channel.modal.known.contains(axis));
+        let (here, is_known) = (channel.modal.position.command[axis], channel.modal.position.known.contains(axis));
         let mut places = vec![here];
         if gathered.axes.contains(axis) {
             let value = target::axis_value(channel, gathered, axis)?;
-            let from = if channel.modal.incremental { here } else { channel.standing.setup.frame.shift(axis) };
+            let from = if channel.modal.modes.incremental { here } else { channel.standing.setup.frame.shift(axis) };
             let end = from + value;
             places = if is_known { vec![here, end] } else { vec![end] };
         } else {
@@ -103,8 +105,9 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
 /// Where the axes stand.
 pub(super) fn axis_command(modal: &Modal, standing: &InForce, outlet: &Outlet<'_>) -> AxisVector {
     let turning = modal.turning.and(outlet.kinematics.as_deref());
-    let command = turning.and_then(|chain| chain.command_on_workpiece(&modal.command, &standing.setup.tool_mm));
-    command.unwrap_or(modal.command)
+    let command =
+        turning.and_then(|chain| chain.command_on_workpiece(&modal.position.command, &standing.setup.tool_mm));
+    command.unwrap_or(modal.position.command)
 }
 
 /// The tool length has changed while the axes stood at `axes`, before that `tool_mm`. Along a tool that is tilted this concerns
@@ -120,9 +123,9 @@ pub(super) fn forget_moved_tip(
     let before = kinematics.on_workpiece(axes, tool_mm);
     let now = kinematics.on_workpiece(axes, &standing.setup.tool_mm);
     for axis in AxisSet::XYZ.iter().filter(|&axis| (before[axis] - now[axis]).abs() > SAME_PLACE_MM) {
-        modal.known.remove(axis);
+        modal.position.known.remove(axis);
     }
     if modal.turning.is_some() {
-        modal.command = now;
+        modal.position.command = now;
     }
 }

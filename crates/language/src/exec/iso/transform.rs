@@ -89,7 +89,7 @@ pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) ->
             let message = "a change of mirror, scaling, rotation or tilted plane within radius compensation";
             return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "end it with G40 first"));
         }
-        let (here, known) = (target::here(&channel.modal, &channel.standing), channel.modal.known);
+        let (here, known) = (target::here(&channel.modal, &channel.standing), channel.modal.position.known);
         setup::refresh_setup(channel);
         one_axis::note_turn(&channel.modal, &mut channel.special, &channel.standing, &before, &here, known);
     }
@@ -194,12 +194,12 @@ fn rotation(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Resul
             Err(within) => Err(within),
         };
         allowed(done, 680, span)?;
-        if channel.modal.transforms.turns(&channel.modal.length_mm) {
+        if channel.modal.transforms.turns(&channel.modal.tool.length_mm) {
             return Err(turned_length(span));
         }
         return Ok(());
     }
-    let [abscissa, ordinate, applicate] = channel.modal.plane.axes();
+    let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
     if gathered.has(applicate.letter()) {
         let message = format!("{applicate} with G68 in this plane");
         let help = "name the center in the working plane, or the line with I, J and K too";
@@ -208,7 +208,7 @@ fn rotation(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Resul
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
     special::check_plane_stated(channel.settings.strict, &channel.modal, missing(center).intersection(plane), span)?;
     let center = [abscissa, ordinate].map(|axis| center.get(axis.slot()).copied().flatten());
-    let done = channel.modal.transforms.set_rotation(channel.modal.plane, center, angle, &here);
+    let done = channel.modal.transforms.set_rotation(channel.modal.modes.plane, center, angle, &here);
     allowed(done, 680, span)
 }
 

@@ -25,9 +25,9 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
     if angle.is_none() && open.is_none() {
         return Ok(());
     }
-    let [abscissa, ordinate, _] = channel.modal.plane.axes();
+    let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-    let is_straight = matches!(channel.modal.motion, MotionKind::Line | MotionKind::Rapid);
+    let is_straight = matches!(channel.modal.modes.motion, MotionKind::Line | MotionKind::Rapid);
     let named = gathered.named.intersection(plane);
     if let Some(open) = open {
         let angle = angle.filter(|_| is_straight && named == plane);
@@ -52,13 +52,14 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
         let help = "keep ANG, or the second coordinate; with both it belongs behind a block with ANG alone";
         return Err(bad_value(angle.span, message, help));
     }
-    if let Some(axis) = plane.difference(channel.modal.known).iter().next().filter(|_| channel.settings.strict) {
+    if let Some(axis) = plane.difference(channel.modal.position.known).iter().next().filter(|_| channel.settings.strict)
+    {
         let message =
             format!("the end of this element depends on {axis}, and the program has not stated where that is");
         let help = "begin with an absolute position of this axis, or give --start";
         return Err(fault(Code::UNKNOWN_START, angle.span, message, help));
     }
-    let here = channel.standing.setup.programmed(&channel.modal.command);
+    let here = channel.standing.setup.programmed(&channel.modal.position.command);
     let start = [here[abscissa], here[ordinate]];
     let angle_rad = angle.value.to_radians();
     let Some(axis) = named.iter().next() else {
@@ -87,17 +88,17 @@ fn close_angle(
     open: &OpenAngle,
     angle: &NamedValue,
 ) -> Result<(), Fault> {
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
     let is_incremental = |axis: Axis| {
-        gathered.as_incremental.contains(axis) || modal.incremental && !gathered.as_absolute.contains(axis)
+        gathered.as_incremental.contains(axis) || modal.modes.incremental && !gathered.as_absolute.contains(axis)
     };
     if is_incremental(abscissa) || is_incremental(ordinate) {
         let message =
             "the end of this element is incremental, and its start is its intersection with the element before";
         return Err(bad_value(angle.span, message, "program the end absolute"));
     }
-    let here = standing.setup.programmed(&modal.command);
+    let here = standing.setup.programmed(&modal.position.command);
     let end = [programmed_end(modal, gathered, abscissa, &here), programmed_end(modal, gathered, ordinate, &here)];
     let Some(corner) = crossing((open.start, open.angle_rad), (end, angle.value.to_radians())) else {
         let message = "this element and the one before run in the same direction: they do not meet";
@@ -106,23 +107,23 @@ fn close_angle(
     let mut place = here;
     place[abscissa] = corner[0];
     place[ordinate] = corner[1];
-    modal.command = standing.setup.command(&place);
+    modal.position.command = standing.setup.command(&place);
     modal.programmed[abscissa] = corner[0];
     modal.programmed[ordinate] = corner[1];
-    modal.known = modal.known.union(plane);
-    end_open(outlet, Some(modal.command), plane);
+    modal.position.known = modal.position.known.union(plane);
+    end_open(outlet, Some(modal.position.command), plane);
     Ok(())
 }
 
 fn programmed_end(modal: &Modal, gathered: &Gathered, axis: Axis, here: &AxisVector) -> f64 {
-    let value = gathered.axes[axis] * modal.scale();
+    let value = gathered.axes[axis] * modal.modes.scale();
     let is_incremental =
-        gathered.as_incremental.contains(axis) || modal.incremental && !gathered.as_absolute.contains(axis);
+        gathered.as_incremental.contains(axis) || modal.modes.incremental && !gathered.as_absolute.contains(axis);
     if is_incremental { here[axis] + value } else { value }
 }
 
 fn set_end(modal: &Modal, gathered: &mut Gathered, axis: Axis, value: f64) {
-    gathered.axes[axis] = value / modal.scale();
+    gathered.axes[axis] = value / modal.modes.scale();
     gathered.named.insert(axis);
     gathered.as_incremental.remove(axis);
     gathered.as_absolute.insert(axis);

@@ -52,16 +52,16 @@ pub(super) fn end_by_angle(
     if !gathered.center.iter().any(Option::is_some) {
         return Ok(None);
     }
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     if gathered.named.contains(abscissa) || gathered.named.contains(ordinate) || gathered::is_programmed(gathered) {
         let help = "keep two of them: an arc has either center and angle, or end and angle, or end and center";
         return Err(fault(Code::BAD_ARC, span, "center, end point and opening angle in one block", help));
     }
     let angle = opening_rad(value, span)?;
-    let mut end = context.setup.programmed(&modal.command);
+    let mut end = context.setup.programmed(&modal.position.command);
     let start = [end[abscissa], end[ordinate]];
     let center = programmed_center(gathered, modal, start, |_| 0.0)?;
-    let turned = if modal.motion == MotionKind::Clockwise { -angle } else { angle };
+    let turned = if modal.modes.motion == MotionKind::Clockwise { -angle } else { angle };
     let (sine, cosine) = turned.sin_cos();
     let across = [start[0] - center[0], start[1] - center[1]];
     end[abscissa] = center[0] + across[0] * cosine - across[1] * sine;
@@ -136,10 +136,10 @@ fn programmed_center(
     start: [f64; 2],
     base: impl Fn(Axis) -> f64,
 ) -> Result<[f64; 2], Fault> {
-    let [abscissa, ordinate, applicate] = modal.plane.axes();
+    let [abscissa, ordinate, applicate] = modal.modes.plane.axes();
     if gathered.center[applicate.slot()].is_some_and(|(value, _)| value != 0.0) {
         let letter = char::from(b"IJK"[applicate.slot()]);
-        let message = format!("{letter} lies outside the working plane G{}", modal.plane.number());
+        let message = format!("{letter} lies outside the working plane G{}", modal.modes.plane.number());
         let help = "select the plane of the arc, or correct the center word";
         return Err(fault(Code::BAD_ARC, gathered.center_span, message, help));
     }
@@ -147,8 +147,8 @@ fn programmed_center(
     for (place, axis) in center.iter_mut().zip([abscissa, ordinate]) {
         match gathered.center[axis.slot()] {
             None => {}
-            Some((value, false)) => *place += value * modal.scale(),
-            Some((value, true)) => *place = value * modal.scale() + base(axis),
+            Some((value, false)) => *place += value * modal.modes.scale(),
+            Some((value, true)) => *place = value * modal.modes.scale() + base(axis),
         }
     }
     Ok(center)
@@ -162,14 +162,14 @@ pub(super) fn arc(
     start: &AxisVector,
     target: &AxisVector,
 ) -> Result<Shape, Fault> {
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     if context.strict {
         let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
-        if let Some(axis) = plane.difference(modal.known).iter().next() {
+        if let Some(axis) = plane.difference(modal.position.known).iter().next() {
             return Err(modal.unknown_start(context.span, axis));
         }
     }
-    let clockwise = modal.motion == MotionKind::Clockwise;
+    let clockwise = modal.modes.motion == MotionKind::Clockwise;
     let turns = match gathered.named(Named::Turn) {
         None => 0,
         Some(&NamedValue { value: turns, .. }) if turns.fract() == 0.0 && (0.0..=MAX_TURNS).contains(&turns) => {
@@ -203,7 +203,7 @@ pub(super) fn arc(
             if has_center {
                 return Err(two_centers(gathered.center_span));
             }
-            let pole = modal.polar.pole(modal.plane, context.span)?;
+            let pole = modal.polar.pole(modal.modes.plane, context.span)?;
             let base =
                 |axis: Axis| if is_shifted { frame.shift(axis) - context.setup.tool_mm[axis.slot()] } else { 0.0 };
             [pole[0] + base(abscissa), pole[1] + base(ordinate)]
@@ -217,7 +217,7 @@ pub(super) fn arc(
                 return Err(fault(Code::NO_CENTER, context.span, "an arc without center and radius", help));
             }
         },
-        (Some((radius, span)), false) => center_of_radius(radius * modal.scale(), s, e, clockwise, &tolerance)
+        (Some((radius, span)), false) => center_of_radius(radius * modal.modes.scale(), s, e, clockwise, &tolerance)
             .map_err(|found| radius_fault(&found, span))?,
         (None, true) => {
             let base =
@@ -225,7 +225,7 @@ pub(super) fn arc(
             programmed_center(gathered, modal, s, base)?
         }
     };
-    let arc = Arc::through(modal.plane, clockwise, &from, &to, center, turns, tolerance).map_err(|found| match found {
+    let arc = Arc::through(modal.modes.plane, clockwise, &from, &to, center, turns, tolerance).map_err(|found| match found {
         CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
             Code::ARC_OFF_CIRCLE,
             context.span,

@@ -79,7 +79,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
     let frames = &channel.system.frames;
     machine.zero_offsets.extend(frames.written_settable().map(|(number, parts)| (settable_code(number), parts)));
     machine.base_frames.extend(frames.written_bases());
-    machine.set_tools(channel.system.tools.tools());
+    machine.set_tools(channel.system.tools.tools(channel.settings.machine));
     machine.radius_wear_mm.extend(channel.system.tools.radius_wear());
     machine.system.extend(data.system);
     machine.parameters.extend(channel.variables.parameters_in_use());

@@ -76,7 +76,7 @@ pub(super) fn contour_words(
     for word in &gathered.contour {
         modal.contour.set(word);
     }
-    let (scale, feed_scale) = (modal.scale(), feed_scale(modal));
+    let (scale, feed_scale) = (modal.modes.scale(), feed_scale(modal));
     let not_negative = |value: &NamedValue, name: &str| {
         if value.value >= 0.0 && value.value <= 1e6 {
             return Ok(value.value);
@@ -135,7 +135,7 @@ fn soft_words(
     form: SoftForm,
     retracts: bool,
 ) -> Result<Soft, Fault> {
-    let scale = modal.scale();
+    let scale = modal.modes.scale();
     if let Some(value) = gathered.named(Named::Disrp) {
         let message = "DISRP is not supported";
         return Err(fault(Code::NOT_SUPPORTED, value.span, message, "move to the retraction plane in a block before"));
@@ -159,8 +159,8 @@ fn soft_words(
         size_mm: size * scale,
         clearance,
         infeed: gathered.named(Named::Fad).map_or(0.0, |value| value.value.max(0.0) * feed_scale(modal)),
-        feed_before: modal.feed,
-        rapid_before: modal.motion == MotionKind::Rapid,
+        feed_before: modal.modes.feed,
+        rapid_before: modal.modes.motion == MotionKind::Rapid,
     })
 }
 
@@ -176,7 +176,7 @@ pub(super) fn corner_words(
     if gathered.addresses.is_empty() {
         return Ok(());
     }
-    let scale = modal.scale();
+    let scale = modal.modes.scale();
     let mut found: Option<Transition> = None;
     for (address, name) in [(Named::Rnd, "RND"), (Named::Chf, "CHF"), (Named::Chr, "CHR")] {
         let Some(value) = gathered.named(address) else { continue };
@@ -207,7 +207,7 @@ fn even_scale(modal: &Modal, standing: &InForce, value: &NamedValue) -> Result<f
     if frame.is_translation() {
         return Ok(1.0);
     }
-    if !frame.keeps_circles(modal.plane) {
+    if !frame.keeps_circles(modal.modes.plane) {
         return Err(fault(
             Code::NOT_SUPPORTED,
             value.span,
@@ -215,7 +215,7 @@ fn even_scale(modal: &Modal, standing: &InForce, value: &NamedValue) -> Result<f
             "scale both axes of the plane alike",
         ));
     }
-    let [abscissa, ..] = modal.plane.axes();
+    let [abscissa, ..] = modal.modes.plane.axes();
     Ok(frame.linear().column(abscissa.slot()).norm())
 }
 
@@ -229,20 +229,20 @@ pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
     }
     let modal_corner = (modal.round_mm > 0.0).then(|| {
         let frame = &channel.standing.setup.frame;
-        let [abscissa, ..] = channel.modal.plane.axes();
+        let [abscissa, ..] = channel.modal.modes.plane.axes();
         let scale = frame.linear().column(abscissa.slot()).norm();
         // FRC goes before FRCM, behind RNDM too.
         let feed = channel.block.corner_feed.unwrap_or(modal.corner_feed);
         Corner { transition: Transition::Round(modal.round_mm * scale), feed, is_modal: true }
     });
-    let beside = channel.modal.radius_mm + modal.allowance_mm + modal.radius_change_mm;
+    let beside = channel.modal.tool.radius_mm + modal.allowance_mm + modal.radius_change_mm;
     let distance_mm = match modal.side {
         Side::Off => 0.0,
         Side::Left => beside,
         Side::Right => -beside,
     };
     let corner = corner.or(modal_corner);
-    let [.., applicate] = channel.modal.plane.axes();
+    let [.., applicate] = channel.modal.modes.plane.axes();
     let soft = soft.map(|soft| match soft.clearance {
         Clearance::At(value) => {
             let mut place = path.setup.programmed(&path.motion.target);
@@ -257,7 +257,7 @@ pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
 /// Puts a motion into the stream through the contour stage.
 pub(super) fn pass_path(channel: &mut Channel<'_>, path: Path, element: Element, wish: Wish) {
     check_known(channel.settings.strict, &channel.modal, &mut channel.outlet, &path, &wish);
-    let (tool, edge) = (&channel.modal.active, channel.modal.edge);
+    let (tool, edge) = (&channel.modal.tool.active, channel.modal.edge);
     channel.outlet.name_register(&wish, || match tool {
         Some(WordValue::Number(number)) => format!("D{edge} of T{number}"),
         Some(WordValue::Name(name)) => format!("D{edge} of T=\"{}\"", String::from_utf8_lossy(name)),
@@ -277,6 +277,6 @@ fn check_known(strict: bool, modal: &Modal, outlet: &mut Outlet<'_>, path: &Path
         outlet.warnings.push(fault(Code::NOT_SUPPORTED, wish.span, message, "program the feed with G94 or G95"));
     }
     if strict {
-        outlet.warnings.extend(unstated(path, wish, modal.plane));
+        outlet.warnings.extend(unstated(path, wish, modal.modes.plane));
     }
 }

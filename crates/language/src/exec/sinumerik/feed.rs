@@ -10,19 +10,19 @@ use ncfix_machine::snc::{FeedUnit, Word, WordValue};
 
 /// Before the call of a program of the control, which finds the feed of this one.
 pub(super) fn feed_for_call(modal: &Modal, splines: &Splines, outlet: &mut Outlet<'_>) {
-    if modal.feed_unit != FeedUnit::InverseTime && !splines.is_holding() {
-        outlet.feed_for_call(modal.feed);
+    if modal.modes.feed_unit != FeedUnit::InverseTime && !splines.is_holding() {
+        outlet.feed_for_call(modal.modes.feed);
     }
 }
 
 pub(super) fn feed_and_speed(modal: &mut Modal, gathered: &mut Gathered) {
     thread::lead_change(modal, gathered);
     if let Some((feed, _)) = gathered.feed {
-        let is_inch = modal.inch_feed && modal.feed_unit != FeedUnit::InverseTime;
-        modal.feed = if is_inch { feed * MM_PER_INCH } else { feed };
+        let is_inch = modal.inch_feed && modal.modes.feed_unit != FeedUnit::InverseTime;
+        modal.modes.feed = if is_inch { feed * MM_PER_INCH } else { feed };
     }
     if let Some((speed, _)) = gathered.speed {
-        modal.speed = Some(speed);
+        modal.modes.speed = Some(speed);
         let word = Word { letter: b'S', extension: None, value: WordValue::Number(speed) };
         // Behind D, before M.
         let place = gathered.before.iter().take_while(|word| word.letter == b'D').count();

@@ -51,7 +51,7 @@ impl Scope<'_> {
 
     /// mm per length in frame values. Under G70 they could be meant in inch or in the unit of the control, so only 0 is taken.
     fn frame_unit(&self, value: f64, span: Span) -> Result<f64, Fault> {
-        match (self.modal.inch, self.modal.inch_feed) {
+        match (self.modal.modes.inch, self.modal.inch_feed) {
             (false, _) => Ok(1.0),
             (true, true) => Ok(MM_PER_INCH),
             (true, false) if value == 0.0 => Ok(1.0),
@@ -76,7 +76,7 @@ impl Scope<'_> {
                     return Err(self.type_fault(id));
                 };
                 let about = match plane {
-                    0 => self.modal.plane.axes()[2],
+                    0 => self.modal.modes.plane.axes()[2],
                     1 => Axis::Z,
                     2 => Axis::Y,
                     3 => Axis::X,
@@ -123,7 +123,7 @@ impl Scope<'_> {
                 }
                 let kind = FrameKind::SolidAngles;
                 let statement = FrameStatement { kind, additive: false, values, named, in_plane_rad: None };
-                let turned = frame_of(&statement, self.modal.plane, &self.machine.control);
+                let turned = frame_of(&statement, self.modal.modes.plane, &self.machine.control);
                 match turned.and_then(|turned| FrameParts::of(&turned, self.order())) {
                     Some(parts) => frame(parts),
                     None => Err(wrong("these solid angles make no plane".to_owned())),

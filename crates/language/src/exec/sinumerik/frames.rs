@@ -83,7 +83,7 @@ pub(super) fn frame_statement(
             FrameKind::Scale | FrameKind::Mirror => 1.0,
             FrameKind::Rotate | FrameKind::SolidAngles => 1_f64.to_radians(),
             _ if axis.is_rotary() => 1_f64.to_radians(),
-            _ => channel.modal.scale(),
+            _ => channel.modal.modes.scale(),
         };
         values[axis] = gathered.axes[axis] * unit;
         let is_space = AxisSet::XYZ.contains(axis);
@@ -124,7 +124,7 @@ fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: 
     if matches!(statement.kind, FrameKind::Coarse | FrameKind::Fine) {
         shift_part(channel.settings.machine, &mut channel.modal, statement, span)?;
     } else {
-        let added = frame_store::frame_of(statement, channel.modal.plane, &channel.settings.machine.control)
+        let added = frame_store::frame_of(statement, channel.modal.modes.plane, &channel.settings.machine.control)
             .ok_or_else(|| {
                 bad_value(
                     span,

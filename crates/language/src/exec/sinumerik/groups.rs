@@ -3,7 +3,6 @@
 use super::expression::Scope;
 use super::frame_store::settable_number;
 use super::modal::MotionKind;
-use super::stated::initial;
 use ncfix_base::geometry::Plane;
 use ncfix_machine::snc::ThreadCode;
 
@@ -59,7 +58,7 @@ impl Scope<'_> {
         let modal = self.modal;
         let first_if = |first: bool| if first { 1 } else { 2 };
         Some(match group {
-            1 => match modal.motion {
+            1 => match modal.modes.motion {
                 MotionKind::Rapid => 1,
                 MotionKind::Line => 2,
                 MotionKind::Clockwise => 3,
@@ -78,17 +77,17 @@ impl Scope<'_> {
                 // Never in force behind its block.
                 MotionKind::Thread(ThreadCode::G63) => return None,
             },
-            6 => match modal.plane {
+            6 => match modal.modes.plane {
                 Plane::XY => 1,
                 Plane::ZX => 2,
                 Plane::YZ => 3,
             },
             8 => settable_number(modal.stated.offset())? + 1,
-            13 => 1 + i64::from(!modal.inch) + 2 * i64::from(modal.technological),
-            14 => first_if(!modal.incremental),
+            13 => 1 + i64::from(!modal.modes.inch) + 2 * i64::from(modal.technological),
+            14 => first_if(!modal.modes.incremental),
             _ => {
                 let group = u8::try_from(group).ok()?;
-                let word = modal.stated.code(group).or_else(|| initial(self.program.dialect.codes(), group))?;
+                let word = modal.stated.codes.code(group)?;
                 let (_, members) = MEMBERS.iter().find(|(known, _)| *known == group)?;
                 i64::try_from(members.iter().position(|member| *member == word)?).ok()? + 1
             }

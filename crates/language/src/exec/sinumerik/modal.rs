@@ -6,10 +6,12 @@ use super::pole::Polar;
 use super::stated::Stated;
 use crate::exec::core::contour::ContourModal;
 use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::modal::Modes;
+use crate::exec::core::position::{Position, unknown_start};
+use crate::exec::core::tool::ToolState;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
 use ncfix_base::source::Span;
-use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::FrameStatement;
 use ncfix_machine::snc::{FeedUnit, Setup, ThreadCode, WordValue};
@@ -83,22 +85,14 @@ pub(super) fn initial_zero_offset(machine: &Machine) -> &str {
 /// Modal state of the channel.
 #[derive(Clone, Debug)]
 pub(super) struct Modal {
-    pub(super) motion: MotionKind,
-    pub(super) plane: Plane,
+    pub(super) modes: Modes<MotionKind>,
     /// Plane along whose axes the tool lengths lie, where it is fixed.
     pub(super) tool_length_plane: Option<Plane>,
-    pub(super) incremental: bool,
-    pub(super) inch: bool,
     pub(super) inch_feed: bool,
     /// G700 or G710, which also mean feeds and data, and not G70 or G71.
     pub(super) technological: bool,
-    /// In units of `feed_unit`, 0 for none yet.
-    pub(super) feed: f64,
-    pub(super) feed_unit: FeedUnit,
     /// Where diameter programming was turned on, if it is.
     pub(super) diameter: Option<Span>,
-    /// Last speed of the spindle.
-    pub(super) speed: Option<f64>,
     /// Base frame, below the settable one.
     pub(super) base: Frame,
     /// `G500`, `G54` …
@@ -115,32 +109,22 @@ pub(super) struct Modal {
     pub(super) tangent: Option<Vector>,
     /// What the output says of all this.
     pub(super) stated: Stated,
-    /// Where frame or tool has no value in the machine file.
+    /// Where the frame has no value in the machine file.
     pub(super) offset_assumed: bool,
-    pub(super) tool_assumed: bool,
-    /// Selected with T, not yet changed to.
-    pub(super) selected: Option<WordValue>,
-    /// In the spindle.
-    pub(super) active: Option<WordValue>,
+    /// Its lengths are L1, L2, L3.
+    pub(super) tool: ToolState<WordValue, [f64; 3]>,
     pub(super) edge: u32,
     /// Whether the program has said which, by D or a tool change.
     pub(super) edge_stated: bool,
-    /// Lengths L1, L2, L3 in force, mm.
-    pub(super) length_mm: [f64; 3],
-    /// Radius in force, mm.
-    pub(super) radius_mm: f64,
     /// Radius compensation and contour transitions.
     pub(super) contour: ContourModal,
-    /// Axis commands, mm and rad; under a transformation positions fixed to the workpiece.
-    pub(super) command: AxisVector,
+    pub(super) position: Position,
     /// Last programmed values per axis; after a frame change they may belong to the old frame (Sinumerik SD42440).
     pub(super) programmed: AxisVector,
     /// How splines begin and end.
     pub(super) spline_ends: [End; 2],
     /// Five-axis transformation.
     pub(super) transform: Transform,
-    /// Axes whose position the program has stated, in the frame in force.
-    pub(super) known: AxisSet,
     /// Axes that are unknown because another plane has taken the tool length to or from them.
     pub(super) moved_by_plane: AxisSet,
     /// Axes whose last programmed value belongs to a frame that was turned, scaled or mirrored otherwise.
@@ -149,19 +133,13 @@ pub(super) struct Modal {
 
 impl Modal {
     pub(super) fn new(start: Option<AxisVector>, machine: &Machine) -> Self {
-        let command = start.unwrap_or_default();
+        let position = Position::at_start(start, machine);
         Modal {
-            motion: MotionKind::Line,
-            plane: machine.control.initial_plane,
+            modes: Modes::new(MotionKind::Line, machine.control.initial_plane),
             tool_length_plane: machine.control.tool_length_plane,
-            incremental: false,
-            inch: false,
             inch_feed: false,
             technological: false,
-            feed: 0.0,
-            feed_unit: FeedUnit::default(),
             diameter: None,
-            speed: None,
             base: Frame::identity(),
             settable: Frame::identity(),
             programmable: Frame::identity(),
@@ -171,27 +149,17 @@ impl Modal {
             tangent: None,
             stated: Stated::new(initial_zero_offset(machine)),
             offset_assumed: false,
-            tool_assumed: false,
-            selected: None,
-            active: None,
+            tool: ToolState::default(),
             edge: 0,
             edge_stated: false,
-            length_mm: [0.0; 3],
-            radius_mm: 0.0,
             contour: ContourModal::default(),
-            command,
-            programmed: command,
+            position,
+            programmed: position.command,
             stale: AxisSet::EMPTY,
             spline_ends: [End::Natural; 2],
             transform: Transform::default(),
             moved_by_plane: AxisSet::EMPTY,
-            known: if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY },
         }
-    }
-
-    /// mm per programmed length unit.
-    pub(super) fn scale(&self) -> f64 {
-        if self.inch { MM_PER_INCH } else { 1.0 }
     }
 
     /// Total frame: base, settable, then programmable nearest to the programmed value.
@@ -204,10 +172,10 @@ impl Modal {
     /// Gauge point to tip as the control sees it: L1, L2, L3 lie along applicate, ordinate, abscissa of the plane (G17: Z Y X, G18: Y X Z,
     /// G19: X Z Y; Programming Manual NC programming, 12/2019, 3.13.3.4, tools that are neither for turning nor for grinding).
     pub(super) fn tool_mm(&self) -> Vector {
-        let plane = self.tool_length_plane.unwrap_or(self.plane);
+        let plane = self.tool_length_plane.unwrap_or(self.modes.plane);
         let [abscissa, ordinate, applicate] = plane.axes();
         let mut tool = Vector::zeros();
-        let [first, second, third] = self.length_mm;
+        let [first, second, third] = self.tool.length_mm;
         tool[applicate.slot()] = -first;
         tool[ordinate.slot()] = -second;
         tool[abscissa.slot()] = -third;
@@ -219,29 +187,24 @@ impl Modal {
         Setup {
             frame: self.frame(),
             tool_mm: self.tool_mm(),
-            plane: self.plane,
+            plane: self.modes.plane,
             transform: self.transform.turning(),
-            assumed: self.offset_assumed || self.tool_assumed,
+            assumed: self.offset_assumed || self.tool.assumed,
         }
     }
 
     /// Takes over what SAVE does not bring back: position, tool, feed.
     pub(super) fn keep_position_of(&mut self, left: &Modal) {
         // A feed per revolution or of inverse time means nothing in the caller's feed mode.
-        if self.stated.code(FEED_MODES) == left.stated.code(FEED_MODES) {
-            self.feed = left.feed;
+        if self.stated.codes.programmed(FEED_MODES) == left.stated.codes.programmed(FEED_MODES) {
+            self.modes.feed = left.modes.feed;
         }
-        self.speed = left.speed;
-        self.selected.clone_from(&left.selected);
-        self.active.clone_from(&left.active);
+        self.modes.speed = left.modes.speed;
+        self.tool.clone_from(&left.tool);
         self.edge = left.edge;
         self.edge_stated = left.edge_stated;
-        self.length_mm = left.length_mm;
-        self.radius_mm = left.radius_mm;
-        self.tool_assumed = left.tool_assumed;
-        self.command = left.command;
+        self.position = left.position;
         self.programmed = left.programmed;
-        self.known = left.known;
         self.stale = left.stale;
         self.transform.keep_switch_of(&left.transform);
         self.tangent = left.tangent;
@@ -255,13 +218,8 @@ impl Modal {
     /// Where some axes are is unknown from here on. Those that a frame or a transformation mixes are unknown together; gives all that
     /// are.
     pub(super) fn forget(&mut self, axes: AxisSet) -> AxisSet {
-        let mut lost = axes;
-        if self.transform.turning().is_some() {
-            lost = AxisSet::ALL;
-        } else if !self.frame().is_translation() && !axes.intersection(AxisSet::XYZ).is_empty() {
-            lost = axes.union(AxisSet::XYZ);
-        }
-        self.known = self.known.difference(lost);
+        let frame = self.frame();
+        let lost = self.position.forget(axes, self.transform.turning().is_some(), &frame);
         self.moved_by_plane = self.moved_by_plane.difference(lost);
         self.tangent = None;
         lost
@@ -274,7 +232,7 @@ impl Modal {
         }
         let message = format!(
             "the program has not stated where {axis} is since G{} was selected, which moves the tool length to another axis",
-            self.plane.number()
+            self.modes.plane.number()
         );
         let help = format!(
             "set control.tool_length_plane = 17 in the machine file where the length stays along Z in every plane (SD42940), else state {axis} behind the change of the plane"
@@ -294,13 +252,4 @@ pub(super) struct Swivelled {
     pub(super) tilt: Frame,
     /// The tool for which the frame holds.
     pub(super) tool_mm: Vector,
-}
-
-pub(super) fn unknown_start(span: Span, axis: Axis) -> Fault {
-    fault(
-        Code::UNKNOWN_START,
-        span,
-        format!("the program has not stated where {axis} is"),
-        "begin with an absolute position of this axis, or give --start",
-    )
 }

@@ -21,7 +21,7 @@ pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
             ));
         }
         channel.unit_stated = true;
-        channel.modal.inch = inch;
+        channel.modal.modes.inch = inch;
         channel.modal.inch_feed = inch && with_feed;
         channel.modal.technological = with_feed;
     }
@@ -31,27 +31,25 @@ pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
         channel.unitless = Some(channel.outlet.origin.line);
     }
     if let Some((kind, _)) = gathered.motion {
-        channel.modal.motion = kind;
+        channel.modal.modes.motion = kind;
     }
     for &(is_end, end) in &gathered.curve.ends {
         channel.modal.spline_ends[usize::from(is_end)] = end;
     }
-    let unit = gathered.feed_mode.map_or(channel.modal.feed_unit, |word| unit_behind(channel.modal.feed_unit, word));
-    if unit != channel.modal.feed_unit {
-        // F meant something else: it must be programmed again.
-        channel.modal.feed_unit = unit;
-        channel.modal.feed = 0.0;
-    }
+    let unit = gathered
+        .feed_mode
+        .map_or(channel.modal.modes.feed_unit, |word| unit_behind(channel.modal.modes.feed_unit, word));
+    channel.modal.modes.select_feed_unit(unit);
     if let Some(incremental) = gathered.incremental {
-        channel.modal.incremental = incremental;
+        channel.modal.modes.incremental = incremental;
     }
     if let Some(plane) = gathered.plane.and_then(Plane::from_number)
-        && plane != channel.modal.plane
+        && plane != channel.modal.modes.plane
     {
-        channel.modal.plane = plane;
-        let stated = channel.modal.known.union(channel.modal.moved_by_plane);
+        channel.modal.modes.plane = plane;
+        let stated = channel.modal.position.known.union(channel.modal.moved_by_plane);
         setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
-        channel.modal.moved_by_plane = stated.difference(channel.modal.known);
+        channel.modal.moved_by_plane = stated.difference(channel.modal.position.known);
     }
     Ok(())
 }

@@ -16,13 +16,13 @@ use ncfix_machine::snc::{Manner, Move, Way};
 
 /// The motion of a block that names axes or a center, and the state behind it.
 pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<Path, Fault> {
-    let (start, start_known) = (modal.command, modal.known);
+    let (start, start_known) = (modal.position.command, modal.position.known);
     let mut ways = gathered.ways;
     let (mut target, mut named) = target(gathered, modal, context, &mut ways)?;
     let is_positioning = positioning::is_positioning(gathered, context.span)?;
     // A positioning axis is no motion of the path, whatever is in force there.
     let thread = if is_positioning { None } else { thread::thread(gathered, modal, context.span)? };
-    let kind = match modal.motion {
+    let kind = match modal.modes.motion {
         _ if is_positioning => MotionKind::Rapid,
         _ if thread.is_some() => MotionKind::Line,
         kind => kind,
@@ -30,7 +30,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
     let rapid = kind == MotionKind::Rapid;
     rotary::check_either(&ways, rapid, context)?;
     let is_driven = thread.is_some_and(|thread| thread.code.is_spindle_driven());
-    if !rapid && !is_driven && modal.feed <= 0.0 && context.strict {
+    if !rapid && !is_driven && modal.modes.feed <= 0.0 && context.strict {
         return Err(fault(
             Code::MISSING_FEED,
             context.span,
@@ -41,7 +41,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
     if thread.is_none() {
         arc::check_words(gathered, kind)?;
     }
-    let mut basis = PlaneBasis::behind(&context.setup.frame, modal.plane)
+    let mut basis = PlaneBasis::behind(&context.setup.frame, modal.modes.plane)
         .ok_or_else(|| bad_value(context.span, "the frame squeezes the working plane flat", "check SCALE"))?;
     let shape = match kind {
         MotionKind::Rapid | MotionKind::Line | MotionKind::Thread(_) => Shape::Line,
@@ -50,16 +50,16 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         MotionKind::Clockwise | MotionKind::CounterClockwise => {
             let by_angle = arc::end_by_angle(gathered, modal, context)?;
             if let Some(end) = by_angle {
-                let plane = modal.plane.axes().into_iter().take(2).collect();
+                let plane = modal.modes.plane.axes().into_iter().take(2).collect();
                 named = named.union(plane);
                 target = reach(modal, context, named, &end);
             }
-            let closed = arc::closed_on_grid(modal.plane, context, &start, &target, by_angle.is_some());
-            target = closed.inspect_err(|_| modal.command = target)?;
+            let closed = arc::closed_on_grid(modal.modes.plane, context, &start, &target, by_angle.is_some());
+            target = closed.inspect_err(|_| modal.position.command = target)?;
             // What follows begins where the block leads, so that one fault is not found again in every arc behind it.
             arc::arc(gathered, modal, context, &start, &target).inspect_err(|_| {
-                modal.command = target;
-                modal.known = modal.known.union(named);
+                modal.position.command = target;
+                modal.position.known = modal.position.known.union(named);
             })?
         }
         MotionKind::Through | MotionKind::Tangent => {
@@ -68,28 +68,28 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
                 None => Shape::Line,
                 Some(circle) => {
                     let shape;
-                    (shape, basis) = circle.shape(basis, modal.plane, [&start, &target], context);
+                    (shape, basis) = circle.shape(basis, modal.modes.plane, [&start, &target], context);
                     shape
                 }
             }
         }
     };
     spatial::note_tangent(&mut modal.tangent, &start, &target, &shape, &basis);
-    if matches!(modal.motion, MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic) {
+    if matches!(modal.modes.motion, MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic) {
         // Where the spline will lead is not known yet.
         modal.tangent = None;
     }
-    modal.known = modal.known.union(named);
-    modal.command = target;
+    modal.position.known = modal.position.known.union(named);
+    modal.position.command = target;
     let motion = Move {
         rapid,
         arc: None,
         target,
         named,
-        known: modal.known,
-        feed: modal.feed,
+        known: modal.position.known,
+        feed: modal.modes.feed,
         feed_named: gathered.feed.is_some(),
-        unit: modal.feed_unit,
+        unit: modal.modes.feed_unit,
         ways,
         in_machine_frame: gathered.suppress.is_some(),
         manner: match thread {
@@ -110,21 +110,21 @@ fn target(
     ways: &mut [Way; 3],
 ) -> Result<(AxisVector, AxisSet), Fault> {
     let suppressed = context.is_suppressed;
-    let here = context.setup.programmed(&modal.command);
+    let here = context.setup.programmed(&modal.position.command);
     let mut programmed = here;
     for axis in gathered.named.iter() {
         let incremental = if gathered.as_incremental.contains(axis) {
             true
         } else {
-            modal.incremental && !gathered.as_absolute.contains(axis)
+            modal.modes.incremental && !gathered.as_absolute.contains(axis)
         };
-        let unit = if axis.is_rotary() { 1_f64.to_radians() } else { modal.scale() };
+        let unit = if axis.is_rotary() { 1_f64.to_radians() } else { modal.modes.scale() };
         let value = gathered.axes[axis] * unit;
         // The control rounds what it reads, and increments add up what it has rounded.
         let per_mm = context.control.increments_per_mm.filter(|_| !axis.is_rotary());
         let value = per_mm.map_or(value, |per_mm| on_grid(value, per_mm));
         let span = gathered.axis_spans[axis.slot()];
-        if incremental && context.strict && !modal.known.contains(axis) {
+        if incremental && context.strict && !modal.position.known.contains(axis) {
             return Err(modal.unknown_start(span, axis));
         }
         let is_stale = modal.stale.contains(axis) && !suppressed;
@@ -133,7 +133,7 @@ fn target(
             return Err(stale_start(span, axis));
         }
         programmed[axis] = if !incremental {
-            rotary::position(axis, value, here[axis], (gathered, modal.known.contains(axis)), context, ways)?
+            rotary::position(axis, value, here[axis], (gathered, modal.position.known.contains(axis)), context, ways)?
         } else if suppressed || is_stale || !traverses {
             here[axis] + value
         } else {
@@ -150,7 +150,7 @@ fn target(
     }
     let mut named = gathered.named;
     if let Some(end) = polar::end(gathered, modal, context)? {
-        for (axis, value) in modal.plane.axes().into_iter().zip(end) {
+        for (axis, value) in modal.modes.plane.axes().into_iter().zip(end) {
             programmed[axis] = value;
             named.insert(axis);
         }
@@ -160,7 +160,7 @@ fn target(
 
 /// Axis commands of programmed positions of the named axes; sets the programmed values.
 fn reach(modal: &mut Modal, context: MotionContext<'_>, named: AxisSet, programmed: &AxisVector) -> AxisVector {
-    let mut target = modal.command;
+    let mut target = modal.position.command;
     if context.setup.frame.is_translation() {
         // Axis by axis, so that the command of an axis that the block does not name keeps its last bit.
         for axis in named.iter() {

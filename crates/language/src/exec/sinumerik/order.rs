@@ -84,7 +84,7 @@ pub(super) fn execute(
         stream::send(channel, gathered, span)?;
     } else {
         if gathered.feed.is_some() {
-            channel.push(Kind::Feed(channel.modal.feed));
+            channel.push(Kind::Feed(channel.modal.modes.feed));
         }
         channel.comment(comment);
     }

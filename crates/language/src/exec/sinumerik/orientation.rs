@@ -57,9 +57,9 @@ pub(super) fn orient(channel: &mut Channel<'_>, gathered: &Gathered, path: &mut 
         path.motion.target[axis] = found[axis];
         path.motion.named.insert(axis);
         path.motion.known.insert(axis);
-        modal.command[axis] = found[axis];
+        modal.position.command[axis] = found[axis];
         modal.programmed[axis] = found[axis] - modal.frame().shift(axis);
-        modal.known.insert(axis);
+        modal.position.known.insert(axis);
     }
     if let crate::exec::core::path::Shape::Chords(ends) = &mut path.shape {
         five_axis::spread_rotaries(kinematics, &path.start, &path.motion.target, ends);

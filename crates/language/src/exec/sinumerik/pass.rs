@@ -170,7 +170,7 @@ impl Gatherer<'_> {
     fn scale(&self, unit: ValueUnit) -> f64 {
         let modal = self.scope.modal;
         match unit {
-            ValueUnit::Length => modal.scale(),
+            ValueUnit::Length => modal.modes.scale(),
             ValueUnit::Feed if modal.inch_feed => MM_PER_INCH,
             ValueUnit::Feed | ValueUnit::None => 1.0,
         }
@@ -344,8 +344,8 @@ pub(super) fn opaque_statement(
 
 /// Refuses positions of the transverse axis while they are diameters, and cutting speeds in feet.
 pub(super) fn check_diameter(machine: &Machine, modal: &mut Modal, gathered: &Gathered) -> Result<(), Fault> {
-    if let (Some((_, span)), true) = (gathered.speed, modal.inch)
-        && matches!(modal.stated.code(15), Some("G96" | "G961" | "G962"))
+    if let (Some((_, span)), true) = (gathered.speed, modal.modes.inch)
+        && matches!(modal.stated.codes.code(15), Some("G96" | "G961" | "G962"))
     {
         // The output is metric, where the same number would be m/min.
         let message = "a cutting speed in feet per minute, which is not supported yet";

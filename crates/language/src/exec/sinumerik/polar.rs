@@ -24,22 +24,22 @@ pub(super) fn end(
     if !gathered::is_programmed(gathered) {
         return Ok(None);
     }
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let in_plane: AxisSet = [abscissa, ordinate].into_iter().collect();
     if let Some(axis) = gathered.named.intersection(in_plane).iter().next() {
         let span = gathered.axis_spans[axis.slot()];
         let message = format!("{axis} and a polar position in one block");
         return Err(fault(Code::BAD_POLAR, span, message, "only the axis across the plane may stand beside AP and RP"));
     }
-    let pole = modal.polar.pole(modal.plane, context.span)?;
-    let (scale, incremental) = (modal.scale(), modal.incremental);
+    let pole = modal.polar.pole(modal.modes.plane, context.span)?;
+    let (scale, incremental) = (modal.modes.scale(), modal.modes.incremental);
     let angle = coordinate(gathered, Named::Ap, modal.polar.angle_rad, 1_f64.to_radians(), incremental, context)?;
     let radius = coordinate(gathered, Named::Rp, modal.polar.radius, scale, incremental, context)?;
     if radius < 0.0 {
         let span = gathered.named(Named::Rp).map_or(context.span, |value| value.span);
         return Err(bad_value(span, "a polar radius must not be negative", "turn the angle by 180 degrees instead"));
     }
-    modal.polar = Polar { pole, plane: Some(modal.plane), radius: Some(radius), angle_rad: Some(angle) };
+    modal.polar = Polar { pole, plane: Some(modal.modes.plane), radius: Some(radius), angle_rad: Some(angle) };
     let (sine, cosine) = angle.sin_cos();
     Ok(Some([pole[0] + radius * cosine, pole[1] + radius * sine]))
 }
@@ -88,26 +88,26 @@ pub(super) fn set_pole(
         return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other words to another block"));
     }
     let modal = &mut channel.modal;
-    let [abscissa, ordinate, _] = modal.plane.axes();
+    let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let mut pole = match base {
         PoleBase::Zero => [0.0; 2],
-        PoleBase::Pole => modal.polar.pole(modal.plane, span)?,
+        PoleBase::Pole => modal.polar.pole(modal.modes.plane, span)?,
         PoleBase::Position => {
-            let unknown = [abscissa, ordinate].into_iter().find(|&axis| !modal.known.contains(axis));
+            let unknown = [abscissa, ordinate].into_iter().find(|&axis| !modal.position.known.contains(axis));
             if let Some(axis) = unknown.filter(|_| channel.settings.strict) {
                 return Err(modal.unknown_start(span, axis));
             }
-            let here = modal.setup().programmed(&modal.command);
+            let here = modal.setup().programmed(&modal.position.command);
             [here[abscissa], here[ordinate]]
         }
     };
     let words = [Named::Ap, Named::Rp].map(|word| gathered.named(word).copied());
     let in_plane = [abscissa, ordinate].into_iter().any(|axis| gathered.named.contains(axis));
     let step = match words {
-        [None, None] => [abscissa, ordinate].map(|axis| gathered.axes[axis] * modal.scale()),
+        [None, None] => [abscissa, ordinate].map(|axis| gathered.axes[axis] * modal.modes.scale()),
         [Some(angle), Some(radius)] if !in_plane && angle.dimension.is_none() && radius.dimension.is_none() => {
             let (sine, cosine) = angle.value.to_radians().sin_cos();
-            [radius.value * modal.scale() * cosine, radius.value * modal.scale() * sine]
+            [radius.value * modal.modes.scale() * cosine, radius.value * modal.modes.scale() * sine]
         }
         _ => {
             let help = "give its position either by axes or by both AP and RP";
@@ -119,6 +119,6 @@ pub(super) fn set_pole(
     if !pole.iter().all(|part| part.abs() < 1e9) {
         return Err(bad_value(span, "the pole lies too far away", "check the values"));
     }
-    modal.polar = Polar { pole, plane: Some(modal.plane), radius: None, angle_rad: None };
+    modal.polar = Polar { pole, plane: Some(modal.modes.plane), radius: None, angle_rad: None };
     Ok(())
 }

@@ -65,7 +65,7 @@ pub(super) fn shape(
     target: &AxisVector,
 ) -> Result<Shape, Fault> {
     let words = &gathered.curve;
-    if modal.motion != MotionKind::Polynomial || words.polynomials.is_empty() {
+    if modal.modes.motion != MotionKind::Polynomial || words.polynomials.is_empty() {
         return Ok(Shape::Line);
     }
     let length = match gathered.named(Named::Pl) {
@@ -73,17 +73,19 @@ pub(super) fn shape(
         Some(value) if value.value > 0.0 && value.value.is_finite() => value.value,
         Some(value) => return Err(bad_value(value.span, "PL must be above 0", "write the length of the parameter")),
     };
-    let unknown = words.polynomials.iter().find(|(axis, _)| context.strict && !modal.known.contains(*axis));
+    let unknown = words.polynomials.iter().find(|(axis, _)| context.strict && !modal.position.known.contains(*axis));
     if let Some((axis, _)) = unknown {
         let message = format!("the program has not stated where {axis} is");
         let help = "begin with an absolute position of this axis, or give --start";
         return Err(fault(Code::UNKNOWN_START, words.span, message, help));
     }
-    let powers =
-        powers(words, modal.scale(), [&context.setup.programmed(start), &context.setup.programmed(target)], length)
-            .ok_or_else(|| {
-                bad_value(words.span, "a denominator is for X, Y and Z", "take the rotary polynomial out")
-            })?;
+    let powers = powers(
+        words,
+        modal.modes.scale(),
+        [&context.setup.programmed(start), &context.setup.programmed(target)],
+        length,
+    )
+    .ok_or_else(|| bad_value(words.span, "a denominator is for X, Y and Z", "take the rotary polynomial out"))?;
     let Some(curve) = Bezier::of_powers(&powers) else { return Ok(Shape::Line) };
     let mut ends = Vec::new();
     let mut budget = MOST_CHORDS;

@@ -61,7 +61,7 @@ impl Gatherer<'_> {
     fn foreign_position(&self, letter: u8, word: &Word, block: &Block) -> Result<Vec<u8>, Fault> {
         let unit = match Axis::from_letter(letter) {
             Some(axis) if !axis.is_rotary() => ValueUnit::Length,
-            None if self.scope.modal.inch => {
+            None if self.scope.modal.modes.inch => {
                 let message = "a position in inch or degrees of an axis that the machine file does not know";
                 return Err(fault(Code::NOT_SUPPORTED, word.span, message, "program G71 or G710 before it"));
             }
@@ -86,7 +86,7 @@ impl Gatherer<'_> {
             (Address::Letter(b'G'), Value::Number(91.0, _)) => Some(true),
             _ => None,
         });
-        stated.next_back().unwrap_or(self.scope.modal.incremental)
+        stated.next_back().unwrap_or(self.scope.modal.modes.incremental)
     }
 }
 

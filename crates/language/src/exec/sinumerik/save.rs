@@ -3,7 +3,6 @@
 use super::channel::Channel;
 use super::modal::Modal;
 use super::setup;
-use super::stated;
 use super::stated::MAX_STATEMENTS;
 use super::stated::NO_FRAME;
 use super::stated::NOT_MODAL;
@@ -21,21 +20,21 @@ pub(super) fn note_initial_codes(channel: &mut Channel<'_>) {
     let machine = channel.settings.machine;
     let rows = machine.control.initial_codes.iter().filter_map(|word| channel.codes.word(&word.to_ascii_uppercase()));
     for row in rows.filter(|row| row.effect == Effect::Keep && !NOT_MODAL.contains(&row.group)) {
-        channel.modal.stated.set_code(row.group, row.name);
+        channel.modal.stated.codes.set(row.group, row.name);
     }
 }
 
 /// Passes a code on and notes that it is in force.
 pub(super) fn keep(channel: &mut Channel<'_>, word: &'static str) {
     if let Some(row) = channel.codes.word(word).filter(|row| !NOT_MODAL.contains(&row.group)) {
-        channel.modal.stated.set_code(row.group, word);
+        channel.modal.stated.codes.set(row.group, word);
     }
     channel.push(Kind::Keep(word));
 }
 
 /// Passes a zero offset or frame on and notes that it is in force.
 pub(super) fn push_frame(channel: &mut Channel<'_>, words: FrameWords) {
-    channel.modal.stated.add_frame(&words, channel.modal.plane);
+    channel.modal.stated.add_frame(&words, channel.modal.modes.plane);
     channel.push(Kind::Frame(words));
 }
 
@@ -43,11 +42,7 @@ pub(super) fn push_frame(channel: &mut Channel<'_>, words: FrameWords) {
 pub(super) fn restore(channel: &mut Channel<'_>, saved: Modal) {
     let left = std::mem::replace(&mut channel.modal, saved);
     channel.modal.keep_position_of(&left);
-    let codes = left.stated.codes.iter().filter_map(|&(group, word)| {
-        let before = channel.modal.stated.code(group).or_else(|| stated::initial(channel.codes, group))?;
-        (before != word).then_some(before)
-    });
-    let codes: Vec<&'static str> = codes.collect();
+    let codes = channel.modal.stated.codes.other_than(&left.stated.codes);
     if !codes.is_empty() {
         channel.outlet.begin_line();
         codes.into_iter().for_each(|word| channel.push(Kind::Keep(word)));
@@ -65,7 +60,7 @@ pub(super) fn restore(channel: &mut Channel<'_>, saved: Modal) {
     let is_whole = after.len() < MAX_STATEMENTS && before.len() < MAX_STATEMENTS;
     let in_plane = |(statement, plane): &(FrameStatement, Plane)| {
         let needs_plane = statement.in_plane_rad.is_some() || statement.kind == FrameKind::SolidAngles;
-        !needs_plane || *plane == channel.modal.plane
+        !needs_plane || *plane == channel.modal.modes.plane
     };
     if !is_said || !is_whole || !after.iter().all(in_plane) || left.base != channel.modal.base {
         let message = "SAVE of the program that ends here brings back a frame that cannot be written as statements";

@@ -13,13 +13,13 @@ use std::sync::Arc;
 /// again: how and when a control traverses the change is a setting of the control (Sinumerik SD42940, SD42442).
 pub(super) fn refresh_setup(modal: &mut Modal, standing: &mut InForce, outlet: &mut Outlet<'_>) {
     let setup = modal.setup();
-    keep_pose(&standing.setup, &setup, outlet.kinematics.as_deref(), &mut modal.command);
+    keep_pose(&standing.setup, &setup, outlet.kinematics.as_deref(), &mut modal.position.command);
     let lost = lengthened(&standing.setup, &setup);
-    modal.known = modal.known.difference(lost);
+    modal.position.known = modal.position.known.difference(lost);
     modal.moved_by_plane = modal.moved_by_plane.difference(lost);
     let (old, new) = (&standing.setup.frame, &setup.frame);
     if old.linear() != new.linear() {
-        modal.known = known_behind(modal.known, old, new);
+        modal.position.known = known_behind(modal.position.known, old, new);
         let is_other = |axis: &Axis| old.unapply_row(*axis) != new.unapply_row(*axis);
         modal.stale = modal.stale.union(AxisSet::XYZ.iter().filter(is_other).collect());
     }

@@ -33,7 +33,7 @@ pub(super) fn circle(
     target: &AxisVector,
 ) -> Result<Option<Circle>, Fault> {
     if context.strict
-        && let Some(axis) = AxisSet::XYZ.difference(modal.known).iter().next()
+        && let Some(axis) = AxisSet::XYZ.difference(modal.position.known).iter().next()
     {
         return Err(modal.unknown_start(context.span, axis));
     }
@@ -43,7 +43,7 @@ pub(super) fn circle(
         let message = "start and end of this arc coincide";
         return Err(fault(Code::BAD_ARC, context.span, message, "a full circle needs G2 or G3 with I, J, K"));
     }
-    if modal.motion == MotionKind::Tangent {
+    if modal.modes.motion == MotionKind::Tangent {
         let Some(tangent) = modal.tangent else {
             let message = "a tangential arc, and nothing comes before it";
             return Err(fault(Code::BAD_ARC, context.span, message, "program a motion before it, or G2 or G3"));
@@ -99,9 +99,9 @@ fn intermediate(
                 let is_incremental = match dimension {
                     Some(DimensionFunction::Incremental) => true,
                     Some(_) => false,
-                    None => modal.incremental,
+                    None => modal.modes.incremental,
                 };
-                let value = value * modal.scale();
+                let value = value * modal.modes.scale();
                 middle[axis.slot()] = if is_incremental { from[axis] + value } else { value };
             }
             None if gathered.named.contains(axis) && modal.programmed[axis] != from[axis] => {

@@ -32,7 +32,7 @@ const STEP: f64 = 1e-6;
 
 /// What a block says of its place in a spline; `None` for other motions.
 pub(super) fn node(gathered: &Gathered, modal: &Modal) -> Result<Option<Node>, Fault> {
-    if !matches!(modal.motion, MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic) {
+    if !matches!(modal.modes.motion, MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic) {
         return Ok(None);
     }
     let positive = |address: Named, what: &str| match gathered.named(address) {
@@ -47,7 +47,7 @@ pub(super) fn node(gathered: &Gathered, modal: &Modal) -> Result<Option<Node>, F
         Some(value) => return Err(bad_value(value.span, "SD must be 2 or 3", "correct the degree of the B-spline")),
     };
     Ok(Some(Node {
-        kind: modal.motion,
+        kind: modal.modes.motion,
         length: positive(Named::Pl, "PL")?,
         weight: positive(Named::Pw, "PW")?.unwrap_or(1.0),
         degree,

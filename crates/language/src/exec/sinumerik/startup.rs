@@ -18,6 +18,6 @@ pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, codes: &'static
     }
     setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     save::note_initial_codes(&mut channel);
-    channel.modal.programmed = channel.standing.setup.programmed(&channel.modal.command);
+    channel.modal.programmed = channel.standing.setup.programmed(&channel.modal.position.command);
     channel
 }

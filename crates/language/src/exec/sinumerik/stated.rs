@@ -1,14 +1,21 @@
 //! What the output says of the modal state.
 
+use std::sync::LazyLock;
+
+use crate::exec::core::modal::CodesInForce;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::geometry::Plane;
-use ncfix_dialect::CodeTable;
 use ncfix_machine::snc::FrameKind;
 use ncfix_machine::snc::FrameStatement;
 use ncfix_machine::snc::FrameWords;
-/// Codes that are active when the control starts, by group (Sinumerik MD20150), where the output passes them on.
-pub(super) const INITIAL: &[&str] = &[
+
+/// Codes that are active when the control starts (Sinumerik MD20150), where the output passes them on, each with its group.
+static INITIAL: LazyLock<Vec<(u8, &'static str)>> = LazyLock::new(|| {
+    let table = ncfix_dialect::sinumerik().codes();
+    STARTING.iter().filter_map(|&word| Some((table.word(word)?.group, word))).collect()
+});
+const STARTING: &[&str] = &[
     "STARTFIFO",
     "G17",
     "G40",
@@ -72,8 +79,8 @@ pub(super) const MAX_STATEMENTS: usize = 1000;
 /// What the output has said of the modal state.
 #[derive(Clone, Debug)]
 pub(super) struct Stated {
-    /// Codes in force by group.
-    pub(super) codes: Vec<(u8, &'static str)>,
+    /// Codes of the groups of the code table.
+    pub(super) codes: CodesInForce<u8, &'static str>,
     /// `G500`, `G54` …
     pub(super) offset: String,
     /// The assignment to the programmable frame that its statements build on, where there was one.
@@ -84,7 +91,7 @@ pub(super) struct Stated {
 
 impl Stated {
     pub(super) fn new(offset: &str) -> Stated {
-        Stated { codes: Vec::new(), offset: offset.to_owned(), assigned: None, frame: Vec::new() }
+        Stated { codes: CodesInForce::new(&INITIAL), offset: offset.to_owned(), assigned: None, frame: Vec::new() }
     }
 
     /// The settable frame in force: `G54`, or the assignment to it.
@@ -101,18 +108,6 @@ impl Stated {
     pub(super) fn assign_programmable(&mut self, text: &str) {
         self.frame.clear();
         self.assigned = Some(text.as_bytes().to_vec());
-    }
-
-    /// The code of a group that was programmed last.
-    pub(super) fn code(&self, group: u8) -> Option<&'static str> {
-        self.codes.iter().find(|(known, _)| *known == group).map(|&(_, word)| word)
-    }
-
-    pub(super) fn set_code(&mut self, group: u8, word: &'static str) {
-        match self.codes.iter_mut().find(|(known, _)| *known == group) {
-            Some(entry) => entry.1 = word,
-            None => self.codes.push((group, word)),
-        }
     }
 
     pub(super) fn add_frame(&mut self, words: &FrameWords, plane: Plane) {
@@ -139,9 +134,4 @@ impl Stated {
             _ => {}
         }
     }
-}
-
-/// The code of a group that is active when the control starts.
-pub(super) fn initial(table: &'static CodeTable, group: u8) -> Option<&'static str> {
-    INITIAL.iter().copied().find(|word| table.word(word).is_some_and(|row| row.group == group))
 }

@@ -28,7 +28,8 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
         let bare = Arc::new(suppressed(&channel.modal, &channel.standing, word));
         channel.push(Kind::Setup(Arc::clone(&bare)));
         channel.standing.changed = true;
-        channel.modal.known = known_behind(channel.modal.known, &channel.standing.setup.frame, &bare.frame);
+        channel.modal.position.known =
+            known_behind(channel.modal.position.known, &channel.standing.setup.frame, &bare.frame);
         bare
     } else {
         if std::mem::take(&mut channel.standing.changed) {
@@ -45,14 +46,15 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
         strict: channel.settings.strict,
         span,
     };
-    let modal_feed = channel.modal.feed;
+    let modal_feed = channel.modal.modes.feed;
     if let Some(feed) = gathered.block_feed {
-        channel.modal.feed = feed;
+        channel.modal.modes.feed = feed;
     }
     let found = motion::motion(gathered, &mut channel.modal, context);
-    channel.modal.feed = modal_feed;
+    channel.modal.modes.feed = modal_feed;
     if gathered.suppress.is_some() {
-        channel.modal.known = known_behind(channel.modal.known, &setup.frame, &channel.standing.setup.frame);
+        channel.modal.position.known =
+            known_behind(channel.modal.position.known, &setup.frame, &channel.standing.setup.frame);
     }
     let mut path = found?;
     if path.motion.rapid {

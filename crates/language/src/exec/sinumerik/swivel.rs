@@ -67,7 +67,7 @@ impl Interpreter<'_> {
             }
         }
         let [retract, _, status, mode, x0, y0, z0, a, b, c, x1, y1, z1, direction, retract_by, _] = values;
-        let length = self.channel.modal.scale();
+        let length = self.channel.modal.modes.scale();
         let is_reset = given.iter().all(Option::is_none) || name == b"0";
         let digits = status as i64;
         if digits < 0 || status.fract() != 0.0 || digits / 10 % 10_000 != 0 || digits % 10 > 1 {
@@ -146,7 +146,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
         if channel.settings.strict && !unknown.is_empty() {
             // The plane comes into force all the same, so that one cause is not found again in every block behind it.
             channel.outlet.warnings.push(unknown_places(span, unknown, "SUPA G0"));
-            channel.modal.known = channel.modal.known.union(unknown);
+            channel.modal.position.known = channel.modal.position.known.union(unknown);
         }
         let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
         let turned = choose(channel.settings.machine, &channel.modal, &kinematics, &normal, request)?;
@@ -167,7 +167,8 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
     let statements = statements_of(&relative, setup::rotation_order(channel.settings.machine))
         .ok_or_else(|| save::refused(span, "the zero offset scales or mirrors".to_owned()))?;
     let frame = statements.iter().fold(Frame::identity(), |frame, statement| {
-        let added = super::frame_store::frame_of(statement, channel.modal.plane, &channel.settings.machine.control);
+        let added =
+            super::frame_store::frame_of(statement, channel.modal.modes.plane, &channel.settings.machine.control);
         frame.compose(&added.unwrap_or_else(Frame::identity))
     });
     channel.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm }));
@@ -175,7 +176,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
 }
 
 fn is_stated(machine: &Machine, modal: &Modal, axis: Axis) -> bool {
-    machine.axis(axis).is_none() || modal.known.contains(axis)
+    machine.axis(axis).is_none() || modal.position.known.contains(axis)
 }
 
 /// The angles of the rotary axes that put the tool on the plane.
@@ -186,7 +187,7 @@ fn choose(
     normal: &Vector,
     request: &Request,
 ) -> Result<AxisVector, Fault> {
-    let near = modal.command;
+    let near = modal.position.command;
     let help = "check the angles of the plane and the travel of the rotary axes";
     match kinematics.orientations(normal, &near) {
         [None, None] => {
@@ -209,7 +210,7 @@ fn choose(
 fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector, span: Span) -> Result<(), Fault> {
     let mut words = Gathered::new();
     for axis in kinematics.rotary_axes() {
-        let (from, to) = (channel.modal.command[axis], turned[axis]);
+        let (from, to) = (channel.modal.position.command[axis], turned[axis]);
         let is_modulo = channel.settings.machine.axis(axis).is_some_and(|data| data.modulo);
         let shown = (to.to_degrees() * PARTS).round() / PARTS;
         words.axes[axis] = if is_modulo { shown.rem_euclid(360.0) } else { shown };
@@ -230,19 +231,19 @@ fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector,
 
 /// A rapid block in machine coordinates; the motion code in force stays.
 fn go(channel: &mut Channel<'_>, mut words: Gathered, span: Span) -> Result<(), Fault> {
-    let motion = channel.modal.motion;
+    let motion = channel.modal.modes.motion;
     words.suppress = Some("SUPA");
     words.keep.push("SUPA");
     words.motion = Some((MotionKind::Rapid, span));
     channel.outlet.begin_line();
     let found = order::execute(channel, &mut words, None, span);
-    channel.modal.motion = motion;
+    channel.modal.modes.motion = motion;
     found
 }
 
 /// Moves away from the workpiece as the call says.
 fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics) -> Result<(), Fault> {
-    let (span, scale) = (request.span, channel.modal.scale());
+    let (span, scale) = (request.span, channel.modal.modes.scale());
     let tool_mm = channel.modal.tool_mm();
     let mut words = Gathered::new();
     let mut go_to = |axis: Axis, command: f64| {
@@ -254,15 +255,16 @@ fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics
         return Ok(());
     }
     if request.retract == 5.0 {
-        let tip = kinematics.tip_mm(&channel.modal.command, &tool_mm);
-        let away = tip + kinematics.direction(&channel.modal.command) * request.retract_by_mm;
-        let target = kinematics.placed(&away, &channel.modal.command, &tool_mm);
+        let tip = kinematics.tip_mm(&channel.modal.position.command, &tool_mm);
+        let away = tip + kinematics.direction(&channel.modal.position.command) * request.retract_by_mm;
+        let target = kinematics.placed(&away, &channel.modal.position.command, &tool_mm);
         let target = target.ok_or_else(|| save::refused(span, "the linear axes cannot place the tip".to_owned()))?;
         AxisSet::XYZ.iter().for_each(|axis| go_to(axis, target[axis]));
         return go(channel, words, span);
     }
-    let axis_z = kinematics.direction(&channel.modal.command);
-    let is_along_z = channel.modal.command.max_abs(&ROTARY_AXES) == 0.0 || axis_z[2].abs() > 1.0 - SAME_ROTATION;
+    let axis_z = kinematics.direction(&channel.modal.position.command);
+    let is_along_z =
+        channel.modal.position.command.max_abs(&ROTARY_AXES) == 0.0 || axis_z[2].abs() > 1.0 - SAME_ROTATION;
     let is_known = request.retract == 1.0 || request.retract == 4.0 && is_along_z;
     match channel.settings.machine.control.swivel_retract_z_mm.filter(|_| is_known) {
         Some(z) => {

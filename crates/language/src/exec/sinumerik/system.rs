@@ -105,7 +105,7 @@ impl Scope<'_> {
                 let help = "begin with an absolute position of this axis, or give --start";
                 return Err(fault(Code::UNKNOWN_START, span, message, help));
             }
-            "$P_TOOLR" if self.modal.tool_assumed => return Ok(Value::Real(0.0)),
+            "$P_TOOLR" if self.modal.tool.assumed => return Ok(Value::Real(0.0)),
             "$P_TOOLR" => {
                 let message = "the radius of the tool is read, and no cutting edge is in force";
                 return Err(fault(
@@ -129,11 +129,11 @@ impl Scope<'_> {
         let real = |value: f64| Ok(Some(Value::Real(value)));
         let whole = |value: i64| Ok(Some(Value::Int(value)));
         let of_tool = || number().and_then(|number| u32::try_from(number).ok());
-        let tool = self.modal.tool_in(&self.system.tools, self.machine);
+        let tool = self.modal.size_in(&self.system.tools, self.machine);
         match name {
             "$P_AXN1" | "$P_AXN2" | "$P_AXN3" => {
                 let place = usize::from(name.as_bytes().last().map_or(0, |digit| digit - b'0'));
-                Ok(plane_axis(self.modal.plane, place).map(|axis| Value::Axis(axis.to_string())))
+                Ok(plane_axis(self.modal.modes.plane, place).map(|axis| Value::Axis(axis.to_string())))
             }
             "$P_EP" | "$AA_IW" | "$AA_IM" | "$AA_IB" => {
                 let Some(axis) = first.map(|value| self.axis_in(value, id)).transpose()? else { return Ok(None) };
@@ -145,12 +145,14 @@ impl Scope<'_> {
             },
             "$P_GG" => Ok(number().and_then(|group| self.member(group)).map(Value::Int)),
             "$P_UIFRNUM" => Ok(settable_number(self.modal.stated.offset()).map(Value::Int)),
-            "$P_S" => Ok(self.modal.speed.filter(|_| matches!(number(), None | Some(0 | 1))).map(Value::Real)),
-            "$P_F" => real(if self.modal.inch_feed { self.modal.feed / MM_PER_INCH } else { self.modal.feed }),
+            "$P_S" => Ok(self.modal.modes.speed.filter(|_| matches!(number(), None | Some(0 | 1))).map(Value::Real)),
+            "$P_F" => {
+                real(if self.modal.inch_feed { self.modal.modes.feed / MM_PER_INCH } else { self.modal.modes.feed })
+            }
             "$P_MC" => whole(i64::from(self.system.modal_call)),
             "$P_SUBPAR" => Ok(number().and_then(|number| self.variables.is_given(number)).map(Value::Bool)),
             "$P_TOOL" => whole(i64::from(self.modal.edge)),
-            "$P_TOOLNO" => Ok(match &self.modal.active {
+            "$P_TOOLNO" => Ok(match &self.modal.tool.active {
                 Some(WordValue::Number(number)) => Some(Value::Int(*number as i64)),
                 Some(WordValue::Name(name)) => {
                     self.system.tools.number_of(self.machine, name).map(|number| Value::Int(i64::from(number)))
@@ -180,17 +182,17 @@ impl Scope<'_> {
     /// Where an axis is: in the program's coordinates, or in those of the machine; `None` where the program has not stated it.
     fn position(&self, name: &str, axis: Axis) -> Option<Value> {
         let of_machine = matches!(name, "$AA_IM" | "$AA_IB");
-        let in_plane = self.modal.plane.axes().into_iter().take(2).any(|known| known == axis);
+        let in_plane = self.modal.modes.plane.axes().into_iter().take(2).any(|known| known == axis);
         if in_plane && self.modal.contour.compensates() && name != "$P_EP" {
             // Where the tool center is depends on what follows.
             return None;
         }
-        let known = self.modal.known;
+        let known = self.modal.position.known;
         let known = if of_machine { self.modal.frame().known_across(known, false) } else { known };
         if self.system.strict && !known.contains(axis) {
             return None;
         }
-        let command = &self.modal.command;
+        let command = &self.modal.position.command;
         let position = if of_machine { command[axis] } else { self.modal.setup().programmed(command)[axis] };
         let unit = if self.modal.inch_feed { MM_PER_INCH } else { 1.0 };
         Some(Value::Real(if axis.is_rotary() { position.to_degrees() } else { position / unit }))

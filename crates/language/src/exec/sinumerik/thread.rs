@@ -18,7 +18,7 @@ const LARGEST_LEAD_MM: f64 = 2000.0;
 
 /// The thread code that holds in a block.
 pub(super) fn code(gathered: &Gathered, modal: &Modal) -> Option<ThreadCode> {
-    match modal.motion {
+    match modal.modes.motion {
         _ if gathered.taps => Some(ThreadCode::G63),
         MotionKind::Thread(code) => Some(code),
         _ => None,
@@ -56,7 +56,7 @@ pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<
             "keep the one of I, J and K that belongs to the axis of the thread",
         ));
     }
-    let lead_mm = value * modal.scale();
+    let lead_mm = value * modal.modes.scale();
     let is_signed = matches!(code, ThreadCode::G331 | ThreadCode::G332);
     if !(lead_mm.abs() <= LARGEST_LEAD_MM && (lead_mm > 0.0 || is_signed && lead_mm != 0.0)) {
         let allowed = if is_signed { "not 0, and at most" } else { "above 0 and at most" };
@@ -68,7 +68,7 @@ pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<
             let message = format!("{} without F, the change of the lead", code.word());
             return Err(bad_value(span, message, "program F in the same block, mm per turn and turn"));
         }
-        (_, change) => change.map(|change| change * modal.scale()),
+        (_, change) => change.map(|change| change * modal.modes.scale()),
     };
     Ok(Some(Thread { code, lead: Some((letter, lead_mm)), change }))
 }

@@ -4,10 +4,10 @@ use super::channel::Channel;
 use super::gathered::Gathered;
 use super::setup;
 use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::tool::{ToolSize, without_value};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::LINEAR_AXES;
 use ncfix_base::source::Span;
-use ncfix_machine::machine::Tool;
 use ncfix_machine::machine::ToolChange;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
@@ -15,17 +15,15 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
     let mut changed = None;
     if let Some((tool, span)) = gathered.tool.take() {
         if channel.settings.machine.control.tool_change == ToolChange::T {
-            channel.modal.active = Some(tool.clone());
+            channel.modal.tool.active = Some(tool.clone());
             changed = Some(span);
         } else {
-            channel.modal.selected = Some(tool.clone());
+            channel.modal.tool.selected = Some(tool.clone());
         }
         channel.push(Kind::Tool(tool));
     }
     if gathered.tool_change && channel.settings.machine.control.tool_change == ToolChange::M6 {
-        if let Some(selected) = &channel.modal.selected {
-            channel.modal.active = Some(selected.clone());
-        }
+        channel.modal.tool.change();
         changed = Some(channel.outlet.origin.span);
     }
     if changed.is_some() || gathered.tool_change {
@@ -48,11 +46,10 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
 
 /// Puts the length of the active tool's edge in force, and says where it is not known.
 fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
-    let is_off = channel.modal.edge == 0 || channel.modal.active == Some(WordValue::Number(0.0));
-    let wear_mm = || active_wear_mm(channel);
-    let size = active_tool(channel).map(|tool| (tool.length_mm, channel.settings.radius.of(tool.radius_mm, wear_mm())));
-    (channel.modal.length_mm, channel.modal.radius_mm) = size.filter(|_| !is_off).unwrap_or_default();
-    channel.modal.tool_assumed = !is_off && size.is_none();
+    let is_off = channel.modal.edge == 0 || channel.modal.tool.active == Some(WordValue::Number(0.0));
+    let of_edge = |size: ToolSize| (size.length_mm, size.compensated_mm(channel.settings.radius));
+    let size = channel.modal.size_in(&channel.system.tools, channel.settings.machine).map(of_edge);
+    channel.modal.tool.put_size(if is_off { Some(Default::default()) } else { size });
     setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     let tool_mm = channel.standing.setup.tool_mm;
     let lacking = LINEAR_AXES
@@ -63,10 +60,10 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
         let message = format!("the tool length lies along {axis}, which the machine lacks");
         return Err(fault(Code::NO_AXIS, span, message, "select another plane, or set control.tool_length_plane"));
     }
-    if !channel.modal.tool_assumed {
+    if !channel.modal.tool.assumed {
         return Ok(());
     }
-    let (message, help) = match (&channel.modal.active, &channel.modal.selected) {
+    let (message, help) = match (&channel.modal.tool.active, &channel.modal.tool.selected) {
         (Some(active), _) => {
             let shown = match active {
                 WordValue::Number(number) => format!("T{number}"),
@@ -84,22 +81,5 @@ fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
             "program T and M6 first",
         ),
     };
-    if channel.settings.strict {
-        return Err(fault(Code::NO_TOOL, span, message, help));
-    }
-    channel.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
-    Ok(())
-}
-
-/// The edge in force; none for T0 and D0.
-pub(super) fn active_tool<'c>(channel: &'c Channel<'_>) -> Option<&'c Tool> {
-    channel.modal.tool_in(&channel.system.tools, channel.settings.machine)
-}
-
-/// The wear in the radius of the edge in force, mm.
-pub(super) fn active_wear_mm(channel: &Channel<'_>) -> f64 {
-    let Some(tool) = active_tool(channel) else { return 0.0 };
-    let place = (tool.number, tool.edge);
-    let written = channel.system.tools.radius_wear().find(|(edge, _)| *edge == place).map(|(_, wear)| wear);
-    written.or_else(|| channel.settings.machine.radius_wear_mm.get(&place).copied()).unwrap_or(0.0)
+    without_value(channel.settings.strict, &mut channel.outlet.warnings, span, &message, "length 0", help)
 }

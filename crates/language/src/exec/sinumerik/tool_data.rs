@@ -1,6 +1,7 @@
 //! Tool data that a program reads and writes: `$TC_DPn[t,d]` over the tools of the machine file.
 
 use super::modal::Modal;
+use crate::exec::core::tool::{ToolEntry, ToolSize, ToolTable};
 use ncfix_machine::machine::{Machine, Tool};
 use ncfix_machine::snc::WordValue;
 
@@ -12,18 +13,35 @@ const PARAMETERS: usize = 36;
 /// `$TC_DP15`.
 const RADIUS_WEAR: usize = 15;
 
-/// An edge whose data the run has written.
+/// What the control keeps of an edge.
 #[derive(Clone, Debug)]
-struct Edge {
-    tool: Tool,
+pub(super) struct Edge {
+    /// Lengths are geometry, wear and base together, the radius geometry and wear.
+    size: ToolSize,
     /// By number; `None` where neither file nor program gives a value.
     parameters: [Option<f64>; PARAMETERS],
+}
+
+impl Default for Edge {
+    fn default() -> Self {
+        Edge { size: ToolSize::default(), parameters: [None; PARAMETERS] }
+    }
+}
+
+impl ToolEntry for Edge {
+    fn of(tool: &Tool, machine: &Machine) -> Self {
+        Edge { size: ToolSize::of(tool, machine), parameters: parameters_of(tool, machine) }
+    }
+
+    fn size(&self) -> ToolSize {
+        self.size
+    }
 }
 
 /// Tool data that the run has written.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ToolData {
-    edges: Vec<Edge>,
+    edges: ToolTable<Edge>,
     names: Vec<(u32, String)>,
 }
 
@@ -31,7 +49,7 @@ pub(super) struct ToolData {
 fn parameters_of(tool: &Tool, machine: &Machine) -> [Option<f64>; PARAMETERS] {
     let mut out = [None; PARAMETERS];
     let [first, second, third] = tool.length_mm;
-    let wear = machine.radius_wear_mm.get(&(tool.number, tool.edge)).copied().unwrap_or(0.0);
+    let wear = ToolSize::of(tool, machine).radius_wear_mm;
     let radius = if wear == 0.0 { tool.radius_mm } else { ((tool.radius_mm - wear) * 1e9).round() / 1e9 };
     let known = [(3, first), (4, second), (5, third), (6, radius), (RADIUS_WEAR, wear)];
     let zero = [12, 13, 14, 21, 22, 23].map(|number| (number, 0.0));
@@ -42,29 +60,24 @@ fn parameters_of(tool: &Tool, machine: &Machine) -> [Option<f64>; PARAMETERS] {
 }
 
 impl Edge {
-    /// Lengths are geometry, wear and base together, the radius geometry and wear.
     fn refresh(&mut self) {
         let sum = |numbers: &[usize]| numbers.iter().filter_map(|&number| self.parameters[number]).sum::<f64>();
-        self.tool.length_mm = [sum(&[3, 12, 21]), sum(&[4, 13, 22]), sum(&[5, 14, 23])];
-        self.tool.radius_mm = sum(&[6, 15]);
+        self.size = ToolSize {
+            length_mm: [sum(&[3, 12, 21]), sum(&[4, 13, 22]), sum(&[5, 14, 23])],
+            radius_mm: sum(&[6, RADIUS_WEAR]),
+            radius_wear_mm: self.parameters[RADIUS_WEAR].unwrap_or(0.0),
+        };
     }
 }
 
 impl ToolData {
-    /// The tool of a number or name, as the run has left it.
-    pub(super) fn find<'m>(&'m self, machine: &'m Machine, tool: &WordValue, edge: u32) -> Option<&'m Tool> {
-        match tool {
-            WordValue::Number(number) => self.edge(machine, *number as u32, edge),
-            WordValue::Name(name) => self.edge(machine, self.number_of(machine, name)?, edge),
-        }
-    }
-
-    fn edge<'m>(&'m self, machine: &'m Machine, number: u32, edge: u32) -> Option<&'m Tool> {
-        self.written(number, edge).map(|edge| &edge.tool).or_else(|| machine.tool(number, edge))
-    }
-
-    fn written(&self, number: u32, edge: u32) -> Option<&Edge> {
-        self.edges.iter().find(|known| (known.tool.number, known.tool.edge) == (number, edge))
+    /// Length and radius of a tool of a number or name, as the run has left them.
+    pub(super) fn size(&self, machine: &Machine, tool: &WordValue, edge: u32) -> Option<ToolSize> {
+        let number = match tool {
+            WordValue::Number(number) => *number as u32,
+            WordValue::Name(name) => self.number_of(machine, name)?,
+        };
+        self.edges.size(machine, number, edge)
     }
 
     /// The number of a tool by its name.
@@ -84,53 +97,41 @@ impl ToolData {
 
     /// Whether a tool of this number is known.
     pub(super) fn exists(&self, machine: &Machine, number: u32) -> bool {
-        self.edges.iter().map(|edge| &edge.tool).chain(&machine.tools).any(|tool| tool.number == number)
+        let written = self.edges.all_written().map(|((tool, _), _)| tool);
+        written.chain(machine.tools.iter().map(|tool| tool.number)).any(|known| known == number)
     }
 
     /// `$TC_DPn[t,d]`; `None` where nothing gives it a value.
     pub(super) fn parameter(&self, machine: &Machine, number: usize, tool: u32, edge: u32) -> Option<f64> {
-        match self.written(tool, edge) {
-            Some(known) => known.parameters.get(number).copied().flatten(),
-            None => parameters_of(machine.tool(tool, edge)?, machine).get(number).copied().flatten(),
-        }
+        self.edges.find(machine, tool, edge)?.parameters.get(number).copied().flatten()
     }
 
     /// Sets `$TC_DPn[t,d]`; false where there is no such parameter or no room.
     pub(super) fn set_parameter(&mut self, machine: &Machine, number: usize, tool: u32, edge: u32, value: f64) -> bool {
-        let place = self.edges.iter().position(|known| (known.tool.number, known.tool.edge) == (tool, edge));
-        let place = match place {
-            Some(place) => place,
-            None if self.edges.len() >= MAX_EDGES => return false,
-            None => {
-                let known = machine.tool(tool, edge).cloned();
-                let parameters = known.as_ref().map_or([None; PARAMETERS], |tool| parameters_of(tool, machine));
-                let empty = Tool { number: tool, name: None, edge, length_mm: [0.0; 3], radius_mm: 0.0 };
-                self.edges.push(Edge { tool: known.unwrap_or(empty), parameters });
-                self.edges.len() - 1
-            }
-        };
-        let Some(known) = self.edges.get_mut(place) else { return false };
-        let Some(parameter) = known.parameters.get_mut(number) else { return false };
+        if self.edges.written(tool, edge).is_none() && self.edges.all_written().len() >= MAX_EDGES {
+            return false;
+        }
+        let mut entry = self.edges.find(machine, tool, edge).unwrap_or_default();
+        let Some(parameter) = entry.parameters.get_mut(number) else { return false };
         *parameter = Some(value);
-        known.refresh();
+        entry.refresh();
+        self.edges.write(tool, edge, entry);
         true
     }
 
     /// All edges that were written, named.
-    pub(super) fn tools(&self) -> impl Iterator<Item = Tool> + '_ {
-        self.edges.iter().map(|edge| {
-            let mut tool = edge.tool.clone();
-            if let Some((_, name)) = self.names.iter().find(|(number, _)| *number == tool.number) {
-                tool.name = Some(name.clone());
-            }
-            tool
+    pub(super) fn tools<'m>(&'m self, machine: &'m Machine) -> impl Iterator<Item = Tool> + 'm {
+        self.edges.all_written().map(|((number, edge), entry)| {
+            let written = self.names.iter().find(|(known, _)| *known == number).map(|(_, name)| name.clone());
+            let name = written.or_else(|| machine.tool(number, edge)?.name.clone());
+            let ToolSize { length_mm, radius_mm, .. } = entry.size;
+            Tool { number, name, edge, length_mm, radius_mm }
         })
     }
 
     /// Wear in the radii of the edges that were written, mm.
     pub(super) fn radius_wear(&self) -> impl Iterator<Item = ((u32, u32), f64)> + '_ {
-        let of = |edge: &Edge| ((edge.tool.number, edge.tool.edge), edge.parameters[RADIUS_WEAR].unwrap_or(0.0));
-        self.edges.iter().map(of)
+        self.edges.all_written().map(|(place, entry)| (place, entry.size.radius_wear_mm))
     }
 
     /// Sets `$TC_TP2[t]`.
@@ -143,8 +144,8 @@ impl ToolData {
 }
 
 impl Modal {
-    /// The edge in force, as machine file and run give it.
-    pub(super) fn tool_in<'m>(&self, tools: &'m ToolData, machine: &'m Machine) -> Option<&'m Tool> {
-        tools.find(machine, self.active.as_ref()?, self.edge)
+    /// Length and radius of the edge in force, as machine file and run give them.
+    pub(super) fn size_in(&self, tools: &ToolData, machine: &Machine) -> Option<ToolSize> {
+        tools.size(machine, self.tool.active.as_ref()?, self.edge)
     }
 }

@@ -96,7 +96,7 @@ fn check_kinematics(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> 
         channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.settings.machine)));
     let rotary = kinematics.rotary_axes().count();
     let can = (1..=2).contains(&rotary)
-        && kinematics.command_on_workpiece(&channel.modal.command, &channel.standing.setup.tool_mm).is_some();
+        && kinematics.command_on_workpiece(&channel.modal.position.command, &channel.standing.setup.tool_mm).is_some();
     if can {
         return Ok(());
     }
@@ -111,15 +111,15 @@ fn switch(channel: &mut Channel<'_>, is_on: bool) {
     let Some(kinematics) = &channel.outlet.kinematics else { return };
     let modal = &mut channel.modal;
     let tool_mm = channel.standing.setup.tool_mm;
-    modal.command = if is_on {
-        kinematics.on_workpiece(&modal.command, &tool_mm)
+    modal.position.command = if is_on {
+        kinematics.on_workpiece(&modal.position.command, &tool_mm)
     } else {
-        kinematics.command_on_workpiece(&modal.command, &tool_mm).unwrap_or(modal.command)
+        kinematics.command_on_workpiece(&modal.position.command, &tool_mm).unwrap_or(modal.position.command)
     };
     // Each linear coordinate depends on all axes.
     let needed: AxisSet = LINEAR_AXES.into_iter().take(3).chain(kinematics.rotary_axes()).collect();
-    if !needed.difference(modal.known).is_empty() {
-        modal.known = modal.known.intersection(ROTARY_AXES.into_iter().collect());
+    if !needed.difference(modal.position.known).is_empty() {
+        modal.position.known = modal.position.known.intersection(ROTARY_AXES.into_iter().collect());
     }
-    modal.programmed = modal.setup().programmed(&modal.command);
+    modal.programmed = modal.setup().programmed(&modal.position.command);
 }

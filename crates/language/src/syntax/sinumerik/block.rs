@@ -1,4 +1,4 @@
-//! Blocks: splits the file into lines, sections and words, and goes on behind whatever cannot be read.
+//! Blocks: splits the file into lines, sections and words, and continues after unreadable text.
 
 use nom::Parser as _;
 use nom::combinator::{map, not, opt, peek};
@@ -17,25 +17,27 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::Dialect;
 
-/// A block longer than this is refused; controls take 512 characters.
+/// Maximum length of a block; controls accept 512 characters.
 const MAX_BLOCK_BYTES: usize = 4096;
 
-/// The parser's state: the tree that grows, and where the line ends that is being read.
+/// State of the parser: the growing tree, and the end of the current line.
 pub(super) struct Parser {
     pub(super) program: Program,
     findings: Vec<Diagnostic>,
     pub(super) line_end: usize,
     pub(super) macros: Macros,
-    /// Those of definition files, which outlive their section.
+    /// Macros of definition files, which outlive their section.
     pub(super) shared: Macros,
     /// Expanded lines, see [`Source::with_tail`].
     pub(super) tail: Vec<u8>,
     pub(super) expanded: Vec<(u32, Span)>,
     pub(super) depth: u32,
+    /// Number of operators of the current expression so far.
+    pub(super) operators: u32,
     has_too_many_parts: bool,
 }
 
-/// A block while its line is being read.
+/// A block under construction.
 pub(super) struct Draft {
     pub(super) block: Block,
 }
@@ -52,6 +54,7 @@ impl Parser {
             tail: Vec::new(),
             expanded: Vec::new(),
             depth: 0,
+            operators: 0,
             has_too_many_parts: false,
         }
     }
@@ -75,7 +78,8 @@ impl Parser {
         if self.program.source.bytes().starts_with(b"\xef\xbb\xbf") { 3 } else { 0 }
     }
 
-    /// Reads whole lines from an offset on, before which there are so many, up to another one; where the next would begin.
+    /// Reads whole lines from an offset up to another one. `line` is the number of lines before it. Returns the start of the next line and its
+    /// number.
     pub(super) fn read(&mut self, (mut start, mut line): (usize, u32), until: usize) -> (usize, u32) {
         let source = self.program.source.clone();
         let bytes = source.bytes();
@@ -95,12 +99,12 @@ impl Parser {
         if self.is_hopeless() { (bytes.len(), line) } else { (start, line) }
     }
 
-    /// Whether the file is no program, so that the rest of it is not looked at.
+    /// `true` if the file is not a program, so that the rest of it is skipped.
     fn is_hopeless(&self) -> bool {
         self.has_too_many_parts || self.findings.len() > MAX_FINDINGS
     }
 
-    /// There is one program too many in the file.
+    /// Reports the first program beyond the maximum number.
     pub(super) fn give_up_at_section(&mut self, header: Span) {
         if !std::mem::replace(&mut self.has_too_many_parts, true) {
             self.findings.push(too_many_parts(&self.program.source, header));
@@ -110,11 +114,11 @@ impl Parser {
     /// Ends the file.
     pub(super) fn end(&mut self) {
         self.close_section();
-        // Anything before the first header that does nothing is a leader.
+        // Anything before the first header without effect is a leader.
         self.program.sections.retain(|section| !(section.blocks.is_empty() && section.headers.is_empty()));
     }
 
-    /// Whether no macro was expanded.
+    /// `true` if no macro was expanded.
     pub(super) fn is_unexpanded(&self) -> bool {
         self.expanded.is_empty()
     }
@@ -173,7 +177,7 @@ impl Parser {
         };
         if let Err(fault) = found {
             self.report(&fault);
-            // A control statement with something behind it still opens or closes its structure.
+            // A control statement followed by other text still opens or closes its structure.
             if matches!(draft.block.body, Body::Empty | Body::Words) {
                 draft.block.body = Body::Faulty;
             }
@@ -214,7 +218,7 @@ impl Parser {
                         draft.block.number = Some(number);
                         rest
                     }
-                    // A word.
+                    // The beginning of a word.
                     Err(nom::Err::Error(_)) => break,
                     Err(fault) => return Err(fault),
                 },
@@ -243,7 +247,7 @@ impl Parser {
         self.words(input, draft)
     }
 
-    /// Nothing but a comment may follow a statement.
+    /// Accepts only a comment after a statement.
     fn end_of_statement<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
         let rest = blanks(input);
         match rest.first() {
@@ -364,7 +368,7 @@ impl Parser {
     }
 }
 
-/// Production `skip`: `/` with its level, 0 where there is none.
+/// Production `skip`: `/` with its level; level 0 if not written.
 fn skip(input: Input<'_>) -> Parsed<'_, u8> {
     let level = opt(one(|byte| byte.is_ascii_digit()));
     map(preceded(byte(b'/'), level), |digit| digit.map_or(0, |digit| digit - b'0')).parse(input)
@@ -381,7 +385,7 @@ fn label(input: Input<'_>) -> Parsed<'_, &[u8]> {
     terminated(identifier, (blank, byte(b':'), not(byte(b'=')), blank)).parse(input)
 }
 
-/// Whether the `=` of an assignment follows, which is no comparison.
+/// `true` if the `=` of an assignment follows, not of a comparison.
 fn is_assigned(input: Input<'_>) -> bool {
     blanks(input).first() == Some(&b'=') && assignment_sign(input).is_ok()
 }

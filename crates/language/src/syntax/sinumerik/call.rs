@@ -31,7 +31,7 @@ pub struct Parameter {
     pub name: NameId,
     /// Number of indices, 0 for a single value.
     pub dimensions: u8,
-    /// What it holds where the caller gives nothing.
+    /// Value if the caller passes none.
     pub default: Option<ExprId>,
 }
 
@@ -40,13 +40,13 @@ pub struct Parameter {
 pub struct CallStatement {
     /// From the keyword to the end of the name.
     pub span: Span,
-    /// Which statement.
+    /// Kind of the statement.
     pub kind: CallKind,
-    /// Which program; `None` for the running one, or where MCALL ends a modal call.
+    /// The called program; `None` for the running one, or if MCALL ends a modal call.
     pub callee: Option<Callee>,
-    /// `(…)` behind the name.
+    /// `(…)` after the name.
     pub arguments: Option<ArgumentRange>,
-    /// `P`: how many times.
+    /// `P`: number of repetitions.
     pub repeats: Option<ExprId>,
     /// `BLOCK from TO to`.
     pub part: Option<(JumpTarget, JumpTarget)>,
@@ -55,15 +55,15 @@ pub struct CallStatement {
 /// The statements that call other programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CallKind {
-    /// `MCALL`: behind each block that moves.
+    /// `MCALL`: after each block with motion.
     Modal,
-    /// `CALL`, `PCALL`, `EXTCALL`: now.
+    /// `CALL`, `PCALL`, `EXTCALL`: immediately.
     Now,
-    /// `CALLPATH`: no call, a folder to search.
+    /// `CALLPATH`: adds a folder to the search, without a call.
     Path,
 }
 
-/// Which program is called.
+/// The called program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Callee {
     /// By its name.
@@ -75,8 +75,8 @@ pub enum Callee {
 }
 
 impl Parser {
-    /// Production `statement_call`: `MCALL [NAME [(…)]]`, `CALL …`, `PCALL …`, `EXTCALL …`, `CALLPATH(…)`; `word` is the keyword, `rest` what follows
-    /// it.
+    /// Production `statement_call`: `MCALL [NAME [(…)]]`, `CALL …`, `PCALL …`, `EXTCALL …`, `CALLPATH(…)`; `word` is the keyword, `rest` the text
+    /// after it.
     pub(super) fn call_statement<'a>(&mut self, input: Input<'a>, word: &[u8], rest: Input<'a>) -> Parsed<'a, Body> {
         let kind = match word {
             b"MCALL" => CallKind::Modal,
@@ -127,7 +127,7 @@ impl Parser {
         Ok((rest, Some(Callee::Path(Span::new(start, start + path.len())))))
     }
 
-    /// Production `count`: `P3`, `P 3`, `P=…`, how many times.
+    /// Production `count`: `P3`, `P 3`, `P=…`, the number of repetitions.
     pub(super) fn count<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Option<ExprId>> {
         let letter = (blank, one(|byte| byte.eq_ignore_ascii_case(&b'P')), blank);
         let start = (letter, peek(one(|byte| byte == b'=' || byte.is_ascii_digit())), opt(byte(b'=')));
@@ -191,14 +191,14 @@ impl Parser {
         Ok((rest, ()))
     }
 
-    /// `[5]` behind STRING, and blanks.
+    /// `[5]` after STRING, and blanks.
     pub(super) fn string_length<'a>(&mut self, input: Input<'a>, kind: DefinitionType) -> Parsed<'a, Option<ExprId>> {
         let (rest, range) = cond(kind == DefinitionType::String, |input| self.index(input)).parse(input)?;
         let first = range.flatten().and_then(|range| self.program.arguments_of(range).first().copied().flatten());
         Ok((rest, first))
     }
 
-    /// `[…]` where one begins here, and blanks.
+    /// `[…]` if one begins here, and blanks.
     pub(super) fn index<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Option<ArgumentRange>> {
         let arguments = preceded(peek(byte(b'[')), |input| self.arguments(input, b']'));
         opt(terminated(arguments, blank)).parse(input)

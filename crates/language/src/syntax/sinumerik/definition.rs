@@ -37,9 +37,9 @@ pub struct Definition {
     pub name: NameId,
     /// `n` of `STRING[n]`.
     pub length: Option<ExprId>,
-    /// Lengths of an array; none for a single value.
+    /// Lengths of an array; empty for a single value.
     pub dimensions: ArgumentRange,
-    /// Whether all programs see it (`DEF CHAN`, `DEF NCK`).
+    /// `true` if all programs see it (`DEF CHAN`, `DEF NCK`).
     pub is_global: bool,
     /// Initial value; a list is a call of `SET` or `REP`.
     pub value: Option<ExprId>,
@@ -103,7 +103,7 @@ impl Parser {
         terminated(modifiers, blank).map(|_| ()).parse(input)
     }
 
-    /// Production `modifier` but for CHAN and NCK: access rights, physical unit, limits, which have a value, and others. They change no value.
+    /// Production `modifier` except CHAN and NCK: access rights, physical unit, limits with a value, and others. They have no effect on the value.
     fn modifier<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ()> {
         let row =
             |word: &[u8]| words().find(&String::from_utf8_lossy(word).to_ascii_uppercase(), WordPlace::Definition);
@@ -129,7 +129,7 @@ impl DefinitionType {
         map_opt(identifier, DefinitionType::from_word).parse(input)
     }
 
-    /// The type that a word names.
+    /// Converts a type name to a type.
     pub(super) fn from_word(word: &[u8]) -> Option<DefinitionType> {
         Some(match word.to_ascii_uppercase().as_slice() {
             b"INT" => DefinitionType::Int,

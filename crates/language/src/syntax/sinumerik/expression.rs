@@ -15,12 +15,15 @@ use super::tree::{ArgumentRange, BlockNumber, DimensionFunction, Expr, ExprId, N
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
-/// Brackets and signs may be nested this deep.
+/// Maximum nesting of brackets and signs.
 const MAX_DEPTH: u32 = 64;
+/// Maximum number of operators in one expression: the evaluation follows the chain of operands down to the first. A block of a control has 512
+/// characters.
+const MAX_OPERATORS: u32 = 500;
 
 const UNCLOSED: &str = "this bracket is not closed in the block";
 
-/// How strongly an operator binds: higher goes first, equal ones from left to right.
+/// Precedence of an operator: higher binds first, equal ones from left to right.
 fn strength(operator: Operator) -> u8 {
     match operator {
         Operator::Multiply | Operator::Divide | Operator::Div | Operator::Mod => 10,
@@ -77,7 +80,7 @@ fn word_operator(input: Input<'_>) -> Parsed<'_, Operator> {
     map_opt(take_while1(is_name_byte), named).parse(input)
 }
 
-/// Production `dimension`: the name of a function that says how a position is meant.
+/// Production `dimension`: the name of a function that defines the meaning of a position.
 fn dimension(input: Input<'_>) -> Parsed<'_, DimensionFunction> {
     let function = |name: &[u8]| {
         Some(match name.to_ascii_uppercase().as_slice() {
@@ -96,7 +99,7 @@ fn dimension(input: Input<'_>) -> Parsed<'_, DimensionFunction> {
 }
 
 impl Parser {
-    /// Productions `value` and `list`, behind `=`: an expression, or a dimension function around one, or a list.
+    /// Productions `value` and `list`, after `=`: an expression, a dimension function around one, or a list.
     pub(super) fn assigned_value<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Value> {
         let input = blanks(input);
         if let Ok((open, function)) = terminated(dimension, (blank, peek(byte(b'(')))).parse(input) {
@@ -120,6 +123,9 @@ impl Parser {
     /// Productions `expr` and `frame`: a whole expression.
     pub(super) fn expression<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         self.depth += 1;
+        if self.depth == 1 {
+            self.operators = 0;
+        }
         let result = if self.depth > MAX_DEPTH {
             fault(Code::TOO_DEEP, input, 1, "brackets are nested more than 64 deep")
         } else {
@@ -129,7 +135,7 @@ impl Parser {
         result
     }
 
-    /// Operands joined by operators of at least the given strength; the strength tells which production it is.
+    /// Operands joined by operators of at least the given precedence, which determines the production.
     ///
     /// Productions `concatenation`, `or`, `xor`, `and`, `bit_or`, `bit_xor`, `bit_and`, `sum` and `product`.
     fn binary<'a>(&mut self, input: Input<'a>, weakest: u8) -> Parsed<'a, ExprId> {
@@ -144,7 +150,11 @@ impl Parser {
             let Some((behind, operator)) = operator.filter(|(_, operator)| strength(*operator) >= weakest) else {
                 return Ok((rest, left));
             };
-            // Operators of one strength join from left to right, so the right side takes only stronger ones.
+            self.operators += 1;
+            if self.operators > MAX_OPERATORS {
+                return fault(Code::TOO_DEEP, at, 1, "more than 500 operators in one expression");
+            }
+            // Operators of equal precedence join from left to right, so the right side accepts only higher ones.
             let (behind, right) = self.binary(behind, strength(operator) + 1)?;
             let span = self.span_of(left).to(self.span_of(right));
             left = self.push_expr(span, Node::Binary(operator, left, right));
@@ -181,7 +191,7 @@ impl Parser {
                 Ok((rest, self.push_between(input, rest, node)))
             }
             b'\'' => self.based_constant(input),
-            // `<<R1` makes a text of a number.
+            // `<<R1` converts a number to a text.
             b'<' if input.starts_with(b"<<") => self.unary(input, 2, UnaryOperator::ToText),
             _ => self.named(input),
         }
@@ -324,7 +334,7 @@ pub(super) fn target_number(input: Input<'_>) -> Parsed<'_, BlockNumber> {
         .parse(input)
 }
 
-/// `R5`, whose digits no more of a name follows.
+/// `R5`, not followed by further characters of a name.
 fn r_parameter(input: Input<'_>) -> Parsed<'_, u32> {
     let letter = terminated(one(|byte| byte.eq_ignore_ascii_case(&b'R')), peek(one(|byte| byte.is_ascii_digit())));
     delimited(letter, small_number, not(byte(b'_'))).parse(input)

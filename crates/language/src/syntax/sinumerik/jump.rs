@@ -9,15 +9,15 @@ use ncfix_base::source::Span;
 pub struct Jump {
     /// From the keyword to the target.
     pub span: Span,
-    /// `IF …` before it; a branch of CASE compares here.
+    /// Condition of a preceding `IF …`, or the comparison of a CASE branch.
     pub condition: Option<ExprId>,
-    /// Where to look.
+    /// Search direction.
     pub search: Search,
-    /// What to look for.
+    /// Target.
     pub target: JumpTarget,
 }
 
-/// Where a jump looks for its target.
+/// Search direction of a jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search {
     /// `GOTOF`
@@ -26,13 +26,13 @@ pub enum Search {
     Backward,
     /// `GOTO`: to the end, then from the start.
     Around,
-    /// `GOTOC`: the same, going on where it finds nothing.
+    /// `GOTOC`: as `GOTO`, but continues if the target is missing.
     AroundIfAny,
     /// `GOTOS`: the start of the program.
     Start,
 }
 
-/// What a jump looks for.
+/// Target of a jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JumpTarget {
     /// A label, or a variable that holds one.
@@ -50,12 +50,12 @@ pub enum JumpTarget {
 pub struct Repetition {
     /// From the keyword to the last label.
     pub span: Span,
-    /// The block that is repeated, or with which the part begins.
+    /// The repeated block, or the first one of the repeated part.
     pub first: JumpTarget,
-    /// The last block, where it is named.
+    /// The last block, if named.
     pub last: Option<JumpTarget>,
-    /// REPEATB: only the one block.
+    /// REPEATB: a single block.
     pub one_block: bool,
-    /// `P`: how many times.
+    /// `P`: number of repetitions.
     pub count: Option<ExprId>,
 }

@@ -13,14 +13,14 @@ use super::token::{Fault, Input, blank, digits, identifier, is_blank, is_name_by
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
-/// A line may grow to this many bytes.
+/// Maximum bytes of an expanded line.
 const MAX_LINE: usize = 4096;
-/// Macros within macros.
+/// Maximum nesting of macros.
 const MAX_DEPTH: usize = 16;
-/// Replacements in one line.
+/// Maximum replacements in one line.
 const MAX_REPLACEMENTS: u32 = 1000;
 
-/// Lines with macros may come to this many bytes together.
+/// Maximum bytes of all lines with macros together.
 const MAX_TAIL_BYTES: usize = 1 << 24;
 
 /// Macros by name, upper case.
@@ -30,7 +30,7 @@ pub struct Macros {
 }
 
 impl Macros {
-    /// Whether there is none.
+    /// `true` if there are no macros.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.texts.is_empty()
@@ -49,7 +49,7 @@ impl Macros {
         Arc::make_mut(&mut self.texts).insert(name.to_ascii_uppercase(), text.to_vec());
     }
 
-    /// The line with its macros replaced; `None` where it has none.
+    /// The line with its macros replaced; `None` if it contains none.
     pub(super) fn expand(&self, line: &[u8]) -> Option<Result<Vec<u8>, Fault>> {
         if self.texts.is_empty() || definition(line).is_some() {
             return None;
@@ -70,7 +70,7 @@ impl Macros {
 }
 
 impl Parser {
-    /// A block whose macros were replaced: its text goes into the tail of the source.
+    /// Parses a block after macro expansion: its text is appended to the tail of the source.
     pub(super) fn expanded_block(
         &mut self,
         expanded: Result<Vec<u8>, Fault>,
@@ -106,16 +106,16 @@ pub(super) fn definition(line: &[u8]) -> Option<(&[u8], &[u8])> {
     Some((name, &text[..length]))
 }
 
-/// A name that is this word.
+/// Matches an identifier equal to this word.
 fn whole<'a>(word: &'static str) -> impl nom::Parser<Input<'a>, Output = &'a [u8], Error = Fault> {
     verify(identifier, move |name: &[u8]| name.eq_ignore_ascii_case(word.as_bytes()))
 }
 
-/// A line that is being expanded.
+/// A line during expansion.
 struct Expansion<'m> {
     macros: &'m Macros,
     out: Vec<u8>,
-    /// Macros whose text is being read: none of them is replaced in it, so `DEFINE M6 AS M6 M8` ends.
+    /// Macros under expansion: they are not expanded again in their text, so `DEFINE M6 AS M6 M8` terminates.
     active: Vec<&'m [u8]>,
     replaced: u32,
 }
@@ -129,7 +129,7 @@ impl<'m> Expansion<'m> {
             at += length;
             let found = match token[0] {
                 b';' => {
-                    // A comment is as it is.
+                    // A comment is copied unchanged.
                     self.push(&line[at - length..])?;
                     return Ok(());
                 }
@@ -164,7 +164,7 @@ impl<'m> Expansion<'m> {
         Ok(())
     }
 
-    /// A blank where two words would grow together.
+    /// Inserts a blank if two words would otherwise merge.
     fn separate(&mut self, next: Option<&u8>) {
         if self.out.last().is_some_and(|&byte| is_name_byte(byte)) && next.is_some_and(|&byte| is_name_byte(byte)) {
             self.out.push(b' ');

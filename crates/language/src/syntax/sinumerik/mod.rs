@@ -29,13 +29,13 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::source::Source;
 use ncfix_dialect::Dialect;
 
-/// Parses a program. Never fails: what cannot be read is reported and left out, and parsing goes on in the next block.
+/// Parses a program. Never fails: unreadable text is reported and skipped, and parsing continues in the next block.
 #[must_use]
 pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
     parse_with(source, dialect, &Macros::default())
 }
 
-/// Parses a program in which these macros hold, beside its own.
+/// Parses a program with these macros in addition to its own.
 #[must_use]
 pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
     if source.bytes().len() >= LARGE_BYTES
@@ -46,13 +46,13 @@ pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -
     whole(source, dialect, macros)
 }
 
-/// Parses a program of any size by pages of so many bytes; `None` where it must be kept as a whole.
+/// Parses a program of any size by pages of `page_bytes`; `None` if it must be kept as a whole.
 #[must_use]
 pub fn parse_by_pages(source: &Source, dialect: &'static Dialect, page_bytes: usize) -> Option<Program> {
     pages::parse(source, dialect, &Macros::default(), page_bytes).map(|(program, _)| program)
 }
 
-/// Parses a program of which everything is kept.
+/// Parses a program and keeps the whole tree.
 fn whole(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
     let mut parser = block::Parser::new(source.clone(), dialect, macros.clone());
     parser.run();

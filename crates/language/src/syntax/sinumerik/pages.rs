@@ -1,7 +1,7 @@
-//! Large programs: of blocks that are nothing but words only a page is there at a time.
+//! Large programs: only one page of blocks is loaded at a time, if blocks contain only words.
 //!
-//! The first pass reads every page, so that whatever is wrong in the file is found before anything is executed. A program with jumps, labels, loops,
-//! calls of parts or macros is kept as a whole.
+//! The first pass reads every page, so that all errors in the file are found before the execution. A program with jumps, labels, loops, calls of
+//! parts or macros is kept as a whole.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::source::Source;
 use ncfix_dialect::Dialect;
 
-/// Reads a program by pages of so many bytes; `None` where it must be kept as a whole.
+/// Reads a program by pages of `page` bytes; `None` if it must be kept as a whole.
 pub(super) fn parse(
     source: &Source,
     dialect: &'static Dialect,
@@ -42,7 +42,7 @@ pub(super) fn parse(
         }
         at = parser.read(at, at.0 + page);
         while parser.program.blocks.is_empty() && at.0 < length {
-            // Headers that go on belong to the section where no block stands before them: all of them are one page.
+            // Consecutive headers without a block before them belong to one section: all of them are one page.
             at = parser.read(at, at.0 + page);
         }
         if !(parser.is_unexpanded() && is_plain(&parser.program)) {
@@ -61,7 +61,7 @@ pub(super) fn parse(
     Some((program, findings))
 }
 
-/// Whether the blocks that are there mean the same wherever they are read.
+/// `true` if the meaning of the loaded blocks does not depend on the page boundaries.
 fn is_plain(program: &Program) -> bool {
     let is_plain =
         |body| matches!(body, Body::Empty | Body::Words | Body::Define { .. } | Body::Declaration | Body::Faulty);
@@ -73,7 +73,7 @@ fn is_plain(program: &Program) -> bool {
 }
 
 impl Program {
-    /// Sees to it that a block, and what belongs to it, is there.
+    /// Loads a block with everything that belongs to it.
     pub fn ensure(&mut self, block: usize) {
         if self.blocks.holds(block) || block >= self.blocks.len() {
             return;
@@ -83,7 +83,7 @@ impl Program {
         }
     }
 
-    /// Keeps all of it from here on: something looks for a block by what stands there.
+    /// Loads and keeps the whole program, for a search of blocks by content.
     pub fn keep_whole(&mut self) {
         let first = self.pages.take().and_then(|pages| pages.of_block(0).map(|(start, _)| (start, pages.end)));
         if let Some((start, end)) = first {
@@ -91,7 +91,7 @@ impl Program {
         }
     }
 
-    /// Reads blocks up to an offset in place of those that are there.
+    /// Loads blocks up to an offset in place of the loaded ones.
     fn load(&mut self, start: &Start<5>, end: usize) {
         let mut parser = Parser::new(self.source.clone(), self.dialect, Macros::default());
         let sections = std::mem::take(&mut self.sections);
@@ -103,13 +103,13 @@ impl Program {
         *self = Program { sections, ..parser.program };
     }
 
-    /// Whether only a part of the tree is there.
+    /// `true` if only a part of the tree is loaded.
     #[must_use]
     pub fn has_pages(&self) -> bool {
         self.pages.is_some()
     }
 
-    /// The numbers of the nodes that come next.
+    /// The numbers of the next nodes.
     fn next(&self) -> [usize; 5] {
         [self.blocks.next(), self.words.next(), self.exprs.next(), self.arguments.next(), self.definitions.next()]
     }
@@ -128,14 +128,14 @@ mod tests {
     use super::*;
     use ncfix_base::source::FileId;
 
-    /// Compares a program by pages with the whole one, forward and backward; whether it can be paged.
+    /// Compares a paged program with the whole one, forward and backward. Returns `true` if it can be paged.
     fn compare(text: &[u8], dialect: &'static Dialect, page: usize) -> bool {
         let source = Source::new(FileId(0), "p", text.to_vec()).unwrap();
         let Some((mut paged, found)) = parse(&source, dialect, &Macros::default(), page) else { return false };
         let (whole, findings) = super::super::whole(&source, dialect, &Macros::default());
         assert_eq!(found, findings);
         if !findings.is_empty() {
-            // It is not executed.
+            // Such a program is not executed.
             return true;
         }
         assert_eq!((paged.blocks.len(), &paged.sections), (whole.blocks.len(), &whole.sections));

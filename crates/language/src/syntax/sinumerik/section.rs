@@ -1,4 +1,4 @@
-//! The sections of an archive, and a program before its first one.
+//! The sections of an archive, and the empty program before the first one.
 
 use super::block::Parser;
 use super::tree::{Program, Section};
@@ -8,7 +8,7 @@ use crate::syntax::shelf::Shelf;
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::Dialect;
 
-/// A program without anything.
+/// A program without content.
 pub(super) fn empty(source: Source, dialect: &'static Dialect) -> Program {
     Program {
         source,

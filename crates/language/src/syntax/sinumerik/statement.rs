@@ -1,4 +1,4 @@
-//! Statements that need a block of their own: control structures, jumps, DEF, PROC.
+//! Statements that need their own block: control structures, jumps, DEF, PROC.
 
 use std::cell::Cell;
 
@@ -21,7 +21,7 @@ use ncfix_base::source::Span;
 use ncfix_dialect::{WordPlace, words};
 
 impl Parser {
-    /// Production `statement`, where one begins here: by its first word.
+    /// Production `statement`, determined by its first word.
     ///
     /// Productions `loop`, `while` and `repeat`: the blocks that begin and end them; the two sides are connected later.
     pub(super) fn statement<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
@@ -50,7 +50,7 @@ impl Parser {
             b"DEF" => self.define(input, rest),
             b"ID" | b"IDS" | b"WHEN" | b"WHENEVER" | b"EVERY" | b"FROM" | b"DO" => self.synchronised(input, draft),
             b"PROC" => self.proc(rest),
-            // Known and not executed yet; the rest of the block is not read.
+            // Known but not executed; the rest of the block is not parsed.
             upper => match std::str::from_utf8(upper).ok().and_then(|word| words().find(word, WordPlace::Statement)) {
                 Some(_) => self.unsupported(input, rest, draft),
                 None => no_match(input),
@@ -58,18 +58,18 @@ impl Parser {
         }
     }
 
-    /// Production `extern`: declarations and macros, whose text is read by [`definition`].
+    /// Production `extern`: declarations, and macros, whose text [`definition`] reads.
     fn declaration<'a>(&mut self, rest: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
         value(Body::Declaration, |input| self.skipped(input, draft)).parse(rest)
     }
 
-    /// Takes the rest of the block as it is; the execution will say that it is not supported.
+    /// Accepts the rest of the block unparsed; the execution reports it as not supported.
     fn unsupported<'a>(&mut self, input: Input<'a>, rest: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
         let span = Span::new(self.offset(input), self.offset(rest));
         value(Body::Unsupported(span), |input| self.skipped(input, draft)).parse(rest)
     }
 
-    /// The rest of the block, of which only the comment is kept.
+    /// Skips the rest of the block except its comment.
     fn skipped<'a>(&mut self, rest: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
         let (comment, _) = before_comment(rest)?;
         if !comment.is_empty() {
@@ -78,7 +78,7 @@ impl Parser {
         map(rest_of_line, |_| ()).parse(comment)
     }
 
-    /// Production `if`: IF alone in its block, or in front of a jump.
+    /// Production `if`: IF alone in its block, or before a jump.
     fn if_statement<'a>(&mut self, input: Input<'a>, rest: Input<'a>) -> Parsed<'a, Body> {
         let (rest, condition) = self.expression(rest)?;
         let behind = blanks(rest);
@@ -91,7 +91,7 @@ impl Parser {
         fault(Code::UNEXPECTED, behind, 1, "GOTOF, GOTOB, GOTO or the end of the block was expected here")
     }
 
-    /// Production `jumps`: `[IF condition] GOTOx target` once or more; a condition that was read already comes with what is behind it.
+    /// Production `jumps`: `[IF condition] GOTOx target` once or more; `first` is a condition that was already read, with the text after it.
     fn jumps<'a>(&mut self, input: Input<'a>, first: Option<(Input<'a>, ExprId)>) -> Parsed<'a, Body> {
         let start = self.program.jumps.len();
         let (mut rest, mut condition) = match first {
@@ -125,7 +125,7 @@ impl Parser {
         Ok((rest, ()))
     }
 
-    /// Production `target`: a label, a block number, or an expression that makes one of them.
+    /// Production `target`: a label, a block number, or an expression for one of them.
     pub(super) fn jump_target<'a>(&mut self, at: Input<'a>) -> Parsed<'a, JumpTarget> {
         if let Ok(number) = map(target_number, JumpTarget::Number).parse(at) {
             return Ok(number);
@@ -140,7 +140,7 @@ impl Parser {
         }
     }
 
-    /// Production `case`: `CASE expression OF {constant GOTOx target} [DEFAULT GOTOx target]`, jumps, each with its comparison.
+    /// Production `case`: `CASE expression OF {constant GOTOx target} [DEFAULT GOTOx target]`, as jumps with comparisons.
     fn case<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Body> {
         let start = self.program.jumps.len();
         let (rest, selector) = self.expression(input)?;
@@ -190,7 +190,7 @@ impl Parser {
     }
 }
 
-/// The word of a jump; GOTO, with which the others begin, last.
+/// The keyword of a jump; GOTO is last, as it is a prefix of the others.
 fn search(input: Input<'_>) -> Parsed<'_, Search> {
     alt((
         value(Search::Forward, keyword("GOTOF")),
@@ -202,7 +202,7 @@ fn search(input: Input<'_>) -> Parsed<'_, Search> {
     .parse(input)
 }
 
-/// What stands before the comment of a line; a `;` in a text begins none.
+/// The text before the comment of a line; a `;` in a string does not begin a comment.
 pub(super) fn before_comment(input: Input<'_>) -> Parsed<'_, &[u8]> {
     let in_text = Cell::new(false);
     take_till(move |byte| {

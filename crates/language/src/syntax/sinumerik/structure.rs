@@ -1,10 +1,10 @@
-//! Connects the two sides of control structures and reports those that have only one.
+//! Connects both ends of control structures, and reports those with only one end.
 
 use super::tree::{Block, Body, Program};
 use crate::syntax::shelf::Shelf;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 
-/// Control structures may be nested this deep; controls allow 16.
+/// Maximum nesting of control structures; controls allow 16.
 const MAX_DEPTH: usize = 32;
 
 /// Sets [`Block::partner`] of every control block, section by section.

@@ -1,4 +1,4 @@
-//! Synchronised actions: `[ID=n] [WHEN condition] DO actions`, read as far as it takes to find their parts.
+//! Synchronised actions: `[ID=n] [WHEN condition] DO actions`, parsed only as far as needed to locate their parts.
 
 use super::block::{Draft, Parser};
 use super::token::{Input, Parsed, blanks, fault, identifier, is_name_byte};
@@ -6,20 +6,20 @@ use super::tree::Body;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
-/// How often the condition is looked at.
+/// Keywords that define the evaluation of the condition.
 const SCANS: [&[u8]; 4] = [b"WHEN", b"WHENEVER", b"EVERY", b"FROM"];
 
 impl Parser {
     /// Production `synchronised`: a synchronised action from its first word to the comment.
     ///
-    /// Its parts are found by their keywords outside of brackets and texts, not read: by a scanner, for they are no words of this language.
+    /// Its parts are located by their keywords outside brackets and strings, with a scanner: they are not words of this language.
     pub(super) fn synchronised<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
         let (body, comment) = self.without_comment(input)?;
         if let Some(comment) = comment {
             self.comment(comment, draft);
         }
         let base = self.offset(input);
-        // What is left of the line with its comment, by which places are told.
+        // The rest of the line including its comment, which determines positions.
         let full = |rest: Input<'a>| &input[body.len() - rest.len()..];
         let span = |from: Input<'a>, length: usize| {
             let start = base + body.len() - from.len();
@@ -128,7 +128,7 @@ impl Parser {
         Ok((&input[..end], (end < input.len()).then_some(&input[end..])))
     }
 
-    /// Where one of the words begins outside brackets and quotation marks.
+    /// The position at which one of the words begins outside brackets and quotation marks.
     fn keyword_at(&self, input: Input<'_>, words: &[&[u8]]) -> Option<usize> {
         let (mut depth, mut quoted, mut at) = (0_u32, false, 0);
         while let Some(&byte) = input.get(at) {

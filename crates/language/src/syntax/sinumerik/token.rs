@@ -1,6 +1,6 @@
-//! The smallest pieces: nom parsers over bytes for blanks, numbers, identifiers and strings.
+//! The smallest elements: nom parsers over bytes for blanks, numbers, identifiers and strings.
 //!
-//! Inputs are the rest of one line; a place is told by how much of the line is left.
+//! Inputs are the rest of one line; the number of remaining bytes determines a position.
 
 use nom::Parser;
 use nom::bytes::complete::{tag_no_case, take_till, take_while1};
@@ -19,13 +19,13 @@ pub(super) fn is_name_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
-/// An identifier: letters, digits, underscores, `$` in front of system variables.
+/// An identifier: letters, digits, underscores, and `$` before system variables.
 pub(super) fn identifier(input: Input<'_>) -> Parsed<'_, &[u8]> {
     let start = one(|byte| byte.is_ascii_alphabetic() || byte == b'_' || byte == b'$');
     preceded(peek(start), take_while1(|byte| is_name_byte(byte) || byte == b'$')).parse(input)
 }
 
-/// A keyword in either case, not followed by more of a name.
+/// A keyword in any case, not followed by further characters of a name.
 pub(super) fn keyword<'a>(word: &'static str) -> impl Fn(Input<'a>) -> Parsed<'a, ()> {
     move |input| terminated(tag_no_case(word), not(one(is_name_byte))).map(|_| ()).parse(input)
 }
@@ -59,13 +59,13 @@ pub(super) struct Number {
     pub(super) is_integer: bool,
 }
 
-/// Below 2⁵³ an integer is a double exactly.
+/// Integers below 2⁵³ are exact as doubles.
 const EXACT_MANTISSA: u64 = 1 << 53;
 
 /// Production `number_value` without its sign: `10`, `10.`, `.5`, `1.5EX-3`: correctly rounded.
 ///
-/// Where mantissa and power of ten are both exact doubles, one multiplication or division rounds correctly (Clinger 1990);
-/// the standard library does the rest.
+/// If mantissa and power of ten are both exact doubles, one multiplication or division rounds correctly (Clinger 1990). All other cases use the
+/// standard library.
 pub(super) fn number(input: Input<'_>) -> Parsed<'_, Number> {
     let mut mantissa: u64 = 0;
     let mut exponent: i32 = 0;
@@ -74,7 +74,7 @@ pub(super) fn number(input: Input<'_>) -> Parsed<'_, Number> {
     let mut digit_count = 0;
     while let Some(&byte) = input.get(at) {
         if byte.is_ascii_digit() {
-            // Beyond 2⁵³ the exact path is left below, so a wrapped value is never used.
+            // Above 2⁵³ the exact path is not used, so a wrapped value has no effect.
             mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
             digit_count += 1;
         } else if byte == b'.' && point.is_none() {
@@ -109,7 +109,7 @@ pub(super) fn number(input: Input<'_>) -> Parsed<'_, Number> {
             Ok(parsed) => parsed,
             Err(_) => return fault(Code::BAD_NUMBER, input, at, "the exponent behind EX has no digits"),
         };
-        // Four digits decide between zero and overflow already.
+        // Four digits suffice to decide between zero and overflow.
         let magnitude = text.iter().fold(0_i32, |value, digit| (value * 10 + i32::from(digit - b'0')).min(9999));
         written_exponent = if negative { -magnitude } else { magnitude };
         exponent = exponent.saturating_add(written_exponent);

@@ -11,7 +11,7 @@ use crate::syntax::shelf::{Pages, Shelf};
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::Dialect;
 
-/// Number of an expression in [`Program::exprs`].
+/// Index of an expression in [`Program::exprs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ExprId(pub(super) u32);
 
@@ -60,16 +60,16 @@ pub struct Program {
     pub repetitions: Vec<Repetition>,
     /// All identifiers.
     pub names: Names,
-    /// Where pages begin, if only one of them is there.
+    /// Page starts, if the program is loaded by pages.
     pub(super) pages: Option<Arc<Pages<5>>>,
 }
 
 /// One file of an archive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
-    /// Name without `_N_` and ending, upper case; empty where the file has no header.
+    /// Name without `_N_` and extension, upper case; empty if the file has no header.
     pub name: String,
-    /// `MPF`, `SPF` …, upper case; empty where the file has no header.
+    /// `MPF`, `SPF` …, upper case; empty if the file has no header.
     pub ending: String,
     /// Header lines, each without its line end.
     pub headers: Vec<Span>,
@@ -96,23 +96,23 @@ pub struct Block {
     pub(super) first_word: u32,
     /// Number of words.
     pub(super) word_count: u16,
-    /// Whether a word may assign a variable, so that assignments must be looked for.
+    /// `true` if a word may assign a variable, so that assignments must be searched.
     pub has_names: bool,
-    /// Comment with its `;`; empty where there is none.
+    /// Comment with its `;`; empty if there is no comment.
     pub comment: Span,
-    /// The block at the other side of a control structure, see [`Body`]; `u32::MAX` where there is none.
+    /// The block at the other end of a control structure, see [`Body`]; `u32::MAX` if not connected.
     pub(super) partner: u32,
 }
 
-/// What a block does.
+/// Content of a block.
 ///
-/// `partner` of a block is: of IF its ELSE or ENDIF; of ELSE its ENDIF; of WHILE, FOR, LOOP their end, of these ends their start;
-/// of UNTIL its REPEAT.
+/// `partner` of a block: for IF its ELSE or ENDIF; for ELSE its ENDIF; for WHILE, FOR, LOOP their end, for these ends their start; for UNTIL its
+/// REPEAT.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
-    /// Nothing but number, label, comment.
+    /// Only number, label, comment.
     Empty,
-    /// Words, among them keywords and calls.
+    /// Words, including keywords and calls.
     Words,
     /// `IF` without jump.
     If(ExprId),
@@ -147,14 +147,14 @@ pub enum Body {
     Jumps {
         /// First.
         start: u32,
-        /// How many.
+        /// Count.
         count: u16,
     },
     /// `DEF`: a range of [`Program::definitions`].
     Define {
         /// First.
         start: u32,
-        /// How many.
+        /// Count.
         count: u16,
     },
     /// `PROC`: its parameters are a range of [`Program::parameters`].
@@ -163,46 +163,46 @@ pub enum Body {
         name: NameId,
         /// First.
         start: u32,
-        /// How many.
+        /// Count.
         count: u16,
-        /// `SAVE`: the caller's modal state comes back at the return.
+        /// `SAVE`: the modal state of the caller is restored at the return.
         save: bool,
     },
-    /// `MCALL`, `CALL`, `PCALL` …: a place in [`Program::calls`].
+    /// `MCALL`, `CALL`, `PCALL` …: an index in [`Program::calls`].
     Call(u32),
-    /// `REPEAT label`, `REPEATB label`: a place in [`Program::repetitions`].
+    /// `REPEAT label`, `REPEATB label`: an index in [`Program::repetitions`].
     RepeatPart(u32),
-    /// Says something to the reader of the program only: `EXTERN`, `DEFINE`.
+    /// A declaration without effect on the execution: `EXTERN`, `DEFINE`.
     Declaration,
-    /// `ID=1 WHEN … DO …`; parts that are not there are empty.
+    /// `ID=1 WHEN … DO …`; missing parts are empty.
     Synchronised {
-        /// All of it.
+        /// The whole action.
         whole: Span,
-        /// The number behind `ID=` or `IDS=`.
+        /// The number after `ID=` or `IDS=`.
         id: Span,
-        /// Behind WHEN, WHENEVER, EVERY or FROM.
+        /// The text after WHEN, WHENEVER, EVERY or FROM.
         condition: Span,
-        /// Behind DO.
+        /// The text after DO.
         actions: Span,
     },
-    /// A statement that is known but not executed yet: its keyword.
+    /// A statement that is known but not executed: its keyword.
     Unsupported(Span),
-    /// Could not be read; a finding says why.
+    /// Unreadable; a diagnostic gives the reason.
     Faulty,
 }
 
 /// A word: an address and its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
-    /// All of it.
+    /// Span of the word.
     pub span: Span,
-    /// Left of the value.
+    /// The address, left of the value.
     pub address: Address,
     /// The value.
     pub value: Value,
 }
 
-/// What stands left of a value.
+/// The part of a word left of its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Address {
     /// `X`, `G`, upper case.
@@ -218,45 +218,45 @@ pub enum Address {
 /// The value of a word.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// None: a bare word.
+    /// A bare word without value.
     None,
-    /// A plain number behind a letter; true where it was written without decimal point and exponent.
+    /// A plain number after a letter; `true` if written without decimal point and exponent.
     Number(f64, bool),
     /// `=` and an expression.
     Expr(ExprId),
-    /// `=AC(…)` and its kin.
+    /// `=AC(…)` and related functions.
     Dimension(DimensionFunction, ExprId),
-    /// `(…)` behind a name.
+    /// `(…)` after a name.
     Arguments(ArgumentRange),
 }
 
-/// Functions that say how one value is meant, whatever G90 or G91 say.
+/// Functions that define the meaning of one value, independent of G90 or G91.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DimensionFunction {
     /// `AC`: absolute.
     Absolute,
     /// `IC`: incremental.
     Incremental,
-    /// `DC`: rotary axis, absolute on the shortest way.
+    /// `DC`: rotary axis, absolute in the shortest direction.
     Shortest,
-    /// `ACP`: rotary axis, absolute in the positive sense.
+    /// `ACP`: rotary axis, absolute in the positive direction.
     Positive,
-    /// `ACN`: rotary axis, absolute in the negative sense.
+    /// `ACN`: rotary axis, absolute in the negative direction.
     Negative,
-    /// Any other one, which is known but not executed yet (`QU`, `CAC`, `DIC` …).
+    /// Any other function, which is known but not executed (`QU`, `CAC`, `DIC` …).
     Other,
 }
 
 /// An expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expr {
-    /// Its bytes.
+    /// Span of the expression.
     pub span: Span,
-    /// What it is.
+    /// Kind and operands.
     pub node: Node,
 }
 
-/// What an expression is.
+/// Kind and operands of an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Node {
     /// `1.5`, `1EX3`
@@ -326,7 +326,7 @@ pub enum Operator {
 }
 
 impl Block {
-    /// The block at the other side of its control structure, see [`Body`].
+    /// The block at the other end of its control structure, see [`Body`].
     #[must_use]
     pub fn partner(&self) -> Option<usize> {
         (self.partner != u32::MAX).then_some(self.partner as usize)

@@ -1,4 +1,4 @@
-//! Comments, and those of RS274/NGC that do something.
+//! Comments, including the active comments of RS274/NGC.
 
 use nom::Parser as _;
 use nom::branch::alt;
@@ -13,7 +13,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
-/// How active comments begin, and whether a comma follows.
+/// Prefixes of active comments, each including its comma if it has one.
 const ACTIVE: &[(&str, CommentKind)] = &[
     ("MSG,", CommentKind::Message),
     ("DEBUG,", CommentKind::Debug),
@@ -41,7 +41,7 @@ fn in_brackets(input: Input<'_>) -> Parsed<'_, &[u8]> {
 }
 
 impl Parser {
-    /// A comment, which is kept.
+    /// A comment, which is stored.
     pub(super) fn comment<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ()> {
         let (rest, inner) = comment(input)?;
         let start = self.offset(input);

@@ -1,4 +1,4 @@
-//! Expressions of the word languages: one climber of precedences, whose operators and functions the language chooses.
+//! Expressions of the word languages: one precedence-climbing parser, with operators and functions of each language.
 
 use nom::Parser as _;
 use nom::branch::alt;
@@ -12,7 +12,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
-/// Brackets and signs may be nested this deep.
+/// Maximum nesting of brackets and signs.
 const MAX_DEPTH: u32 = 64;
 
 const UNCLOSED: &str = "this bracket is not closed in the block";
@@ -35,7 +35,7 @@ const FANUC_OPERATORS: &[(&str, Operator)] = &[
     ("LE", Operator::LessEqual),
 ];
 
-/// Operators of RS274/NGC that Fanuc lacks; it has all of Fanuc's too.
+/// Operators of RS274/NGC in addition to those of Fanuc, which it has too.
 const POWER: &[(&str, Operator)] = &[("**", Operator::Power)];
 
 const GRUNDIG_OPERATORS: &[(&str, Operator)] = &[
@@ -71,7 +71,7 @@ const FUNCTIONS: &[(&str, Function)] = &[
     ("EXP", Function::Exp),
 ];
 
-/// Functions that Fanuc and RS274/NGC share beside them.
+/// Functions common to Fanuc and RS274/NGC, in addition.
 const ISO_FUNCTIONS: &[(&str, Function)] = &[("FIX", Function::Fix), ("FUP", Function::Fup)];
 
 /// Functions that only RS274/NGC has.
@@ -90,18 +90,18 @@ const FANUC_FUNCTIONS: &[(&str, Function)] = &[
 const GRUNDIG_FUNCTIONS: &[(&str, Function)] =
     &[("INT", Function::Int), ("RND", Function::Round), ("DEG", Function::Deg), ("RAD", Function::Rad)];
 
-/// How strongly the operator of a power binds: more than any other.
+/// Precedence of the power operator: the highest.
 const POWER_STRENGTH: u8 = 6;
-/// How strongly comparisons bind.
+/// Precedence of comparisons.
 const COMPARISON: u8 = 3;
 
-/// How strongly an operator binds: higher goes first, equal ones from left to right.
+/// Precedence of an operator: higher binds first, equal ones from left to right.
 fn strength(operator: Operator, language: Language) -> u8 {
     match operator {
         Operator::Power => POWER_STRENGTH,
         Operator::Multiply | Operator::Divide | Operator::Mod => 5,
         Operator::Add | Operator::Subtract => 4,
-        // Fanuc's logic works on bits, so it counts as multiplication and addition.
+        // Fanuc's logic is bitwise, so it has the precedence of multiplication and addition.
         Operator::And if language == Language::Fanuc => 5,
         Operator::Or | Operator::Xor if language == Language::Fanuc => 4,
         Operator::And if language == Language::Grundig => 2,
@@ -142,7 +142,7 @@ impl Parser {
         }
     }
 
-    /// Operands joined by operators of at least the given strength; the strength tells which production it is.
+    /// Operands joined by operators of at least the given precedence, which determines the production.
     ///
     /// Productions `sum` and `product` (fanuc, rs274, grundig), `comparison` (rs274, grundig), `conjunction` (grundig), `power` (rs274, grundig).
     fn binary<'a>(&mut self, input: Input<'a>, weakest: u8) -> Parsed<'a, ExprId> {
@@ -156,14 +156,14 @@ impl Parser {
                 return Ok((rest, left));
             }
             if strength == COMPARISON && self.language == Language::Fanuc {
-                // The bits of AND would be taken before the second comparison, which nobody means.
+                // The second comparison would use the bitwise result of AND, which is never intended.
                 if compared {
                     let message = "a second comparison needs brackets of its own: [[#1 EQ 1] AND [#2 EQ 2]]";
                     return fault(Code::BAD_EXPRESSION, at, 2, message);
                 }
                 compared = true;
             }
-            // Operators of one strength join from left to right, so the right side takes only stronger ones.
+            // Operators of equal precedence join from left to right, so the right side accepts only higher ones.
             let (behind, right) = self.deeper(behind, |parser| parser.binary(behind, strength + 1))?;
             let span = self.program.expr(left).span.to(self.program.expr(right).span);
             left = self.push_expr(span, Node::Binary(operator, left, right));
@@ -171,7 +171,7 @@ impl Parser {
         }
     }
 
-    /// One operand: a number, a parameter, a function, a bracket, with any sign.
+    /// One operand: a number, a parameter, a function or a bracket, with any sign.
     ///
     /// Productions `factor` (fanuc, grundig) and `operand` (grundig).
     pub(super) fn operand<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
@@ -311,7 +311,7 @@ impl Parser {
         let (tables, is_short): (&[&[(&str, Function)]], bool) = match self.language {
             Language::Grundig => (&[FUNCTIONS, GRUNDIG_FUNCTIONS], false),
             Language::Rs274 => (&[FUNCTIONS, ISO_FUNCTIONS, RS274_FUNCTIONS], false),
-            // Fanuc takes the first two letters for the whole name.
+            // Fanuc accepts the first two letters for the whole name.
             _ => (&[FUNCTIONS, ISO_FUNCTIONS, FANUC_FUNCTIONS], true),
         };
         let fits = |name: &str| {
@@ -333,7 +333,7 @@ impl Parser {
     }
 }
 
-/// `exp(`, which begins like a parameter.
+/// `true` for `exp(`, which begins like a parameter.
 fn keyword_exp(input: Input<'_>) -> bool {
     input.get(..3).is_some_and(|word| word.eq_ignore_ascii_case(b"EXP"))
 }

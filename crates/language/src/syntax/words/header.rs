@@ -1,4 +1,4 @@
-//! Where programs begin and end in a file: `%`, `O1234 (NAME)`, `%PM9001` and the line `N9001` behind it.
+//! Start and end of programs in a file: `%`, `O1234 (NAME)`, `%PM9001` and the line `N9001` after it.
 
 use nom::Parser as _;
 use nom::bytes::complete::take_while_m_n;
@@ -12,7 +12,7 @@ use crate::syntax::MAX_PARTS;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
-/// Memories of the Grundig: the letters behind `%`.
+/// Memories of the Grundig: the letters after `%`.
 const MEMORIES: &[(&str, PartKind)] = &[
     ("PM", PartKind::Program),
     ("MM", PartKind::Macro),
@@ -25,7 +25,7 @@ const MEMORIES: &[(&str, PartKind)] = &[
     ("MC", PartKind::MachineConstants),
 ];
 
-/// Production `memory` (grundig): two letters, and what they are for.
+/// Production `memory` (grundig): two letters that select a memory.
 fn memory(input: Input<'_>) -> Parsed<'_, PartKind> {
     let kind_of = |letters: &[u8]| {
         let known = MEMORIES.iter().find(|(name, _)| letters.eq_ignore_ascii_case(name.as_bytes()));
@@ -39,16 +39,15 @@ fn letter_n(input: Input<'_>) -> Parsed<'_, ()> {
     (one(|byte| byte.eq_ignore_ascii_case(&b'N')), blank).map(|_| ()).parse(input)
 }
 
-/// Production `tape` (fanuc): the bytes of a tape that count, from behind its leader to before its trailer.
+/// Production `tape` (fanuc): the relevant bytes of a tape, between its leader and its trailer.
 ///
-/// What stands before the first `%` and behind the last one is no part of any program. A file with one `%` at its end only has no
-/// leader.
+/// Text before the first `%` and after the last one belongs to no program. A file with a single `%` at its end has no leader.
 pub(super) fn tape(bytes: &[u8], line_end: u8, language: Language) -> (usize, usize) {
     let all = (0, bytes.len());
     if language == Language::Grundig || !bytes.contains(&b'%') {
         return all;
     }
-    // The first, the second and the last mark are all that counts; a file may be nothing but marks.
+    // Only the first, the second and the last mark matter; a file may consist of marks only.
     let (mut first, mut second, mut last) = (None, None, None);
     let mut start = 0;
     for line in bytes.split(|&byte| byte == line_end) {
@@ -70,15 +69,15 @@ pub(super) fn tape(bytes: &[u8], line_end: u8, language: Language) -> (usize, us
     };
     let start = if has_leader { first.0 } else { 0 };
     let Some(second) = second else {
-        // It opens the program, unless there is one before it already.
+        // The mark opens the program, unless a program precedes it.
         return (start, if has_leader { bytes.len() } else { first.1 });
     };
-    // RS274/NGC reads one program, from the first to the second.
+    // RS274/NGC reads one program, from the first to the second mark.
     let end = if language == Language::Rs274 && has_leader { second.1 } else { last.1 };
     (start, end)
 }
 
-/// Whether a line in front of the first `%` is a block of a program rather than a leader: a word with its value begins it.
+/// `true` if a line before the first `%` is a block of a program and not a leader: it begins with a word and its value.
 fn is_block(line: &[u8]) -> bool {
     match line {
         [b'#', ..] => true,
@@ -91,7 +90,7 @@ fn is_block(line: &[u8]) -> bool {
 }
 
 impl Parser {
-    /// Reads a line that begins or ends a program; what is left of it, or all of it where it is none, is a block.
+    /// Reads a line that begins or ends a program. Returns the rest of it, or all of it if it is not a header, to be read as a block.
     pub(super) fn header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
         match (text.first(), self.language) {
             (Some(b'%'), Language::Grundig) => self.memory_header(text),
@@ -104,7 +103,7 @@ impl Parser {
         }
     }
 
-    /// Production `header` (grundig): `%PM`, `%PM9001`, `%PM N9001`, a lone `%`.
+    /// Production `header` (grundig): `%PM`, `%PM9001`, `%PM N9001`, a single `%`.
     fn memory_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
         let Ok((mut rest, (_, _, kind, _, _))) = (byte(b'%'), blank, memory, blank, opt(letter_n)).parse(text) else {
             // An end mark of the transmission.
@@ -124,11 +123,11 @@ impl Parser {
                 rest = behind;
             }
         }
-        // Only a comment may follow; anything else is read as a block, which shows what is wrong with it.
+        // Only a comment may follow; anything else is read as a block, which reports its errors.
         rest
     }
 
-    /// Production `number_line` (grundig): `N9001 (NAME)` as the first line of a part, its number and nothing but a comment.
+    /// Production `number_line` (grundig): `N9001 (NAME)` as the first line of a part, its number and only a comment.
     fn number_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
         self.is_fresh = false;
         let Ok((rest, number)) = preceded(letter_n, |input| small_number(input, false)).parse(text) else {
@@ -161,12 +160,12 @@ impl Parser {
                 }
                 &text[text.len()..]
             }
-            // Whatever else stands on the line of the tape mark is no block.
+            // Other text in the line of the tape mark is not a block.
             _ => &text[text.len()..],
         }
     }
 
-    /// Productions `header` and `program` (fanuc) and `program` (rs274): `O1234 (NAME)`, `:1234`, `<NAME>`; an O-word of RS274/NGC is none.
+    /// Productions `header` and `program` (fanuc) and `program` (rs274): `O1234 (NAME)`, `:1234`, `<NAME>`; an O-word of RS274/NGC is not a header.
     fn program_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
         if text.first() == Some(&b'<') {
             let Ok((rest, name)) = angled(text) else { return text };
@@ -194,7 +193,7 @@ impl Parser {
         rest
     }
 
-    /// `N10 O1234 (NAME)`: a program number behind a block number, alone but for comments.
+    /// `N10 O1234 (NAME)`: a program number after a block number, followed only by comments.
     fn numbered_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
         let block_number = (letter_n, |input| small_number(input, true), blank);
         let program_number =
@@ -206,7 +205,7 @@ impl Parser {
         }
     }
 
-    /// The comment behind a header, if nothing but it follows, is the title of the part.
+    /// Stores the comment after a header as the title of the part, if nothing else follows.
     pub(super) fn title<'a>(&mut self, rest: Input<'a>) -> Input<'a> {
         let is_title =
             rest.first() == Some(&b'(') && rest.iter().position(|&byte| byte == b')') == Some(rest.len() - 1);
@@ -220,7 +219,7 @@ impl Parser {
         }
     }
 
-    /// Ends the header of the line where a block begins behind it (`O1234 G90 G0 X1`): as a part of the header it would be written twice.
+    /// Ends the header at a block in the same line (`O1234 G90 G0 X1`); as a part of the header it would be written twice.
     pub(super) fn end_header(&mut self, block: Input<'_>) {
         let end = self.offset(block);
         let source = self.program.source.clone();
@@ -232,7 +231,7 @@ impl Parser {
         }
     }
 
-    /// Ends the part before and begins another one.
+    /// Ends the previous part and begins another one.
     pub(super) fn open_part(&mut self, kind: PartKind, header: Option<Input<'_>>) {
         self.close_part();
         if self.program.parts.len() >= MAX_PARTS {
@@ -252,7 +251,7 @@ impl Parser {
         });
     }
 
-    /// Ends the part; one without header and blocks is none.
+    /// Ends the part; a part without header and blocks is dropped.
     pub(super) fn close_part(&mut self) {
         let end = self.program.blocks.next();
         if let Some(part) = self.program.parts.last_mut() {
@@ -264,7 +263,7 @@ impl Parser {
     }
 }
 
-/// Whether every byte has an even number of set bits and some have the eighth one: the parity bit of a serial line.
+/// `true` if every byte has an even number of set bits and some have the eighth bit set: the parity bit of a serial line.
 pub(super) fn has_parity(bytes: &[u8]) -> bool {
     let is_marked = |byte: &u8| *byte >= 0x80 && !is_blank(byte & 0x7f);
     bytes.iter().all(|byte| byte.count_ones() % 2 == 0) && bytes.iter().any(is_marked)

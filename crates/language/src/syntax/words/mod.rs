@@ -1,7 +1,7 @@
-//! Programs of the word languages: letters with values, as Grundig, Fanuc and RS274/NGC write them.
+//! Programs of the word languages: letters with values, as used by Grundig, Fanuc and RS274/NGC.
 //!
-//! One tree and one parser for all of them; what differs is asked of [`ncfix_dialect::Language`]. A file is a list of parts (programs,
-//! macros, tables), a part a list of blocks, a block a list of words or one statement.
+//! One tree and one parser for all of them; differences depend on [`ncfix_dialect::Language`]. A file is a list of parts (programs, macros, tables),
+//! a part a list of blocks, a block a list of words or one statement.
 
 mod comment;
 mod expression;
@@ -26,7 +26,7 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::source::Source;
 use ncfix_dialect::Dialect;
 
-/// Parses a program. Never fails: what cannot be read is reported and left out, and parsing goes on in the next block.
+/// Parses a program. Never fails: unreadable text is reported and skipped, and parsing continues in the next block.
 #[must_use]
 pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
     let source = without_parity(source);
@@ -38,13 +38,13 @@ pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagno
     whole(&source, dialect)
 }
 
-/// Parses a program of any size by pages of so many bytes; `None` where it must be kept as a whole.
+/// Parses a program of any size by pages of `page_bytes`; `None` if it must be kept as a whole.
 #[must_use]
 pub fn parse_by_pages(source: &Source, dialect: &'static Dialect, page_bytes: usize) -> Option<Program> {
     pages::parse(&without_parity(source), dialect, page_bytes).map(|(program, _)| program)
 }
 
-/// Parses a program of which everything is kept.
+/// Parses a program and keeps the whole tree.
 fn whole(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
     let mut parser = parser::Parser::new(source.clone(), dialect);
     parser.run();
@@ -58,7 +58,7 @@ fn whole(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic
     (program, checked(findings, source, dialect))
 }
 
-/// The file with seven bits a byte, where a serial line has put its parity into the eighth.
+/// The file with seven-bit bytes, if a serial line has added parity bits.
 fn without_parity(source: &Source) -> Source {
     if !header::has_parity(source.bytes()) {
         return source.clone();

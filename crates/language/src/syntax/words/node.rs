@@ -3,20 +3,20 @@
 use crate::syntax::names::NameId;
 use ncfix_base::source::Span;
 
-/// Number of an expression in [`super::Program::exprs`].
+/// Index of an expression in [`super::Program::exprs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ExprId(pub(super) u32);
 
 /// An expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expr {
-    /// Its bytes.
+    /// Span of the expression.
     pub span: Span,
-    /// What it is.
+    /// Kind and operands.
     pub node: Node,
 }
 
-/// What an expression is.
+/// Kind and operands of an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Node {
     /// `1.5`, `pi`
@@ -46,7 +46,7 @@ pub enum UnaryOperator {
     Not,
 }
 
-/// Operators with two operands. What AND, OR and XOR do, with bits or with truth, is the business of the dialect's execution.
+/// Operators with two operands. Whether AND, OR and XOR are bitwise or logical depends on the dialect's execution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are the operators' names")]
 pub enum Operator {
@@ -86,32 +86,32 @@ pub enum Function {
     Sqrt,
     /// Absolute value.
     Abs,
-    /// To the nearest whole number.
+    /// Rounds to the nearest whole number.
     Round,
-    /// Down: `FIX`, of Fanuc towards zero.
+    /// Rounds down: `FIX`, on Fanuc towards zero.
     Fix,
-    /// Up: `FUP`, of Fanuc away from zero.
+    /// Rounds up: `FUP`, on Fanuc away from zero.
     Fup,
     /// Whole part: `int`.
     Int,
     /// Natural logarithm.
     Ln,
-    /// Power of e.
+    /// Exponential function, base e.
     Exp,
     /// `POW[a,b]`
     Pow,
-    /// From binary-coded decimal.
+    /// Converts from binary-coded decimal.
     Bin,
-    /// To binary-coded decimal.
+    /// Converts to binary-coded decimal.
     Bcd,
     /// Adds a decimal point to an argument.
     Adp,
     /// A parameter of the control.
     Prm,
-    /// Degrees of radians.
+    /// Converts radians to degrees.
     Deg,
-    /// Radians of degrees.
+    /// Converts degrees to radians.
     Rad,
-    /// Whether a parameter exists; its operand is [`Node::Named`], [`Node::Parameter`] or [`Node::ParameterAt`].
+    /// 1 if a parameter exists, otherwise 0; its operand is [`Node::Named`], [`Node::Parameter`] or [`Node::ParameterAt`].
     Exists,
 }

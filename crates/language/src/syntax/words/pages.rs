@@ -1,7 +1,7 @@
-//! Large programs: of blocks that are nothing but words only a page is there at a time.
+//! Large programs: only one page of blocks is loaded at a time, if blocks contain only words.
 //!
-//! The first pass reads every page, so that whatever is wrong in the file is found before anything is executed. A program with jumps, loops or O-words
-//! or one of several in a file is kept as a whole.
+//! The first pass reads every page, so that all errors in the file are found before the execution. A program with jumps, loops or O-words, or one of
+//! several in a file, is kept as a whole.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::source::Source;
 use ncfix_dialect::{Dialect, Language};
 
-/// Reads a program by pages of so many bytes; `None` where it must be kept as a whole.
+/// Reads a program by pages of `page` bytes; `None` if it must be kept as a whole.
 pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> Option<(Program, Vec<Diagnostic>)> {
     let mut parser = Parser::new(source.clone(), dialect);
     let (mut at, end) = parser.tape();
@@ -36,14 +36,14 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> 
         }
         at = parser.read(at, end.min(at.0 + page));
         while parser.is_fresh && dialect.language == Language::Grundig && at.0 < end {
-            // What stands before the first block is read as a header or not by what came before it: all of it is one page.
+            // Whether text before the first block is a header depends on the preceding text: all of it is one page.
             at = parser.read(at, end.min(at.0 + page));
         }
         if !is_plain(&parser.program) {
             return None;
         }
         if dialect.language == Language::Grundig {
-            // A number that stands twice is a fault, and which do is only known of all of them.
+            // A repeated number is an error, which can be detected only with all numbers known.
             let mut numbers = parser.program.blocks.iter().filter_map(|block| block.number);
             if !numbers.all(|number| last_number.replace(number).is_none_or(|last| last < number)) {
                 return None;
@@ -63,21 +63,21 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> 
     Some((program, findings))
 }
 
-/// Whether the blocks that are there mean the same wherever they are read.
+/// `true` if the meaning of the loaded blocks does not depend on the page boundaries.
 fn is_plain(program: &Program) -> bool {
     let is_plain = |body| matches!(body, Body::Empty | Body::Words | Body::Printing(_) | Body::Faulty);
     program.blocks.iter().all(|block| block.label.is_none() && is_plain(block.body))
 }
 
 impl Program {
-    /// Sees to it that a block, and what belongs to it, is there.
+    /// Loads a block with everything that belongs to it.
     pub fn ensure(&mut self, block: usize) {
         if !self.blocks.holds(block) && block < self.blocks.len() {
             self.load(block);
         }
     }
 
-    /// Reads the page of a block.
+    /// Loads the page of a block.
     fn load(&mut self, block: usize) {
         let Some(pages) = &self.pages else { return };
         let Some((start, end)) = pages.of_block(block) else { return };
@@ -93,7 +93,7 @@ impl Program {
         self.take_unread_out();
     }
 
-    /// A program with faults is not executed, so that a block that cannot be read stands behind its end: there it is none.
+    /// Removes unreadable blocks after the end of the program: a program with errors is not executed, so they do not matter.
     fn take_unread_out(&mut self) {
         let last = self.blocks.next();
         for number in last - self.blocks.iter().len()..last {
@@ -105,13 +105,13 @@ impl Program {
         }
     }
 
-    /// Whether only a part of the tree is there.
+    /// `true` if only a part of the tree is loaded.
     #[must_use]
     pub fn has_pages(&self) -> bool {
         self.pages.is_some()
     }
 
-    /// The block with a number, looked for page by page: the first one behind block `from`, else the first one of all.
+    /// Finds the block with a number, page by page: the first one after block `from`, otherwise the first one of all.
     pub(super) fn search_block(&self, number: u32, from: usize) -> Option<usize> {
         let pages = self.pages.as_ref()?;
         let mut searched = Program { pages: self.pages.clone(), ..empty(self.source.clone(), self.dialect) };
@@ -131,7 +131,7 @@ impl Program {
         first
     }
 
-    /// Shows the number of every block that has one.
+    /// Calls `see` with the number of every numbered block.
     pub fn each_block_number(&self, see: &mut dyn FnMut(u32)) {
         let Some(pages) = &self.pages else {
             self.blocks.iter().filter_map(|block| block.number).for_each(see);
@@ -145,7 +145,7 @@ impl Program {
         }
     }
 
-    /// The numbers of the nodes that come next.
+    /// The numbers of the next nodes.
     fn next(&self) -> [usize; 5] {
         [self.blocks.next(), self.words.next(), self.exprs.next(), self.arguments.next(), self.comments.next()]
     }
@@ -164,14 +164,14 @@ mod tests {
     use super::*;
     use ncfix_base::source::FileId;
 
-    /// Compares a program by pages with the whole one, forward and backward; whether it can be paged.
+    /// Compares a paged program with the whole one, forward and backward. Returns `true` if it can be paged.
     fn compare(text: &[u8], dialect: &'static Dialect, page: usize) -> bool {
         let source = Source::new(FileId(0), "p", text.to_vec()).unwrap();
         let Some((mut paged, found)) = parse(&source, dialect, page) else { return false };
         let (whole, findings) = super::super::whole(&source, dialect);
         assert_eq!(found, findings);
         if !findings.is_empty() {
-            // It is not executed.
+            // Such a program is not executed.
             return true;
         }
         assert_eq!(paged.blocks.len(), whole.blocks.len());

@@ -1,4 +1,4 @@
-//! Blocks: splits the file into lines, parts and words, and goes on behind whatever cannot be read.
+//! Blocks: splits the file into lines, parts and words, and continues after unreadable text.
 
 use nom::Parser as _;
 use nom::combinator::{map, opt, peek};
@@ -17,25 +17,25 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::{Dialect, Language};
 
-/// A block longer than this is refused; controls take a few hundred characters.
+/// Maximum length of a block; controls accept a few hundred characters.
 const MAX_BLOCK_BYTES: usize = 4096;
 
-/// Lines of comments before the number of a Grundig program at most.
+/// Maximum number of comment lines before the number of a Grundig program.
 const MOST_HEADER_LINES: usize = 1000;
 
-/// The parser's state: the tree that grows, and where the line ends that is being read.
+/// State of the parser: the growing tree, and the end of the current line.
 pub(super) struct Parser {
     pub(super) program: Program,
     pub(super) language: Language,
     findings: Vec<Diagnostic>,
     pub(super) line_end: usize,
     pub(super) depth: u32,
-    /// Whether the part has no block yet, so that a line with nothing but a number is its header.
+    /// `true` while the part has no block, so that a line with only a number is its header.
     pub(super) is_fresh: bool,
     has_too_many_parts: bool,
 }
 
-/// A program without anything.
+/// A program without content.
 pub(super) fn empty(source: Source, dialect: &'static Dialect) -> Program {
     Program {
         source,
@@ -72,7 +72,7 @@ impl Parser {
         (self.program, self.findings)
     }
 
-    /// Whether blanks mean nothing, not even between the digits of a number.
+    /// `true` if blanks are ignored, even between the digits of a number.
     pub(super) fn is_spaced(&self) -> bool {
         self.language != Language::Grundig
     }
@@ -101,7 +101,8 @@ impl Parser {
         ((start, line), end)
     }
 
-    /// Reads whole lines from an offset on, before which there are so many, up to another one; where the next would begin.
+    /// Reads whole lines from an offset up to another one. `line` is the number of lines before it. Returns the start of the next line and its
+    /// number.
     pub(super) fn read(&mut self, (mut start, mut line): (usize, u32), until: usize) -> (usize, u32) {
         let source = self.program.source.clone();
         let bytes = source.bytes();
@@ -124,12 +125,12 @@ impl Parser {
         if self.is_hopeless() { (source.bytes().len(), line) } else { (start, line) }
     }
 
-    /// Whether the file is no program, so that the rest of it is not looked at.
+    /// `true` if the file is not a program, so that the rest of it is skipped.
     fn is_hopeless(&self) -> bool {
         self.has_too_many_parts || self.findings.len() > MAX_FINDINGS
     }
 
-    /// There is one program too many in the file.
+    /// Reports the first program beyond the maximum number.
     pub(super) fn give_up_at_part(&mut self) {
         if !std::mem::replace(&mut self.has_too_many_parts, true) {
             let header = Span::new(self.line_end.saturating_sub(1), self.line_end);
@@ -137,7 +138,7 @@ impl Parser {
         }
     }
 
-    /// Whether so many comments stand before the first block of a part that no header follows.
+    /// `true` if the part begins with too many comment lines to be followed by a header.
     fn is_late(&self) -> bool {
         let start = self.program.parts.last().map_or(0, |part| part.blocks.start);
         self.program.blocks.next() - start >= MOST_HEADER_LINES
@@ -148,7 +149,7 @@ impl Parser {
         self.line_end - input.len()
     }
 
-    /// The id of a name; blanks in it mean nothing.
+    /// The id of a name; blanks in it are ignored.
     pub(super) fn intern(&mut self, name: &[u8]) -> NameId {
         if name.iter().any(|&byte| is_blank(byte)) {
             let dense: Vec<u8> = name.iter().copied().filter(|&byte| !is_blank(byte)).collect();
@@ -190,7 +191,7 @@ impl Parser {
         };
         if let Err(nom::Err::Error(fault) | nom::Err::Failure(fault)) = self.block(text, &mut block) {
             self.report(&fault);
-            // A control statement with something behind it still opens or closes its structure.
+            // A control statement followed by other text still opens or closes its structure.
             if matches!(block.body, Body::Empty | Body::Words) {
                 block.body = Body::Faulty;
             }
@@ -219,7 +220,7 @@ impl Parser {
                         block.number = Some(number);
                         rest
                     }
-                    // A word.
+                    // The beginning of a word.
                     Err(nom::Err::Error(_)) => break,
                     Err(fault) => return Err(fault),
                 },
@@ -228,7 +229,7 @@ impl Parser {
         }
         let rest = match input.first() {
             None => return Ok((input, ())),
-            // The end of a tape behind a block number.
+            // The end of a tape after a block number.
             Some(b'%') if self.is_spaced() && block.number.is_some() => {
                 self.program.has_tape_marks = true;
                 return Ok((input, ()));
@@ -242,13 +243,13 @@ impl Parser {
         self.end_of_statement(rest)
     }
 
-    /// Production `skip` (fanuc, grundig): `/` with its level, 0 where there is none. RS274/NGC has no levels.
+    /// Production `skip` (fanuc, grundig): `/` with its level; level 0 if not written. RS274/NGC has no levels.
     fn skip<'a>(&self, input: Input<'a>) -> Parsed<'a, u8> {
         let level = opt(one(|byte| byte.is_ascii_digit() && self.language != Language::Rs274));
         map(preceded(byte(b'/'), level), |digit| digit.map_or(0, |digit| digit - b'0')).parse(input)
     }
 
-    /// Production `number` (fanuc, rs274, grundig): `N10`, and `N10.5` of RS274/NGC. What an index follows is a word: `N1=`.
+    /// Production `number` (fanuc, rs274, grundig): `N10`, and `N10.5` of RS274/NGC. `N1=` with an index is a word.
     fn number<'a>(&self, input: Input<'a>) -> Parsed<'a, u32> {
         let start = (one(|byte| byte.eq_ignore_ascii_case(&b'N')), blank, peek(one(|byte| byte.is_ascii_digit())));
         let (rest, number) = preceded(start, |input| small_number(input, self.is_spaced())).parse(input)?;
@@ -268,12 +269,12 @@ impl Parser {
         }
     }
 
-    /// Two letters side by side begin no word of a custom macro.
+    /// `true` for a macro statement: a word never begins with two adjacent letters.
     fn is_macro_statement(&self, input: Input<'_>) -> bool {
         self.language == Language::Fanuc && blanks(&input[1..]).first().is_some_and(u8::is_ascii_alphabetic)
     }
 
-    /// Nothing but comments may follow a statement.
+    /// Accepts only comments after a statement.
     fn end_of_statement<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ()> {
         let is_comment = peek(one(|byte| byte == b'(' || byte == b';'));
         let comments = many0_count(preceded((blank, is_comment), |input| self.comment(input)));
@@ -293,7 +294,7 @@ impl Parser {
         }
     }
 
-    /// A word, a comment, or a `/` in front of words that are skipped.
+    /// A word, a comment, or a `/` before words that are skipped.
     #[inline]
     fn item<'a>(&mut self, input: Input<'a>, first: u8, block: &mut Block) -> Parsed<'a, ()> {
         match first {

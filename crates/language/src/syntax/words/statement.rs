@@ -13,7 +13,7 @@ use super::tree::{Block, Body, Label, Slice};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
-/// What stands behind the label of an O-word; longer words before those that they begin with.
+/// Keywords after the label of an O-word; longer keywords stand before their prefixes.
 #[derive(Clone, Copy)]
 enum OWord {
     Sub,
@@ -51,7 +51,7 @@ const O_WORDS: &[(&str, OWord)] = &[
     ("CONTINUE", OWord::Continue),
 ];
 
-/// What begins a control statement of a custom macro.
+/// Keywords that begin a control statement of a custom macro.
 #[derive(Clone, Copy)]
 enum ControlWord {
     If,
@@ -64,7 +64,7 @@ enum ControlWord {
     Printing,
 }
 
-/// The first word of each; ENDIF before END, with which it begins.
+/// The keywords; ENDIF stands before its prefix END.
 const CONTROLS: &[(&str, ControlWord)] = &[
     ("IF", ControlWord::If),
     ("GOTO", ControlWord::Goto),
@@ -73,7 +73,7 @@ const CONTROLS: &[(&str, ControlWord)] = &[
     ("ENDIF", ControlWord::EndIf),
     ("END", ControlWord::End),
     ("ELSE", ControlWord::Else),
-    // They print or name something.
+    // These print or name something.
     ("BPRNT", ControlWord::Printing),
     ("DPRNT", ControlWord::Printing),
     ("POPEN", ControlWord::Printing),
@@ -82,8 +82,8 @@ const CONTROLS: &[(&str, ControlWord)] = &[
 ];
 
 impl Parser {
-    /// Production `control` (fanuc), where one begins here: what is left of the line, which must be empty but for comments, or holds the words behind
-    /// THEN.
+    /// Production `control` (fanuc), if a control statement begins here. Returns the rest of the line, which must be empty except for comments, or
+    /// contains the words after THEN.
     pub(super) fn macro_statement<'a>(&mut self, input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
         let mut control = required(one_of(CONTROLS), Code::MISSING_VALUE, 1, "this address has no value");
         let (rest, control) = control(input)?;
@@ -116,7 +116,7 @@ impl Parser {
         behind_blanks(required(opened, Code::BAD_EXPRESSION, 1, message)).parse(input)
     }
 
-    /// The condition of IF and what follows: `GOTO n`, `THEN GOTO n`, `THEN` and words, `THEN` alone.
+    /// The condition of IF and its continuation: `GOTO n`, `THEN GOTO n`, `THEN` and words, `THEN` alone.
     fn behind_if<'a>(&mut self, input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
         let (input, condition) = terminated(|input| self.condition(input), blank).parse(input)?;
         let (rest, is_then) = match value(true, keyword("THEN")).parse(input) {
@@ -165,7 +165,7 @@ impl Parser {
             OWord::Continue => (rest, Body::Continue),
             OWord::If => map(|input| self.condition(input), Body::If).parse(rest)?,
             OWord::ElseIf => map(|input| self.condition(input), Body::ElseIf).parse(rest)?,
-            // Whether it ends a loop begun with `do` shows when the two sides are connected.
+            // Whether it ends a loop begun with `do` is determined when both ends are connected.
             OWord::While => map(|input| self.condition(input), |condition| Body::While(Some(condition))).parse(rest)?,
             OWord::Repeat => map(|input| self.condition(input), Body::Repeat).parse(rest)?,
             OWord::EndSub => map(|input| self.optional_value(input), Body::EndSub).parse(rest)?,

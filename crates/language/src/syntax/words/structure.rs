@@ -1,19 +1,19 @@
-//! Connects the two sides of control structures, lists jump targets and subroutines, and reports what has only one side.
+//! Connects both ends of control structures, lists jump targets and subroutines, and reports structures with only one end.
 
 use super::tree::{Address, Block, Body, Label, Part, PartKind, Program, Value, Word};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
-/// The loop that BREAK and CONTINUE belong to is looked for among so many open structures.
+/// Maximum number of open structures searched for the loop of BREAK or CONTINUE.
 const MAX_SEARCH: usize = 256;
 
 /// M codes that end a program or call one.
 const LEADING_AWAY: [f64; 5] = [2.0, 30.0, 98.0, 99.0, 198.0];
 
 impl Program {
-    /// The part with which the execution begins, and the main program: the first program with blocks. Where a Fanuc's file has comments
-    /// or codes before its first program number they come before it, and are no program of their own.
+    /// The part with which the execution begins, and the main program: the first program with blocks. Comments or codes of a Fanuc file before its
+    /// first program number come first, but are not a separate program.
     #[must_use]
     pub fn main_parts(&self) -> (usize, usize) {
         let is_program = |part: &Part| part.kind == PartKind::Program && !part.blocks.is_empty();
@@ -25,7 +25,7 @@ impl Program {
         }
     }
 
-    /// Blocks of a Fanuc that move before the first program number and neither end nor call: the first of them, and that number.
+    /// Fanuc blocks with motion before the first program number that neither end nor call: the first of them, and that number.
     #[must_use]
     pub fn outside(&self) -> Option<(Span, Span)> {
         let (first, main) = self.main_parts();
@@ -44,13 +44,13 @@ impl Program {
         Some((block.span, *next.headers.first()?))
     }
 
-    /// Whether a part of a program that is there as a whole has nothing but comments.
+    /// `true` if a fully loaded part contains only comments.
     #[must_use]
     pub fn is_idle(&self, part: &Part) -> bool {
         self.blocks.range(part.blocks.clone()).iter().all(|block| block.body == Body::Empty)
     }
 
-    /// Whether a part has no number and nothing in it that moves, calls or ends.
+    /// `true` if a part has no number and contains no motion, call or end.
     fn is_preamble(&self, part: usize) -> bool {
         let Some(part) = self.parts.get(part).filter(|part| part.headers.is_empty()) else { return false };
         let is_still = |word: &Word| match (word.address, word.value) {
@@ -67,7 +67,7 @@ impl Program {
     }
 }
 
-/// Sorts the block numbers of each part, so that a jump finds its target.
+/// Sorts the block numbers of each part for the search of jump targets.
 pub(super) fn list_targets(program: &mut Program, findings: &mut Vec<Diagnostic>) {
     if program.dialect.language == Language::Rs274 {
         return;
@@ -80,7 +80,7 @@ pub(super) fn list_targets(program: &mut Program, findings: &mut Vec<Diagnostic>
             .zip(part.blocks.start..)
             .filter_map(|(block, index)| block.number.map(|number| (number, u32::try_from(index).unwrap_or(u32::MAX))));
         program.targets.extend(numbered);
-        // Numbers mostly rise, and a sorted run costs the sort nothing.
+        // Numbers are mostly ascending, and sorting an ascending run is cheap.
         program.targets[first..].sort_unstable();
         part.targets = first..program.targets.len();
     }
@@ -89,7 +89,7 @@ pub(super) fn list_targets(program: &mut Program, findings: &mut Vec<Diagnostic>
     }
 }
 
-/// A number of a Grundig stands once in a program: repetitions and jumps name blocks by it.
+/// Reports repeated block numbers of a Grundig program: repetitions and jumps refer to blocks by number.
 fn report_doubles(program: &Program, findings: &mut Vec<Diagnostic>) {
     for part in program.parts.iter().filter(|part| matches!(part.kind, PartKind::Program | PartKind::Macro)) {
         let targets = program.targets.get(part.targets.clone()).unwrap_or_default();
@@ -104,22 +104,22 @@ fn report_doubles(program: &Program, findings: &mut Vec<Diagnostic>) {
     }
 }
 
-/// An open control structure: its blocks that still want a partner.
+/// An open control structure: its blocks that still need a partner.
 struct Open {
     block: usize,
-    /// IF or ELSEIF or ELSE that leads on from here.
+    /// The last IF, ELSEIF or ELSE, from which the structure continues.
     last: usize,
     label: Option<Label>,
 }
 
-/// Whether the program ends here whatever happens: M2 or M30.
+/// `true` if the program ends here unconditionally: M2 or M30.
 fn ends_program(program: &Program, block: &Block) -> bool {
     let is_end = |value| matches!(value, Value::Number { value, .. } if value == 2.0 || value == 30.0);
     let mut words = program.words_of(block).iter();
     block.skip.is_none() && words.any(|word| word.address == Address::Letter(b'M') && is_end(word.value))
 }
 
-/// Sets the partners. What stands behind the end of a program of RS274/NGC is never read, so nothing in it is a fault.
+/// Sets the partners. Text after the end of an RS274/NGC program is never read, so it contains no errors.
 pub(super) fn connect(program: &mut Program, findings: &mut Vec<Diagnostic>) {
     let mut unread: Vec<Span> = Vec::new();
     for part in 0..program.parts.len() {
@@ -176,7 +176,7 @@ fn step(program: &mut Program, index: usize, open: &mut Vec<Open>, findings: &mu
     let top = open.last().map(|top| (body_at(program, top.block), body_at(program, top.last), top.label));
     match body {
         Body::While(Some(condition)) if matches!(top, Some((Body::Do, _, of)) if of == label) => {
-            // `o100 while […]` behind `o100 do` ends it.
+            // `o100 while […]` after `o100 do` ends the loop.
             if let Some(block) = program.blocks.get_mut(index) {
                 block.body = Body::DoWhile(condition);
             }

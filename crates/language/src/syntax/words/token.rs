@@ -1,4 +1,4 @@
-//! The smallest pieces of the word languages: numbers, keywords, `<names>`.
+//! The smallest elements of the word languages: numbers, keywords, `<names>`.
 
 use nom::Parser;
 use nom::bytes::complete::take_till;
@@ -12,7 +12,7 @@ pub(super) use crate::syntax::token::{
     letters, no_match, one, required,
 };
 
-/// A word in either case, with blanks between its letters.
+/// A word in any case, with blanks allowed between its letters.
 pub(super) fn keyword<'a>(word: &str) -> impl Fn(Input<'a>) -> Parsed<'a, ()> {
     move |input| {
         let mut rest = input;
@@ -23,7 +23,7 @@ pub(super) fn keyword<'a>(word: &str) -> impl Fn(Input<'a>) -> Parsed<'a, ()> {
     }
 }
 
-/// The first of these words that stands here, by what it means.
+/// The value of the first of these words that matches.
 pub(super) fn one_of<'a, T: Copy>(words: &[(&str, T)]) -> impl Fn(Input<'a>) -> Parsed<'a, T> {
     move |input| {
         let first = input.first().map(u8::to_ascii_uppercase);
@@ -33,19 +33,18 @@ pub(super) fn one_of<'a, T: Copy>(words: &[(&str, T)]) -> impl Fn(Input<'a>) -> 
     }
 }
 
-/// A number as it is written, without sign.
+/// An unsigned number as written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Number {
     pub(super) value: f64,
     pub(super) has_point: bool,
-    /// Digits before the point.
+    /// Number of digits before the point.
     pub(super) digits: u8,
 }
 
-/// Production `number_text` (fanuc, rs274, grundig): `10`, `10.`, `.5`, `1.25`; blanks between the digits mean nothing where `spaced`.
+/// Production `number_text` (fanuc, rs274, grundig): `10`, `10.`, `.5`, `1.25`; blanks between the digits are ignored if `spaced`.
 ///
-/// Where the digits make an exact double and so does the power of ten, one division rounds correctly (Clinger 1990); the standard
-/// library does the rest.
+/// If the digits and the power of ten are both exact doubles, one division rounds correctly (Clinger 1990). All other cases use the standard library.
 pub(super) fn number(input: Input<'_>, spaced: bool) -> Parsed<'_, Number> {
     let (at, whole, mantissa) = digits(input, 0, 0, spaced);
     let has_point = input.get(at) == Some(&b'.');
@@ -67,8 +66,8 @@ pub(super) fn number(input: Input<'_>, spaced: bool) -> Parsed<'_, Number> {
     Ok((&input[at..], Number { value, has_point, digits }))
 }
 
-/// Digits from a place on, joined to a mantissa: the place behind them, how many they are, and the new mantissa. Beyond 15 digits the
-/// mantissa is not looked at any more, so it may wrap.
+/// Reads digits from a position and appends them to a mantissa. Returns the position after them, their number, and the new mantissa. Beyond 15 digits
+/// the mantissa is not used, so it may wrap.
 fn digits(input: Input<'_>, from: usize, mut mantissa: u64, spaced: bool) -> (usize, usize, u64) {
     let (mut at, mut count) = (from, 0);
     loop {
@@ -97,7 +96,7 @@ fn slow_value(digits: &[u8]) -> f64 {
     text.parse().unwrap_or(f64::NAN)
 }
 
-/// Digits as a number of at most nine digits.
+/// A number of at most nine digits.
 pub(super) fn small_number(input: Input<'_>, spaced: bool) -> Parsed<'_, u32> {
     let (mut rest, mut value, mut count) = (input, 0_u32, 0);
     loop {
@@ -117,7 +116,7 @@ pub(super) fn small_number(input: Input<'_>, spaced: bool) -> Parsed<'_, u32> {
     }
 }
 
-/// The text between `<` and `>`, with which the input begins.
+/// The text between `<` and `>` at the beginning of the input.
 pub(super) fn angled(input: Input<'_>) -> Parsed<'_, &[u8]> {
     required(byte(b'<'), Code::UNEXPECTED, 1, "a name between < and > was expected here")(input)?;
     let between = delimited(byte(b'<'), take_till(|byte| byte == b'>'), byte(b'>'));

@@ -37,20 +37,20 @@ pub struct Program {
     pub comments: Shelf<Comment>,
     /// All identifiers, upper case and without blanks.
     pub names: Names,
-    /// Whether `%` begins or ends the tape.
+    /// `true` if `%` begins or ends the tape.
     pub has_tape_marks: bool,
     /// Block numbers: number and block, sorted within each part.
     pub(super) targets: Vec<(u32, u32)>,
     /// O-word subroutines: label and block of `sub`, in file order.
     pub(super) subs: Vec<(Label, u32)>,
-    /// Where pages begin, if only one of them is there.
+    /// Page starts, if the program is loaded by pages.
     pub(super) pages: Option<Arc<Pages<5>>>,
 }
 
-/// What a part of a file is for.
+/// Purpose of a part of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartKind {
-    /// A part program: `%PM`, `O1234`, or a file without headers. Whether it is called as a subprogram shows only when it is.
+    /// A part program: `%PM`, `O1234`, or a file without headers. It may also be called as a subprogram.
     Program,
     /// `%MM`: macros that G22 calls.
     Macro,
@@ -73,9 +73,9 @@ pub enum PartKind {
 /// One program, macro or table of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// What it is for.
+    /// Its purpose.
     pub kind: PartKind,
-    /// `1234` of `O1234`, `:1234`, `%PM1234` or the line `N1234` behind `%PM`.
+    /// `1234` of `O1234`, `:1234`, `%PM1234` or the line `N1234` after `%PM`.
     pub number: Option<u32>,
     /// `<NAME>` of a program that has a name instead of a number.
     pub name: Option<NameId>,
@@ -89,14 +89,14 @@ pub struct Part {
     pub(super) targets: Range<usize>,
 }
 
-/// One block: a line with something on it.
+/// One block: a line with content.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// The line without its line end.
     pub span: Span,
     /// Line number, from 1.
     pub line: u32,
-    /// Level of a `/` at its start as written: 0 for `/` alone.
+    /// Level of a `/` at its start as written; 0 for a bare `/`.
     pub skip: Option<u8>,
     /// `N10`; the whole part of `N10.5`.
     pub number: Option<u32>,
@@ -104,22 +104,22 @@ pub struct Block {
     pub body: Body,
     /// O-word label, or the loop number of DO and END.
     pub label: Option<Label>,
-    /// A `/` further right.
+    /// A `/` after the first word.
     pub inner_skip: Option<InnerSkip>,
     /// Words, in [`Program::words`].
     pub(super) words: Slice,
     /// Comments, in [`Program::comments`].
     pub(super) comments: Slice,
-    /// The block at the other side of a control structure, see [`Body`]; `u32::MAX` where there is none.
+    /// The block at the other end of a control structure, see [`Body`]; `u32::MAX` if not connected.
     pub(super) partner: u32,
 }
 
-/// A `/` within a block: the words behind it are skipped.
+/// A `/` within a block: the words after it are skipped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InnerSkip {
-    /// Its level as written: 0 for `/` alone.
+    /// Its level as written; 0 for a bare `/`.
     pub level: u8,
-    /// How many words stand before it.
+    /// Number of words before it.
     pub words_before: u16,
 }
 
@@ -130,19 +130,19 @@ pub enum Label {
     Number(u32),
     /// A name.
     Name(NameId),
-    /// Computed when it is reached.
+    /// Computed during the execution.
     Computed(ExprId),
 }
 
-/// What a block does.
+/// Content of a block.
 ///
-/// `partner` of a block is: of IF and ELSEIF the next ELSEIF, ELSE or ENDIF; of ELSE its ENDIF; of WHILE, DO and REPEAT their end; of
-/// these ends their start; of SUB its ENDSUB; of BREAK and CONTINUE the start of their loop.
+/// `partner` of a block: for IF and ELSEIF the next ELSEIF, ELSE or ENDIF; for ELSE its ENDIF; for WHILE, DO and REPEAT their end; for these ends
+/// their start; for SUB its ENDSUB; for BREAK and CONTINUE the start of their loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
-    /// Nothing but number and comments.
+    /// Only number and comments.
     Empty,
-    /// Words, among them assignments.
+    /// Words, including assignments.
     Words,
     /// `GOTO n`
     Goto(ExprId),
@@ -153,7 +153,7 @@ pub enum Body {
         /// The block number.
         target: ExprId,
     },
-    /// `IF […] THEN …`: the words of the block are done where the condition holds.
+    /// `IF […] THEN …`: the words of the block are executed if the condition is true.
     IfThen(ExprId),
     /// `WHILE […] DOn`, `DOn` (without a condition, endless), `o… while […]` that opens a loop.
     While(Option<ExprId>),
@@ -181,56 +181,56 @@ pub enum Body {
     Continue,
     /// `o… sub`
     Sub,
-    /// `o… endsub`, with a value or without.
+    /// `o… endsub`, with or without a value.
     EndSub(Option<ExprId>),
-    /// `o… return`, with a value or without.
+    /// `o… return`, with or without a value.
     Return(Option<ExprId>),
     /// `o… call […] […]`: its arguments, see [`Program::arguments_of`].
     Call(Slice),
-    /// `DPRNT[…]`, `BPRNT[…]`, `POPEN`, `PCLOS`, `SETVN…`: prints or names, moves nothing.
+    /// `DPRNT[…]`, `BPRNT[…]`, `POPEN`, `PCLOS`, `SETVN…`: print or name statements without motion.
     Printing(Span),
-    /// Could not be read; a finding says why.
+    /// Unreadable; a diagnostic gives the reason.
     Faulty,
 }
 
 /// A word: an address and its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word {
-    /// All of it.
+    /// Span of the word.
     pub span: Span,
-    /// Left of the value.
+    /// The address, left of the value.
     pub address: Address,
     /// The value.
     pub value: Value,
 }
 
-/// What stands left of a value.
+/// The part of a word left of its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Address {
     /// `X`, `G`, upper case; `@` and `^` of RS274/NGC are the distance and angle of polar coordinates, `$` a spindle.
     Letter(u8),
-    /// `X1=`, `B1=`, `E1=`: letter and index, with a value behind `=`.
+    /// `X1=`, `B1=`, `E1=`: letter and index, with a value after `=`.
     Indexed(u8, u16),
     /// `,C`, `,R`, `,A`: the letter.
     Comma(u8),
     /// `#1=`, `#[…]=`, `#<name>=`: the variable as an expression.
     Variable(ExprId),
-    /// `<NAME>` of `M98 <NAME>`; has no value.
+    /// `<NAME>` of `M98 <NAME>`, without value.
     Name(NameId),
 }
 
 /// The value of a word.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// None, of [`Address::Name`].
+    /// No value, for [`Address::Name`].
     None,
     /// A plain number.
     Number {
-        /// The number as it is written.
+        /// The number as written.
         value: f64,
-        /// Whether it has a decimal point.
+        /// `true` if it has a decimal point.
         has_point: bool,
-        /// How many digits it has before the point, leading zeros among them.
+        /// Number of digits before the point, including leading zeros.
         digits: u8,
     },
     /// An expression.
@@ -240,18 +240,18 @@ pub enum Value {
 /// A comment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comment {
-    /// All of it, with brackets or semicolon.
+    /// Span of the comment, with brackets or semicolon.
     pub span: Span,
-    /// The text within, without the word that makes it active.
+    /// The inner text, without the word that makes it active.
     pub text: Span,
-    /// What it does.
+    /// Its function.
     pub kind: CommentKind,
 }
 
-/// What a comment does.
+/// Function of a comment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommentKind {
-    /// Nothing.
+    /// No function.
     Plain,
     /// `(MSG,…)`: shows a text.
     Message,
@@ -261,12 +261,12 @@ pub enum CommentKind {
     Print,
     /// `(LOG,…)`, `(LOGOPEN,…)`, `(LOGAPPEND,…)`, `(LOGCLOSE)`: writes a file.
     Log,
-    /// `(PROBEOPEN …)`, `(PROBECLOSE)`: writes what is probed into a file.
+    /// `(PROBEOPEN …)`, `(PROBECLOSE)`: writes probing results into a file.
     Probe,
 }
 
 impl Block {
-    /// The block at the other side of its control structure, see [`Body`].
+    /// The block at the other end of its control structure, see [`Body`].
     #[must_use]
     pub fn partner(&self) -> Option<usize> {
         (self.partner != u32::MAX).then_some(self.partner as usize)
@@ -281,7 +281,7 @@ impl Slice {
 }
 
 impl Program {
-    /// The words of a block; those behind an inner skip too.
+    /// The words of a block, including those after an inner skip.
     #[must_use]
     pub fn words_of(&self, block: &Block) -> &[Word] {
         self.words.range(block.words.range())
@@ -320,7 +320,7 @@ impl Program {
         self.parts.get(next).filter(|part| part.blocks.contains(&block)).map(|_| next)
     }
 
-    /// The part of a kind with a number: the first of them.
+    /// The first part of a kind with a number.
     #[must_use]
     pub fn find_part(&self, kind: PartKind, number: u32) -> Option<usize> {
         self.parts.iter().position(|part| part.kind == kind && part.number == Some(number))
@@ -332,11 +332,11 @@ impl Program {
         self.parts.iter().position(|part| part.name == Some(name))
     }
 
-    /// The block with a number in a part: the first one behind block `from`, else the first one of the part.
+    /// The block with a number in a part: the first one after block `from`, otherwise the first one of the part.
     #[must_use]
     pub fn find_block(&self, part: usize, number: u32, from: usize) -> Option<usize> {
         if self.dialect.language == Language::Rs274 {
-            // Its numbers are no targets: nothing jumps to a block by its number.
+            // Block numbers of RS274/NGC are never jump targets.
             return None;
         }
         if self.has_pages() {

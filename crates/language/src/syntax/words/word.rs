@@ -1,4 +1,4 @@
-//! Words: an address and its value, as each language writes them.
+//! Words: an address and its value, in the notation of each language.
 
 use nom::Parser as _;
 use nom::branch::alt;
@@ -51,7 +51,7 @@ impl Parser {
         }
     }
 
-    /// `X1=…`: `index` begins with the digits, `value` stands behind the sign.
+    /// `X1=…`: `index` begins with the digits, `value` is the text after the equals sign.
     fn indexed_word<'a>(
         &mut self,
         input: Input<'a>,
@@ -67,7 +67,7 @@ impl Parser {
         Ok((rest, self.word_between(input, rest, Address::Indexed(letter, number), value)))
     }
 
-    /// Production `value` (grundig), behind `=`: a plain number, or an expression.
+    /// Production `value` (grundig), after `=`: a plain number, or an expression.
     fn assigned_value<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Value> {
         let input = blanks(input);
         let no_operator = not(behind_blanks(|input| self.operator(input)));
@@ -82,8 +82,8 @@ impl Parser {
         Ok((rest, Value::Expr(id)))
     }
 
-    /// Refuses what looks like an exponent directly behind a number, which begins at `from`: E, perhaps a sign, digits and no decimal point.
-    /// No word language has exponents, so the control would read E as a word of its own; a Grundig has parameters of that name.
+    /// Rejects text like an exponent directly after a number, which begins at `from`: E, an optional sign, digits and no decimal point. No word
+    /// language has exponents, so the control would read E as a separate word. On a Grundig, E is a parameter.
     pub(super) fn no_exponent<'a>(&self, from: Input<'a>, rest: Input<'a>) -> Parsed<'a, ()> {
         if self.language == Language::Grundig || !matches!(rest.first(), Some(b'E' | b'e')) {
             return Ok((rest, ()));
@@ -99,7 +99,7 @@ impl Parser {
         }
     }
 
-    /// A number with a sign or without.
+    /// A number with an optional sign.
     fn signed_number<'a>(&self, input: Input<'a>) -> Parsed<'a, Value> {
         let (behind, sign) = alt((terminated(sign, blank), success(1.0))).parse(input)?;
         let (rest, number) = number(behind, self.is_spaced())?;
@@ -108,7 +108,7 @@ impl Parser {
         Ok((rest, Value::Number { value, has_point: number.has_point, digits: number.digits }))
     }
 
-    /// Production `value` (fanuc, rs274): the value directly behind a letter, which is the first byte of `input`, where it does not begin with a digit.
+    /// Production `value` (fanuc, rs274): the value directly after a letter, which is the first byte of `input`, if it does not begin with a digit.
     fn value<'a>(&mut self, input: Input<'a>, behind: Input<'a>) -> Parsed<'a, Value> {
         let is_iso = self.language != Language::Grundig;
         match behind.first() {
@@ -133,7 +133,7 @@ impl Parser {
         Ok((rest, Value::Expr(id)))
     }
 
-    /// Words that begin with no letter: `#1=…`, `,C5`, `<NAME>`, `@10`, `^45`, `$1`.
+    /// Words that do not begin with a letter: `#1=…`, `,C5`, `<NAME>`, `@10`, `^45`, `$1`.
     fn special_word<'a>(&mut self, input: Input<'a>, first: u8) -> Parsed<'a, Word> {
         match (first, self.language) {
             (b'#', Language::Fanuc | Language::Rs274) => self.assignment(input),

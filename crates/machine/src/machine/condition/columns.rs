@@ -1,10 +1,10 @@
-//! The columns of tables that say how the machine was: temperatures and the workpiece on the table.
+//! Columns of tables that describe the state of the machine: temperatures and the workpiece on the table.
 //!
 //! | column | meaning |
 //! | --- | --- |
 //! | `t_s` | time |
-//! | `T_head_C` | temperature of the sensor `T_head`, as the machine file calls it: the name of the column without `_C` |
-//! | `load_N`, `load_x_mm`, `load_y_mm`, `load_z_mm` | weight on the table and its place, from this row on |
+//! | `T_head_C` | temperature of the sensor `T_head` of the machine file: the column name without `_C` |
+//! | `load_N`, `load_x_mm`, `load_y_mm`, `load_z_mm` | weight on the table and its position, from this row on |
 
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -13,7 +13,7 @@ use ncfix_base::geometry::Vector;
 use super::Load;
 use super::file::PLAUSIBLE_C;
 
-/// What a column holds.
+/// Meaning of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Column {
     /// Time, s.
@@ -22,14 +22,14 @@ pub enum Column {
     Sensor(String),
     /// Weight, N.
     Force,
-    /// x, y or z of the place of the load, mm.
+    /// Coordinate (0, 1, 2: x, y, z) of the load position, mm.
     LoadPlace(usize),
-    /// Something else.
+    /// Any other column.
     Other,
 }
 
 impl Column {
-    /// What a column of this name holds.
+    /// Returns the meaning of a column by its name.
     #[must_use]
     pub fn of(name: &str) -> Column {
         match name {
@@ -45,17 +45,17 @@ impl Column {
         }
     }
 
-    /// All columns of a table.
+    /// Returns the meanings of all columns of a table.
     #[must_use]
     pub fn all(table: &Table) -> Vec<Column> {
         table.names().iter().map(|name| Column::of(name)).collect()
     }
 }
 
-/// No load in the center of the table.
+/// Empty table: no force, at the center of the table.
 pub const NO_LOAD: Load = Load { force_n: 0.0, position_mm: Vector::new(0.0, 0.0, 0.0) };
 
-/// Says where a table has the place of a load but not its weight.
+/// Reports a table that has the position of a load but not its weight.
 pub fn check_load(table: &Table, columns: &[Column], findings: &mut Vec<Diagnostic>) {
     if !columns.contains(&Column::Force) && columns.iter().any(|column| matches!(column, Column::LoadPlace(_))) {
         let help = "add a column load_N with the weight, or remove the place";
@@ -64,20 +64,19 @@ pub fn check_load(table: &Table, columns: &[Column], findings: &mut Vec<Diagnost
     }
 }
 
-/// What becomes of a temperature that no machine has, as a sensor that is dead gives it.
+/// Treatment of an implausible temperature, such as the value of a dead sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OfDead {
-    /// It is refused.
+    /// The value is refused.
     Refused,
-    /// It says nothing, like an empty cell; who reads the table says that it is there.
+    /// The value is treated as an empty cell; the reader of the table reports the dead sensor.
     Empty,
 }
 
-/// Reads a cell of a temperature or of a load; a load changes what `load` was. `None` where the column holds something else or the cell
-/// is empty.
+/// Reads a cell of a temperature or of a load; a load column updates `load`. `None` if the column holds something else or the cell is empty.
 ///
 /// # Errors
-/// A finding where the cell is no number, or none that a machine may have.
+/// A diagnostic if the cell is not a number, or is not plausible for a machine.
 pub fn read_cell(
     row: &Row<'_>,
     index: usize,

@@ -1,4 +1,4 @@
-//! The state file: `[temperature_C]`, `[[load]]` and `[zero]` in TOML.
+//! State file: `[temperature_C]`, `[[load]]` and `[zero]` in TOML.
 //!
 //! ```toml
 //! [temperature_C]
@@ -6,12 +6,12 @@
 //!
 //! [[load]]
 //! force_N = 1700
-//! position_mm = [0, 0, -280]   # from the center of the table, F's directions; the center where it is left out
+//! position_mm = [0, 0, -280]   # from the center of the table, along the axes of F; default: the center
 //!
 //! [zero.temperature_C]         # temperatures when the zero point of the workpiece was set
 //! T_head = 24.0
 //!
-//! [zero.at]                    # optional: where that was, axis positions and tool; else all drift ended there, at every position
+//! [zero.at]                    # optional: the pose at that time, axis positions and tool; otherwise all drift is zeroed, at every position
 //! X_mm = 300
 //! Z_mm = -120
 //! tool_mm = [0, 0, -95]
@@ -23,10 +23,10 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, AxisVector, Vector};
 use ncfix_base::source::Source;
 
-/// No sensor of a machine reads beyond these, °C: a value there is a fault or in another unit.
+/// Plausible range of sensor temperatures, °C: a value outside is faulty or in another unit.
 pub const PLAUSIBLE_C: [f64; 2] = [-30.0, 150.0];
 
-/// Reads a state file. All findings are reported in one run; there is a condition only where none of them is an error.
+/// Reads a state file and reports all diagnostics in one run. The condition is `None` if any of them is an error.
 #[must_use]
 pub fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
     let file = match MachineFile::parse(source) {
@@ -59,7 +59,7 @@ pub fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
     (sound.then_some(condition), findings)
 }
 
-/// A load as its section of a state file.
+/// Returns the section of a state file for a load.
 #[must_use]
 pub fn load_text(load: &Load) -> String {
     let [x, y, z]: [f64; 3] = load.position_mm.into();
@@ -78,7 +78,7 @@ fn read_temperatures(mut section: Section<'_>, condition: &mut Condition, findin
     section.finish(findings);
 }
 
-/// `X_mm = 100`, `C_deg = 30`, `tool_mm = [0, 0, -120]`; what is left out is 0.
+/// Reads `X_mm = 100`, `C_deg = 30`, `tool_mm = [0, 0, -120]`; missing keys are 0.
 fn read_pose(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> ZeroPose {
     let mut pose = ZeroPose { command: AxisVector::ZERO, tool_mm: Vector::zeros() };
     for axis in AXES {

@@ -1,4 +1,4 @@
-//! The log of a machine: readings with time stamps, a table of text with a line of column names.
+//! Machine log: readings with time stamps, a text table with a header line.
 //!
 //! ```text
 //! t_s,T_head_C,T_column_C,load_N,load_z_mm
@@ -6,9 +6,9 @@
 //! 60,21.9,,1700,-280
 //! ```
 //!
-//! The columns are those of [`super::columns`]; `t_s` does not go back.
+//! The columns are those of [`super::columns`]; `t_s` never decreases.
 //!
-//! Other columns are for others. An empty cell is no reading: temperatures are linear between the readings that there are, a load stays.
+//! Other columns are ignored. An empty cell is not a reading: temperatures are interpolated linearly between the existing readings, a load stays.
 
 use std::collections::BTreeMap;
 
@@ -19,10 +19,10 @@ use ncfix_base::source::Source;
 use super::columns::{Column, NO_LOAD, OfDead, check_load, read_cell};
 use super::{Condition, ConditionLog, Load};
 
-/// More findings than this help nobody.
+/// Maximum number of diagnostics; more are of no use.
 const MOST_FINDINGS: usize = 50;
 
-/// Whether a file looks like a log and not like a state file, whose first line is a comment, a section or a key with its value.
+/// True if a file looks like a log and not like a state file, whose first line is a comment, a section or a key with its value.
 #[must_use]
 pub fn is_log(source: &Source) -> bool {
     let bytes = source.bytes();
@@ -35,14 +35,13 @@ pub fn is_log(source: &Source) -> bool {
         && (is_separator_line || !first.contains(&b'='))
 }
 
-/// Reads a log; the condition is that of its last row. All findings are reported in one run; there is a condition only where none of them
-/// is an error.
+/// Reads a log and reports all diagnostics in one run. The condition is that of the last row; it is `None` if any diagnostic is an error.
 #[must_use]
 pub fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
     load_as(source, OfDead::Refused)
 }
 
-/// Reads a log in which sensors may be dead for some rows: these rows say nothing of them, and a warning says so.
+/// Reads a log in which sensors may be dead in some rows. These rows are ignored for the sensor, with a warning.
 #[must_use]
 pub fn load_with_dead(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
     load_as(source, OfDead::Empty)
@@ -93,18 +92,18 @@ fn check_columns(table: &Table, columns: &[Column], findings: &mut Vec<Diagnosti
     check_load(table, columns, findings);
 }
 
-/// What was read so far.
+/// Readings so far.
 struct Readings {
     columns: Vec<Column>,
     sign: DecimalSign,
-    /// By column.
+    /// Readings by column.
     traces: Vec<ConditionLog>,
     time_s: Option<f64>,
-    /// The last load.
+    /// Last load.
     load: Load,
     loads: Vec<(f64, Load)>,
     of_dead: OfDead,
-    /// By column: where a sensor was dead first, what it said, and in how many rows.
+    /// Dead sensors by column: first place, value there, and number of rows.
     dead: BTreeMap<usize, (Place, String, usize)>,
 }
 
@@ -115,7 +114,7 @@ impl Readings {
         Readings { columns, sign, traces, time_s: None, load: NO_LOAD, loads: Vec::new(), of_dead, dead }
     }
 
-    /// Which sensors were dead.
+    /// Reports the dead sensors.
     fn tell_dead(&self, findings: &mut Vec<Diagnostic>) {
         for (column, (place, value, rows)) in &self.dead {
             let Some(Column::Sensor(sensor)) = self.columns.get(*column) else { continue };
@@ -148,7 +147,7 @@ impl Readings {
         }
     }
 
-    /// The time of a row that is not before the last one.
+    /// Reads the time of a row, which must not be earlier than the last one.
     fn read_time(&mut self, row: &Row<'_>) -> Result<f64, Option<Diagnostic>> {
         let column = self.columns.iter().position(|column| *column == Column::Time).ok_or(None)?;
         let time_s = row.number(column, self.sign)?;

@@ -1,7 +1,7 @@
-//! The slow state of a machine: temperatures of its sensors, workpieces on its table, and when.
+//! Slow state of a machine: temperatures of its sensors, workpieces on its table, and the time.
 //!
-//! What changes from move to move is [`super::State`]. A condition is one instant of a log of readings, or a single reading; sources of
-//! error ask it for temperatures, with a lag where they follow slowly, and for loads.
+//! The state that changes from move to move is [`super::State`]. A condition is one instant of a log of readings, or a single reading. Error sources query it
+//! for temperatures, with a lag if they respond slowly, and for loads.
 
 pub mod columns;
 pub mod file;
@@ -16,33 +16,33 @@ use std::sync::Arc;
 
 use ncfix_base::geometry::{AxisVector, Vector};
 
-/// No workpiece on a machine tool weighs more, N: 1000 t. A greater value is in another unit.
+/// Largest plausible weight of a workpiece, N: 1000 t. A greater value is in another unit.
 pub const MOST_FORCE_N: f64 = 1e7;
-/// None stands farther from the center of the table, mm.
+/// Largest plausible distance of a load from the center of the table, mm.
 pub const FARTHEST_MM: f64 = 1e5;
 
-/// A pass over all readings of a sensor pays where it gives a temperature at one in this many of them.
+/// A pass over all readings of a sensor pays off if at least one in this number of them is requested.
 const FEW: usize = 8;
 
-/// A weight on the table.
+/// Weight on the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
-    /// Its weight, N.
+    /// Weight, N.
     pub force_n: f64,
-    /// Where it stands, from the center of the table along the axes of F at the zero pose, mm.
+    /// Position from the center of the table along the axes of F at the zero pose, mm.
     pub position_mm: Vector,
 }
 
-/// The slow state at one instant. The default is the reference state: no load, no deviation of any temperature.
+/// Slow state at one instant. The default is the reference state: no load, no temperature deviation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Condition {
-    /// Shared by the conditions at all instants of one log.
+    /// Readings by sensor, shared by the conditions at all instants of one log.
     sensors: Arc<BTreeMap<String, ConditionLog>>,
-    /// Those that stand there now; the one of the log comes first.
+    /// Current loads; the one of the log comes first.
     loads: Vec<Load>,
-    /// What stands on the table from a time on, s, in the order of time.
+    /// Load on the table from a time on, s, in order of time.
     load_log: Vec<(f64, Load)>,
-    /// Whether the first of `loads` is that of the log.
+    /// True if the first of `loads` is that of the log.
     is_logged: bool,
     time_s: f64,
     zero: Option<Box<Condition>>,
@@ -50,7 +50,7 @@ pub struct Condition {
 }
 
 impl Load {
-    /// Whether it is one that may stand on a machine tool.
+    /// True if the load is plausible for a machine tool.
     #[must_use]
     pub fn is_plausible(&self) -> bool {
         (0.0..=MOST_FORCE_N).contains(&self.force_n) && self.position_mm.iter().all(|mm| mm.abs() <= FARTHEST_MM)
@@ -60,7 +60,7 @@ impl Load {
 impl FromStr for Load {
     type Err = String;
 
-    /// `1700` or `1700@0,0,-280`: newtons, and where they stand, mm.
+    /// Reads `1700` or `1700@0,0,-280`: weight in N, and position in mm.
     fn from_str(text: &str) -> Result<Load, String> {
         let wrong = || format!("'{text}' is no load; write newtons, and where it stands: 1700 or 1700@0,0,-280");
         let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
@@ -77,9 +77,9 @@ impl FromStr for Load {
     }
 }
 
-/// Changes what a sensor reads in all of some conditions; those that share their readings share them afterwards as well.
+/// Changes the readings of a sensor in all of the conditions. Conditions that share their readings still share them afterwards.
 pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f64) -> f64) {
-    // Kept, so that no other readings come to lie at the same place meanwhile.
+    // Kept alive, so that no other readings get the same address meanwhile.
     let mut done: Vec<[Arc<BTreeMap<String, ConditionLog>>; 2]> = Vec::new();
     let mut change = |condition: &mut Condition| {
         let known = done.iter().rev().find(|[old, _]| Arc::ptr_eq(old, &condition.sensors));
@@ -102,7 +102,7 @@ pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f
     }
 }
 
-/// [`Condition::temperature_c`] for each of some conditions: those that share their readings and follow each other in time in one pass.
+/// Returns [`Condition::temperature_c`] for each condition. Conditions that share their readings and are in order of time need one pass.
 #[must_use]
 pub fn temperatures_c<'a>(
     conditions: impl IntoIterator<Item = &'a Condition>,
@@ -134,7 +134,7 @@ pub fn temperatures_c<'a>(
     out
 }
 
-/// Where the machine stood when the zero point of the workpiece was set.
+/// Pose of the machine when the zero point of the workpiece was set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZeroPose {
     /// Axis command, mm and rad.
@@ -144,7 +144,7 @@ pub struct ZeroPose {
 }
 
 impl Condition {
-    /// Adds a reading of a sensor, °C; readings of one sensor come in the order of time.
+    /// Adds a reading of a sensor, °C; readings of one sensor come in order of time.
     pub fn add_reading(&mut self, sensor: &str, time_s: f64, temperature_c: f64) {
         let sensors = Arc::make_mut(&mut self.sensors);
         if let Some(trace) = sensors.get_mut(sensor) {
@@ -156,30 +156,30 @@ impl Condition {
         }
     }
 
-    /// Adds the readings of a sensor in place of those that it has.
+    /// Sets the readings of a sensor and replaces its earlier ones.
     pub fn set_trace(&mut self, sensor: &str, trace: ConditionLog) {
         Arc::make_mut(&mut self.sensors).insert(sensor.to_owned(), trace);
     }
 
-    /// Puts a workpiece on the table, beside those that are there.
+    /// Adds a workpiece to those on the table.
     pub fn add_load(&mut self, load: Load) {
         self.loads.push(load);
     }
 
-    /// Notes what stands on the table from a time on, in place of what stood there before; changes come in the order of time.
+    /// Notes the load on the table from a time on, s; it replaces the previous one. Changes come in order of time.
     pub fn add_load_change(&mut self, time_s: f64, load: Load) {
         self.load_log.push((time_s, load));
         self.set_time(self.time_s);
     }
 
-    /// Takes all workpieces off the table, those of a log too.
+    /// Removes all workpieces from the table, including those of a log.
     pub fn clear_loads(&mut self) {
         self.loads.clear();
         self.load_log.clear();
         self.is_logged = false;
     }
 
-    /// Moves to another instant of the readings.
+    /// Sets the current time within the readings, s.
     pub fn set_time(&mut self, time_s: f64) {
         self.time_s = time_s;
         if std::mem::take(&mut self.is_logged) {
@@ -192,30 +192,30 @@ impl Condition {
         }
     }
 
-    /// Notes in which condition the zero point of the workpiece was set: sources that drift count from there.
+    /// Sets the condition in which the zero point of the workpiece was set: drift counts from there.
     pub fn set_zero(&mut self, zero: Condition) {
         self.zero = Some(Box::new(zero));
     }
 
-    /// Notes at which instant of the readings the zero point of the workpiece was set.
+    /// Sets the time of the readings at which the zero point of the workpiece was set, s.
     pub fn set_zero_at(&mut self, time_s: f64) {
         let mut zero = Condition { zero: None, zero_pose: None, ..self.clone() };
         zero.set_time(time_s);
         self.set_zero(zero);
     }
 
-    /// Notes at which pose the zero point was set: only what the drift did to the tool there ends with it.
+    /// Sets the pose at which the zero point was set: only the drift of the tool at this pose is zeroed.
     pub fn set_zero_pose(&mut self, pose: ZeroPose) {
         self.zero_pose = Some(pose);
     }
 
-    /// The pose at which the zero point was set, where it is known.
+    /// Returns the pose at which the zero point was set, if known.
     #[must_use]
     pub fn zero_pose(&self) -> Option<&ZeroPose> {
         self.zero_pose.as_ref()
     }
 
-    /// First and last instant of the readings, s; `None` without readings.
+    /// Returns the first and last time of the readings, s; `None` without readings.
     #[must_use]
     pub fn time_range_s(&self) -> Option<[f64; 2]> {
         let of_traces =
@@ -227,7 +227,7 @@ impl Condition {
         })
     }
 
-    /// Lays another condition over this one: its sensors, its loads if it has any, its zero point if it has one, its instant.
+    /// Overlays another condition: its sensors, its loads and its zero point if it has any, and its time.
     pub fn lay_over(&mut self, other: Condition) {
         let has_loads = !other.loads.is_empty() || !other.load_log.is_empty();
         if self.sensors.is_empty() {
@@ -246,43 +246,43 @@ impl Condition {
         self.set_time(self.time_s.max(other.time_s));
     }
 
-    /// The instant, s.
+    /// Returns the current time, s.
     #[must_use]
     pub fn time_s(&self) -> f64 {
         self.time_s
     }
 
-    /// The workpieces on the table.
+    /// Returns the workpieces on the table.
     #[must_use]
     pub fn loads(&self) -> &[Load] {
         &self.loads
     }
 
-    /// The condition in which the zero point was set, where that is known.
+    /// Returns the condition in which the zero point was set, if known.
     #[must_use]
     pub fn zero(&self) -> Option<&Condition> {
         self.zero.as_deref()
     }
 
-    /// Names of the sensors that have readings.
+    /// Returns the names of the sensors that have readings.
     pub fn sensors(&self) -> impl Iterator<Item = &str> {
         self.sensors.keys().map(String::as_str)
     }
 
-    /// The readings of a sensor.
+    /// Returns the readings of a sensor.
     #[must_use]
     pub fn trace(&self, sensor: &str) -> Option<&ConditionLog> {
         self.sensors.get(sensor)
     }
 
-    /// Whether there is any reading of a temperature.
+    /// True if there is any temperature reading.
     #[must_use]
     pub fn has_temperatures(&self) -> bool {
         !self.sensors.is_empty()
     }
 
-    /// The temperature of a sensor now, °C, as a body reads it that follows with a time constant of `lag_s` (0: the sensor itself);
-    /// `None` where the sensor has no reading.
+    /// Returns the current temperature of a sensor, °C, for a body that follows it with the time constant `lag_s` (0: the sensor itself). `None` if the
+    /// sensor has no reading.
     #[must_use]
     pub fn temperature_c(&self, sensor: &str, lag_s: f64) -> Option<f64> {
         self.sensors.get(sensor)?.lagged(self.time_s, lag_s)
@@ -301,7 +301,7 @@ mod tests {
             log
         };
         let (long, short, none) = (with(20.0, 60), with(-3.0, 3), Condition::default());
-        // In passes, back in time, alternating, with too few for a pass and before the first reading.
+        // In passes, backwards in time, alternating, with too few for a pass, and before the first reading.
         let at = |log: &Condition, time_s: f64| {
             let mut one = log.clone();
             one.set_time(time_s);

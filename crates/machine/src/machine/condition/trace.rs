@@ -3,12 +3,12 @@
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Followers with this many different time constants are kept.
+/// Maximum number of time constants whose lagged temperatures are cached.
 const MOST_KEPT: usize = 32;
-/// Traces with less readings are gone through every time.
+/// Traces with fewer readings are evaluated from the beginning every time.
 const SHORT: usize = 8;
 
-/// Readings in the order of time.
+/// Readings in order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ConditionLog {
     /// Time, s, and temperature, °C.
@@ -16,15 +16,15 @@ pub struct ConditionLog {
     followers: Followers,
 }
 
-/// What follows the readings, at each of them, for the time constants that were asked for: the same trace is asked at thousands of instants.
+/// Cache of lagged temperatures at each reading, by time constant: a trace is queried at thousands of instants.
 #[derive(Clone, Default)]
 struct Followers(Arc<Mutex<Vec<Follower>>>);
 
-/// A time constant and what follows with it.
+/// Time constant, s, and lagged temperatures, °C.
 type Follower = (f64, Arc<[f64]>);
 
 impl Followers {
-    /// Those with a time constant, which `make` gives where they are not kept yet.
+    /// Returns the values for a time constant; `make` computes them if they are not cached.
     fn with(&self, lag_s: f64, make: impl FnOnce() -> Vec<f64>) -> Arc<[f64]> {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, found)) = kept.iter().find(|(known_s, _)| *known_s == lag_s) {
@@ -38,7 +38,7 @@ impl Followers {
         made
     }
 
-    /// Copies of readings may go different ways: what follows one of them does not follow the other.
+    /// Forgets the cache. Copies of readings may diverge, so the cache of one is not valid for the other.
     fn forget(&mut self) {
         if Arc::strong_count(&self.0) > 1 || self.0.lock().is_ok_and(|kept| !kept.is_empty()) {
             *self = Followers::default();
@@ -54,13 +54,13 @@ impl fmt::Debug for Followers {
 
 impl PartialEq for Followers {
     fn eq(&self, _: &Followers) -> bool {
-        // They follow from the readings.
+        // The cache follows from the readings.
         true
     }
 }
 
 impl ConditionLog {
-    /// Adds a reading; one that is older than the last is left out, one at the same time replaces it.
+    /// Adds a reading. A reading older than the last one is ignored; one at the same time replaces it.
     pub fn add(&mut self, time_s: f64, temperature_c: f64) {
         self.followers.forget();
         match self.points.last_mut() {
@@ -70,15 +70,15 @@ impl ConditionLog {
         }
     }
 
-    /// The readings: time, s, and temperature, °C.
+    /// Returns the readings: time, s, and temperature, °C.
     #[must_use]
     pub fn points(&self) -> &[(f64, f64)] {
         &self.points
     }
 
-    /// What follows the readings with a time constant τ: τ dT′/dt = T − T′, in equilibrium at the first reading, exact for the straight
-    /// lines between readings (with T = a + b s and s from the beginning of a line, T′ = a + b (s − τ) + (T′₀ − a + b τ) exp(−s/τ)).
-    /// `None` without readings.
+    /// Returns the temperature of a body that follows the readings with a time constant τ: τ dT′/dt = T − T′, in equilibrium at the first reading. The
+    /// solution is exact for the straight lines between readings. With T = a + b s and s from the beginning of a line, T′ = a + b (s − τ) + (T′₀ − a + b τ)
+    /// exp(−s/τ). `None` without readings.
     #[must_use]
     pub fn lagged(&self, time_s: f64, lag_s: f64) -> Option<f64> {
         if self.points.len() > SHORT && time_s.is_finite() {
@@ -105,7 +105,7 @@ impl ConditionLog {
         Some(if time_s > last_s { follow(follower, last, 0.0, time_s - last_s, lag_s) } else { follower })
     }
 
-    /// The first reading that is not before a time. Most logs are even, so that its place is known nearly; else it is searched.
+    /// Returns the index of the first reading that is not before a time. Most logs are evenly spaced, so the index is estimated first, then searched.
     fn next(&self, time_s: f64) -> usize {
         let is_next = |next: usize| {
             let at_s = |place: usize| self.points.get(place).map(|&(at_s, _)| at_s);
@@ -114,7 +114,7 @@ impl ConditionLog {
         };
         if let [(first_s, _), .., (last_s, _)] = self.points[..] {
             let share = (time_s - first_s) / (last_s - first_s);
-            // What is no place saturates, and is none of these then.
+            // An invalid index saturates and does not match.
             let near = (share * (self.points.len() - 1) as f64).round() as usize;
             if let Some(next) = [near, near.saturating_add(1)].into_iter().find(|&next| is_next(next)) {
                 return next;
@@ -123,7 +123,7 @@ impl ConditionLog {
         self.points.partition_point(|&(from_s, _)| from_s < time_s)
     }
 
-    /// What follows with a time constant, at each reading.
+    /// Returns the lagged temperatures at each reading.
     fn at_readings(&self, lag_s: f64) -> Arc<[f64]> {
         self.followers.with(lag_s, || {
             let times_s: Vec<f64> = self.points.iter().map(|&(time_s, _)| time_s).collect();
@@ -131,7 +131,7 @@ impl ConditionLog {
         })
     }
 
-    /// [`ConditionLog::lagged`] at many times in one pass; they do not go back. Empty without readings.
+    /// Returns [`ConditionLog::lagged`] at many times in one pass; the times must not decrease. Empty without readings.
     #[must_use]
     pub fn lagged_at(&self, times_s: &[f64], lag_s: f64) -> Vec<f64> {
         let Some(&(mut from_s, mut from)) = self.points.first() else { return Vec::new() };
@@ -151,7 +151,7 @@ impl ConditionLog {
     }
 }
 
-/// The follower after `passed_s` of a line.
+/// Returns the lagged temperature after `passed_s` of a line.
 fn follow(start: f64, from: f64, slope: f64, passed_s: f64, lag_s: f64) -> f64 {
     if lag_s > 0.0 {
         from + slope * (passed_s - lag_s) + (start - from + slope * lag_s) * (-passed_s / lag_s).exp()
@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn copies_that_go_different_ways_have_followers_of_their_own() {
-        // Long enough for what follows to be kept, and none asked for before the readings come.
+        // Long enough for caching, and not queried before the readings come.
         let mut both = vec![ConditionLog::default(); 2];
         for k in 0..20 {
             both[0].add(f64::from(k), 20.0);

@@ -1,6 +1,6 @@
 //! Programs of the Sinumerik 840D and 828D.
 //!
-//! Lines that a block of the source needs beside its first carry the comment `;+`, steps on the spot `;~`.
+//! Further lines of a source block carry the comment `;+`, steps on the spot `;~`.
 
 mod motion;
 mod words;
@@ -15,18 +15,12 @@ use ncfix_machine::snc::{BlockNumber, FeedUnit, Kind, Origin};
 use super::block_number::BlockNumbers;
 use super::line::LineBuilder;
 use super::number::{AxisNumbers, push_value, to_digits};
-use super::stops::{StopWords, Stops};
+use super::stops::Stops;
 use super::{Writer, WriterEntry, WriterOptions, is_compensation};
 
-/// What the output takes for granted: absolute coordinates. Written before the first motion where the program does not say it.
+/// Assumption of the output: absolute coordinates. Written before the first motion if the program does not state it.
 const ASSUMED: &str = "G90";
-const STOPS: StopWords = StopWords {
-    always: "G60",
-    running: "G64",
-    once: Some("G9"),
-    group: &["G60", "G64", "G641", "G642", "G643", "G644", "G645"],
-};
-/// Digits of a feed: what conversions and cycles compute has noise in the last ones.
+/// Significant digits of a feed; the last digits of computed feeds are noise.
 const FEED_DIGITS: i32 = 12;
 
 pub(super) const ENTRY: WriterEntry = WriterEntry {
@@ -49,7 +43,7 @@ fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         is_stamped: false,
         has_assumed: false,
         line: LineBuilder::new(options.crlf),
-        stops: Stops::new(STOPS),
+        stops: Stops::new(ncfix_dialect::sinumerik().block_ends),
         block_numbers: BlockNumbers::default(),
         labels: HashSet::new(),
         is_again: false,
@@ -69,13 +63,13 @@ struct Sinumerik {
     line: LineBuilder,
     stops: Stops,
     block_numbers: BlockNumbers,
-    /// Labels that were written.
+    /// Labels written so far.
     labels: HashSet<Vec<u8>>,
-    /// Whether the line is a further one of its block.
+    /// `true` if the line is a further line of its block.
     is_again: bool,
-    /// The suppressing word of the block.
+    /// The frame-suppressing word of the block.
     suppressing: Option<&'static str>,
-    /// The G word of motion in force, empty for none yet.
+    /// The active G word of motion; empty if none yet.
     motion: &'static str,
     feed: f64,
 }
@@ -83,10 +77,10 @@ struct Sinumerik {
 impl Writer for Sinumerik {
     fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
         match output {
-            // Nothing moves: the line above ends the move, and stops where the program does.
+            // Nothing moves: the line above ends the move, and stops if the program stops.
             Output::Piece(piece) if piece.stands_still() && !self.needs_feed(piece) => {}
             Output::Piece(piece) => {
-                // What a contour has held back may come behind the feed of the next block.
+                // Words that a contour held back may come after the feed of the next block.
                 let has_other_feed = self.line.has_feed && self.needs_feed(piece);
                 self.is_again = !piece.starts_block && (!piece.first || self.line.has_motion || has_other_feed);
                 if piece.starts_block || self.is_again {
@@ -117,7 +111,7 @@ impl Writer for Sinumerik {
 }
 
 impl Sinumerik {
-    /// Ends the line before and begins another.
+    /// Ends the previous line and begins another.
     fn begin(&mut self, is_block: bool, (origin, number): (&Origin, Option<BlockNumber>), out: &mut Vec<u8>) {
         if is_block {
             self.end_block(out);
@@ -139,14 +133,14 @@ impl Sinumerik {
         self.line.end(out);
     }
 
-    /// Writes the stamp unless it is there.
+    /// Writes the stamp, once.
     fn stamp(&mut self, out: &mut Vec<u8>) {
         if !std::mem::replace(&mut self.is_stamped, true) {
             self.line.header(format!("; {}", self.stamp).as_bytes(), out);
         }
     }
 
-    /// Before the first words: what the coordinates of this file mean, in a line of its own.
+    /// Writes the meaning of the coordinates in its own line, before the first words.
     fn assume(&mut self, out: &mut Vec<u8>) {
         if self.has_assumed {
             return;
@@ -156,12 +150,12 @@ impl Sinumerik {
         self.line.words_before(ASSUMED.as_bytes(), out);
     }
 
-    /// Appends a word with a blank before it.
+    /// Appends a word after a blank.
     fn word(&mut self, bytes: &[u8]) {
         self.line.word(bytes);
     }
 
-    /// Appends the name of an axis, and whether a value behind it needs an equals sign.
+    /// Appends the name of an axis; `true` if a value after it needs an equals sign.
     fn axis_name(&mut self, axis: Axis) -> bool {
         let name = self.names.get(axis.slot()).and_then(Option::as_ref);
         match name {
@@ -171,9 +165,9 @@ impl Sinumerik {
         name.is_some()
     }
 
-    /// Whether a piece has a feed that is to be written.
+    /// `true` if the feed of a piece must be written.
     fn needs_feed(&self, piece: &Piece) -> bool {
-        // The time of a block is its own: a control takes none from the block above.
+        // An inverse time applies to its block only: a control does not inherit it.
         let is_new = piece.feed > 0.0 && (piece.unit == FeedUnit::InverseTime || piece.feed != self.feed);
         piece.feed_named || !piece.rapid && is_new
     }

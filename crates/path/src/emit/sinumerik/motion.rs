@@ -9,7 +9,7 @@ use ncfix_machine::snc::{Manner, ThreadCode, Way};
 use super::super::comment::mark_of;
 use super::super::number::push_value;
 
-/// Stands in each block with machine coordinates.
+/// Word of each block with machine coordinates.
 const IN_MACHINE_FRAME: &str = "G153";
 
 impl Sinumerik {
@@ -30,7 +30,7 @@ impl Sinumerik {
         let is_positioning = piece.manner == Manner::Positioning;
         if !is_positioning && (piece.starts_block || piece.first || motion != self.motion) {
             self.word(motion.as_bytes());
-            // G63 is for its block only.
+            // G63 acts in its block only.
             if motion != ThreadCode::G63.word() {
                 self.motion = motion;
             }
@@ -42,7 +42,7 @@ impl Sinumerik {
                 self.line.text.push(b']');
                 needs_equals = true;
             }
-            // A function brings its own.
+            // A function has its own equals sign.
             if needs_equals && !(axis.is_rotary() && piece.rotary_words[axis.dimension()].is_function()) {
                 self.line.text.push(b'=');
             }
@@ -73,7 +73,7 @@ impl Sinumerik {
             if let Some(change) = thread.change {
                 self.word(b"F");
                 push_value(&mut self.line.text, change);
-                // The feed of the path is another value.
+                // The feed of the path has another value.
                 self.feed = f64::NAN;
             }
         }
@@ -86,7 +86,7 @@ impl Sinumerik {
         }
     }
 
-    /// The position of a rotary axis behind its letter.
+    /// Writes the position of a rotary axis after its letter.
     fn rotary_position(&mut self, word: RotaryWord, count: i64) {
         let within = count.rem_euclid(self.numbers.turn_counts);
         let (function, count): (&[u8], i64) = match word {

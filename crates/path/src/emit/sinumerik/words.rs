@@ -6,10 +6,9 @@ use ncfix_machine::snc::{Dwell, Element, FEED_MODES, FrameKind, FrameStatement, 
 
 use super::super::number::push_value;
 
-/// Words that suppress frames for their block.
+/// Words that suppress frames in their block.
 const SUPPRESSING: [&str; 3] = ["G53", "G153", "SUPA"];
-/// Shifts, angles and factors are written to this many parts of a mm or degree: far below any increment, without the noise of the
-/// arithmetic.
+/// Parts of a mm or degree to which shifts, angles and factors are rounded: far finer than any increment, without rounding noise.
 const VALUE_PARTS: f64 = 1e9;
 
 impl Sinumerik {
@@ -22,7 +21,7 @@ impl Sinumerik {
         match &element.kind {
             Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
             Kind::Comment(bytes) => self.line.note(&[bytes]),
-            // In force already.
+            // Already active.
             Kind::Feed(feed) if *feed == self.feed && element.number.is_none() => {}
             Kind::Label(label) => self.label(label),
             kind => self.words(kind),
@@ -43,7 +42,7 @@ impl Sinumerik {
             }
             Kind::Keep(word) => {
                 if FEED_MODES.contains(word) {
-                    // A feed of one mode is none of the other.
+                    // A feed of one mode is not valid in the other.
                     self.feed = f64::NAN;
                 }
                 self.stops.keep(&mut self.line, word);
@@ -51,7 +50,7 @@ impl Sinumerik {
             Kind::Frame(words) => self.frame(words),
             Kind::Tool(value) => self.auxiliary(b'T', None, value),
             Kind::Before(words) => {
-                // They are put together on the line and taken off it until the motion has been written.
+                // The words are assembled on the line and taken off it until the motion is written.
                 let start = self.line.text.len();
                 for Word { letter, extension, value } in words {
                     self.auxiliary(*letter, *extension, value);
@@ -91,7 +90,7 @@ impl Sinumerik {
         }
     }
 
-    /// Writes a label where its block begins for the first time, so that a block search by it finds the same place.
+    /// Writes a label at the first execution of its block, so that a block search for the label finds the same place.
     fn label(&mut self, label: &[u8]) {
         if self.labels.insert(label.to_vec()) {
             self.line.label(label);
@@ -128,7 +127,7 @@ impl Sinumerik {
     fn frame_statement(&mut self, statement: &FrameStatement) {
         if statement.additive {
             self.word(b"A");
-            // The rest of the word follows without a blank.
+            // The remaining word follows without a blank.
             self.line.text.extend_from_slice(word_of(statement.kind));
         } else {
             self.word(word_of(statement.kind));
@@ -151,7 +150,7 @@ impl Sinumerik {
     }
 }
 
-/// The word of a statement that replaces the frame.
+/// The word of a frame statement.
 fn word_of(kind: FrameKind) -> &'static [u8] {
     match kind {
         FrameKind::Translate => b"TRANS",
@@ -164,7 +163,7 @@ fn word_of(kind: FrameKind) -> &'static [u8] {
     }
 }
 
-/// A value without the noise of the arithmetic.
+/// Rounds a value to remove the rounding noise.
 fn without_noise(value: f64) -> f64 {
     (value * VALUE_PARTS).round() / VALUE_PARTS
 }

@@ -8,9 +8,9 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::units::push_integer;
 use ncfix_machine::snc::{Dwell, Element, FrameWords, Kind, Origin, Word, WordValue};
 
-/// What begins and ends a tape.
+/// Beginning and end of a tape.
 const TAPE: &[u8] = b"%";
-/// M functions that act behind the motion of their line.
+/// M functions that act after the motion of their line.
 const STOPPING: [f64; 5] = [0.0, 1.0, 2.0, 30.0, 60.0];
 /// Letters whose values are whole numbers on a Fanuc control.
 const WHOLE: &[u8] = b"MSTHD";
@@ -19,7 +19,7 @@ impl Words {
     pub(super) fn element(&mut self, element: &Element, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
         if let Kind::Header(bytes) = &element.kind {
             if bytes.trim_ascii() != TAPE {
-                // `%100` of an ISO tape; those of the Grundig name a memory and have no end.
+                // `%100` of an ISO tape; on Grundig it names a memory and has no end.
                 self.is_tape |= bytes.starts_with(TAPE) && self.flavour.language != Language::Grundig;
                 self.line.header(bytes, out);
             } else if !std::mem::replace(&mut self.is_tape, true) {
@@ -34,7 +34,7 @@ impl Words {
         match &element.kind {
             Kind::Header(_) | Kind::Label(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
             Kind::Comment(bytes) => self.comment(bytes),
-            // In force already.
+            // Already active.
             Kind::Feed(feed) if *feed == self.feed && element.number.is_none() => {}
             Kind::Message(text) => self.message(text, out),
             Kind::Keep(word) if self.flavour.replaced.contains(word) || *word == "G53" => {}
@@ -54,10 +54,10 @@ impl Words {
         }
     }
 
-    /// A message to the operator, where the language has such; elsewhere a comment.
+    /// Writes a message to the operator if the language has messages, otherwise a comment.
     fn message(&mut self, text: &[u8], out: &mut Vec<u8>) {
         if self.flavour.language == Language::Rs274 {
-            // Only the last comment of a line is looked at.
+            // The interpreter reads only the last comment of a line.
             if self.line.has_words() || self.line.has_comment() {
                 self.line.end(out);
             }
@@ -89,7 +89,7 @@ impl Words {
             Kind::Keep(word) => {
                 if ["G93", "G94", "G95"].contains(word) {
                     self.is_inverse_time = *word == "G93";
-                    // A feed of one mode is none of the other.
+                    // A feed of one mode is not valid in the other.
                     self.feed = f64::NAN;
                 }
                 self.stops.keep(&mut self.line, word);
@@ -103,7 +103,7 @@ impl Words {
                 return self.auxiliary(&word, origin);
             }
             Kind::Before(words) => {
-                // They are put together on the line and taken off it until the motion has been written.
+                // The words are assembled on the line and taken off it until the motion is written.
                 let start = self.line.text.len();
                 words.iter().try_for_each(|word| self.auxiliary(word, origin))?;
                 self.line.hold_from(start);
@@ -113,7 +113,7 @@ impl Words {
                 let first = text.split(|&byte| byte == b' ').next().unwrap_or_default();
                 self.stops.note(std::str::from_utf8(first).unwrap_or_default());
                 let is_alone = self.flavour.language == Language::Grundig && is_compensation(text);
-                // A block of its own, as the postprocessors of these controls write it.
+                // A separate block, as the postprocessors of these controls write it.
                 if is_alone && self.line.has_words() {
                     self.line.end(out);
                 }
@@ -122,7 +122,7 @@ impl Words {
                     self.line.end(out);
                 }
                 self.has_p = self.flavour.language == Language::Rs274 && text.windows(2).any(|pair| pair == b" P");
-                // It may have selected another motion or feed.
+                // The block may have selected another motion or feed.
                 self.motion = "";
                 if text.contains(&b'F') {
                     self.feed = f64::NAN;
@@ -151,7 +151,7 @@ impl Words {
         Ok(())
     }
 
-    /// A dwell has a line of its own: it acts where it stands among the motions of its block, and its words must not meet theirs.
+    /// Writes a dwell in its own line: it acts in sequence with the motions of its block, and its words must not mix with theirs.
     fn dwell(&mut self, dwell: Dwell, origin: &Origin, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
         if self.line.has_words() {
             self.line.end(out);
@@ -162,10 +162,10 @@ impl Words {
                 self.line.word(b"P");
                 push_value(&mut self.line.text, seconds);
             }
-            // Turns are those of a control that counts them in G95.
+            // Only controls that count turns in G95 have turns here.
             (Dwell::Seconds(time) | Dwell::Turns(time), Language::Fanuc) => {
                 self.line.word(b"P");
-                // Thousandths; as a whole number they mean the same whatever a number without a decimal point means.
+                // Thousandths: a whole number is read identically with and without decimal point mode.
                 let least = if time > 0.0 { 1.0 } else { 0.0 };
                 push_value(&mut self.line.text, (time * 1000.0).round().max(least));
             }

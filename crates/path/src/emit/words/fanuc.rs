@@ -1,9 +1,8 @@
-//! What Fanuc and its kin write.
+//! Fanuc and compatible controls.
 //!
-//! Every position and feed has a decimal point, as a number without one means whole units on one control and thousandths on the
-//! other. Codes that are options of the control are not taken for granted, so that nobody needs an option to run a corrected program.
+//! Every position and feed has a decimal point: a number without one means whole units on some controls and thousandths on others. The output does
+//! not require optional codes of the control.
 
-use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
 use crate::path::{Centers, Feeds, Turns};
@@ -14,13 +13,12 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     assumed: "G21 G90 G40",
     replaced: &["G20", "G21", "G90", "G91", "G40", "G41", "G42", "G80"],
     is_pointed: true,
-    // Eight digits are the longest number.
+    // The longest number has eight digits.
     feed_digits: 8,
     longest: 120,
     is_numbered: false,
     is_plain: true,
-    stops: StopWords { always: "G61", running: "G64", once: Some("G9"), group: &["G61", "G62", "G63", "G64"] },
-    // Turns beyond the first need the option for spirals.
+    // More than one turn requires the spiral option.
     turns: Turns::One,
     centers: Centers::OnBisector,
     feeds: Feeds::OfAll,

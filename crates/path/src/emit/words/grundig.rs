@@ -1,13 +1,12 @@
-//! What Grundig, Philips and Heidenhain MillPlus write.
+//! Grundig, Philips and Heidenhain MillPlus.
 //!
-//! Every line has a number, and none occurs twice: the first line of a block of the source has its own, so that a block search finds it, all others have
-//! numbers above those of the source; numbers need not rise. Centers of arcs are absolute; a full circle
-//! has no end point but `B5=360`; a helix becomes arcs of less than a turn.
+//! Every line has a number, and no number occurs twice. The first line of a source block has the number of the block, so that a block search finds
+//! it. All other lines have numbers above those of the source; numbers need not rise. Arc centers are absolute. A full circle has no end point but
+//! `B5=360`; a helix becomes arcs of less than a turn.
 //!
-//! The control moves the tool axis of a rapid move first or last. The execution has split rapid moves already, so each line moves what
-//! it should; where the correction adds some micrometers in the other axes, their order does not matter. G27 and G28 stay as they are.
+//! The control moves the tool axis of a rapid move first or last. The execution splits rapid moves accordingly, so each line moves the intended axes.
+//! The order of the few micrometres that the correction adds in other axes has no effect. G27 and G28 are passed through.
 
-use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
 use crate::path::{Centers, Feeds, Turns};
@@ -22,8 +21,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     longest: 120,
     is_numbered: true,
     is_plain: true,
-    // G9 is the pole here, and no code stops at the end of a block.
-    stops: StopWords { always: "", running: "", once: None, group: &[] },
+    // G9 sets the pole here, and no code stops at the end of a block.
     turns: Turns::OneFlat,
     centers: Centers::OnBisector,
     feeds: Feeds::OfLinearOnly,

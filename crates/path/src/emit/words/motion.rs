@@ -8,7 +8,7 @@ use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::units::push_integer;
 use ncfix_machine::snc::{Manner, Origin, Thread, ThreadCode};
 
-/// Machine coordinates for this block.
+/// Machine coordinates, for this block only.
 const IN_MACHINE_FRAME: &str = "G53";
 const CENTERS: [(u8, Axis); 3] = [(b'I', Axis::X), (b'J', Axis::Y), (b'K', Axis::Z)];
 
@@ -24,7 +24,7 @@ impl Words {
         let motion = self.motion_word(piece)?;
         let is_circle = piece.arc.as_ref().is_some_and(|arc| is_full(arc, piece));
         if piece.words.is_empty() && piece.arc.is_none() {
-            // Nothing moves: an axis word without a change was not asked for.
+            // Nothing moves: an axis word without change is not needed.
             if piece.feed_named {
                 self.feed_word(piece.feed);
             }
@@ -46,9 +46,9 @@ impl Words {
             Manner::Thread(Thread { lead: Some((_, lead)), .. }) => {
                 let letter = if self.flavour.language == Language::Rs274 { b"K" } else { b"F" };
                 self.line.word(letter);
-                // As fine as controls read it.
+                // The finest resolution that controls read.
                 self.value((lead / self.unit_mm * 1e6).round() / 1e6);
-                // The feed of the path is another value.
+                // The feed of the path has another value.
                 self.feed = f64::NAN;
             }
             _ => self.feed_of(piece),
@@ -64,7 +64,7 @@ impl Words {
         Ok(())
     }
 
-    /// The G word of the motion; an error where there is none.
+    /// The G word of the motion; an error if the language has none.
     fn motion_word(&self, piece: &Piece) -> Result<&'static str, Diagnostic> {
         let Piece { origin, arc, rapid, .. } = piece;
         let is_rapid_only = self.flavour.language == Language::Fanuc;
@@ -90,8 +90,8 @@ impl Words {
         }
     }
 
-    /// The retraction of rigid tapping, which G33.1 of RS274/NGC does by itself: what is left of it is the way from where the tapping
-    /// began to where the tool is to be.
+    /// Handles the retraction of rigid tapping. G33.1 of RS274/NGC retracts by itself; the remaining piece leads from the start of the tapping to the
+    /// target position.
     fn behind_tapping(&mut self, piece: &Piece) -> Option<Piece> {
         let Manner::Thread(Thread { code, .. }) = piece.manner else { return None };
         if self.flavour.language != Language::Rs274 {
@@ -113,7 +113,7 @@ impl Words {
         match (thread.code, self.flavour.language) {
             (ThreadCode::G33, Language::Fanuc | Language::Rs274) if thread.change.is_none() => Ok("G33"),
             (ThreadCode::G331, Language::Rs274) => Ok("G33.1"),
-            // The mode G63, which is passed on, makes it what it is.
+            // The mode G63, which is passed on, makes it a tapping move.
             (ThreadCode::G63, Language::Fanuc) => Ok("G1"),
             (code, _) => {
                 let what = format!("a thread like {}", code.word());
@@ -122,13 +122,13 @@ impl Words {
         }
     }
 
-    /// The words of the axes. A full circle has none, but those that are not in its plane and may have to be stated.
+    /// Writes the words of the axes. A full circle has only those outside its plane that may have to be stated.
     fn positions(&mut self, piece: &Piece, is_circle: bool) -> Result<(), Diagnostic> {
         let is_grundig = self.flavour.language == Language::Grundig;
         let mut words = piece.words;
         if let Some(arc) = piece.arc.as_ref().filter(|_| is_grundig) {
             for axis in arc.plane.axes().into_iter().take(2) {
-                // An arc without an end point would be a circle, a circle with one is none.
+                // An arc without end point is a full circle; with an end point it is not.
                 if is_circle {
                     words.remove(axis);
                 } else {
@@ -145,7 +145,7 @@ impl Words {
             }
             let word = piece.rotary_words[axis.dimension()];
             let plain = self.numbers.plain_count(word, count);
-            // RS274/NGC gives the sign of a position within the turn a meaning of its own.
+            // RS274/NGC gives a special meaning to the sign of a position within the turn.
             let plain = plain.filter(|&plain| self.flavour.language != Language::Rs274 || plain == count);
             let Some(count) = plain else {
                 let what = format!("the way on which {axis} turns");
@@ -183,7 +183,7 @@ impl Words {
     }
 }
 
-/// Whether an arc ends where it begins.
+/// `true` if an arc ends at its start.
 fn is_full(arc: &PieceArc, piece: &Piece) -> bool {
     arc.plane.axes().into_iter().take(2).all(|axis| piece.counts[axis.slot()] == arc.start_counts[axis.slot()])
 }

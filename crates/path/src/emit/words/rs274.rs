@@ -1,9 +1,8 @@
-//! What RS274/NGC (LinuxCNC) writes.
+//! RS274/NGC (LinuxCNC).
 //!
-//! G61.1 stops at the end of each block; lines of a block that are not its last say G61 instead, which keeps to the path without
-//! stopping: G64 would round the places where pieces meet.
+//! G61.1 stops at the end of each block. Lines of a block before its last have G61 instead, which follows the path without stopping; G64 would round
+//! the joints of pieces.
 
-use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
 use crate::path::{Centers, Feeds, Turns};
@@ -12,15 +11,14 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     language: Language::Rs274,
     dialect: "rs274",
     assumed: "G21 G90 G91.1 G40",
-    // G80 would end the motion mode, and is of one group with the motion that stands beside it.
+    // G80 would end the motion mode, and is in one group with the motion of its line.
     replaced: &["G20", "G21", "G90", "G91", "G90.1", "G91.1", "G40", "G41", "G42", "G41.1", "G42.1", "G80"],
     is_pointed: false,
     feed_digits: 12,
-    // The interpreter reads 255.
+    // The interpreter reads at most 255 bytes.
     longest: 240,
     is_numbered: false,
     is_plain: false,
-    stops: StopWords { always: "G61.1", running: "G61", once: None, group: &["G61", "G61.1", "G64"] },
     turns: Turns::Several,
     centers: Centers::AsWritten,
     feeds: Feeds::OfLinear,

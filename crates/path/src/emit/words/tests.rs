@@ -1,4 +1,4 @@
-//! Pieces and elements made by hand, and the text that the rules of the languages ask for.
+//! Handmade pieces and elements, and the text that the rules of the languages require.
 
 use crate::emit::{Stamp, WriterOptions, emit, writer};
 use crate::path::{Increments, Output, OutputFrame, Piece, PieceArc, RotaryWord};
@@ -10,7 +10,7 @@ use ncfix_machine::snc::{
 
 const LANGUAGES: [&str; 3] = ["rs274", "fanuc", "grundig"];
 
-/// The text of a stream, or the message of its first finding; the stamp is cut short.
+/// The text of a stream, or the message of its first diagnostic; the stamp is shortened.
 pub(super) fn written(dialect: &str, last_block_number: Option<u32>, stream: &[Output]) -> Result<String, String> {
     let stamp = Stamp { machine: "m".into(), model: "0a".into(), source: "0b".into(), ..Stamp::default() };
     let (long, capital) = (stamp.text(), stamp.capital_text());
@@ -40,7 +40,7 @@ pub(super) fn lines(dialect: &str, stream: &[Output]) -> Vec<String> {
     written(dialect, None, stream).unwrap().lines().map(str::to_owned).collect()
 }
 
-/// The lines behind stamp and assumptions, without numbers.
+/// The lines after stamp and assumptions, without numbers.
 pub(super) fn body(dialect: &str, stream: &[Output]) -> Vec<String> {
     let skip = if dialect == "grundig" { 1 } else { 0 };
     let rest = |line: &String| line.splitn(skip + 1, ' ').last().unwrap_or_default().to_owned();
@@ -64,7 +64,7 @@ fn words(letters: &[(u8, f64)]) -> Vec<Word> {
     letters.iter().map(|&(letter, number)| Word { letter, extension: None, value: WordValue::Number(number) }).collect()
 }
 
-/// A straight piece with feed, of a block of its own.
+/// A straight feed piece that starts a block.
 pub(super) fn line(axes: &[(Axis, i64)]) -> Piece {
     let (mut counts, mut named) = ([0; 9], AxisSet::EMPTY);
     for &(axis, count) in axes {
@@ -115,7 +115,7 @@ pub(super) fn piece(piece: Piece) -> Output {
 
 use Axis::{A, X, Y, Z};
 
-/// A whole program with header, comments, tool, offset, motion and end.
+/// A complete program with header, comments, tool, offset, motion and end.
 fn program(header: &[&[u8]], comment: &[u8]) -> Vec<Output> {
     let mut stream: Vec<Output> = header.iter().map(|text| block(Kind::Header(text.to_vec()))).collect();
     stream.extend([
@@ -227,7 +227,7 @@ fn arcs_have_their_centers_where_the_language_wants_them() {
     // From X10 Y5 about X20 Y5.
     let quarter = arc(&[(X, 20_000), (Y, -5000)], Plane::XY, [10_000, 5000, 0], [10_000, 0, 0]);
     let circle = arc(&[(X, 10_000), (Y, 5000)], Plane::XY, [10_000, 5000, 0], [10_000, 0, 0]);
-    // Only Y changes: the end point of X is not written by itself.
+    // Only Y changes: the end point in X is not written by itself.
     let half = Piece {
         words: [Y].into_iter().collect(),
         ..arc(&[(X, 10_000), (Y, -5000)], Plane::XY, [10_000, 5000, 0], [0, -5000, 0])
@@ -348,7 +348,7 @@ fn every_line_of_a_block_that_stops_runs_through_but_the_last() {
     assert_eq!(body("rs274", &cut("G61.1")), ["G61 G1 X1 F500", "G61.1 X2 ;+"]);
     assert_eq!(body("fanuc", &cut("G61")), ["G64 G1 X1. F500.", "G61 X2. (+)"]);
     assert_eq!(body("fanuc", &cut("G9")), ["G1 X1. F500.", "G9 X2. (+)"]);
-    // G9 is another word there.
+    // G9 has another meaning there.
     assert_eq!(body("grundig", &cut("G27")), ["G27 G1 X1 F500", "X2 (+)"]);
 }
 
@@ -364,7 +364,7 @@ fn rotary_axes_are_written_as_plain_degrees_or_not_at_all() {
     }
     let within = [turn(RotaryWord::Within(Way::Plain))];
     assert_eq!(body("fanuc", &within), ["G1 A10.5 F500."]);
-    // The sign of a wrapped position is its direction there.
+    // The sign of a wrapped position is its direction.
     assert!(written("rs274", None, &within).is_err());
 }
 

@@ -35,7 +35,7 @@ fn rigid_tapping_of_rs274_retracts_by_itself() {
         body("rs274", &stream)
     };
     assert_eq!(in_and_out(&above), ["G0 X40.001 Z5.002", "G33.1 X40.001 Z-12 K1"]);
-    // Backlash in Z: the control goes back to where it was, and not to where the tool is to be.
+    // Backlash in Z: the control returns to its start, not to the target position.
     let back = [(X, 40_001), (Z, 5004)];
     assert_eq!(in_and_out(&back), ["G0 X40.001 Z5.002", "G33.1 X40.001 Z-12 K1", "G0 Z5.004 ;+"]);
 }

@@ -1,49 +1,43 @@
-//! What a program does besides moving its axes, in its place along the path.
+//! Actions of a program other than axis motion, in sequence along the path.
 //!
-//! Both programs are executed, so that values are values and cycles, calls and loops have become what they do. Words that only say how coordinates
-//! are to be read have no place here: what they mean is seen in the motion.
+//! Both programs are executed, so that values are evaluated and cycles, calls and loops are expanded. Words that only define the meaning of
+//! coordinates are excluded: their effect shows in the motion.
 
 use super::difference::ActSubject;
 use super::same_text::is_same_text;
+use ncfix_dialect::{BlockEnd, BlockEnds};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Dwell, Element, FrameWords, Kind, Origin, Word, WordValue};
 
-/// Numbers that differ by less are one number: of a whole, and by themselves.
+/// Relative and absolute tolerance of equal numbers.
 const SAME_NUMBER: [f64; 2] = [1e-6, 1e-9];
-/// A speed may be written as a whole number.
+/// Tolerance of a speed: it may be written as a whole number.
 const SAME_SPEED: f64 = 0.5;
-/// A dwell may be written in whole milliseconds, s.
+/// Tolerance of a dwell, which may be written in whole milliseconds, s.
 const SAME_DWELL: f64 = 1e-3;
-/// Acts between two moves that are looked at; a loop that moves nothing could have any number.
+/// Maximum number of acts examined between two moves; a loop without motion could have any number.
 const MOST_ACTS: usize = 20_000;
-/// Between so many acts each is compared with each.
+/// Maximum number of acts for a comparison of all pairs.
 const MOST_PAIRED: usize = 400;
 
-/// Words that say how coordinates are to be read, or that the writer puts in their place anew.
+/// Words that define the meaning of coordinates, or that the writer replaces.
 const OF_COORDINATES: [&str; 21] = [
     "G20", "G21", "G70", "G71", "G700", "G710", "G90", "G91", "G90.1", "G91.1", "G40", "G41", "G42", "G41.1", "G42.1",
     "G80", "G53", "G153", "SUPA", "G17", "G18",
 ];
-/// More of them; the unit of a feed is compared with the feed.
+/// Further such words; the unit of a feed is compared with the feed.
 const OF_FEEDS: [&str; 4] = ["G19", "G93", "G94", "G95"];
-/// Words about stops at the ends of blocks: they stay in force.
-const STOPS: [&str; 12] = ["G60", "G61", "G61.1", "G62", "G63", "G64", "G641", "G642", "G643", "G644", "G645", "G9"];
-/// Stops exactly at the end of its block only.
-const ONCE: &str = "G9";
-/// What lines of a block say that are not its last, where the program stops exactly at the end of each block.
-const RUNNING: [&str; 2] = ["G64", "G61"];
-const EXACT: [&str; 3] = ["G60", "G61", "G61.1"];
 
-/// Comments that do something in RS274/NGC.
+/// Comments with a function in RS274/NGC.
 const ACTIVE_COMMENTS: [&str; 7] = ["MSG", "DEBUG", "PRINT", "LOG", "LOGOPEN", "LOGAPPEND", "PROBEOPEN"];
 
-/// Something that is done.
+/// An action.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Act {
     pub(super) origin: Origin,
-    /// What it is about.
+    /// Its subject.
     pub(super) subject: ActSubject,
-    /// As it is written.
+    /// Its text as written.
     pub(super) text: String,
     number: Option<f64>,
 }
@@ -53,7 +47,7 @@ impl Act {
         Act { origin, subject, text, number: None }
     }
 
-    /// Whether both do the same.
+    /// `true` if both have the same effect.
     pub(super) fn is_like(&self, other: &Act) -> bool {
         if self.subject != other.subject {
             return false;
@@ -77,8 +71,8 @@ impl Act {
 pub(super) struct Acts(pub(super) Vec<Act>);
 
 impl Acts {
-    /// Takes note of an element.
-    pub(super) fn see(&mut self, element: &Element, machine: &Machine) {
+    /// Updates the state with an element.
+    pub(super) fn see(&mut self, element: &Element, machine: &Machine, passing: &Passing) {
         if self.0.len() >= MOST_ACTS {
             return;
         }
@@ -97,11 +91,11 @@ impl Acts {
                     if matches!(dwell, Dwell::Seconds(_)) { ActSubject::Dwell } else { ActSubject::DwellInTurns };
                 self.0.push(Act { number: Some(number), ..Act::new(origin, subject, text) });
             }
-            Kind::Keep(word) if is_of_coordinates(word, machine) || STOPS.contains(word) => {}
+            Kind::Keep(word) if is_of_coordinates(word, machine) || passing.is_word(word) => {}
             Kind::Keep(word) => self.0.push(Act::new(origin, ActSubject::Mode, (*word).to_owned())),
             Kind::Verbatim(text) => {
                 let text = String::from_utf8_lossy(text).trim().to_owned();
-                if !STOPS.contains(&first_word(&text)) && !text.is_empty() {
+                if !passing.is_word(first_word(&text)) && !text.is_empty() {
                     self.0.push(Act::new(origin, ActSubject::Statement, text));
                 }
             }
@@ -123,7 +117,7 @@ impl Acts {
                 self.0.push(Act::new(origin, ActSubject::Message, text));
             }
             Kind::Frame(FrameWords::Settable(name)) => {
-                self.0.push(Act::new(origin, ActSubject::WorkOffset, name.clone()))
+                self.0.push(Act::new(origin, ActSubject::WorkOffset, name.clone()));
             }
             Kind::Frame(FrameWords::Statement(one)) => {
                 let values = one.named.iter().map(|axis| {
@@ -144,17 +138,30 @@ impl Acts {
     }
 }
 
-/// How the ends of blocks are passed: what stays in force, and what is for one block.
-#[derive(Clone, Debug, Default)]
+/// Stops at block ends: the modal word and the one for a single block.
+#[derive(Clone, Debug)]
 pub(super) struct Passing {
-    /// G64, G60 …; `None` where the program has said nothing.
+    /// The words of the language.
+    words: BlockEnds,
+    /// G64, G60 …; `None` if the program has not set it.
     pub(super) mode: Option<std::sync::Arc<Act>>,
-    /// G9.
+    /// An exact stop at the end of this block.
     pub(super) stops_once: bool,
 }
 
 impl Passing {
-    /// Takes note of an element.
+    /// The state before the first such word.
+    pub(super) fn of(machine: &Machine) -> Passing {
+        let words = ncfix_dialect::find(&machine.controller).map_or(BlockEnds::NONE, |dialect| dialect.block_ends);
+        Passing { words, mode: None, stops_once: false }
+    }
+
+    /// `true` if a word controls the stops at block ends.
+    pub(super) fn is_word(&self, word: &str) -> bool {
+        self.words.of(word).is_some()
+    }
+
+    /// Updates the state with an element.
     pub(super) fn see(&mut self, element: &Element) {
         if element.starts_block {
             self.stops_once = false;
@@ -164,26 +171,26 @@ impl Passing {
             Kind::Verbatim(text) if text.first() == Some(&b'G') => String::from_utf8_lossy(text).trim().to_owned(),
             _ => return,
         };
-        match first_word(&text) {
-            ONCE => self.stops_once = true,
-            word if STOPS.contains(&word) => {
+        match self.words.of(first_word(&text)) {
+            Some(BlockEnd::Once) => self.stops_once = true,
+            Some(BlockEnd::Exact | BlockEnd::Running) => {
                 self.mode = Some(std::sync::Arc::new(Act::new(element.origin, ActSubject::Passing, text)));
             }
-            _ => {}
+            None => {}
         }
     }
 
-    /// As it is written.
+    /// Its text as written.
     pub(super) fn text(&self) -> Option<String> {
         let mode = self.mode.as_ref().map(|mode| mode.text.clone());
-        match (mode, self.stops_once) {
-            (Some(mode), true) => Some(format!("{mode} and {ONCE}")),
-            (None, true) => Some(ONCE.to_owned()),
-            (mode, false) => mode,
+        match (mode, self.words.once.filter(|_| self.stops_once)) {
+            (Some(mode), Some(once)) => Some(format!("{mode} and {once}")),
+            (None, Some(once)) => Some(once.to_owned()),
+            (mode, None) => mode,
         }
     }
 
-    /// Whether a block of the corrected program passes its end like this one; a piece that is not the last of its move may run on.
+    /// `true` if a block of the corrected program stops, or passes, at its end like this one. A piece that is not the last of its move may pass.
     pub(super) fn is_kept_by(&self, piece: &Passing, is_last: bool) -> bool {
         let is_alike = match (&self.mode, &piece.mode) {
             (Some(one), Some(other)) => one.is_like(other),
@@ -193,17 +200,15 @@ impl Passing {
         if is_last {
             return is_alike && self.stops_once == piece.stops_once;
         }
-        let is = |passing: &Passing, words: &[&str]| {
-            passing.mode.as_ref().is_some_and(|mode| words.contains(&mode.text.as_str()))
-        };
-        !piece.stops_once && (is_alike || is(self, &EXACT) && is(piece, &RUNNING))
+        let is = |passing: &Passing, word: &str| passing.mode.as_ref().is_some_and(|mode| mode.text == word);
+        !piece.stops_once && (is_alike || is(self, self.words.exact) && is(piece, self.words.running))
     }
 }
 
-/// Acts of the one program beside those of the other.
+/// An act of one program and its counterpart in the other.
 pub(super) type ActPairing<'a> = (Option<&'a Act>, Option<&'a Act>);
 
-/// What the acts of the one program lack beside those of the other: what is changed, what is missing and what is new, in order.
+/// The differences between the acts of both programs: changed, missing and new ones, in order.
 pub(super) fn differences<'a>(original: &'a [Act], corrected: &'a [Act]) -> Vec<ActPairing<'a>> {
     let is_like = |(one, other): &(&Act, &Act)| one.is_like(other);
     let start = original.iter().zip(corrected).take_while(is_like).count();
@@ -214,7 +219,7 @@ pub(super) fn differences<'a>(original: &'a [Act], corrected: &'a [Act]) -> Vec<
         return Vec::new();
     }
     let [mut missing, mut new] = rest(original, corrected);
-    // What is left of one subject on both sides has another value, or stands elsewhere.
+    // Remaining acts of one subject on both sides have another value or another place.
     let mut out = Vec::new();
     missing.retain(|one| {
         let partner = new.iter().position(|other| other.is_like(one));
@@ -229,13 +234,13 @@ pub(super) fn differences<'a>(original: &'a [Act], corrected: &'a [Act]) -> Vec<
     out
 }
 
-/// What is left of both where the longest common sequence is taken out.
+/// The acts of both outside the longest common sequence.
 fn rest<'a>(original: &'a [Act], corrected: &'a [Act]) -> [Vec<&'a Act>; 2] {
     let (rows, columns) = (original.len(), corrected.len());
     if rows > MOST_PAIRED || columns > MOST_PAIRED {
         return [original.iter().collect(), corrected.iter().collect()];
     }
-    // Lengths of the common sequences of what is behind each pair of places.
+    // Lengths of the common sequences after each pair of places.
     let mut lengths = vec![0_u32; (rows + 1) * (columns + 1)];
     let at = |row: usize, column: usize| row * (columns + 1) + column;
     for row in (0..rows).rev() {
@@ -265,13 +270,13 @@ fn rest<'a>(original: &'a [Act], corrected: &'a [Act]) -> [Vec<&'a Act>; 2] {
     out
 }
 
-/// Whether the one may have become the other.
+/// `true` if one act may be a changed version of the other.
 fn is_about_the_same(one: &Act, other: &Act) -> bool {
     let first = |act: &'_ Act| first_word(&act.text).trim_end_matches(|sign: char| sign.is_ascii_digit()).to_owned();
     one.subject == other.subject && (one.subject != ActSubject::Statement || first(one) == first(other))
 }
 
-/// An auxiliary word, and what it is about.
+/// The act of an auxiliary word.
 fn of_word(word: &Word, origin: Origin) -> Act {
     let letter = char::from(word.letter);
     let (text, number) = match (&word.value, word.extension) {
@@ -294,7 +299,7 @@ fn of_word(word: &Word, origin: Origin) -> Act {
     Act { origin, subject, text, number: number.filter(|_| is_plain) }
 }
 
-/// What an M function is about.
+/// Subject of an M function.
 fn of_function(number: f64) -> ActSubject {
     const OF: [(&[f64], ActSubject); 5] = [
         (&[3.0, 4.0, 5.0, 19.0, 70.0], ActSubject::Spindle),
@@ -307,14 +312,14 @@ fn of_function(number: f64) -> ActSubject {
 }
 
 fn is_of_coordinates(word: &str, machine: &Machine) -> bool {
-    // The Grundig calls compensation along an axis so; elsewhere it is the tool length.
+    // On the Grundig this is compensation along an axis; elsewhere it is the tool length.
     let is_along_axis = ["G43", "G44"].contains(&word) && machine.controller.eq_ignore_ascii_case("grundig");
-    // What the transformation does is seen in the motion.
+    // The effect of the transformation shows in the motion.
     let is_of_transform = word.starts_with("TRA") || word.starts_with("ORI");
     OF_COORDINATES.contains(&word) || OF_FEEDS.contains(&word) || is_along_axis || is_of_transform
 }
 
-/// What a control finds a program by: the `O1000` of `O1000 (PLATE)`, `%PM9010`, `%_N_PLATE_MPF`; `None` for other lines of a header.
+/// The program identifier in a header line: the `O1000` of `O1000 (PLATE)`, `%PM9010`, `%_N_PLATE_MPF`; `None` for other lines.
 fn program_number(line: &[u8]) -> Option<String> {
     let text = String::from_utf8_lossy(line.trim_ascii()).to_ascii_uppercase();
     let word = text.split([' ', '(', ';']).next().unwrap_or_default();
@@ -328,7 +333,7 @@ fn first_word(text: &str) -> &str {
     text.split([' ', '=', '(', '[']).next().unwrap_or_default()
 }
 
-/// A number without the noise of arithmetic.
+/// A number rounded to remove noise.
 fn shown(number: f64) -> String {
     let rounded = (number * 1e6).round() / 1e6;
     if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() }
@@ -363,7 +368,7 @@ mod tests {
         assert_eq!(found("M3 M8 M30", "M8 M3 M30"), ["M3>M3"]);
         assert_eq!(found("M54", "M55"), ["M54>M55"]);
         assert_eq!(found("M8", "M5"), ["M8>-", "->M5"]);
-        // A control whose speeds are whole numbers.
+        // A control with whole-number speeds.
         assert_eq!(found("S1234.4", "S1234"), [""; 0]);
     }
 }

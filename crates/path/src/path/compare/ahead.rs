@@ -1,13 +1,13 @@
-//! The moves of a program with a look ahead of them, and where two programs that part come together again.
+//! The moves of a program with look-ahead, and the search for a common block after two programs diverge.
 
 use std::collections::VecDeque;
 
 use super::step::ComparedMove;
 
-/// Moves of each program among which the same block is looked for, where they part.
+/// Number of moves of each program in which a common block is searched.
 const LOOK: usize = 500;
 
-/// Moves that can be looked at before they are taken.
+/// Moves that can be inspected before they are taken.
 pub(super) struct MovesAhead<I> {
     moves: I,
     queue: VecDeque<ComparedMove>,
@@ -18,7 +18,7 @@ impl<I: Iterator<Item = ComparedMove>> MovesAhead<I> {
         MovesAhead { moves, queue: VecDeque::new() }
     }
 
-    /// The next move, which stays.
+    /// The next move, which is not taken.
     pub(super) fn peek(&mut self) -> Option<&ComparedMove> {
         if self.queue.is_empty() {
             self.queue.push_back(self.moves.next()?);
@@ -26,12 +26,12 @@ impl<I: Iterator<Item = ComparedMove>> MovesAhead<I> {
         self.queue.front()
     }
 
-    /// Puts a move back that was taken.
+    /// Puts a taken move back.
     pub(super) fn put_back(&mut self, step: ComparedMove) {
         self.queue.push_front(step);
     }
 
-    /// Takes so many moves.
+    /// Takes up to `count` moves.
     fn take(&mut self, count: usize) -> Vec<ComparedMove> {
         let count = count.min(self.queue.len());
         self.queue.drain(..count).collect()
@@ -54,8 +54,8 @@ impl<I: Iterator<Item = ComparedMove>> Iterator for MovesAhead<I> {
     }
 }
 
-/// Goes on in both behind the next move that has the same block number in both and the same end, as `meets` says; the moves that were passed over, `None`
-/// where there is no such move.
+/// Continues in both after the next move with the same block number in both and the same end, as `meets` determines. Returns the skipped moves;
+/// `None` if there is no such move.
 pub(super) fn rejoin<I, J>(
     original: &mut MovesAhead<I>,
     corrected: &mut MovesAhead<J>,

@@ -1,4 +1,4 @@
-//! What the original does while the corrected program runs a piece.
+//! The part of the original that a piece of the corrected program covers.
 
 use super::step::ComparedMove;
 use ncfix_base::geometry::AxisVector;
@@ -15,13 +15,13 @@ pub struct Course<'a> {
 }
 
 impl Course<'_> {
-    /// Through how much of an arc it leads, rad, never below zero; 0 for a straight line.
+    /// Angle swept on an arc, rad, never negative; 0 for a straight line.
     #[must_use]
     pub fn sweep_rad(&self) -> f64 {
         (self.step.route.sweep_rad() * (self.to - self.from)).abs()
     }
 
-    /// The place at a share of it, in the coordinates in which the corrected program writes, mm and rad.
+    /// The place at a share of the part, in the coordinates of the corrected program, mm and rad.
     #[must_use]
     pub fn at(&self, share: f64) -> AxisVector {
         let command = self.step.route.at(self.from + (self.to - self.from) * share);

@@ -1,6 +1,6 @@
-//! Moves that are judged at their ends, in several pieces: each of these must lie on the straight way of its move.
+//! Check of moves that are evaluated at their ends only and have several pieces: each piece must lie on the straight path of its move.
 //!
-//! A rapid move may be corrected at its end only, so that its pieces keep no tolerance; but none of them leads anywhere else.
+//! A rapid move may be corrected at its end only, so its pieces keep no tolerance, but none may lead elsewhere.
 
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, ROTARY_AXES};
 use ncfix_machine::snc::Origin;
@@ -10,26 +10,26 @@ use super::difference::What;
 use super::group::MoveGroup;
 use super::judge::TipDeviation;
 
-/// How far the end of a piece may be off the way besides what the machine errs there, mm: steps that settle the side of a backlash go beyond the end by the
-/// lost motion and a little more, and no machine that is worth a correction loses more than this.
+/// Largest distance of a piece end from the path in addition to the machine error there, mm. Steps that settle the side of a backlash exceed the end
+/// by the lost motion and a little more; no machine worth a correction has more lost motion than this.
 const BESIDE_MM: f64 = 0.2;
-/// How far a rotary axis may be beyond both of its ends, rad: corrections of angles are far below one degree where the tool is not upright.
+/// Largest excess of a rotary axis beyond both of its ends, rad: angle corrections are far below one degree if the tool is not upright.
 const BEYOND_RAD: f64 = 0.02;
 
-/// The pieces of a move that are not its last.
+/// The pieces of a move before its last.
 #[derive(Debug, Default)]
 pub(super) struct Detour {
-    /// The one that is furthest off: by how much, how much it may be, and where.
+    /// The piece with the largest distance: the distance, its limit, and the origin.
     off: Option<(f64, f64, Origin)>,
     /// Ends of pieces.
     turned: Vec<(AxisVector, Origin)>,
 }
 
-/// Pieces of one move whose rotary axes are looked at.
+/// Maximum number of pieces of one move whose rotary axes are checked.
 const MOST_PIECES: usize = 1000;
 
 impl Detour {
-    /// A piece that is not the last of its move.
+    /// Adds a piece that is not the last of its move.
     pub(super) fn see(&mut self, group: &MoveGroup<'_>, course: &Course<'_>, seen: &TipDeviation) {
         let piece = course.piece;
         let errors_mm = [0.0, course.to, 1.0].map(|place| group.before_mm(place));
@@ -43,13 +43,13 @@ impl Detour {
         }
     }
 
-    /// What is wrong with the way of a move that does not come to its end, and where.
+    /// The difference for a move that does not reach its end, and its place.
     pub(super) fn broken(&mut self) -> Option<(What, Origin)> {
         self.turned.clear();
         self.off.take().map(|(off_mm, limit_mm, origin)| (What::Detour { off_mm, limit_mm }, origin))
     }
 
-    /// What is wrong with the pieces of a move, when its last one is known, and where; `beyond_mm` is how far beyond its end an axis may go.
+    /// The differences of a move when its last piece is known, and their places; `beyond_mm` is the permitted excess of an axis beyond its end.
     pub(super) fn end(
         &mut self,
         last: &Course<'_>,
@@ -61,7 +61,7 @@ impl Detour {
             return Some(found);
         }
         let ends = [step.route.start, step.route.end, piece.route.end];
-        // Where nobody has said where an axis was, it has no way but to its end, and beyond that as far as settles the side of its backlash.
+        // An axis at an unstated start may go only to its end, and beyond it as far as needed to settle its backlash.
         let unstated: AxisSet = AxisSet::XYZ.iter().filter(|&axis| !step.stated.contains(axis)).collect();
         for (place, origin) in turned {
             for axis in unstated.iter() {

@@ -1,16 +1,16 @@
-//! Something in which a corrected program differs from its original, other than by its correction.
+//! A difference of a corrected program from its original that is not a correction.
 
 use ncfix_base::geometry::Axis;
 use ncfix_machine::snc::{FeedUnit, Origin};
 
-/// A difference, with its places in both programs; where the one program has nothing there, its next move or its last.
+/// A difference with its places in both programs; if one program has no counterpart, the place is its next or last move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     /// In the original.
     pub original: Origin,
     /// In the corrected program.
     pub corrected: Origin,
-    /// What it is.
+    /// The difference.
     pub what: What,
 }
 
@@ -96,8 +96,8 @@ impl std::fmt::Display for ActSubject {
 /// Kinds of differences.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
-    /// Something besides motion: what it is about, and how it is written in both; `None` where it is missing. Where both are the same it stands
-    /// elsewhere among the others.
+    /// An act other than motion, with its text in both programs; `None` if it is missing. Equal texts mean that it is at another place in the
+    /// sequence.
     Act {
         /// What it is about.
         subject: ActSubject,
@@ -106,41 +106,41 @@ pub enum What {
         /// In the corrected program.
         after: Option<String>,
     },
-    /// The tool is further from its place than was promised, mm.
+    /// The tool deviates from its place by more than was promised, mm.
     Off {
-        /// How far.
+        /// Actual distance.
         off_mm: f64,
-        /// How far it may be.
+        /// Permitted distance.
         limit_mm: f64,
     },
-    /// The tool points elsewhere than its uncorrected direction explains, rad.
+    /// The tool direction differs by more than its uncorrected direction explains, rad.
     Tilted {
-        /// How far.
+        /// Actual tilt.
         tilt_rad: f64,
-        /// How far it may be.
+        /// Permitted tilt.
         limit_rad: f64,
     },
-    /// A piece of a move that is judged at its end only, a rapid one for instance, is beside the straight way of the move, mm.
+    /// A piece of a move that is evaluated at its end only, such as a rapid move, is off the straight path of the move, mm.
     Detour {
-        /// How far.
+        /// Actual distance.
         off_mm: f64,
-        /// How far it may be.
+        /// Permitted distance.
         limit_mm: f64,
     },
     /// A piece of such a move turns an axis beyond both of its ends.
     Turned {
         /// The axis.
         axis: Axis,
-        /// How far, rad.
+        /// Excess, rad.
         beyond_rad: f64,
     },
-    /// A move has another feed: its number and unit in both, and the feed as a share of what it was, where that can be said.
+    /// A move has another feed: value and unit in both programs, and the ratio if defined.
     Feed {
         /// In the original.
         before: (f64, FeedUnit),
         /// In the corrected program.
         after: (f64, FeedUnit),
-        /// The feed as a share of what it was.
+        /// Ratio of the new feed to the original feed.
         share: f64,
     },
 }

@@ -1,7 +1,7 @@
-//! The feed of a piece beside that of its move.
+//! Comparison of the feed of a piece with that of its move.
 //!
-//! Numbers behind F can be compared where both count the same way. Where a rotary axis turns, where one of the programs says how long a block takes (G93), or
-//! where only one has a transformation, they cannot: the times can that a control takes for them.
+//! F values can be compared if both refer to the same path. If a rotary axis turns, if one of the programs states the duration of blocks (G93), or if
+//! only one has a transformation, the durations in the control are compared instead.
 
 use super::super::way::counted;
 use super::step::ComparedMove;
@@ -10,11 +10,11 @@ use ncfix_base::geometry::ROTARY_AXES;
 use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::FeedUnit;
 
-/// Times that differ by less than this share are the same: corrections change ways.
+/// Relative difference below which durations are equal: corrections change path lengths.
 const SAME_TIME: f64 = 0.05;
 
 impl ComparedMove {
-    /// Minutes (turns under G95) that a control takes for a part of it; `None` where there is no feed, or it is a curve that turns an axis.
+    /// Minutes (turns under G95) that a control takes for a part of it; `None` without feed, or for a curve that turns an axis.
     fn minutes(&self, [from, to]: [f64; 2], kinematics: &Kinematics) -> Option<f64> {
         if self.rapid || self.feed <= 0.0 {
             return None;
@@ -29,7 +29,7 @@ impl ComparedMove {
                 let is_transformed = self.setup.transform.is_some();
                 let [start, end] = [from, to].map(|place| {
                     let command = self.route.at(place);
-                    // Under a transformation the feed is that of the tip, in whatever coordinates the place is written.
+                    // Under a transformation the feed is that of the tip, in any coordinates.
                     if is_transformed {
                         kinematics.on_workpiece(&command, &self.tool_mm)
                     } else {
@@ -42,20 +42,20 @@ impl ComparedMove {
         Some(way / self.feed)
     }
 
-    /// Whether the one feed is per minute and the other per turn of the spindle.
+    /// `true` if one feed is per minute and the other per turn of the spindle.
     pub(super) fn is_of_another_unit(&self, other: &ComparedMove) -> bool {
         let has_feeds = self.feed > 0.0 && other.feed > 0.0;
         has_feeds && self.unit != other.unit && ![self.unit, other.unit].contains(&FeedUnit::InverseTime)
     }
 
-    /// Whether it turns a rotary axis.
+    /// `true` if it turns a rotary axis.
     fn turns(&self) -> bool {
         ROTARY_AXES.into_iter().any(|axis| self.route.start[axis] != self.route.end[axis])
     }
 }
 
 impl MoveGroup<'_> {
-    /// The feed of a piece as a share of that of its move. A step on the spot covers nothing of the move, so that only its number can be compared. Both
+    /// Ratio of the feed of a piece to that of its move. A step on the spot covers nothing of the move, so only its F value can be compared. Both
     /// ends of a piece are rounded by up to `rounding_mm`.
     pub(super) fn feed_share(&self, course: &Course<'_>, stands: bool, rounding_mm: f64) -> Option<f64> {
         let (step, piece) = (self.step, course.piece);
@@ -72,16 +72,16 @@ impl MoveGroup<'_> {
             return None;
         }
         let times = step.minutes(part, self.kinematics).zip(piece.minutes([0.0, 1.0], self.kinematics));
-        // A curve that turns an axis beside it has no time here.
+        // The duration of a curve that also turns an axis is not computed.
         let Some((wanted, taken)) = times else { return of_numbers };
         let share = wanted / taken;
-        // The place on the move is known to what the tip is off. The way of the tip may be far less than that of the axes.
+        // The place on the move is known within the tip error. The tip path may be much shorter than that of the axes.
         let is_timed = step.unit == FeedUnit::InverseTime;
         let counted_mm = if is_timed { way_mm } else { way_mm.min(wanted * step.feed) };
         let same = SAME_TIME + 2.0 * (ON_THE_SPOT_MM + rounding_mm) / counted_mm.max(ON_THE_SPOT_MM);
         let is_near = |ratio: f64| ratio > 1.0 / (1.0 + same) && ratio < 1.0 + same;
         match of_numbers {
-            // Both numbers are for the same way.
+            // Both values refer to the same path.
             Some(of_numbers) if is_near(share / of_numbers) => Some(of_numbers),
             _ if is_near(share) => Some(1.0),
             _ => share.is_finite().then_some(share),

@@ -1,4 +1,4 @@
-//! The corrected moves of one original move: which they are, and what they leave.
+//! The corrected moves of one original move: their selection, and their residual error.
 
 use ncfix_base::geometry::{AXES, AxisSet, AxisVector, ROTARY_AXES, Vector};
 use ncfix_machine::machine::Kinematics;
@@ -15,33 +15,33 @@ use crate::path::prediction::{sample_count, sample_place};
 
 /// Distance of the samples along the path, mm.
 const SAMPLE_MM: f64 = 1.0;
-/// The same as a share of the length of the move: the error of an uncorrected program changes along it.
+/// End tolerance as a share of the move length: the error of an uncorrected program changes along it.
 const SAME_END_SHARE: f64 = 1e-3;
-/// A further move belongs to the group only if it comes nearer by more than rounding does, mm.
+/// A further move belongs to the group only if it comes nearer by more than rounding, mm.
 const NEARER_MM: f64 = 0.002;
-/// An end that is off by this may still be meant, where the next move leads away from it, mm.
+/// Largest distance of an end that still counts as reached if the next move leads away from it, mm.
 pub(super) const MEANT_END_MM: f64 = 0.5;
-/// A group at least this long, as a share of the original move, may be complete; a full circle begins at its end.
+/// Minimum length of a complete group as a share of the original move; a full circle begins at its end.
 const LEAST_SHARE: f64 = 0.5;
-/// A group this much longer than the original move is another path.
+/// A group longer than the original move by this factor is another path.
 const MOST_SHARE: f64 = 1.5;
-/// mm per rad that rotary axes are off: little, as their corrections are no sign of another place, but moves of the table about the
-/// tip have nothing else.
+/// Weight of rotary axis deviations, mm per rad. It is small, as rotary corrections do not indicate another place, but table moves about the tip have
+/// no other measure.
 const ROTARY_ARM_MM: f64 = 10.0;
-/// Where the tip moves at least by this share of what the rotary axes do, it alone tells the place.
+/// If the tip moves by at least this share of the weighted rotary motion, it alone determines the place.
 const TIP_DECIDES: f64 = 0.1;
-/// A piece whose end differs by less than arithmetic does is left as it was, mm and rad.
+/// Difference below which the end of a piece counts as unchanged, mm and rad.
 const SAME_MM: f64 = 1e-8;
-/// A step that leads a body through its lost motion goes by that, but for rounding: an axis that goes by less than this share of it is not led.
+/// Minimum share of the lost motion that a step must cover to lead a body through it.
 const LED_SHARE: f64 = 0.5;
-/// Half the step over which a way is looked at, as a parameter.
+/// Half the parameter step for a direction of the path.
 const SENSE_STEP: f64 = 1e-4;
-/// Turning points of one arc that are looked at.
+/// Maximum number of examined turning points of one arc.
 const MOST_TURNINGS: usize = 64;
-/// Steps of the search for the nearest place on the original move.
+/// Iterations of the search for the nearest place on the original move.
 const NEAREST_STEPS: usize = 4;
 
-/// How far the tool is from where it should be.
+/// Offset of the tool from its nominal place.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Offset {
     /// Tip, in the workpiece frame, mm.
@@ -64,22 +64,22 @@ impl Offset {
     }
 }
 
-/// The corrected moves of one original move, while they are found.
+/// The corrected moves of one original move, during their search.
 pub(super) struct MoveGroup<'a> {
     pub(super) model: &'a Model,
     grouping: Grouping,
     pub(super) kinematics: &'a Kinematics,
     pub(super) step: &'a ComparedMove,
     pub(super) lead: Lead<'a>,
-    /// Offset at which the group began: an uncorrected program carries its errors along.
+    /// Offset at the start of the group: an uncorrected program carries its errors along.
     carried: Offset,
     /// Length of the corrected moves so far, mm.
     length_mm: f64,
-    /// Whether a move of the group was taken.
+    /// `true` after the first move of the group.
     has_begun: bool,
-    /// Whether what is done before the move was compared.
+    /// `true` if the acts before the move were compared.
     pub(super) is_judged: bool,
-    /// How far the original move is covered.
+    /// Parameter up to which the original move is covered.
     parameter: f64,
 }
 
@@ -97,7 +97,7 @@ impl<'a> MoveGroup<'a> {
 }
 
 impl MoveGroup<'_> {
-    /// Takes the moves of the group and adds their errors; gives the offset at its end.
+    /// Takes the moves of the group and adds their errors; returns the offset at its end.
     pub(super) fn follow<I: Iterator<Item = ComparedMove>>(
         &mut self,
         corrected: &mut MovesAhead<I>,
@@ -113,7 +113,7 @@ impl MoveGroup<'_> {
             let is_first = !self.has_begun;
             let is_torn = self.grouping == Grouping::ByMarks && piece.continues != self.has_begun;
             self.has_begun = true;
-            // What makes ready behind a thread goes rapid.
+            // Preparatory motion after a thread is rapid.
             let is_another =
                 piece.rapid != self.step.rapid && !(piece.rapid && piece.continues && self.step.is_uncut());
             if is_torn || is_another || self.length_mm > MOST_SHARE * whole_mm + MEANT_END_MM {
@@ -130,7 +130,7 @@ impl MoveGroup<'_> {
             self.length_mm += piece.route.size_mm();
             let offset = self.offset(&piece, 1.0);
             let is_complete = self.is_complete(&offset, corrected.peek());
-            // Lateral play leads across the path on such a step, so that nearness does not tell its place.
+            // Lateral backlash moves the tip across the path in such a step, so that proximity does not determine its place.
             let stands = self.grouping == Grouping::ByMarks && piece.on_the_spot;
             let before = self.parameter;
             if !stands || is_complete {
@@ -165,14 +165,14 @@ impl MoveGroup<'_> {
         }
     }
 
-    /// What is known where the programs part at a piece; `next` is the one behind it.
+    /// Describes the divergence at a piece; `next` is the following piece.
     fn parting(&self, piece: &ComparedMove, why: &str, next: Option<&ComparedMove>) -> Parting {
         let is_new = next.is_some_and(|next| next.rapid == self.step.rapid && self.ends_at(next));
         let words = [&self.step.route.end, &piece.route.end].map(|end| piece.programmed(end, self.kinematics));
         Parting::at(self.step, piece, why, words, is_new)
     }
 
-    /// Whether a piece ends where the original move does.
+    /// `true` if a piece ends at the end of the original move.
     pub(super) fn ends_at(&self, piece: &ComparedMove) -> bool {
         self.off_mm(&self.offset(piece, 1.0)) <= MEANT_END_MM
     }
@@ -183,12 +183,12 @@ impl MoveGroup<'_> {
         self.lead.error_mm(&band, (&nominal, &nominal), &self.step.tool_mm, None).most_mm
     }
 
-    /// A piece that has covered the original move up to the parameter.
+    /// The data of a piece that covers the original move up to the parameter.
     fn seen<'p>(&self, course: Course<'p>, is_first: bool, on_the_spot: bool) -> Follow<'p> {
         let piece = course.piece;
         let nominal = self.step.route.at(self.parameter);
         let [nominal, written] = [&nominal, &piece.route.end].map(|command| piece.programmed(command, self.kinematics));
-        // Only for what is left as it was does anybody ask why.
+        // The error is needed only for unchanged pieces.
         let is_left = (written - nominal).max_abs(&AXES) < SAME_MM;
         Follow {
             original: self.step.origin,
@@ -209,7 +209,7 @@ impl MoveGroup<'_> {
         }
     }
 
-    /// Whether the group ends with a piece whose end is off by `offset`.
+    /// `true` if the group ends with a piece whose end is off by `offset`.
     fn is_complete(&self, offset: &Offset, next: Option<&ComparedMove>) -> bool {
         if self.grouping == Grouping::ByMarks {
             return next.is_none_or(|next| !next.continues);
@@ -230,7 +230,7 @@ impl MoveGroup<'_> {
         !next_is_nearer && off_mm <= near_mm
     }
 
-    /// How far the tool is from the place of the original move at `parameter` when a piece has ended.
+    /// Offset of the tool from the place of the original move at `parameter` at the end of a piece.
     fn offset(&self, piece: &ComparedMove, parameter: f64) -> Offset {
         let command = piece.route.end;
         let nominal = self.step.route.at(parameter);
@@ -240,20 +240,19 @@ impl MoveGroup<'_> {
         Offset { tip, turned: Vector::from(turned) }
     }
 
-    /// An offset as a distance, mm: by itself, or from the one at the start.
+    /// An offset as a distance, mm: the smaller of its own length and its difference from the initial offset.
     fn off_mm(&self, offset: &Offset) -> f64 {
         offset.norm_mm().min(offset.minus(&self.carried).norm_mm())
     }
 
-    /// The parameter of the original move at which its nominal tip is nearest to the end of a piece: Gauss–Newton from the share of
-    /// the length.
+    /// The parameter of the original move at which its nominal tip is nearest to the end of a piece: Gauss–Newton from the share of the length.
     fn nearest(&self, piece: &ComparedMove) -> f64 {
         let mut parameter = (self.length_mm / self.step.route.size_mm().max(ON_THE_SPOT_MM)).min(1.0);
         for _ in 0..NEAREST_STEPS {
             let [low, high] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|value| value.clamp(0.0, 1.0));
             let mut change = self.offset(piece, high).minus(&self.offset(piece, low));
             if change.tip.norm() > TIP_DECIDES * change.turned.norm() {
-                // Corrections of rotary axes are no sign of another place.
+                // Corrections of rotary axes do not indicate another place.
                 change.turned = Vector::zeros();
             }
             let square = change.dot(&change);
@@ -265,8 +264,8 @@ impl MoveGroup<'_> {
         parameter
     }
 
-    /// The offset at the end of a step on the spot, or of a rapid move, as near as the play allows. A body that the least motion leads along may be on either side,
-    /// for that to which the next piece leads it; where a rapid move leaves a body within its dead band, it waits for a step there that leads it out.
+    /// The offset at the end of a step on the spot or of a rapid move, reduced by the permitted backlash. A quick body may be on either side, for the
+    /// side to which the next piece leads it. A body that a rapid move leaves within its dead band waits for a step that leads it out.
     fn on_either_side(&self, piece: &ComparedMove, nominal: &AxisVector, end: Vector) -> Vector {
         let command = piece.route.end;
         let band = piece.band_at(1.0, &self.lead);
@@ -297,8 +296,8 @@ impl MoveGroup<'_> {
         best
     }
 
-    /// What of the offset behind a step that makes ready is more than what the play allows. `next` leads bodies from the one side to the other on the
-    /// spot: until then the tip is aside by the play that they have across their way.
+    /// The part of the offset after a preparatory step that exceeds the permitted backlash. `next` leads bodies to the other side on the spot; until
+    /// then the tip is displaced by their lateral backlash.
     fn beyond_play(&self, piece: &ComparedMove, next: &ComparedMove, offset: Vector) -> Vector {
         let (from, to) = (piece.route.end, next.route.end);
         let aside = self.lead.axes.iter().map(|axis| {
@@ -320,8 +319,8 @@ impl MoveGroup<'_> {
         if off_mm > aside_mm { offset * (1.0 - aside_mm / off_mm) } else { Vector::zeros() }
     }
 
-    /// Adds the errors of a piece: the largest of the original and of the corrected program, where they count, and what is seen of the latter. Its end
-    /// is looked at in any case. One that `waits` covers nothing of the move.
+    /// Adds the errors of a piece: the largest of the original and of the corrected program, if they count, and the deviation of the latter. Its end
+    /// is always examined. A piece that `waits` covers nothing of the move.
     fn sample(
         &self,
         course: &Course<'_>,
@@ -335,7 +334,7 @@ impl MoveGroup<'_> {
             let command = piece.route.at(fraction);
             let before_mm = self.before_mm(parameter);
             let after = piece.band_at(fraction, &self.lead);
-            // On its way the tool may wait for a body, at the end it must be there.
+            // On its path the tool may lag with a body; at the end it must have arrived.
             let way = (parameter < 1.0).then_some((&self.step.route, parameter));
             let after = self.lead.error_mm(&after, (&nominal, &command), &piece.tool_mm, way);
             [before_mm, after.most_mm, after.nearest.norm()]
@@ -367,7 +366,7 @@ impl MoveGroup<'_> {
             let [_, after_mm, nearest_mm] = errors_at(place);
             note([0.0, after_mm, nearest_mm]);
         }
-        // Where an arc turns an axis around, rounding shows most.
+        // Rounding has its largest effect at the turning point of an axis on an arc.
         let mut place = 0.0;
         for _ in 0..MOST_TURNINGS {
             place = piece.route.next_turning(AxisSet::XYZ, place);
@@ -378,7 +377,7 @@ impl MoveGroup<'_> {
             note([0.0, after_mm, nearest_mm]);
         }
         let [before_mm, mut after_mm, nearest_mm] = largest;
-        // Where nobody knows on which side an axis is, the place for one of them is what was promised.
+        // If the side of an axis is unknown, the place for either side satisfies the promise.
         seen.most_mm = nearest_mm;
         after_mm += chord_mm;
         prediction.note_after(self.step.rapid, after_mm, &self.step.origin);

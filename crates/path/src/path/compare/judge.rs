@@ -1,4 +1,4 @@
-//! What of a corrected program is no correction: other acts, other feeds, and a tool further from its place than was promised.
+//! Detects differences of a corrected program that are not corrections: other acts, other feeds, and tool deviations beyond the promise.
 
 use ncfix_base::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
 use ncfix_machine::machine::Machine;
@@ -14,61 +14,61 @@ use super::promise::Promise;
 use super::step::ComparedMove;
 use crate::path::Increments;
 
-/// What lies between samples, as a share.
+/// Allowance for the path between samples, as a share.
 const BETWEEN_SAMPLES: f64 = 0.05;
-/// A feed that differs by a smaller share is the same: feeds are written with few digits.
+/// Relative difference below which feeds are equal: feeds are written with few digits.
 const SAME_FEED: f64 = 1e-4;
-/// A word nearer to what it was is not written, mm and rad.
+/// Difference below which a word counts as unchanged, mm and rad.
 const SAME_WORD: f64 = 1e-7;
-/// By how much a word is changed to see which way it leads the tip, mm and rad.
+/// Change of a word that determines its effect on the tip, mm and rad.
 const NUDGE: f64 = 1e-4;
-/// Directions nearer than this are one, rad: the place on a move is known to a thousandth of a millimeter.
+/// Directions nearer to each other than this are equal, rad: the place on a move is known to a thousandth of a millimeter.
 const SAME_TILT_RAD: f64 = 2e-5;
-/// A direction that leads the tip by less is none.
+/// Tip motion below which a direction is undefined.
 const NO_WAY: f64 = 1e-9;
 
-/// How far the tool is from its place on a piece.
+/// Deviation of the tool from its place on a piece.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TipDeviation {
     /// At the end.
     pub(super) end: Vector,
-    /// The most at all places that were looked at, the end among them, mm.
+    /// The largest at all examined places including the end, mm.
     pub(super) most_mm: f64,
 }
 
-/// Where a piece stands in its move.
+/// Position of a piece in its move.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlaceInMove {
     pub(super) is_first: bool,
     pub(super) is_last: bool,
-    /// It is a step on the spot.
+    /// `true` for a step on the spot.
     pub(super) stands: bool,
 }
 
-/// Looks at the pieces of one move after the other.
+/// Examines the pieces of one move after the other.
 pub(super) struct Judge<'d> {
     promise: Option<Promise>,
-    /// How far the tool may be from its place, mm.
+    /// Permitted deviation of the tool, mm.
     limit_mm: f64,
     increments: Increments,
     differ: &'d mut dyn FnMut(Difference),
-    /// The largest of the move so far: how far, and on which piece.
+    /// The largest deviation of the move so far: value, limit, and piece.
     off: Option<(f64, f64, Origin)>,
-    /// The same of its direction: by how much, and how much it may be.
+    /// The largest tilt of the move so far: value, limit, and piece.
     tilt: Option<(f64, f64, Origin)>,
-    /// The axis of the spindle, where rotary axes turn it.
+    /// The spindle axis, if rotary axes turn it.
     tool_axis: Option<Vector>,
-    /// The same where a piece is an arc, whose center is rounded too, mm.
+    /// Permitted deviation on an arc, whose center is rounded too, mm.
     arc_limit_mm: f64,
-    /// The feed that differs most: by its ratio.
+    /// The feed with the largest ratio.
     feed: Option<(f64, What, Origin)>,
-    /// How blocks pass their ends in both, where that was said to differ.
+    /// Reported stops at block ends in both, if they differ.
     passing: Option<[Option<String>; 2]>,
-    /// Planes and transformations of both, where they were said to differ.
+    /// Reported planes and transformations of both, if they differ.
     setups: Option<[String; 2]>,
     last: [Origin; 2],
     detour: Detour,
-    /// Whether the end of the move belongs to a curve that goes on.
+    /// `true` if the end of the move lies within a continuing curve.
     runs_on: bool,
 }
 
@@ -81,7 +81,7 @@ impl<'d> Judge<'d> {
         let tolerance_mm = promise.map_or(0.0, |promise| promise.tolerance_mm);
         let limit_mm =
             increments.allowed_mm(tolerance_mm) + BETWEEN_SAMPLES * tolerance_mm.max(increments.rounding_mm());
-        // A center is rounded by half an increment in each of two directions, when the arc has been fitted already.
+        // The center of a fitted arc is rounded by half an increment in each of two directions.
         let center_mm = 0.5 * 2.0_f64.sqrt() * increments.linear_mm;
         let arc_limit_mm = limit_mm + center_mm;
         let last = [Origin::default(); 2];
@@ -105,17 +105,17 @@ impl<'d> Judge<'d> {
         }
     }
 
-    /// What rounding moves the tip by, mm.
+    /// Tip displacement due to rounding, mm.
     pub(super) fn rounding_mm(&self) -> f64 {
         self.increments.rounding_mm()
     }
 
-    /// Another move of the original begins; `runs_on` where no stop can stand at its end.
+    /// Begins another move of the original; `runs_on` if there can be no stop at its end.
     pub(super) fn begin(&mut self, runs_on: bool) {
         self.runs_on = runs_on;
     }
 
-    /// A move of the original has no end in the corrected program.
+    /// Handles a move of the original that has no end in the corrected program.
     pub(super) fn part(&mut self, step: &ComparedMove) {
         (self.off, self.tilt, self.feed) = (None, None, None);
         if let Some((what, corrected)) = self.detour.broken() {
@@ -123,7 +123,7 @@ impl<'d> Judge<'d> {
         }
     }
 
-    /// A piece of a move.
+    /// Examines a piece of a move.
     pub(super) fn piece(
         &mut self,
         group: &MoveGroup<'_>,
@@ -156,7 +156,7 @@ impl<'d> Judge<'d> {
         }
     }
 
-    /// The move has ended.
+    /// Ends the move.
     pub(super) fn end(&mut self, step: &ComparedMove) {
         let original = step.origin;
         if let Some((_, what, corrected)) = self.feed.take() {
@@ -171,7 +171,7 @@ impl<'d> Judge<'d> {
         }
     }
 
-    /// The pieces of a move that are judged at its end only.
+    /// Examines pieces of a move that is evaluated at its end only.
     fn detour(&mut self, group: &MoveGroup<'_>, course: &Course<'_>, at: PlaceInMove, seen: &TipDeviation) {
         let (step, piece) = (group.step, course.piece);
         if at.is_last {
@@ -186,7 +186,7 @@ impl<'d> Judge<'d> {
         }
     }
 
-    /// A thread has its lead, and a probing motion stays one.
+    /// Compares the lead of a thread, or the type of a probing motion.
     fn manner(&mut self, step: &ComparedMove, piece: &ComparedMove) {
         if let Some([before, after]) = manner::difference(&step.manner, &piece.manner) {
             let what = What::Act { subject: ActSubject::Thread, before: Some(before), after: Some(after) };
@@ -194,7 +194,7 @@ impl<'d> Judge<'d> {
         }
     }
 
-    /// The direction of the tool at the end of a piece: a correction makes it better, or leaves it.
+    /// Compares the direction of the tool at the end of a piece: a correction improves it or leaves it unchanged.
     fn tilt(&mut self, group: &MoveGroup<'_>, course: &Course<'_>) {
         let Some(tool_axis) = self.tool_axis else { return };
         let (step, piece) = (group.step, course.piece);
@@ -211,12 +211,12 @@ impl<'d> Judge<'d> {
         }
     }
 
-    /// What is done behind the last moves, or where programs have parted.
+    /// Compares the acts after the last moves, or after a divergence.
     pub(super) fn rest(&mut self, original: &[Act], corrected: &[Act]) {
         self.acts(original, corrected);
     }
 
-    /// What is known of moves that do not follow each other, where the comparison ends: what is missing or new there may only stand elsewhere.
+    /// Reports the known differences of moves that do not correspond, where the comparison ends: missing or new acts may only be at another place.
     pub(super) fn lose(&mut self, step: &ComparedMove, piece: &ComparedMove) {
         self.setups(step, piece);
         let pairs = differences(&step.acts, &piece.acts);
@@ -241,7 +241,7 @@ impl<'d> Judge<'d> {
         }
     }
 
-    /// How the end of a block is passed. What stays in force is said once.
+    /// Compares the stop at the end of a block. A modal difference is reported once.
     fn passing(&mut self, step: &ComparedMove, piece: &ComparedMove, is_last: bool) {
         if step.passing.is_kept_by(&piece.passing, is_last) {
             if is_last {
@@ -261,7 +261,7 @@ impl<'d> Judge<'d> {
         (self.differ)(Difference { original: origin(step), corrected, what });
     }
 
-    /// The working plane, and whether a transformation is in force. What stays in force is said once.
+    /// Compares the working plane and the transformation. A modal difference is reported once.
     fn setups(&mut self, step: &ComparedMove, piece: &ComparedMove) {
         let in_axes = self.promise.is_some_and(|promise| promise.in_axes) && piece.setup.transform.is_none();
         let is_transformed = |one: &ComparedMove| one.setup.transform.is_some() && !in_axes;
@@ -295,7 +295,7 @@ impl<'d> Judge<'d> {
     }
 
     fn feed(&mut self, step: &ComparedMove, piece: &ComparedMove, share: Option<f64>) {
-        // A number per minute beside one per turn of the spindle is no share of it, whatever the two are.
+        // A feed per minute and a feed per turn have no ratio.
         let share = if step.is_of_another_unit(piece) { Some(f64::NAN) } else { share };
         let Some(share) = share else { return };
         let is_limited = self.promise.is_some_and(|promise| promise.limits_feed) && share < 1.0;
@@ -313,7 +313,7 @@ impl<'d> Judge<'d> {
         if piece.route.arc().is_some() { self.arc_limit_mm } else { self.limit_mm }
     }
 
-    /// How far the tool is from where it was promised to be, mm.
+    /// Deviation of the tool from the promised place, mm.
     fn off_mm(&self, group: &MoveGroup<'_>, course: &Course<'_>, at: PlaceInMove, seen: &TipDeviation) -> f64 {
         let (step, piece) = (group.step, course.piece);
         if at.stands && !at.is_last {
@@ -334,7 +334,7 @@ impl<'d> Judge<'d> {
         }
     }
 
-    /// What is off other than by words that were left as they are: rapid moves may be corrected in some words only.
+    /// The deviation beyond the effect of unchanged words: rapid moves may be corrected in some words only.
     fn beyond_left_mm(&self, group: &MoveGroup<'_>, course: &Course<'_>, end: &Vector) -> f64 {
         let (step, piece, kinematics) = (group.step, course.piece, group.kinematics);
         let place = step.route.at(course.to);
@@ -352,7 +352,7 @@ impl<'d> Judge<'d> {
                 if axis.is_rotary() { self.increments.rotary_deg.to_radians() } else { self.increments.linear_mm };
             let is_nominal = (written[axis] - nominal[axis]).abs() <= 0.5 * increment + SAME_WORD;
             let stands = (written[axis] - before[axis]).abs() <= SAME_WORD;
-            // A rotary axis at its programmed angle leaves nothing that the linear axes do not make good, where their words turn with it.
+            // If words turn with a rotary axis at its programmed angle, the linear axes compensate its whole error.
             let in_machine = step.in_machine_frame || piece.in_machine_frame;
             let turns = self.promise.is_some_and(|promise| promise.corrects_rotary);
             let is_idle = axis.is_rotary() && is_nominal && !in_machine && !turns && step.setup.transform.is_none();

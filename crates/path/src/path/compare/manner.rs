@@ -1,11 +1,11 @@
-//! Threads and probing motions of a corrected program beside those of its original.
+//! Comparison of threads and probing motions with those of the original.
 
 use ncfix_machine::snc::{Manner, Thread};
 
-/// Leads and their changes that differ by less are the same, mm: in inches they are written with six decimals.
+/// Difference below which leads and their changes are equal, mm: in inches they are written with six decimals.
 const SAME_LEAD_MM: f64 = 3e-5;
 
-/// Both in words where they are not the same; other moves are compared by where they lead.
+/// Descriptions of both if they differ; other moves are compared by their path.
 pub(super) fn difference(original: &Manner, corrected: &Manner) -> Option<[String; 2]> {
     let is_kept = match (original, corrected) {
         (Manner::Thread(one), Manner::Thread(other)) => is_same_thread(one, other),

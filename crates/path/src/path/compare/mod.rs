@@ -1,10 +1,9 @@
-//! The errors of an original and a corrected program, both on the error model, both against the nominal path of the original.
+//! The errors of an original and a corrected program, both on the error model, both relative to the nominal path of the original.
 //!
-//! The streams are walked side by side: every move of the original corresponds to one move of the corrected program or to several in
-//! a row. What matters is where the tool is: a group of moves is complete when its tip, on the error model, reaches the nominal tip
-//! at the end of the original move, and in between belongs to the place of the original move whose nominal tip is nearest. Marks in
-//! the text are not needed, so programs of other origin, or an original beside itself, can be compared too; where a program is known
-//! to carry them ([`Grouping::ByMarks`]), they decide instead.
+//! The streams are read in parallel: every move of the original corresponds to one or several consecutive moves of the corrected program. A group of
+//! moves is complete when its tip, on the error model, reaches the nominal tip at the end of the original move. In between, a piece belongs to the
+//! place of the original move whose nominal tip is nearest. This needs no marks in the text, so programs of other origin, or an original and itself,
+//! can be compared too. If a program is known to carry marks ([`Grouping::ByMarks`]), the marks decide.
 
 mod acts;
 mod ahead;
@@ -40,96 +39,96 @@ use super::lead::Lead;
 use super::prediction::SpreadPair;
 use super::{Feeds, Prediction, Spread};
 
-/// Takes what is seen along the moves.
+/// Receives data along the moves.
 type See<'a> = &'a mut dyn FnMut(Follow<'_>);
-/// Takes what differs.
+/// Receives the differences.
 type Differ<'a> = &'a mut dyn FnMut(Difference);
 
-/// Ends nearer than this are the same, mm.
+/// Ends nearer to each other than this are equal, mm.
 const SAME_END_MM: f64 = 0.02;
-/// Pieces shorter than this, half of the shortest that is made, stand on the spot and have no place along the move, mm.
+/// Length below which a piece is a step on the spot without extent along the move, mm: half of the shortest emitted piece.
 const ON_THE_SPOT_MM: f64 = 0.005;
 
-/// Errors of two programs. Moves with feed count, or all where there are none.
+/// Errors of two programs. Feed moves count, or all moves if there are none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Comparison {
     /// The original.
     pub before: Spread,
     /// The corrected program.
     pub after: Spread,
-    /// Places at which both were evaluated.
+    /// Number of places at which both were evaluated.
     pub samples: u64,
-    /// Where in the original the largest error of the corrected program lies.
+    /// Place in the original of the largest error of the corrected program.
     pub max_at: Option<Origin>,
 }
 
-/// A piece of the corrected program beside the place of the original that it belongs to.
+/// A piece of the corrected program with its place in the original.
 #[derive(Clone, Copy, Debug)]
 pub struct Follow<'a> {
     /// The move of the original.
     pub original: Origin,
     /// The piece.
     pub corrected: Origin,
-    /// Rapid or with feed.
+    /// `true` for rapid, `false` for feed.
     pub rapid: bool,
     /// The first piece of its move.
     pub is_first: bool,
-    /// A step on the spot: its place is that where the move stands.
+    /// A step on the spot: its place is the current one of the move.
     pub on_the_spot: bool,
-    /// Where the original is at the end of the piece, in the coordinates in which the corrected program writes, mm and rad.
+    /// Position of the original at the end of the piece, in the coordinates of the corrected program, mm and rad.
     pub nominal: AxisVector,
-    /// Where the piece ends, in the same.
+    /// End of the piece, in the same coordinates.
     pub written: AxisVector,
-    /// How far the tip of the original is from its nominal place there, on the error model, mm; 0 where the piece is changed.
+    /// Distance of the original tip from its nominal place there, on the error model, mm; 0 if the piece is changed.
     pub error_mm: f64,
-    /// The largest errors of the original and of the corrected program on the piece, mm; `None` where it does not count.
+    /// The largest errors of the original and of the corrected program on the piece, mm; `None` if it does not count.
     pub errors_mm: Option<[f64; 2]>,
-    /// Length of the path of the original that the piece covers, mm and what its rotary axes make of it.
+    /// Length of the original path that the piece covers, mm, including the weighted rotary path.
     pub length_mm: f64,
-    /// Whether the program has stated where all axes are that it moves.
+    /// `true` if the program has stated the position of all axes that it moves.
     pub is_stated: bool,
-    /// The feed of the piece as a share of that of its move; by the times that both take where rotary axes turn or one of them says its time.
-    /// `None` where there is no feed, or it is not comparable.
+    /// Ratio of the feed of the piece to that of its move, by durations if rotary axes turn or one of them states its duration. `None` without feed
+    /// or if not comparable.
     pub feed_share: Option<f64>,
     /// The axis command of the piece, mm and rad.
     pub command: AxisVector,
-    /// The tool word that stands above the piece.
+    /// The active tool word.
     pub tool: Option<&'a WordValue>,
-    /// What the original does meanwhile.
+    /// The part of the original that the piece covers.
     pub course: Course<'a>,
 }
 
-/// The comment, without the signs that make it one, of a piece that continues the move of the block above it.
+/// The comment text of a piece that continues the move of the block above it.
 pub const CONTINUES: &str = "+";
-/// The same of a step on the spot that continues the move of the block above it.
+/// The comment text of a step on the spot that continues the move of the block above it.
 pub const CONTINUES_ON_THE_SPOT: &str = "+~";
-/// The same of a step on the spot with which a move begins.
+/// The comment text of a step on the spot with which a move begins.
 pub const ON_THE_SPOT: &str = "~";
 
-/// How the corrected moves of one original move are found.
+/// Assignment of corrected moves to an original move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grouping {
     /// By the comments [`CONTINUES`] and [`CONTINUES_ON_THE_SPOT`], which the corrected program is known to carry.
     ByMarks,
-    /// By where the tool is.
+    /// By the tool position.
     ByPlace,
 }
 
-/// How two programs are compared.
+/// Settings of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct How {
-    /// How the moves are found.
+    /// Assignment of moves.
     pub grouping: Grouping,
-    /// For which way the controls of both take a feed.
+    /// The path to which the feed refers in the controls of both programs.
     pub feeds: [Feeds; 2],
-    /// What the correction has promised; `None` where its motion is measured only.
+    /// The promise of the correction; `None` if only the motion is measured.
     pub promise: Option<Promise>,
 }
 
-/// Compares two programs; neither may have had errors in its execution.
+/// Compares two programs; both must have been executed without errors.
 ///
 /// # Errors
-/// `E0311` where the moves of the one do not follow those of the other.
+/// `E0311` if the moves of the two programs do not correspond.
 pub fn compare(
     original: impl Iterator<Item = Element>,
     corrected: impl Iterator<Item = Element>,
@@ -146,13 +145,13 @@ pub fn compare(
     })
 }
 
-/// Places at which programs part before it is said that they have nothing to do with each other.
+/// Number of divergences after which the programs count as unrelated.
 const MOST_PARTINGS: usize = 20;
 
-/// The same; every piece of the corrected program is shown on the way, and every difference that is no correction.
+/// As [`compare`]; also reports every piece of the corrected program and every difference that is not a correction.
 ///
 /// # Errors
-/// The places at which the moves of the one do not follow those of the other; behind each the comparison goes on where both have the same block again.
+/// The places at which the moves do not correspond; after each, the comparison continues at the next common block.
 pub fn compare_seeing(
     original: impl Iterator<Item = Element>,
     corrected: impl Iterator<Item = Element>,

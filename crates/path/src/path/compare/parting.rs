@@ -1,4 +1,4 @@
-//! Where the moves of a corrected program do not follow those of its original any more.
+//! A divergence between the moves of a corrected program and those of its original.
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{AXES, AxisVector};
@@ -6,27 +6,27 @@ use ncfix_machine::snc::Origin;
 
 use super::step::ComparedMove;
 
-/// Ends of axes that differ by less are no sign of another move, mm and rad: corrections do that.
+/// Axis difference at an end below which it does not indicate another move, mm and rad: corrections may cause it.
 const OTHER_END: f64 = 0.1;
 
-/// A place at which the programs part.
+/// A place at which the programs diverge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parting {
     /// The move of the original.
     pub original: Origin,
-    /// The line of the corrected program; `None` where that has ended.
+    /// The line of the corrected program; `None` if that program has ended.
     pub corrected: Option<Origin>,
-    /// What that line does, or what the corrected program does.
+    /// Description of that line, or of the corrected program.
     why: String,
 }
 
 impl Parting {
-    /// Where there is no line of the corrected program.
+    /// A divergence without a line of the corrected program.
     pub(super) fn alone(step: &ComparedMove, why: &str) -> Parting {
         Parting { original: step.origin, corrected: None, why: why.to_owned() }
     }
 
-    /// At a piece; `words` are the ends of the move and of the piece as programs write them. `is_new` where the piece behind it ends the move.
+    /// A divergence at a piece; `words` are the ends of the move and of the piece as written. `is_new` if the next piece ends the move.
     pub(super) fn at(
         step: &ComparedMove,
         piece: &ComparedMove,
@@ -51,12 +51,12 @@ impl Parting {
         Parting { original: step.origin, corrected: Some(piece.origin), why }
     }
 
-    /// The piece ends the next move of the original.
+    /// Adds that the piece ends the next move of the original.
     pub(super) fn lacks_a_move(&mut self) {
         self.why.push_str("; this move may be missing, as that line ends the next one");
     }
 
-    /// A finding in the original, with what the line of the corrected program is called.
+    /// A diagnostic in the original; `line` names the line of the corrected program.
     #[must_use]
     pub fn diagnostic(&self, line: impl FnOnce(&Origin) -> String) -> Diagnostic {
         let place = Place { file: self.original.file, span: self.original.span };

@@ -1,25 +1,25 @@
-//! What a correction promises of the program that it writes, for those who compare it with its source.
+//! The promise of a correction about the program that it writes, for comparisons with the source.
 
 use super::super::{FiveAxis, Options, Rapids, Rotary, Subdivision};
 
-/// See above.
+/// The promise of a correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Promise {
     /// The largest deviation of a piece from its exactly corrected path, mm.
     pub tolerance_mm: f64,
-    /// The increment of the coordinates, where it is not that of the machine file, mm.
+    /// The increment of the coordinates, if it differs from that of the machine file, mm.
     pub increment_mm: Option<f64>,
-    /// Whether moves were cut at fixed steps: then the ends of pieces keep the tolerance, and what lies between need not.
+    /// `true` if moves were cut at fixed steps: the ends of pieces then keep the tolerance, the path between them may not.
     pub is_stepped: bool,
-    /// Whether rapid moves stayed as they were.
+    /// `true` if rapid moves stayed unchanged.
     pub leaves_rapids: bool,
-    /// Whether feeds were lowered.
+    /// `true` if feeds were lowered.
     pub limits_feed: bool,
-    /// Whether positions of the axes are written instead of those of the tip.
+    /// `true` if axis positions are written instead of tip positions.
     pub in_axes: bool,
-    /// Whether the control compensates the radius of tools again, by their wear.
+    /// `true` if the control again compensates tool radii, by their wear.
     pub keeps_wear: bool,
-    /// Whether all rotary axes take part, so that the words of others are those beside a corrected angle even where that is not written.
+    /// `true` if all rotary axes participate: words of other axes then refer to a corrected angle even if that angle is not written.
     pub corrects_rotary: bool,
 }
 
@@ -30,7 +30,7 @@ impl Default for Promise {
 }
 
 impl Promise {
-    /// What a correction with these options promises.
+    /// The promise of a correction with these options.
     #[must_use]
     pub fn of(options: &Options) -> Promise {
         Promise {

@@ -1,9 +1,9 @@
-//! Texts that say the same.
+//! Equality of texts.
 
-/// Numbers that differ by less are one number: of a whole, or by themselves where they are below one.
+/// Relative tolerance of equal numbers, absolute below one.
 const SAME_NUMBER: f64 = 1e-6;
 
-/// Whether two texts are the same but for blanks, capitals and the way numbers are written.
+/// `true` if two texts are equal except for blanks, capitals and number formats.
 pub(super) fn is_same_text(one: &str, other: &str) -> bool {
     let mut sides = [Pieces(one), Pieces(other)];
     loop {
@@ -21,7 +21,7 @@ pub(super) fn is_same_text(one: &str, other: &str) -> bool {
     }
 }
 
-/// A number, or any other character but a blank.
+/// A number, or any other character except blanks.
 enum Piece {
     Number(f64),
     Sign(char),

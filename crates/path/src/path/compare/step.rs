@@ -1,4 +1,4 @@
-//! The moves of a program, one by one, with what has been stated before each.
+//! The moves of a program, one by one, with the state before each.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -15,11 +15,11 @@ use ncfix_machine::machine::{Kinematics, Machine};
 use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, Manner, Origin, Setup, WordValue};
 use ncfix_model::DeadBand;
 
-/// Share of a move over which the direction at its end is looked at.
+/// Share of a move at its end that determines its final direction.
 const NEAR_END: f64 = 1e-4;
-/// mm per rad where directions of rotary axes count beside those of linear ones.
+/// Weight of rotary axes in directions, mm per rad.
 const TURN_ARM_MM: f64 = 100.0;
-/// The cosine of the angle up to which pieces of a curve go on in one direction: 60°; the chords of curves turn by far less, reversals and corners by more.
+/// Cosine of the largest angle between pieces of a curve: 60°. Chords of curves turn by far less, reversals and corners by more.
 const SAME_WAY: f64 = 0.5;
 
 /// A move of one of the programs.
@@ -29,51 +29,51 @@ pub(super) struct ComparedMove {
     pub(super) route: Route,
     pub(super) rapid: bool,
     pub(super) feed: f64,
-    /// What it counts.
+    /// Unit of the feed.
     pub(super) unit: FeedUnit,
-    /// For which way it is.
+    /// The path to which the feed refers.
     pub(super) feeds: Feeds,
-    /// What the coordinates of the program mean.
+    /// Meaning of the program's coordinates.
     pub(super) setup: Arc<Setup>,
-    /// Written as machine coordinates.
+    /// `true` if written in machine coordinates.
     pub(super) in_machine_frame: bool,
     pub(super) tool_mm: Vector,
-    /// The tool word that stands above it.
+    /// The active tool word.
     pub(super) tool: Option<Arc<WordValue>>,
-    /// Where the axes are within their dead bands before the move.
+    /// Positions of the axes in their dead bands before the move.
     pub(super) band: DeadBand,
     /// Axes that were stated before it.
     pub(super) stated: AxisSet,
     pub(super) is_counted: bool,
-    /// Whether it is marked as a further piece of the move above it.
+    /// `true` if marked as a further piece of the move above it.
     pub(super) continues: bool,
-    /// Whether it is marked as a step on the spot.
+    /// `true` if marked as a step on the spot.
     pub(super) on_the_spot: bool,
-    /// How the control carries it out.
+    /// Motion mode.
     pub(super) manner: Manner,
-    /// How far the way that the program asks for may be off it, mm.
+    /// Largest distance between the programmed path and this one, mm.
     pub(super) off_curve_mm: f64,
-    /// What is done between the move before it and this one.
+    /// Acts between the previous move and this one.
     pub(super) acts: Vec<Act>,
-    /// How its end is passed.
+    /// Stop at its end.
     pub(super) passing: Passing,
-    /// The number of its block, on the first move of that.
+    /// The number of its block, on the first move of the block.
     pub(super) number: Option<BlockNumber>,
-    /// The word of the five-axis transformation in force, empty where there is none.
+    /// The word of the active five-axis transformation; empty if there is none.
     pub(super) transformation: &'static str,
 }
 
 impl ComparedMove {
-    /// Where the axes are within their dead bands at a parameter.
+    /// Positions of the axes in their dead bands at a parameter.
     pub(super) fn band_at(&self, parameter: f64, lead: &Lead<'_>) -> DeadBand {
         let mut band = self.band;
         lead.along(&mut band, &self.route, self.stated, [0.0, parameter]);
         band
     }
 
-    /// An axis command as this program would write it here: coordinates of the frame in force, of the tip in the workpiece under a transformation.
+    /// An axis command as this program would write it here: coordinates of the active frame; under a transformation, of the tip in the workpiece.
     pub(super) fn programmed(&self, command: &AxisVector, kinematics: &Kinematics) -> AxisVector {
-        // Under a transformation the block brings a bare frame of its own, and its words are those of the tip all the same.
+        // Under a transformation the block has a bare frame, but its words are those of the tip.
         if self.in_machine_frame && self.setup.transform.is_none() {
             let mut out = *command;
             out.set_xyz(out.xyz() + self.setup.tool_mm);
@@ -84,12 +84,12 @@ impl ComparedMove {
         self.setup.programmed(&position)
     }
 
-    /// Whether its end only is at its place: a thread and a positioning axis are not cut.
+    /// `true` if only its end must be at its place: a thread and a positioning axis are not cut.
     pub(super) fn is_uncut(&self) -> bool {
         self.manner != Manner::Path
     }
 
-    /// The axis command of what this program would write: the other way round than [`ComparedMove::programmed`]; `None` where the machine cannot go there.
+    /// The axis command for the words of this program, the inverse of [`ComparedMove::programmed`]; `None` if the machine cannot reach it.
     pub(super) fn commanded(&self, words: &AxisVector, kinematics: &Kinematics) -> Option<AxisVector> {
         if self.in_machine_frame && self.setup.transform.is_none() {
             let mut out = *words;
@@ -104,8 +104,7 @@ impl ComparedMove {
         }
     }
 
-    /// Whether the control goes on from it into a move of the same block in its direction, as the pieces of a curve follow each other: no exact stop
-    /// stands between them.
+    /// `true` if the control passes without exact stop into a move of the same block in the same direction, as between the pieces of a curve.
     pub(super) fn runs_into(&self, next: &ComparedMove) -> bool {
         let way = |route: &Route, [from, to]: [f64; 2]| {
             let step = route.at(to) - route.at(from);
@@ -134,7 +133,7 @@ pub(super) struct Walk<'a, I> {
     ever_named: AxisSet,
     continues: bool,
     on_the_spot: bool,
-    /// The block has moved already.
+    /// `true` if the block has moved already.
     has_moved: bool,
     acts: Acts,
     passing: Passing,
@@ -143,7 +142,7 @@ pub(super) struct Walk<'a, I> {
     tail: Tail,
 }
 
-/// What is done behind the last move, when that has been reached.
+/// Acts after the last move, complete at the end of the walk.
 pub(super) type Tail = Rc<RefCell<Vec<Act>>>;
 
 impl<'a, I> Walk<'a, I> {
@@ -165,14 +164,14 @@ impl<'a, I> Walk<'a, I> {
             on_the_spot: false,
             has_moved: false,
             acts: Acts::default(),
-            passing: Passing::default(),
+            passing: Passing::of(machine),
             number: None,
             transformation: "",
             tail: Tail::default(),
         }
     }
 
-    /// What is done behind the last move; complete when the walk has ended.
+    /// Acts after the last move; complete when the walk has ended.
     pub(super) fn tail(&self) -> Tail {
         Rc::clone(&self.tail)
     }
@@ -187,14 +186,14 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 self.tail.borrow_mut().append(&mut self.acts.0);
                 return None;
             };
-            self.acts.see(&element, self.machine);
+            self.acts.see(&element, self.machine, &self.passing);
             self.passing.see(&element);
             if element.starts_block {
-                // A mark belongs to its own line, which may move nothing.
+                // A mark belongs to its own line, which may contain no motion.
                 self.continues = false;
                 self.on_the_spot = false;
                 self.has_moved = false;
-                // A further line of a block has none, and is no other block.
+                // A further line of a block has no number but belongs to the same block.
                 self.number = element.number.or(self.number);
             }
             let lost = lost_axes(&element, self.machine);
@@ -244,7 +243,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 stated: self.known,
                 is_counted: motion.named.difference(self.known).is_empty()
                     && self.ever_named.difference(motion.known).is_empty(),
-                // What one block becomes when it is executed belongs together.
+                // The moves of one executed block belong together.
                 continues: std::mem::take(&mut self.continues) | std::mem::replace(&mut self.has_moved, true),
                 on_the_spot: std::mem::take(&mut self.on_the_spot),
                 manner: motion.manner,

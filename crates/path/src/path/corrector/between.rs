@@ -1,4 +1,4 @@
-//! What stands between moves: words, frames, tool changes.
+//! Elements between moves: words, frames, tool changes.
 
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ where
         self.pending.push_back(Ok(Output::Element(element)));
     }
 
-    /// A tool change, or something that is not in the stream, moves axes: where they stand is unknown behind it.
+    /// Marks the positions of axes as unknown, after a tool change or motion outside the stream.
     fn forget(&mut self, axes: AxisSet) {
         self.standing.known = self.standing.known.difference(axes);
         self.standing.written = self.standing.written.difference(axes);
@@ -44,7 +44,7 @@ where
         self.standing.nominal_band.forget(axes);
     }
 
-    /// From here on coordinates mean something else; the machine stands where it stood.
+    /// Changes the meaning of coordinates; the machine stays.
     fn set_up(&mut self, setup: Arc<Setup>) {
         let standing = &mut self.standing;
         standing.is_doubtful |= setup.tool_mm != self.placer.setup.tool_mm;

@@ -1,4 +1,4 @@
-//! What a move may move: axes that are clamped, rotary axes that do not take part, rapid moves that are no approach to a cut.
+//! Axes that a move may move: clamped axes, rotary axes that do not participate, and rapid moves that are not an approach to a cut.
 
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{Axis, AxisSet};
@@ -11,7 +11,7 @@ use crate::path::ahead::Next;
 use crate::path::place::SHORT_MM;
 use crate::path::treatment::Treatment;
 
-/// The clamps of the axes, and which of them are closed.
+/// The clamps of the axes, and their states (closed or open).
 #[derive(Clone, Debug)]
 pub(super) struct Clamps {
     all: Vec<(Axis, Clamp, bool)>,
@@ -19,7 +19,7 @@ pub(super) struct Clamps {
 }
 
 impl Clamps {
-    /// Those of a machine, all open.
+    /// The clamps of a machine, all open.
     pub(super) fn new(machine: &Machine) -> Clamps {
         let of_axis = |data: &ncfix_machine::machine::AxisData| {
             let axis = data.axis;
@@ -28,7 +28,7 @@ impl Clamps {
         Clamps { all: machine.axes.iter().flatten().flat_map(of_axis).collect(), closed: AxisSet::EMPTY }
     }
 
-    /// Takes M codes in.
+    /// Updates the clamps with M codes.
     pub(super) fn note(&mut self, words: &[Word]) {
         if self.all.is_empty() {
             return;
@@ -56,7 +56,7 @@ impl<I> Corrector<'_, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
-    /// What is done with a rapid move that moves these axes of the output; `approach` where it leads to a cut.
+    /// Treatment of a rapid move that moves these output axes; `approach` is the treatment if it leads to a cut.
     pub(super) fn treatment_of_rapid(&mut self, motion: &Move, approach: Treatment, moving: AxisSet) -> Treatment {
         if motion.in_machine_frame || motion.manner == Manner::Reference || approach == Treatment::Programmed {
             return Treatment::Programmed;
@@ -71,8 +71,7 @@ where
         }
     }
 
-    /// Which axes the next move must leave where they stand: those that are clamped, and rotary ones that take no part, unless the program
-    /// moves them.
+    /// Fixes axes that the next move must not move: those that are clamped, and rotary axes that do not participate, unless the program moves them.
     pub(super) fn fix(&mut self, motion: &Move, moving: AxisSet) {
         if self.placer.has_rotary {
             let turning = match self.options.rotary {

@@ -1,7 +1,7 @@
-//! Approaches that settle on which side of its dead band an axis is.
+//! Approaches that determine the side of the dead band of an axis.
 //!
-//! A rapid move goes beyond its end by the lost motion and a quarter of it, and comes back. The tool axis does so away from the workpiece. An axis
-//! across the tool does so only where the next move goes down along the tool: there the tool is above the place that it cuts.
+//! A rapid move exceeds its end by the lost motion and a quarter of it, and returns. The tool axis does so away from the workpiece. An axis across
+//! the tool does so only if the next move descends along the tool: the tool is then above the place that it cuts.
 
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
@@ -16,44 +16,44 @@ use crate::path::route::Route;
 use crate::path::treatment::Treatment;
 use crate::path::trial::Trial;
 
-/// An axis that lifts the tool by more than this share of its way goes along the tool, one that lifts it by less than the other across.
+/// An axis that lifts the tool by more than `ALONG` of its path is along the tool, one below `ACROSS` is across it.
 const ALONG: f64 = 0.99;
 const ACROSS: f64 = 0.01;
-/// Steps of a piece at whose ends a side that is unknown is looked at.
+/// Number of intervals of a piece at whose ends an unknown side is examined.
 const UNKNOWN_PLACES: u32 = 8;
 
-/// Directions of the tool nearer than this are one, rad, and heights nearer than this, mm.
+/// Tolerance of equal tool directions, rad, and of equal heights, mm.
 const SAME: f64 = 1e-6;
 
-/// The highest place at which the tool has cut so far, along the tool: above it nothing stands that was cut free on the side of a place.
+/// The highest place along the tool that was cut so far: above it there is no material beside a cut.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cut {
-    /// From the tip to the spindle, in the workpiece; `None` before the first cut.
+    /// Direction from the tip to the spindle, in the workpiece; `None` before the first cut.
     direction: Option<Vector>,
-    /// Along it, mm; infinite where the tool has cut in several directions.
+    /// Height along it, mm; infinite if the tool has cut in several directions.
     top_mm: f64,
 }
 
-/// Where the axes are within their dead bands on a piece.
+/// Positions of the axes in their dead bands on a piece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bands {
     pub(super) start: DeadBand,
     pub(super) end: DeadBand,
-    /// Axes of whose motion the sense is known.
+    /// Axes with a known direction of motion.
     pub(super) sensed: AxisSet,
-    /// All axes go on the sides for which they were placed.
+    /// `true` if all axes are on the sides for which they were placed.
     pub(super) are_led: bool,
 }
 
 impl Active {
-    /// The way on which the tool may be early or late at a parameter: at its end it must be there.
+    /// The path on which the tool may lag at a parameter; `None` at its end, where it must have arrived.
     pub(super) fn way_at(&self, parameter: f64) -> Option<(&Route, f64)> {
         (parameter < 1.0).then_some((&self.route, parameter))
     }
 }
 
 impl Bands {
-    /// At a share of the piece.
+    /// The state at a share of the piece.
     pub(super) fn at(&self, lead: &Lead<'_>, trial: &Trial, share: f64) -> DeadBand {
         let mut band = self.start;
         lead.along(&mut band, &trial.emitted, self.sensed, [0.0, share]);
@@ -65,13 +65,13 @@ impl<I> Corrector<'_, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
-    /// Where the axes are within their dead bands behind a way on which none turns.
+    /// Dead-band state after a path on which no axis reverses.
     pub(super) fn led(&self, mut band: DeadBand, from: &AxisVector, to: &AxisVector) -> DeadBand {
         self.lead.along(&mut band, &Route::new(*from, *to, None), self.standing.sensed, [0.0, 1.0]);
         band
     }
 
-    /// What a piece does to them; `stated` are the axes whose places are known behind a step before it.
+    /// Effect of a piece on the dead bands; `stated` are the axes with known positions after a step before it.
     pub(super) fn bands(&self, trial: &Trial, stated: AxisSet) -> Bands {
         let mut start = self.standing.band;
         let mut sensed = self.standing.sensed;
@@ -90,7 +90,7 @@ where
         Bands { start, end, sensed, are_led }
     }
 
-    /// Points at axes that cut while nobody knows from which side they came to their places, if their backlash matters.
+    /// Reports cutting axes whose approach direction is unknown, if their backlash matters.
     pub(super) fn check_sense(&mut self, active: &Active, bands: &Bands, trial: &Trial) {
         if bands.are_led || active.motion.rapid {
             return;
@@ -114,7 +114,7 @@ where
         }
     }
 
-    /// Notes how high a move cuts.
+    /// Records the height of a cut.
     pub(super) fn note_cut(&mut self, motion: &Move) {
         if self.sampler.backlash.is_empty() || motion.rapid {
             return;
@@ -132,7 +132,7 @@ where
         }
     }
 
-    /// By how much an arc may rise along the tool beside its ends, mm: by its diameter, as far as its plane leans.
+    /// Largest rise of an arc along the tool above its ends, mm: its diameter, times the inclination of its plane.
     fn rise_mm(&self, route: &Route, command: &AxisVector) -> f64 {
         let Some(arc) = route.arc() else { return 0.0 };
         let [abscissa, ordinate, _] = arc.plane.axes();
@@ -140,21 +140,21 @@ where
         2.0 * route.radius_mm() * one.hypot(other)
     }
 
-    /// By how much a millimeter of an axis lifts the tool, mm.
+    /// Rise of the tool per millimeter of an axis, mm.
     fn rise_of(&self, axis: Axis, command: &AxisVector) -> f64 {
         let mut further = *command;
         further[axis] += 1.0;
         self.placer.height_mm(command, &further)
     }
 
-    /// Whether the tool is at least as high as at all places where it has cut so far.
+    /// `true` if the tool is at least as high as at all places that it has cut so far.
     fn is_above_cuts(&self, command: &AxisVector) -> bool {
         let (direction, height_mm) = self.placer.height_at(command);
         self.cut.direction.is_none_or(|before| (before - direction).norm() < SAME && height_mm > self.cut.top_mm - SAME)
     }
 
-    /// In which sense axes shall come to the end of a rapid move, by slot; 0 for those that are known, or for which there is no room. `moving`
-    /// are the axes that the move moves.
+    /// Directions in which axes should reach the end of a rapid move, by slot; 0 if known already, or without room. `moving` are the axes that the
+    /// move moves.
     pub(super) fn settling(&mut self, motion: &Move, treatment: Treatment, moving: AxisSet) -> [i8; AXIS_COUNT] {
         let mut settled = [0; AXIS_COUNT];
         let is_end = matches!(treatment, Treatment::Named | Treatment::End);
@@ -170,8 +170,8 @@ where
         if open.is_empty() {
             return settled;
         }
-        // Where the program has not stated the height, the tool is where it was changed or where a person left it. If the next move goes along the tool,
-        // it goes to the work.
+        // If the program has not stated the height, the tool is at the change position or where an operator left it. If the next move is along the
+        // tool, it leads to the workpiece.
         let is_height_known = AxisSet::XYZ
             .iter()
             .all(|axis| motion.known.contains(axis) || self.rise_of(axis, &motion.target).abs() < ACROSS);
@@ -204,12 +204,12 @@ where
         settled
     }
 
-    /// How far an overshoot leads, mm.
+    /// Length of an overshoot, mm.
     fn beyond_mm(&self, axis: Axis, command: &AxisVector) -> f64 {
         self.lead.beyond_mm(axis, command, self.placer.increments.linear_mm)
     }
 
-    /// Whether the travel of an axis allows a step beyond a place, its correction included.
+    /// `true` if the travel of an axis allows a step beyond a place, including its correction.
     fn has_room(&self, axis: Axis, command: f64, step_mm: f64) -> bool {
         let reach = command + step_mm + self.options.max_correction_mm * step_mm.signum();
         let travel = self.machine.axis(axis).and_then(|data| data.travel);
@@ -217,7 +217,7 @@ where
             && travel.is_none_or(|[low, high]| (low..=high).contains(&reach))
     }
 
-    /// Puts the place beyond the end before it, where axes shall come to it in a known sense.
+    /// Adds the overshoot position before the end, for axes that should reach it in a known direction.
     pub(super) fn overshoot(&self, active: &Active, trial: &mut Trial) {
         if active.settled == [0; AXIS_COUNT] || trial.between[1] < 1.0 || trial.end.failure.is_some() {
             return;

@@ -1,12 +1,12 @@
-//! How long the pieces of moves take that turn rotary axes.
+//! The duration of pieces of moves that turn rotary axes.
 //!
-//! Most controls take F for the way of X, Y and Z and let rotary axes keep up; only where nothing else moves, F is theirs. The correction
-//! of a block that turns an axis alone moves X, Y, Z by micrometers: F would be the speed on these, and the axis would turn as fast as
-//! it can. Such blocks say how long they take instead (G93), and the next one that does not says again that F is a feed (G94). Both stand in the
-//! line with which a block begins, so that what acts in that block alone stays with its motion. A short way beside a turn, and what
-//! comes up within a block, gets the F that takes the same time.
+//! On most controls F refers to the path of X, Y and Z, and rotary axes keep pace; if nothing else moves, F refers to the rotary axes. The correction
+//! of a block that turns only an axis moves X, Y, Z by micrometers. F would then be the speed of these micrometers, and the axis would turn as fast
+//! as it can. Such blocks state their duration instead (G93), and the next other block returns to a feed (G94). Both are in the line with which a
+//! block begins, so that words for that block alone stay with its motion. A short path during a turn, and changes within a block, get the F value
+//! that yields the same duration.
 //!
-//! Which way counts: [`crate::path::way`].
+//! The feed path: [`crate::path::way`].
 
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AxisVector, ROTARY_AXES};
@@ -18,34 +18,34 @@ use crate::path::place::{Placer, SHORT_MM};
 use crate::path::route::Route;
 use crate::path::{Feeds, Output, way};
 
-/// Times that differ by less than this part are the same.
+/// Relative difference below which durations are equal.
 const SAME_SHARE: f64 = 0.05;
-/// Ways that differ by less than so many increments are the same: rounding changes them by two.
+/// Paths that differ by fewer increments are equal: rounding changes them by up to two.
 const SAME_INCREMENTS: f64 = 3.0;
-/// The time of a move whose feed the correction may change.
+/// The duration of a move whose feed path the correction may change.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pacing {
-    /// As the program has it, min, or turns of the spindle.
+    /// Programmed duration, min, or turns of the spindle.
     minutes: f64,
-    /// Nothing but rotary axes moves in the program.
+    /// `true` if only rotary axes move in the program.
     is_turn: bool,
 }
 
-/// M functions that end a program, and that go back to the one that has called.
+/// M functions that end a program, and that return to the caller.
 const ENDS: [f64; 2] = [2.0, 30.0];
 const RETURNS: [f64; 2] = [17.0, 99.0];
 
-/// What F counts, in the program and in the output.
+/// The feed mode of the program and of the output.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
     is_per_minute: bool,
-    /// The program has put rotary axes among those for whose way the feed is (FGROUP): it stays that with a correction.
+    /// `true` if the program has added rotary axes to the feed path (FGROUP); the correction does not change that.
     pub(super) counts_turns: bool,
-    /// Since when the output says how long blocks take, where the program says how fast they are.
+    /// Origin since which the output states durations while the program states feeds.
     by_time: Option<Origin>,
-    /// No piece of the block has been written yet.
+    /// `true` if no piece of the block has been written yet.
     is_fresh: bool,
-    /// The last feed of the program itself, 0 for none.
+    /// The last programmed feed; 0 if none.
     feed: f64,
 }
 
@@ -56,18 +56,18 @@ impl Default for Pace {
 }
 
 impl Placer<'_> {
-    /// The way between two commands for which a control takes a feed: mm or degrees.
+    /// The feed path between two commands: mm or degrees.
     fn counted(&self, feeds: Feeds, start: &AxisVector, end: &AxisVector) -> f64 {
         way::counted(feeds, self.is_transformed(), [&self.programmed(start), &self.programmed(end)])
     }
 
-    /// Whether a feed is for the way of X, Y, Z between two commands, whatever turns beside it.
+    /// `true` if a feed refers to the path of X, Y, Z between two commands, even if rotary axes turn.
     fn takes_feed(&self, feeds: Feeds, start: &AxisVector, end: &AxisVector) -> bool {
         let [start, end] = [start, end].map(|command| self.programmed(command).xyz());
         (feeds != Feeds::OfAll || self.is_transformed()) && (end - start).norm() > SHORT_MM
     }
 
-    /// The time of a whole move at a feed, where the correction may change for which way its feed is.
+    /// The duration of a whole move at a feed, if the correction may change its feed path.
     pub(super) fn pacing(&self, feeds: Feeds, route: &Route, motion: &Move, feed: f64) -> Option<Pacing> {
         let has_feed = !motion.rapid && feed > 0.0 && !motion.is_inverse_time() && motion.manner == Manner::Path;
         if !self.has_rotary || !has_feed || route.arc().is_some() {
@@ -84,8 +84,8 @@ impl<I> Corrector<'_, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
-    /// The feed of a piece between two commands that takes this share of the time of its move, and what it counts. What
-    /// changes between the two waits in the queue then. A step on the spot has no share of the way, and keeps the feed where that is one.
+    /// The feed of a piece between two commands for its share of the move duration, and the feed unit. A change of the unit is queued. A step on the
+    /// spot has no share of the path and keeps the feed.
     pub(super) fn feed_of(
         &mut self,
         active: &mut Active,
@@ -114,7 +114,7 @@ where
                 self.findings.feed_of_another_way(&origin);
                 return (feed, unit);
             }
-            // What comes behind a first piece that is not off, as a step on the spot, will be.
+            // A piece after an unaffected first piece, such as a step on the spot, will be affected.
             let is_taken = is_off || self.placer.takes_feed(self.options.feeds, start, end);
             if is_begun || is_taken && is_turn && is_fresh && has_times {
                 if !is_begun && self.pace.by_time.is_none() {
@@ -124,7 +124,7 @@ where
                 return (of_share(minutes.recip(), share), FeedUnit::InverseTime);
             }
             if is_off && !is_on_the_spot && way > 0.0 && wanted > 0.0 && self.leave_pace(active, is_fresh) {
-                // To parts of a millionth, but never to none.
+                // Rounded to a millionth, but never to zero.
                 return (((feed * way / wanted * 1e6).ceil() / 1e6).min(MOST_FEED), unit);
             }
         }
@@ -132,7 +132,7 @@ where
         (feed, unit)
     }
 
-    /// From this piece on F is a feed. Only a line with which a block begins can say that; false where it is none.
+    /// Returns to feed mode from this piece on. Only the first line of a block can do that; `false` for another line.
     fn leave_pace(&mut self, active: &mut Active, is_fresh: bool) -> bool {
         if self.pace.by_time.is_none() {
             return true;
@@ -145,7 +145,7 @@ where
         is_fresh
     }
 
-    /// Says in the line with which the block of a move begins what F is.
+    /// Writes the change of the feed mode in the first line of a move's block.
     fn change_pace(&mut self, active: &mut Active, is_by_time: bool) {
         let (number, starts_block) = (active.number.take(), std::mem::take(&mut active.starts_block));
         self.say_pace(Element { origin: active.origin, starts_block, number, kind: Kind::Empty }, is_by_time);
@@ -157,7 +157,7 @@ where
         self.pending.push_back(Ok(Output::Element(Element { kind, ..element })));
     }
 
-    /// Before a block whose words need it F is what the program says it is.
+    /// Restores the programmed feed mode before a block whose words need it.
     pub(super) fn keep_pace(&mut self, element: &Element) {
         self.pace.is_fresh |= element.starts_block;
         let has_m = |words: &[Word], codes: &[f64]| {
@@ -172,7 +172,7 @@ where
         };
         if needs_feed && element.starts_block && self.pace.by_time.is_some() {
             self.say_pace(Element { number: None, kind: Kind::Empty, ..element.clone() }, false);
-            // The word that follows, or the program that calls, finds the feed of the program.
+            // The next word, or the calling program, then finds the programmed feed.
             if !matches!(element.kind, Kind::Feed(_)) && self.pace.feed > 0.0 {
                 let kind = Kind::Feed(self.pace.feed);
                 let said = Element { number: None, starts_block: false, kind, ..element.clone() };
@@ -184,7 +184,7 @@ where
                 self.pace.is_per_minute = *word == "G94";
                 self.pace.by_time = None;
             }
-            // The end of the program is the end of its modes.
+            // Modes end with the program.
             Kind::Before(words) | Kind::After(words) if has_m(words, &ENDS) => self.pace.by_time = None,
             Kind::Verbatim(text) => {
                 if let Some(counts_turns) = way::counts_turns(text, self.machine) {
@@ -195,7 +195,7 @@ where
         }
     }
 
-    /// The same behind the last element; whether there was anything to say.
+    /// Restores the feed mode after the last element. Returns `true` if that was needed.
     pub(super) fn end_pace(&mut self) -> bool {
         let since = self.pace.by_time;
         if let Some(origin) = since {

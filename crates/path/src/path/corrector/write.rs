@@ -1,4 +1,4 @@
-//! Makes pieces for the output of those that were tried, and samples the error along them.
+//! Converts candidates into output pieces, and samples the error along them.
 
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
@@ -17,8 +17,8 @@ impl<I> Corrector<'_, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
-    /// A piece for the output: of a trial, or a step on the spot; with its share of the time of the move, and the commands that the program asks
-    /// for at its end. `None` where it is shorter than an increment.
+    /// Creates an output piece from a candidate or a step on the spot, with its share of the move duration and the nominal commands at its end.
+    /// `None` if it is shorter than an increment.
     pub(super) fn write(
         &mut self,
         active: &mut Active,
@@ -31,7 +31,7 @@ where
         let motion = &active.motion;
         let first = std::mem::take(&mut active.is_first);
         let mut words = if first { motion.named } else { AxisSet::EMPTY };
-        // The others stay, and what is not written yet is written by a later move.
+        // The other axes stay; unwritten positions are written by a later move.
         let others_stay = active.treatment.leaves_others();
         if others_stay {
             let changes = |axis: &Axis| placed.counts[axis.slot()] != standing.counts[axis.slot()];
@@ -50,7 +50,7 @@ where
         standing.counts = placed.counts;
         standing.command = placed.command;
         standing.written = if others_stay { standing.written.union(active.moving) } else { motion.known };
-        // A step on the spot takes time of its own.
+        // A step on the spot takes additional time.
         let share = if trial.is_some() { share + std::mem::take(&mut active.unwritten) } else { share };
         if words.is_empty() && arc.is_none() && !first && !is_last {
             if trial.is_some() {
@@ -91,14 +91,14 @@ where
         let [from, to] = trial.between;
         let size_mm = active.route.size_mm() * (to - from);
         let (rapid, sample_mm) = (active.motion.rapid, self.options.sample_mm);
-        // What is written is a chord of the way that the program asks for.
+        // The written path is a chord of the programmed path.
         let chord_mm = active.motion.off_curve_mm;
         let (lead, placer) = (&self.lead, &self.placer);
         let tool_mm = &placer.setup.tool_mm;
         let off_at = |share: f64| {
             let at = trial.parameter(share);
             let (nominal, command) = (active.route.at(at), trial.emitted.at(share));
-            // Where the axes move on as they were placed, the errors depend on nothing else.
+            // If the axes continue as placed, the errors depend on nothing else.
             if bands.are_led {
                 return [placer.tip_error_mm(&nominal, &command, &trial.state()); 2];
             }
@@ -142,7 +142,7 @@ where
         }
         let [most_mm, nearest_mm] = largest;
         self.prediction.note_after(rapid, most_mm + chord_mm, &active.origin);
-        // Bodies that the rounding of their commands leaves within their dead bands were placed for where they are not.
+        // Rounding may leave bodies within their dead bands, away from the side for which they were placed.
         let tolerance_mm = self.options.tolerance_mm;
         if !bands.are_led && !rapid && nearest_mm > placer.increments.allowed_mm(tolerance_mm) {
             let is_cut = active.motion.manner == Manner::Path;

@@ -1,54 +1,54 @@
-//! Grbl: what went out and was answered, held against what the control says of its buffers.
+//! Grbl: compares the sent and answered bytes with the buffer state that the control reports.
 //!
-//! Everything comes in the order in which the control says it: at a report, all answers that it had given were heard, and all bytes that had left before
-//! the question had reached it. So of the bytes that are not answered its buffer has at most all, and at least all but one line, which it reads. Where
-//! this does not hold an answer came twice, or some are missing: it was reset, or the line is disturbed.
+//! Everything arrives in the order in which the control says it. When a report arrives, all earlier answers have been heard. All bytes that had left before
+//! the question have reached the control. So its buffer holds at most all unanswered bytes, and at least all but one line, which it is reading. If this does
+//! not hold, an answer came twice or answers are missing: the control was reset, or the line is disturbed.
 
 use std::collections::VecDeque;
 
 use super::status::GrblReport;
 
-/// So many answers too many, until the control is asked next, do not make its buffer overflow.
+/// Number of surplus answers until the next report that do not make the buffer overflow.
 pub(super) const SURPLUS: usize = 2;
-/// A buffer of so many bytes is reported with one less by grblHAL, which keeps one place free.
+/// grblHAL reports a buffer one byte smaller, because it keeps one place free.
 const PLACE: usize = 1;
-/// The control is asked so often without answers that must have come: some of these reports may be older than the question, where it reports by itself.
+/// Number of questions while due answers are missing. Some of the reports may be older than the question, if the control also reports unasked.
 const MOST_DOUBTS: u32 = 5;
 
-/// What a report says of the count of answers.
+/// Verdict of a report on the count of answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CountVerdict {
-    /// It does not say what its buffers hold.
+    /// The report does not contain the buffer state.
     Silent,
     Fits,
-    /// Answers are missing, perhaps: nothing more goes out before it is known.
+    /// Answers may be missing: nothing more is sent until this is clear.
     Doubt,
     Missing,
     Surplus,
 }
 
-/// Bytes and lines that went out and were answered.
+/// Bytes and lines that were sent and answered.
 #[derive(Debug, Default)]
 pub(super) struct Counts {
-    /// Free bytes of an empty buffer: the most that was told.
+    /// Free bytes of an empty buffer: the largest number reported.
     bytes: usize,
-    /// Bytes of lines that went out, or are to, and of those that were answered.
+    /// Bytes of lines that were sent or queued, and bytes of those that were answered.
     sent: u64,
     answered: u64,
-    /// Bytes that were gone when the control was asked last.
+    /// Bytes that had left when the control was last asked.
     gone: u64,
-    /// The same of the question before.
+    /// Bytes that had left at the question before.
     gone_before: u64,
     doubts: u32,
-    /// Lines that went out and were not seen to have been taken, and the byte behind each.
+    /// Lines that were sent and not yet known to be taken, each with the position of its end in bytes.
     lines: VecDeque<(u64, u64)>,
-    /// The last line that has left its buffer: it may wait before the planner; and the one before it, which does not.
+    /// Last line that has left the buffer, which may still wait before the planner; and the line before it, which does not.
     read: u64,
     taken: u64,
 }
 
 impl Counts {
-    /// What `[OPT:…]` says of the receive buffer, bytes.
+    /// Notes the size of the receive buffer from `[OPT:…]`, bytes.
     pub(super) fn has(&mut self, bytes: usize) {
         self.bytes = self.bytes.max(bytes.saturating_sub(PLACE));
     }
@@ -62,28 +62,28 @@ impl Counts {
         self.answered += bytes as u64;
     }
 
-    /// The control is asked; so many bytes of lines have not left.
+    /// Notes that the control is asked. `waiting` bytes of lines have not left.
     pub(super) fn ask(&mut self, waiting: usize) {
         self.gone_before = self.gone;
         self.gone = self.sent.saturating_sub(waiting as u64);
     }
 
-    /// What is free in an empty buffer is the most that was ever free.
+    /// Notes the free bytes; the largest number ever free is the size of the buffer.
     pub(super) fn see(&mut self, status: &GrblReport) {
         self.bytes = self.bytes.max(status.free_bytes.unwrap_or(0));
     }
 
-    /// Whether it has said how large its buffer is.
+    /// True if the size of the buffer is known.
     pub(super) fn is_size_known(&self) -> bool {
         self.bytes > 0
     }
 
-    /// Whether nothing is in the receive buffer, as far as it says so.
+    /// True if the receive buffer is empty; `None` if the report does not say.
     pub(super) fn is_empty(&self, status: &GrblReport) -> Option<bool> {
         status.free_bytes.map(|free| free >= self.bytes)
     }
 
-    /// Holds a report against the count. `longest` is that of the lines under way, `waiting` bytes have not left.
+    /// Compares a report with the count. `longest` is the longest line under way, bytes; `waiting` bytes have not left.
     pub(super) fn judge(
         &mut self,
         status: &GrblReport,
@@ -109,8 +109,8 @@ impl Counts {
         CountVerdict::Fits
     }
 
-    /// The last line that was taken for sure, by what its buffer holds: not by the count of answers, one of which may have come twice. A report may be
-    /// older than the question, but not than the one before that.
+    /// Returns the last line that was certainly taken. It follows from the buffer state, not from the count of answers, one of which may have come twice. A
+    /// report may be older than the last question, but not than the one before that.
     pub(super) fn taken(&mut self, status: &GrblReport) -> u64 {
         let Some(free) = status.free_bytes else { return self.taken };
         let out = self.gone_before.saturating_sub((self.bytes.saturating_sub(free) + PLACE) as u64);
@@ -124,7 +124,7 @@ impl Counts {
         self.taken
     }
 
-    /// Whether answers are missing, perhaps.
+    /// True if answers may be missing.
     pub(super) fn is_in_doubt(&self) -> bool {
         self.doubts > 0
     }
@@ -148,10 +148,10 @@ mod tests {
         // A report may be older than the question.
         assert_eq!(counts.taken(&report(128)), 0);
         counts.ask(0);
-        // 12 of 50 bytes wait, one place may be kept free: 37 have been read, three lines; the last of these may wait before the planner.
+        // 12 of 50 bytes wait, and one place may be kept free. So 37 have been read: three lines, the last of which may wait before the planner.
         assert_eq!(counts.taken(&report(116)), 2);
         assert_eq!(counts.taken(&report(128)), 3);
-        // Bytes that have not left count for nothing.
+        // Bytes that have not left do not count.
         (6..=9).for_each(|number| counts.sent(number, 10));
         counts.ask(35);
         counts.ask(0);

@@ -1,17 +1,17 @@
-//! Grbl: what its answers mean, state by state.
+//! Grbl: meaning of its answers, state by state.
 //!
-//! What a control can answer that is as it must be; anything else ends the job, its state is unknown:
+//! Answers of a correct control; any other answer ends the job, because the state of the control is then unknown:
 //!
 //! | state | answer | meaning |
 //! | --- | --- | --- |
-//! | greeting, looking | a greeting; a report | it is there; unless it is idle the job ends |
-//! | asking | `ok`, `error:N` | of lines of an earlier job, or of the question; the line of `$I` |
-//! | lines under way | `ok` | the oldest was taken; not that it was carried out |
-//! | | `error:N` | the oldest was refused: the axes are held, the others are awaited |
-//! | any | a report whose count fits | where it stands; one more line may be in its parser |
+//! | greeting, looking | a greeting; a report | it responds; unless it is idle the job ends |
+//! | asking | `ok`, `error:N` | for lines of an earlier job, or for the question; the line of `$I` |
+//! | lines under way | `ok` | the oldest was taken, not necessarily carried out |
+//! | | `error:N` | the oldest was refused: the axes are held, the other answers are awaited |
+//! | any | a report that fits the count | buffer state; one more line may be in its parser |
 //! | | `[MSG:…]`, `[PRB:…]`, `[GC:…]`, `[echo:…]` | shown |
 //! | none under way | `ok`, `error:N` | impossible: an answer came twice |
-//! | any but greeting | a greeting, `>…:ok` (lines of the start), `ALARM:N` | it was reset, or stands: what it had is gone |
+//! | any but greeting | a greeting, `>…:ok` (startup lines), `ALARM:N` | it was reset, or is in alarm: its lines are lost |
 
 use std::sync::LazyLock;
 use std::time::Duration;
@@ -24,14 +24,14 @@ use super::{Event, Grbl, HOLD, MARGIN, NO_LINE, STEPPED, State, Wire};
 use crate::feed::dialogue::answers::{impossible, is_greeting, patterns, shown};
 use crate::feed::dialogue::depth::not_idle;
 
-/// Answers beside `ok` and those with a code, by their place in this list.
+/// Answers other than `ok` and those with a code, addressed by their position in this list.
 static ANSWERS: LazyLock<RegexSet> = LazyLock::new(|| {
     patterns([
-        // `>G54G20:ok`: the control carries out the lines of its start.
+        // `>G54G20:ok`: the control carries out its startup lines.
         "^>.*:",
         // `[MSG:'$H'|'$X' to unlock]`, `[MSG:Reset to continue]`
         "(?-i)to unlock|Reset to continue",
-        // `[MSG:Caution: Unlocked]`, `[PRB:…]`, `[GC:…]`, `[echo:…]`: notices that come unasked.
+        // `[MSG:Caution: Unlocked]`, `[PRB:…]`, `[GC:…]`, `[echo:…]`: unsolicited notices.
         r"(?-i)^\[(?:MSG|PRB|GC|echo):",
     ])
 });
@@ -110,7 +110,7 @@ impl Grbl {
         }
     }
 
-    /// What was answered is reported when a report fits it: behind a reset, answers to later lines would be counted for those that are lost.
+    /// Reports the acknowledged lines once a report fits them. After a reset, answers to later lines would otherwise be counted for the lost ones.
     pub(super) fn confirm(&mut self, events: &mut Vec<Event>) {
         if self.confirmed < self.acknowledged {
             self.confirmed = self.acknowledged;
@@ -118,7 +118,7 @@ impl Grbl {
         }
     }
 
-    /// What was taken for sure: an answer that came twice does not count.
+    /// Reports the lines that were certainly taken; a duplicate answer does not count.
     fn check(&mut self, status: &GrblReport, events: &mut Vec<Event>) {
         let taken = self.counts.taken(status).min(self.acknowledged);
         if taken > self.checked {
@@ -149,14 +149,14 @@ impl Grbl {
         }
     }
 
-    /// Which line was refused is sure when all that were sent were taken and have one answer each.
+    /// Reports the refused line. It is certain if all sent lines were taken and have one answer each.
     pub(super) fn refused(&mut self, is_taken: bool, events: &mut Vec<Event>) {
         let (number, said) = std::mem::take(&mut self.refusal);
         let what =
             "the axes are held; cycle start (~) would carry out the lines behind it, a reset (Ctrl-X) throws them away";
         if is_taken && self.surplus == 0 && self.in_flight.is_empty() && number != NO_LINE {
             self.state = State::Over;
-            // Those behind it were answered, too; what was refused was not done.
+            // The lines after it were answered, too; the refused line was not carried out.
             self.acknowledged = self.acknowledged.min(number.saturating_sub(1));
             self.confirm(events);
             events.push(Event::Refused(number, format!("{said}; {what}")));
@@ -175,7 +175,7 @@ impl Grbl {
             self.depth.hear(blocks.as_deref(), STEPPED, text);
         }
         if matches!(self.state, State::Greeting | State::Asking | State::Looking) {
-            // Before the first line it must stand still.
+            // Before the first line the control must be idle.
             let state = text.trim_start_matches('<').split(['|', '>']).next().unwrap_or_default();
             match not_idle(state) {
                 Some(why) => return self.lost(&why, events),
@@ -215,10 +215,10 @@ impl Grbl {
             return;
         }
         let is_idle = status.word == GrblState::Idle && is_empty != Some(false) && wire.waiting() == 0;
-        // One that nobody has asked for may be older.
+        // An unsolicited report may be older.
         self.idle = if is_idle { self.idle + u32::from(is_asked) } else { 0 };
         if self.state == State::Asking {
-            // It has nothing left that it could answer: what it said was its answer.
+            // It has nothing more to answer, so the last answer was that to the question.
             if self.idle >= 2 && self.has_answered {
                 self.begin(events);
             }
@@ -234,14 +234,14 @@ impl Grbl {
                 let what = "answers are missing to lines that the control no longer has, as after a reset";
                 return self.lost(&impossible(what), events);
             }
-            // The answer to the dwell behind the last line may be counted for that one.
+            // The answer to the dwell after the last line may be counted for that line.
             CountVerdict::Fits if is_asked && !self.has_barrier => {
                 self.confirm(events);
                 self.check(status, events);
             }
             CountVerdict::Fits | CountVerdict::Doubt | CountVerdict::Silent => {}
         }
-        // Twice: the first report may be older than the last bytes.
+        // Two reports: the first may be older than the last bytes.
         if self.idle >= 2 && self.is_drained && self.in_flight.is_empty() && self.sure < self.acknowledged {
             self.confirm(events);
             self.sure = self.acknowledged;
@@ -251,7 +251,7 @@ impl Grbl {
                 self.barrier.is_over();
             }
         }
-        // A dwell is carried out while it says that it is idle. Longer than that, an answer is missing, which may have been a refusal.
+        // The control reports idle during a dwell. If it stays idle for longer, an answer is missing, which may have been a refusal.
         if status.word == GrblState::Idle
             && let (Some((_, _, busy)), Some((last, _, _))) = (self.in_flight.front(), self.in_flight.back())
             && now.saturating_sub(self.moved) > self.patience + *busy

@@ -1,9 +1,9 @@
-//! Grbl 1.1 and grblHAL: every line is answered by `ok` or `error:N`; lines are sent ahead as long as their bytes fit the receive buffer.
+//! Grbl 1.1 and grblHAL: every line is answered by `ok` or `error:N`. Lines are sent ahead as long as their bytes fit the receive buffer.
 //!
-//! The control says in `[OPT:…,blocks,bytes]` how large its buffers are and in `<…|Bf:blocks,bytes>` how much of them is free (Grbl 1.1, interface).
-//! Answers too many must not make the buffer overflow, so room for the longest line under way is kept free twice. Behind the last line goes a dwell, which
-//! is answered when the planner is empty: only then, and when the control says that it is idle, the job is done. Where reports do not say what the buffers
-//! hold, nothing but the count of answers says what was taken: there such a dwell goes out now and then, too ([`super::barrier`]).
+//! The control states the size of its buffers in `[OPT:…,blocks,bytes]` and their free space in `<…|Bf:blocks,bytes>` (Grbl 1.1, interface). Surplus answers
+//! must not make the buffer overflow, so room for twice the longest line under way is kept free. A dwell follows the last line; it is answered when the
+//! planner is empty. The job is done only then, and when the control reports idle. If reports do not contain the buffer state, only the count of answers says
+//! what was taken. In this case a dwell is also sent now and then ([`super::barrier`]).
 
 mod counts;
 mod hear;
@@ -18,7 +18,7 @@ use super::depth::Depth;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 use counts::{Counts, SURPLUS};
 
-/// What profiles call it.
+/// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "grbl",
     title: "ok per line, bytes counted",
@@ -29,88 +29,87 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     create: |profile| Ok(Box::new(Grbl::new(profile))),
 };
 
-/// Status, hold, reset: bytes that the control takes out of the stream at once.
+/// Status, hold, reset: bytes that the control takes out of the stream immediately.
 const STATUS: &[u8] = b"?";
 const HOLD: &[u8] = b"!";
 const RESET: &[u8] = &[0x18];
-/// Blocks that have left the planner and are still stepped: the buffer of segments has 6 places in Grbl 1.1, 10 in grblHAL (stepper.h).
+/// Blocks that have left the planner and are still being stepped: the segment buffer has 6 places in Grbl 1.1, 10 in grblHAL (stepper.h).
 const STEPPED: u64 = 16;
-/// While lines are under way the control is asked where it stands this often.
+/// Interval of status questions while lines are under way.
 const ASK_EVERY: Duration = Duration::from_millis(200);
-/// After a refusal, this long without a word means that everything was answered.
+/// Silence after a refusal that means that everything was answered.
 const QUIET: Duration = Duration::from_millis(500);
-/// Answered when all moves are done: what is planned is carried out first (Grbl 1.1, "sync and planner buffer"). Its number is that of no line.
+/// Dwell that is answered when all moves are done: planned moves are carried out first (Grbl 1.1, "sync and planner buffer"). It has no line number.
 const BARRIER: &[u8] = b"G4 P0.01\n";
 const NO_LINE: u64 = 0;
-/// While it comes to rest behind a dwell it is asked so often.
+/// Interval of status questions while the control comes to a stop after a dwell.
 const ASK_SOON: Duration = Duration::from_millis(10);
-/// The receive buffer of a control that does not say how large it is, bytes: that of Grbl (serial.h), the smallest of the family.
+/// Receive buffer of a control that does not state its size, bytes: that of Grbl (serial.h), the smallest of the family.
 const LEAST_BUFFER: usize = 128;
-/// What the control leaves of a buffer.
+/// Bytes of the buffer that are kept free.
 const MARGIN: usize = 8;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
-    /// Asked for a sign of life.
+    /// Waits for a sign of life.
     Greeting,
-    /// Asked for its buffers. Answers to lines of an earlier job, which it still has, may come first.
+    /// Waits for the buffer sizes. Answers to lines of an earlier job, which the control still holds, may come first.
     Asking,
-    /// Asked whether it is idle, last of all.
+    /// Waits for a final report that the control is idle.
     Looking,
-    /// Lines are sent.
+    /// Lines are being sent.
     Open,
     /// The last line was sent.
     Closed,
-    /// A line was refused and the axes are held; what else was under way is still answered.
+    /// A line was refused and the axes are held; the other lines under way are still answered.
     Refusing,
-    /// Nothing more is said.
+    /// Nothing more is sent.
     Over,
 }
 
 struct Grbl {
     state: State,
     window: (usize, usize),
-    /// What it says of the blocks that its planner holds beyond those.
+    /// Statement of the control on the blocks of its planner beyond those.
     depth: Depth,
     counts: Counts,
-    /// Whether it has begun to say what it is.
+    /// True if the control has begun to identify itself.
     has_told: bool,
-    /// Whether there was an answer that may have been to that question: older ones do not know it.
+    /// True if an answer came that may belong to that question; older controls do not know the question.
     has_answered: bool,
     refused: Vec<u8>,
     longest_line: usize,
     patience: Duration,
-    /// Number, bytes, how long it takes.
+    /// Line number, bytes, duration.
     in_flight: VecDeque<(u64, usize, Duration)>,
     bytes: usize,
     heard: Answers,
     last_heard: Duration,
     last_asked: Duration,
-    /// How often it was asked without an answer.
+    /// Number of questions without an answer.
     asked: u32,
-    /// How often in a row it said that nothing is left to do.
+    /// Number of consecutive reports that nothing remains to be done.
     idle: u32,
-    /// When a line was sent or answered last, or it was let go on.
+    /// Time when a line was last sent or answered, or motion was last resumed.
     moved: Duration,
-    /// Whether its reports say what its buffers hold.
+    /// True if its reports contain the buffer state.
     tells_buffers: bool,
-    /// The last line that was acknowledged, the last that a report has confirmed, the last that was taken for sure,
-    /// and the last that was carried out.
+    /// Last line that was acknowledged, last line confirmed by a report, last line certainly taken, and last line carried out.
     acknowledged: u64,
     confirmed: u64,
     checked: u64,
     sure: u64,
     barrier: Barrier,
-    /// Whether it is to come to rest before the next line, and whether the dwell for that, or behind the last line, was sent, and answered.
+    /// True if the control is to stop before the next line; true if the dwell for that, or after the last line, was sent; true if it was answered.
     is_due: bool,
     has_barrier: bool,
     is_drained: bool,
-    /// The line that was refused, and what the control said.
+    /// The refused line, and the answer of the control.
     refusal: (u64, String),
     refused_at: Duration,
     /// Answers beyond those to the lines that were sent.
     surplus: u64,
-    /// Whether somebody at the control holds the axes, or its door is open.
+    /// True if a person at the control holds the axes, or its door is open.
     is_held: bool,
 }
 
@@ -157,7 +156,7 @@ impl Grbl {
         self.asked += 1;
     }
 
-    /// The control is idle: lines may go out.
+    /// The control is idle: begins to send lines.
     fn begin(&mut self, events: &mut Vec<Event>) {
         self.state = State::Open;
         if !self.tells_buffers {
@@ -188,7 +187,7 @@ impl Grbl {
         self.in_flight.push_back((number, bytes.len(), busy));
     }
 
-    /// Whether every line was answered, and carried out.
+    /// True if every line was answered and carried out.
     fn is_finished(&self) -> bool {
         self.in_flight.is_empty() && self.sure == self.acknowledged
     }
@@ -224,7 +223,7 @@ impl Dialogue for Grbl {
     fn hear(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let mut rest = bytes;
         while let Some(answer) = self.heard.next(&mut rest) {
-            // What never ends is no sign of life.
+            // A text that never ends is not a sign of life.
             self.last_heard = now;
             if self.state != State::Over {
                 self.answer(&answer, now, wire, events);
@@ -279,7 +278,7 @@ impl Dialogue for Grbl {
     }
 
     fn is_done(&self, _wire: &Wire) -> bool {
-        // What is in the planner is not done yet.
+        // Blocks in the planner are not done yet.
         self.state == State::Closed && self.is_drained && self.is_finished()
     }
 

@@ -1,35 +1,35 @@
-//! Grbl: the report that answers `?`, such as `<Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0>`.
+//! Grbl: status report that answers `?`, such as `<Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0>`.
 //!
-//! A record of fields, taken apart at its separators: a pattern would not say which field is wrong.
+//! The report is a record of fields and is split at its separators: a pattern would not say which field is wrong.
 
-/// What the control does, as it says (Grbl 1.1, interface; grblHAL adds `Tool`).
+/// State that the control reports (Grbl 1.1, interface; grblHAL adds `Tool`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum GrblState {
     Idle,
     Run,
-    /// It stands until somebody lets it go on: a hold, an open door, a tool to be changed by hand.
+    /// Stopped until a person resumes it: a hold, an open door, a manual tool change.
     Held,
-    /// Somebody moves it by hand, or homes it.
+    /// Jogged or homed by a person.
     ByHand,
-    /// It takes lines and moves nothing.
+    /// Takes lines and moves nothing.
     Check,
     Sleep,
     Alarm,
-    /// No state that is known.
+    /// Unknown state.
     Odd,
 }
 
-/// One report.
+/// Status report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct GrblReport {
     pub(super) word: GrblState,
-    /// Free blocks of the planner and free bytes of the receive buffer, where it says so.
+    /// Free blocks of the planner and free bytes of the receive buffer, if reported.
     pub(super) free_blocks: Option<usize>,
     pub(super) free_bytes: Option<usize>,
 }
 
 impl GrblReport {
-    /// Reads an answer; `None` where it is no report that a control gives.
+    /// Reads an answer; `None` if it is not a valid report.
     pub(super) fn read(text: &str) -> Option<GrblReport> {
         let mut fields = text.strip_prefix('<')?.strip_suffix('>')?.split('|');
         let word = match fields.next()?.split(':').next()? {

@@ -1,15 +1,15 @@
-//! LinuxCNC: what the answers of linuxcncrsh mean, state by state.
+//! LinuxCNC: meaning of the answers of linuxcncrsh, state by state.
 //!
-//! What a control can answer that is as it must be; anything else ends the job, its state is unknown:
+//! Answers of a correct control; any other answer ends the job, because the state of the control is then unknown:
 //!
 //! | state | answer | meaning |
 //! | --- | --- | --- |
-//! | greeting | the answer to the question of the step (see `greeting`); before `set echo off` anything | the next question, or why not |
+//! | greeting | the answer to the question of the step (see `greeting`); anything before `set echo off` | the next question, or the reason of the refusal |
 //! | none under way | `error: …`, `warning: …` | kept for the line |
-//! | line sent | `SET MDI ACK`, `SET MDI NAK` | it was received; it was not, and nothing of it moves |
-//! | running, asked | `PROGRAM_STATUS RUNNING`, `PAUSED`, `IDLE` | it runs; somebody holds it; it is over |
-//! | checking | `SET WAIT ACK` or `NAK`, `ENABLE`, `MACHINE`, `MODE`, `SPINDLE`, `ERROR` in this order | was it carried out, and is all as before |
-//! | breaking off | `SET ABORT …` | it stands; all before it is passed over |
+//! | line sent | `SET MDI ACK`, `SET MDI NAK` | it was received; it was not received, and nothing of it moves |
+//! | running, asked | `PROGRAM_STATUS RUNNING`, `PAUSED`, `IDLE` | it runs; a person holds it; it has ended |
+//! | checking | `SET WAIT ACK` or `NAK`, `ENABLE`, `MACHINE`, `MODE`, `SPINDLE`, `ERROR` in this order | carried out or not, state unchanged or not |
+//! | aborting | `SET ABORT …` | it has stopped; everything before it is skipped |
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ use super::{CHECKS, Event, MOST_MESSAGES, Rsh, Stage, Wire};
 use crate::feed::dialogue::answers::{impossible, shown};
 
 impl Rsh {
-    /// What an answer means while lines are sent. Each question has one answer, and they come in their order; anything else is impossible.
+    /// Handles an answer while lines are sent. Each question has one answer, and answers come in order; anything else is impossible.
     pub(super) fn answer(&mut self, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         if answer.is_empty() {
             return;
@@ -26,7 +26,7 @@ impl Rsh {
             self.messages.push(answer.to_owned());
             return;
         }
-        // Asked for by a person.
+        // A person asked for it.
         if answer.starts_with("SET PAUSE ") {
             return;
         }
@@ -56,7 +56,7 @@ impl Rsh {
         }
     }
 
-    /// An answer to one of [`CHECKS`].
+    /// Handles an answer to one of [`CHECKS`].
     fn check(&mut self, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let Some(line) = &mut self.under_way else { return };
         let said = |begin: &str| answer.strip_prefix(begin);

@@ -1,12 +1,12 @@
-//! LinuxCNC over linuxcncrsh: every line is an MDI command, and the next one goes when it is done.
+//! LinuxCNC over linuxcncrsh: every line is an MDI command; the next one is sent when it is done.
 //!
-//! `set mdi` is answered as soon as it was received; then the control is asked where it stands until it is idle, and `set wait done` says whether the
-//! line was carried out (emcrsh.cc, shcom.cc, emctaskmain.cc of 2.9). More lines could wait in the control, but after an error it throws them away
-//! and takes the next as if nothing had happened: a gap that nobody sees. So one line is under way, and the axes stop between two.
+//! `set mdi` is answered as soon as it is received. Then the control is asked for its status until it is idle. `set wait done` says whether the line was
+//! carried out (emcrsh.cc, shcom.cc, emctaskmain.cc of 2.9). More lines could wait in the control. But after an error it discards them and takes the next one
+//! as if nothing had happened: an unnoticed gap. So only one line is under way, and the axes stop between two lines.
 //!
-//! A person or another program may break a line off at the control, and the answer is then that it is done. This shows where the machine or its mode
-//! changed, where the spindle stands that turned, or where the line took far less time than it can; else it does not show. Nothing here switches the
-//! machine on or homes it: that is for a person who stands before it.
+//! A person or another program may abort a line at the control; the control then reports the line as done. This is detected if the machine or its mode
+//! changed, if the turning spindle stopped, or if the line took far less time than it can. Otherwise it is not detected. Nothing here switches the machine on
+//! or homes it: that is left to a person at the machine.
 
 mod hear;
 
@@ -17,7 +17,7 @@ use super::greeting::{self, Reply};
 use super::mdi::{Words, words};
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
-/// What profiles call it.
+/// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "linuxcncrsh",
     title: "MDI, one line after the other (LinuxCNC)",
@@ -28,36 +28,36 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     create,
 };
 
-/// Its buffer for one command has 256 bytes and nothing guards its end: so many are left behind `set mdi `.
+/// Longest line, bytes. The command buffer of the control has 256 bytes without an overflow check; this remains after `set mdi `.
 const LONGEST: usize = 247;
-/// While a line runs the control is asked where it stands this often.
+/// Interval of status questions while a line runs.
 const ASK_EVERY: Duration = Duration::from_millis(20);
-/// After so many times without an answer the control is gone.
+/// Number of stalls after which the control is considered gone.
 const MOST_STALLS: u32 = 3;
-/// So many messages are read before the first line and behind each.
+/// Maximum number of messages that are read before the first line and after each line.
 const MOST_MESSAGES: usize = 32;
-/// A line that takes longer than this and is done in a quarter of it was broken off.
+/// A line that should take longer than this and is done in a quarter of its time was aborted.
 const NOTICED: Duration = Duration::from_secs(1);
-/// Carried out before the first line: nothing but a comment, which shows that MDI is taken.
+/// Command before the first line: only a comment, which shows that MDI is accepted.
 const TRIAL: &[u8] = b"(ncfix)";
-/// What is asked when a line is done; the answer to the last one closes the exchange.
+/// Questions after a line; the answer to the last one ends the exchange.
 const CHECKS: &[u8] = b"set wait done\r\nget enable\r\nget machine\r\nget mode\r\nget spindle 0\r\nget error\r\n";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
-    /// So many of the steps of the greeting were answered.
+    /// Number of greeting steps that were answered.
     Opening(usize),
     Open,
     /// The last line was sent.
     Closed,
-    /// A person has broken it off.
+    /// A person has aborted the job.
     Broken,
     Over,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// Nothing of it is sent: a blank, or a `%`.
+    /// Nothing of it is sent: a blank line, or a `%`.
     Nothing,
     Sent,
     Running,
@@ -71,10 +71,10 @@ struct UnderWay {
     since: Duration,
     busy: Duration,
     words: Words,
-    /// Whether the control has received it, and whether it says that it was carried out.
+    /// True if the control has received the line; true if it reports the line as carried out.
     is_received: bool,
     is_done: bool,
-    /// So many of the questions behind it were answered.
+    /// Number of answered questions after the line.
     answered: usize,
 }
 
@@ -87,24 +87,24 @@ struct Rsh {
     heard: Answers,
     last_heard: Duration,
     asked: Duration,
-    /// Whether the answer to the last question is still to come.
+    /// True if the answer to the last question is still to come.
     is_asked: bool,
     is_paused: bool,
     seen: Seen,
     messages: Vec<String>,
     has_ended: bool,
-    /// How often in a row nothing came in time.
+    /// Number of consecutive timeouts.
     stalls: u32,
 }
 
-/// What the control said of itself last.
+/// Last reported state of the control.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     is_ours: bool,
     is_on: bool,
     is_mdi: bool,
     turns: bool,
-    /// Whether the spindle turned before the line.
+    /// True if the spindle was turning before the line.
     turned: bool,
 }
 
@@ -140,7 +140,7 @@ impl Rsh {
         self.last_heard = now;
     }
 
-    /// Asks the next of the steps before the first line; behind the last of them a trial is carried out.
+    /// Asks the question of the next step before the first line; after the last step a trial line is carried out.
     fn ask_step(&mut self, step: usize, now: Duration, wire: &mut Wire) {
         self.state = State::Opening(step);
         match greeting::question(step, &self.passwords) {
@@ -161,7 +161,7 @@ impl Rsh {
                 self.ask_step(step, now, wire);
             }
             Reply::Refusal(why) => self.lost(why, events),
-            // Before it is told to be silent it repeats what it reads.
+            // The control echoes its input until echo is off.
             Reply::Other
                 if step < 2 || answer.is_empty() || answer.starts_with("error:") || answer.starts_with("warning:") => {}
             Reply::Other => self.is_none(answer, events),
@@ -203,7 +203,7 @@ impl Rsh {
         }
     }
 
-    /// All is known that can be known of the line under way.
+    /// Evaluates the line under way once all its answers have come.
     fn conclude(&mut self, now: Duration, events: &mut Vec<Event>) {
         let Some(line) = self.under_way.take() else { return };
         let said = std::mem::take(&mut self.messages).join("; ");
@@ -218,7 +218,7 @@ impl Rsh {
         } else if !self.seen.is_mdi {
             self.lost(&format!("the mode was changed at the control {which}. {said}"), events);
         } else if !said.is_empty() || !line.is_received || !line.is_done && !line.words.ends {
-            // The end of a program is answered as an error is, without a message.
+            // The end of a program is answered like an error, but without a message.
             let said = if said.is_empty() { "no reason is given".to_owned() } else { said };
             if line.number == 0 {
                 self.lost(&format!("MDI is not taken: {said}. A person has to see to that, by homing for one"), events);
@@ -250,7 +250,7 @@ fn check(profile: &Profile, text: &[u8]) -> Result<(), String> {
     check_words(text, profile.longest_line).map(|_| ())
 }
 
-/// What of a line matters; a sentence where MDI cannot take it.
+/// Returns the relevant words of a line; an error sentence if MDI cannot take the line.
 fn check_words(text: &[u8], longest_line: usize) -> Result<Words, String> {
     check_text(text, longest_line, &[])?;
     let found = words(text);
@@ -258,7 +258,7 @@ fn check_words(text: &[u8], longest_line: usize) -> Result<Words, String> {
         return Err("linuxcncrsh takes no O-words; write the program flat".into());
     }
     if found.stops {
-        // Seen with 2.9: the next line goes on at once.
+        // Observed with 2.9: the next line runs immediately.
         return Err(
             "in MDI LinuxCNC does not stop at M0, M1 and M60: end the program there and feed the rest later".into()
         );
@@ -291,7 +291,7 @@ impl Dialogue for Rsh {
     fn hear(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let mut rest = bytes;
         while let Some(answer) = self.heard.next(&mut rest) {
-            // What never ends is no sign of life.
+            // A text that never ends is not a sign of life.
             (self.last_heard, self.stalls) = (now, 0);
             match self.state {
                 State::Opening(step) if self.under_way.is_none() => self.answer_step(step, &answer, now, wire, events),
@@ -330,7 +330,7 @@ impl Dialogue for Rsh {
             if self.stalls > MOST_STALLS {
                 return self.lost("the control does not answer", events);
             }
-            // A question more would wait behind those that were asked.
+            // Another question would only queue up after the previous ones.
             events.push(Event::Stalled);
             self.last_heard = now;
         }
@@ -351,7 +351,7 @@ impl Dialogue for Rsh {
     }
 
     fn halt(&mut self, halt: Halt, now: Duration, wire: &mut Wire) -> Option<String> {
-        // What goes behind a command that was begun cannot cut it in two.
+        // Text after a command that has begun cannot split it.
         match halt {
             Halt::Stop => Some("no further line is sent; the one under way is carried out".into()),
             Halt::Hold => {

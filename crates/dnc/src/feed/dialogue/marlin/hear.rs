@@ -1,29 +1,29 @@
-//! Marlin: what its answers mean, state by state.
+//! Marlin: meaning of its answers, state by state.
 //!
-//! What a control can answer that is as it must be; anything else ends the job, its state is unknown:
+//! Answers of a correct control; any other answer ends the job, because the state of the control is then unknown:
 //!
 //! | state | answer | meaning |
 //! | --- | --- | --- |
-//! | opening | a greeting | it starts: the count is set anew |
-//! | | any demand, while the count is set | it has another count yet |
-//! | | `ok` before the text of the mark | of lines of an earlier job |
-//! | line n under way | `ok`, `ok Nn …` | it was taken; not that it was carried out |
-//! | | `Resend: n` | it did not come well: it is sent again |
-//! | | `Resend: n+1` | it was taken, and a copy refused: possible where there was one, or where the fault names n |
-//! | none under way | `Resend: next` | a copy was refused: possible where there was one |
-//! | any | `Error:…, Last Line: m` | m is the line before the one that is demanded |
-//! | | `ok` behind a fault or a demand | it takes no line |
-//! | | `wait` | its queue is empty: no sign that a line is worked on |
+//! | opening | a greeting | it starts: the line count is set again |
+//! | | any demand, while the count is set | it still has another count |
+//! | | `ok` before the text of the mark | for lines of an earlier job |
+//! | line n under way | `ok`, `ok Nn …` | it was taken, not necessarily carried out |
+//! | | `Resend: n` | it arrived damaged: it is sent again |
+//! | | `Resend: n+1` | it was taken and a copy refused: possible if there was a copy, or if the fault names n |
+//! | none under way | `Resend: next` | a copy was refused: possible if there was one |
+//! | any | `Error:…, Last Line: m` | m is the line before the demanded one |
+//! | | `ok` after a fault or a demand | it takes no line |
+//! | | `wait` | its queue is empty: not a sign of activity |
 //! | | `…busy: …` | it works on a line, or waits for a person |
-//! | | `//action:pause`, `//action:resume` | no further line goes out meanwhile |
+//! | | `//action:pause`, `//action:resume` | no line is sent in between |
 //! | | temperatures, positions, capabilities, memory cards, notices | shown; the list is in [`super::texts`] |
-//! | opening | any other text | shown: nothing was sent yet |
+//! | opening | any other text | shown: nothing has been sent yet |
 //! | closing | the text of the mark, `ok` | all moves are done |
 //! | any but opening | a greeting | it was reset |
-//! | | any other `Error`, `!!`, an end switch, an axis that is not homed | it has stopped itself, or leaves moves out |
-//! | | any other text | it may have said that a line was not carried out: its state is unknown |
+//! | | any other `Error`, `!!`, an end switch, an axis that is not homed | it has stopped, or omits moves |
+//! | | any other text | it may mean that a line was not carried out: its state is unknown |
 //!
-//! A demand for a line before these means that the control has lost count, for one behind them that the demand was disturbed.
+//! A demand for a line before these means that the control has lost its count. A demand for a line after them was disturbed.
 
 use std::sync::LazyLock;
 use std::time::Duration;
@@ -34,7 +34,7 @@ use super::texts::{MarlinText, meaning};
 use super::{BEYOND, Event, FIRST_NUMBER, Marlin, NO_OK, QUIET, START, State, What, Wire, mark};
 use crate::feed::dialogue::answers::{impossible, is_greeting, pattern, patterns, shown};
 
-/// Answers, in either case, by their place in this list.
+/// Answers in upper or lower case, addressed by their position in this list.
 static ANSWERS: LazyLock<RegexSet> = LazyLock::new(|| {
     patterns([
         // `ok`, `ok N5 P15 B3`
@@ -56,7 +56,7 @@ const UNKNOWN: usize = 3;
 const BUSY: usize = 4;
 const PAUSED: usize = 5;
 
-/// The number that a text begins with, behind blanks and what names it: `: 5`, `N5`, ` n.5`.
+/// Returns the number at the beginning of a text, after blanks and its label: `: 5`, `N5`, ` n.5`.
 fn number(text: &str) -> Option<u64> {
     static NUMBER: LazyLock<Option<Regex>> = LazyLock::new(|| pattern("(?-i)^[: N.]*([+]?[0-9]+)(?:[ ,]|$)"));
     let digits = NUMBER.as_ref()?.captures(text.as_bytes())?.get(1)?;
@@ -73,7 +73,7 @@ impl Marlin {
         }
         if is_greeting(text) {
             if self.state == State::Opening {
-                // It still says what it is: the count is set when it has done so.
+                // It is still identifying itself: the count is set afterwards.
                 self.prepare();
                 self.again = Some((FIRST_NUMBER, now + START));
             } else {
@@ -91,7 +91,7 @@ impl Marlin {
         } else if is(DEMAND) {
             self.expect_ok(now);
             let rest = low.strip_prefix("resend").or_else(|| low.strip_prefix("rs ")).unwrap_or_default();
-            // One that cannot be read is made good by silence.
+            // An unreadable demand is handled by the timeout.
             if let Some(number) = number(&rest.to_ascii_uppercase()) {
                 self.demand(number, now, events);
             }
@@ -101,7 +101,7 @@ impl Marlin {
                 self.name(last, events);
             }
         } else if is(UNKNOWN) && self.under_way.is_some() && self.state != State::Opening {
-            // It would pass over a zero offset or a tool length and go on.
+            // It would skip a zero offset or a tool length and continue.
             match self.under_way.as_ref().map(|sent| sent.what) {
                 Some(What::Line(line)) => {
                     self.state = State::Over;
@@ -116,7 +116,7 @@ impl Marlin {
         }
     }
 
-    /// What it says of its own accord.
+    /// Handles an unsolicited text.
     fn text(&mut self, text: &str, events: &mut Vec<Event>) {
         match meaning(text) {
             MarlinText::Harmless if text.is_empty() || text.eq_ignore_ascii_case("wait") => {}
@@ -126,7 +126,7 @@ impl Marlin {
                 self.say_held(events);
             }
             MarlinText::Ends(why) => self.lost(&format!("{why}: {}", shown(text)), events),
-            // Nothing was sent yet; the settings that it starts with are many.
+            // Nothing has been sent yet; the control prints many settings at startup.
             MarlinText::Unknown if self.state == State::Opening => events.push(Event::Said(text.to_owned())),
             MarlinText::Unknown => {
                 let what = format!(
@@ -138,14 +138,14 @@ impl Marlin {
         }
     }
 
-    /// A fault or a demand came: the `ok` behind it, if there is one, takes no line.
+    /// A fault or a demand has come: an `ok` after it takes no line.
     fn expect_ok(&mut self, now: Duration) {
         let number = self.under_way.as_ref().map_or(self.next, |sent| sent.number);
         self.is_closing = true;
         self.again.get_or_insert((number, now + self.patience));
     }
 
-    /// Whether it waits for a person, as the line under way shows.
+    /// Notes whether the control waits for a person, as the line under way shows.
     fn hold(&mut self, is_waiting: bool, events: &mut Vec<Event>) {
         self.is_waiting = is_waiting;
         self.say_held(events);
@@ -160,7 +160,7 @@ impl Marlin {
 
     fn acknowledge(&mut self, text: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         if std::mem::take(&mut self.is_closing) {
-            // It takes no line. What was demanded goes out when nothing more comes.
+            // It takes no line. The demanded line is sent after a silence.
             self.again = self.again.map(|(number, _)| (number, now + QUIET));
             return;
         }
@@ -175,18 +175,18 @@ impl Marlin {
             let what = format!("the control has answered '{}' while N{} is under way", shown(text), sent.number);
             return self.lost(&impossible(&what), events);
         }
-        // All moves are done: its planner is empty (ADVANCED_OK).
+        // All moves are done, so the planner is empty (ADVANCED_OK).
         if self.state == State::Opening && named == Some(sent.number) && sent.what != What::Count {
             let places = text.split(' ').find_map(|word| word.strip_prefix('P'));
             self.depth.hear(places, BEYOND, text);
         }
-        // Before the text of a mark they belong to what went before it.
+        // Before the text of a mark they belong to earlier lines.
         if sent.what != What::Mark || self.is_marked {
             self.take(named == Some(number), now, wire, events);
         }
     }
 
-    /// A fault names the last line that was taken.
+    /// Handles the last taken line that a fault names.
     fn name(&mut self, last: u64, events: &mut Vec<Event>) {
         let is_known = match &self.under_way {
             Some(sent) => sent.what == What::Count || last == sent.number || last + 1 == sent.number,
@@ -200,9 +200,9 @@ impl Marlin {
         }
     }
 
-    /// The control asks for a line.
+    /// Handles a demand for a line.
     fn demand(&mut self, number: u64, now: Duration, events: &mut Vec<Event>) {
-        // The fault before it must say the same.
+        // The fault before it must name the same line.
         let named = self.named.map(|last| last + 1);
         let agrees = named.is_none_or(|named| named == number);
         let is_possible = agrees

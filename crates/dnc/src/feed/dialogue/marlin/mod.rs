@@ -1,13 +1,13 @@
-//! Marlin: lines with a number and a checksum; the control asks again for what it did not get.
+//! Marlin: lines with a number and a checksum; the control demands lines that did not arrive intact.
 //!
-//! One line is under way. `N1012 G1 X3*45` is answered by `ok`, or by `Resend: 1012`, behind which some versions say `ok` and others do not: that one takes
-//! no line. A line that comes twice is refused by its number (`Resend: 1013`), so that the same bytes may always be sent again: what was lost, and which way,
-//! does not matter. Before a line is sent again on demand there is a short silence: the demand may have been the answer to a copy, and the `ok` for the
-//! line itself on its way; else every further line would go out twice.
+//! One line is under way. `N1012 G1 X3*45` is answered by `ok` or by `Resend: 1012`. Some versions send `ok` after a demand and others do not; this `ok`
+//! takes no line. A line that arrives twice is refused by its number (`Resend: 1013`). So the same bytes may always be sent again, whatever was lost in
+//! either direction. A line is sent again on demand only after a short silence. The demand may have answered a copy while the `ok` for the line itself is on
+//! its way; without the silence every further line would be sent twice.
 //!
-//! Numbers begin far above those of a control that was reset, which asks for line 1: so a reset shows even where its greeting got lost. Before the first
-//! line, behind the last, and now and then where answers have no number ([`super::barrier`]), the control waits for all moves (`M400`) and repeats a text (`M118`): an `ok` has no number, but behind the text none is left
-//! of what went before.
+//! Numbers begin far above those of a control that was reset, which asks for line 1. So a reset is detected even if its greeting was lost. The control waits
+//! for all moves (`M400`) and repeats a text (`M118`) before the first line, after the last line, and now and then if answers have no number
+//! ([`super::barrier`]). An `ok` has no number, but after the text no earlier answer is outstanding.
 
 mod hear;
 mod texts;
@@ -20,7 +20,7 @@ use super::barrier::Barrier;
 use super::depth::Depth;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
-/// What profiles call it.
+/// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "marlin",
     title: "numbered lines with a checksum, sent again on demand",
@@ -31,23 +31,23 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     create: |profile| Ok(Box::new(Marlin::new(profile))),
 };
 
-/// The number to which the count is set.
+/// Number to which the line count is set.
 const FIRST_NUMBER: u64 = 1000;
-/// The largest number of a line: that of a signed word of 32 bits.
+/// Largest line number: that of a signed 32-bit integer.
 const LAST_NUMBER: u64 = i32::MAX as u64;
 /// Silence before a line is sent again on demand.
 const QUIET: Duration = Duration::from_millis(60);
-/// The same where no `ok` follows the demand.
+/// Silence before a line is sent again if no `ok` follows the demand.
 const NO_OK: Duration = Duration::from_millis(250);
-/// Silence behind a greeting, before the count is set.
+/// Silence after a greeting before the count is set.
 const START: Duration = Duration::from_millis(500);
-/// Beyond the free places of its planner: the block that moves, and lines of its queue (`BUFSIZE` is 4 to 8).
+/// Blocks beyond the free places of the planner: the moving block, and lines of the queue (`BUFSIZE` is 4 to 8).
 const BEYOND: u64 = 9;
-/// Blocks of its planner and lines of its queue, at most (`BLOCK_BUFFER_SIZE` is 64 at most in the configurations that come with it).
+/// Maximum number of planner blocks and queued lines (`BLOCK_BUFFER_SIZE` is at most 64 in the shipped configurations).
 const MOST_PLANNED: usize = 72;
-/// Answered when all moves are done: only then the job is.
+/// Command that is answered when all moves are done; only then the job is done.
 const WAIT: &[u8] = b"M400";
-/// Emergency stop; it is read at once where the firmware has its emergency parser.
+/// Emergency stop; it is read immediately if the firmware has its emergency parser.
 const EMERGENCY_STOP: &[u8] = b"M112\n";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,22 +55,22 @@ enum State {
     /// The count is being set; then all moves are awaited, and a text.
     Opening,
     Open,
-    /// No further line comes.
+    /// No further line follows.
     Closing,
     Closed,
     Over,
 }
 
-/// What is under way.
+/// Content under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum What {
     /// `M110`, which sets the count.
     Count,
     /// `M400`, which waits for all moves.
     Wait,
-    /// `M118`, whose text comes back.
+    /// `M118`, whose text is returned.
     Mark,
-    /// This line of the program.
+    /// Line of the program with this number.
     Line(u64),
 }
 
@@ -80,7 +80,7 @@ struct Sent {
     number: u64,
     bytes: Vec<u8>,
     busy: Duration,
-    /// How often it went out.
+    /// Number of times it was sent.
     copies: u32,
 }
 
@@ -91,32 +91,32 @@ struct Marlin {
     patience: Duration,
     most_repeats: u32,
     under_way: Option<Sent>,
-    /// The number of the next line that goes out, and how often the last one did.
+    /// Number of the next line to be sent, and the number of copies sent of the last one.
     next: u64,
     last_copies: u32,
-    /// The last line of the program that was sent, and that was taken.
+    /// Last program line that was sent, and last one that was taken.
     last: u64,
     taken: u64,
-    /// How long the last lines take: their moves may still be waited for.
+    /// Durations of the last lines: their moves may not have ended yet.
     recent: VecDeque<Duration>,
-    /// What it says of its planner.
+    /// Statement of the control on its planner.
     depth: Depth,
-    /// Whether the text of the mark came back.
+    /// True if the text of the mark was returned.
     is_marked: bool,
-    /// The last line that the control named in a fault, since something was sent.
+    /// Last line that the control named in a fault since something was sent.
     named: Option<u64>,
-    /// Whether a demand came whose `ok`, if there is one, takes no line.
+    /// True after a demand whose `ok`, if it comes, takes no line.
     is_closing: bool,
-    /// What is sent again, or was taken, when nothing more comes until then.
+    /// Line to be sent again or counted as taken, and the time when this happens if nothing more comes.
     again: Option<(u64, Duration)>,
     repeats: u32,
-    /// Whether the control waits for a person, and whether it has asked to pause.
+    /// True if the control waits for a person; true if it has asked to pause.
     is_waiting: bool,
     is_paused: bool,
-    /// Whether it was said that it is held.
+    /// True if the hold was reported.
     is_held: bool,
     barrier: Barrier,
-    /// Whether the control is to come to rest behind the line under way, unless its answer has a number.
+    /// True if the control is to stop after the line under way, unless its answer has a number.
     is_due: bool,
     heard: Answers,
     last_heard: Duration,
@@ -152,7 +152,7 @@ impl Marlin {
         }
     }
 
-    /// Sends something for the first time.
+    /// Sends a text for the first time.
     fn begin(&mut self, (what, busy): (What, Duration), text: &[u8], now: Duration, wire: &mut Wire) {
         let number = self.next;
         self.next += 1;
@@ -161,7 +161,7 @@ impl Marlin {
         self.push(now, wire);
     }
 
-    /// Begins with the count, which is not sent yet.
+    /// Prepares the line count, which is not sent yet.
     fn prepare(&mut self) {
         let bytes = frame(FIRST_NUMBER, format!("M110 N{FIRST_NUMBER}").as_bytes());
         (self.next, self.is_marked, self.is_closing) = (FIRST_NUMBER + 1, false, false);
@@ -173,12 +173,12 @@ impl Marlin {
         self.begin((What::Mark, self.moves()), text.as_bytes(), now, wire);
     }
 
-    /// How long all that it may still have takes.
+    /// Returns the total duration of the moves that the control may still have.
     fn moves(&self) -> Duration {
         self.recent.iter().sum()
     }
 
-    /// Sends what is under way, for the first time or again.
+    /// Sends the text under way, for the first time or again.
     fn push(&mut self, now: Duration, wire: &mut Wire) {
         if let Some(sent) = &mut self.under_way {
             wire.push(&sent.bytes);
@@ -192,7 +192,7 @@ impl Marlin {
         events.push(Event::Lost(why.to_owned()));
     }
 
-    /// What is under way was taken; `is_checked` where its answer had its number.
+    /// Notes that the text under way was taken; `is_checked` if its answer contained its number.
     fn take(&mut self, is_checked: bool, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let Some(sent) = self.under_way.take() else { return };
         self.last_copies = sent.copies;
@@ -225,7 +225,7 @@ impl Marlin {
         }
     }
 
-    /// Sends again what is under way; where the control asks for the next line it was taken.
+    /// Sends the text under way again. If the control demands the next line, it was taken.
     fn repeat(&mut self, number: u64, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let Some(sent) = &self.under_way else { return };
         let (what, is_taken) = (sent.what, number > sent.number);
@@ -248,7 +248,7 @@ impl Marlin {
             };
             self.lost(&why, events);
         } else if is_taken {
-            // Its text got lost: another one.
+            // Its text was lost: another mark.
             self.mark(now, wire);
         } else {
             events.push(Event::Repeated(line));
@@ -257,12 +257,12 @@ impl Marlin {
     }
 }
 
-/// A text that comes back, with the number of its line.
+/// Returns the text of a mark with the number of its line.
 fn mark(number: u64) -> String {
     format!("ncfix-{number}")
 }
 
-/// `N12 G1 X3*45` and its end: the checksum is the exclusive or of all bytes before the asterisk.
+/// Frames a line: `N12 G1 X3*45` and its end. The checksum is the exclusive or of all bytes before the asterisk.
 fn frame(number: u64, text: &[u8]) -> Vec<u8> {
     let mut bytes = format!("N{number} ").into_bytes();
     bytes.extend_from_slice(text);
@@ -322,7 +322,7 @@ impl Dialogue for Marlin {
         }
         let Some(sent) = &self.under_way else {
             if self.state == State::Closing && !self.is_closing {
-                // It ends when all that it has moves.
+                // It ends when all moves of the control are done.
                 self.begin((What::Wait, self.moves()), WAIT, now, wire);
             }
             return;
@@ -352,7 +352,7 @@ impl Dialogue for Marlin {
     fn halt(&mut self, halt: Halt, _now: Duration, wire: &mut Wire) -> Option<String> {
         match halt {
             Halt::Stop => Some("no further line is sent; the control carries out what is in its planner".into()),
-            // It knows no hold.
+            // Marlin has no hold command.
             Halt::Hold => None,
             Halt::Abort => {
                 wire.clear();

@@ -1,7 +1,7 @@
-//! Marlin: what it says of its own accord, as far as that is known.
+//! Marlin: known unsolicited texts and their meaning.
 //!
-//! Firmware of this family goes on behind many texts that say that a line was not carried out, or not as it was written. So only those count as harmless
-//! that are known to be: what is none of them may have been such a text.
+//! Firmware of this family continues after many texts which mean that a line was not carried out, or not as written. So only texts that are known to be
+//! harmless count as harmless. Any other text may have had that meaning.
 
 use std::sync::LazyLock;
 
@@ -9,28 +9,28 @@ use regex::bytes::RegexSet;
 
 use crate::feed::dialogue::answers::patterns;
 
-/// What a text means that is no answer to a line.
+/// Meaning of a text that is not an answer to a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MarlinText {
-    /// It says nothing of the motion.
+    /// Does not concern the motion.
     Harmless,
-    /// The firmware asks the sender to pause, or to go on.
+    /// The firmware asks the sender to pause (`true`) or to resume.
     Pause(bool),
-    /// The job ends: why.
+    /// The job ends, for this reason.
     Ends(&'static str),
-    /// Nobody knows.
+    /// Meaning not known.
     Unknown,
 }
 
-/// Patterns of texts and what they mean; the first that fits counts.
+/// Patterns of texts and their meaning; the first match counts.
 const TEXTS: &[(&str, MarlinText)] = &[
     (r"^(?:!!$|error$|error:)", MarlinText::Ends("the control has stopped itself")),
-    // `Home X First`, of older ones `Home X/Y before Z`; the settings that it starts with have a `Home offset`.
+    // `Home X First`, in older versions `Home X/Y before Z`; the settings printed at startup contain `Home offset`.
     (
         "home.*(?:first|before)|(?:first|before).*home",
         MarlinText::Ends("an axis is not homed, so that moves are left out"),
     ),
-    // Behind what these say nothing may follow.
+    // Nothing may follow these texts.
     ("endstops hit", MarlinText::Ends("an axis ran into its end switch")),
     (r"printer stopped|printer halted|kill\(|killed", MarlinText::Ends("the control has stopped itself")),
     ("//action:cancel", MarlinText::Ends("a person has cancelled the job at the control")),
@@ -43,7 +43,7 @@ const TEXTS: &[(&str, MarlinText)] = &[
     ("^//action:resumed?$", MarlinText::Pause(false)),
     // Temperatures: `T:20.0 /0.0 B:21.3`, `T0:20.0 /0.0`, `TargetExtr0:0`.
     ("^(?:t[0-9]*:|[bcw]:|targetextr|targetbed)", MarlinText::Harmless),
-    // Capabilities, memory cards that come and go, the tool that was selected, notices for a screen.
+    // Capabilities, insertion and removal of memory cards, the selected tool, screen notices.
     ("^(?:cap:|firmware_name:)", MarlinText::Harmless),
     ("^echo:(?:sd card|sd init fail|no sd card|active extruder)", MarlinText::Harmless),
     ("^//action:(?:notification|prompt_)", MarlinText::Harmless),
@@ -53,7 +53,7 @@ const TEXTS: &[(&str, MarlinText)] = &[
 
 static PATTERNS: LazyLock<RegexSet> = LazyLock::new(|| patterns(TEXTS.iter().map(|(pattern, _)| *pattern)));
 
-/// What a text means.
+/// Returns the meaning of a text.
 pub(super) fn meaning(text: &str) -> MarlinText {
     let first = PATTERNS.matches(text.trim().as_bytes()).iter().next();
     first.and_then(|place| TEXTS.get(place)).map_or(MarlinText::Unknown, |&(_, meaning)| meaning)

@@ -1,20 +1,20 @@
-//! Tape links: what the bytes of the control mean, state by state.
+//! Tape links: meaning of the bytes from the control, state by state.
 //!
-//! What a control can say that is as it must be; anything else ends the job, its state is unknown:
+//! Bytes of a correct control; any other byte ends the job, because the state of the control is then unknown:
 //!
 //! | state | byte | meaning |
 //! | --- | --- | --- |
 //! | waiting for the first XON | XON | it reads: the program begins |
-//! | | any other but SYN and NAK | disturbance: nothing was sent yet |
+//! | | any other but SYN and NAK | interference: nothing has been sent yet |
 //! | bytes leave | XOFF | its buffer is nearly full |
-//! | | XON at once behind another, or when nothing has left for 4 s | the same once more; it waits for data |
-//! | | any other XON | impossible: it asks for what it gets |
+//! | | XON immediately after another, or when nothing has left for 4 s | a repetition; it waits for data |
+//! | | any other XON | impossible: it asks for data while it gets them |
 //! | held | XON | it has room |
-//! | | XOFF | the same once more |
-//! | any | NUL, DC2, DC4 | nothing |
-//! | | SYN, NAK | it was reset; it stands in an alarm |
+//! | | XOFF | a repetition |
+//! | any | NUL, DC2, DC4 | no effect |
+//! | | SYN, NAK | it was reset; it is in alarm |
 //!
-//! A control that is reset without a word while it holds the flow, and started again, looks like one that has room: nothing on such a link shows it.
+//! A control that is silently reset and restarted while it holds the flow looks like one that has room. Nothing on such a link reveals this.
 
 use std::time::Duration;
 
@@ -26,7 +26,7 @@ const DC2: u8 = 0x12;
 const DC4: u8 = 0x14;
 const NAK: u8 = 0x15;
 const SYN: u8 = 0x16;
-/// Bytes that let go on come again so soon by disturbance, and after so long where the control gets nothing (Haas: 5 s).
+/// Time within which interference may repeat an XON, and time after which a control without data repeats it (Haas: 5 s).
 const AT_ONCE: Duration = Duration::from_millis(500);
 const HUNGRY: Duration = Duration::from_secs(4);
 
@@ -57,7 +57,7 @@ impl Tape {
             } else if self.is_held {
                 self.hold(false, events);
             } else if is_fed {
-                // Haas repeats it while nothing comes: that is harmless. One that gets what it wants does not ask.
+                // Haas repeats it while no data come: that is harmless. A control that receives data does not ask.
                 let what = "the control asks for data although it gets them, it was reset or started anew";
                 self.lost(&impossible(what), wire, events);
             }
@@ -67,7 +67,7 @@ impl Tape {
                 NUL | DC2 | DC4 => {}
                 SYN => self.lost("the control was reset (SYN)", wire, events),
                 NAK => self.lost("the control stands in an alarm (NAK)", wire, events),
-                // It may have been an XOFF, or said that it was reset.
+                // It may have been an XOFF, or the notice of a reset.
                 _ if self.flow.xoff.is_some() && self.state != State::Waiting => {
                     let what = format!("a byte means nothing on this link ({byte:#04x})");
                     self.lost(&impossible(&what), wire, events);

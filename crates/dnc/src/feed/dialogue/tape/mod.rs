@@ -1,9 +1,9 @@
-//! Links that were made for tape readers: bytes, a byte that stops them (XOFF) and one that lets them go on (XON), and no answers.
+//! Links made for tape readers: bytes, one byte that stops them (XOFF), one that resumes them (XON), and no answers.
 //!
-//! A control that reads sends XON (DC1) when it wants data and XOFF (DC3) when its buffer is nearly full; a remote buffer of Fanuc ends with SYN
-//! after a reset and with NAK after an alarm (B-63322EN, protocol B). Nothing says that a line was taken: a line has *left* when its last byte is
-//! gone, and what the control does with it nobody knows. Bytes in the queue of the system can no longer be held back, and with adapters for USB not
-//! even by the driver; so they are handed over no faster than the line carries them, and never more at once than the control takes after its XOFF.
+//! A control that reads sends XON (DC1) when it wants data and XOFF (DC3) when its buffer is nearly full. A remote buffer of Fanuc ends with SYN after a
+//! reset and with NAK after an alarm (B-63322EN, protocol B). Nothing confirms a line: it has *left* when its last byte is gone, and its further fate is
+//! unknown. Bytes in the queue of the operating system can no longer be held back; with USB adapters not even the driver can. So bytes are passed on no
+//! faster than the line carries them, and never more at once than the control accepts after its XOFF.
 
 mod hear;
 
@@ -13,7 +13,7 @@ use std::time::Duration;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 use crate::feed::profile::Flow;
 
-/// What profiles call it.
+/// Entry of this dialogue; profiles select it by its name.
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "tape",
     title: "bytes held by XON and XOFF, no answers (tape readers)",
@@ -31,7 +31,7 @@ enum State {
     Open,
     /// The last line was sent.
     Closed,
-    /// A person has broken it off.
+    /// A person has aborted the job.
     Broken,
     Over,
 }
@@ -47,28 +47,28 @@ struct Tape {
     longest_line: usize,
     refused: Vec<u8>,
     window: (usize, usize),
-    /// Bytes that are handed over and not gone, at most.
+    /// Maximum number of bytes that are passed on and have not left.
     ahead: usize,
     characters_per_s: f64,
-    /// Bits of a character that count.
+    /// Mask of the significant bits of a character.
     mask: u8,
     patience: Duration,
-    /// Bytes that were not handed over.
+    /// Bytes that were not passed on yet.
     out: VecDeque<u8>,
-    /// Bytes that are gone, by the clock of the line and by what the system tells of its queue.
+    /// Bytes that have left, by the line speed and by the queue length that the system reports.
     gone: f64,
-    /// Bytes that were queued for the wire, or are to be.
+    /// Bytes that were queued for the wire, or will be.
     total: u64,
-    /// Lines that have not left: number, its last byte, how long it takes.
+    /// Lines that have not left: number, position of the last byte, duration.
     lines: VecDeque<(u64, u64, Duration)>,
     is_held: bool,
-    /// When the control let the flow go on last, and when bytes left last.
+    /// Time when the control last resumed the flow, and time when bytes last left.
     asked: Duration,
     fed: Duration,
     ticked: Duration,
-    /// When something moved last.
+    /// Time of the last activity.
     moved: Duration,
-    /// Until when the control is busy with all that has left.
+    /// Time until which the control is busy with everything that has left.
     busy_until: Duration,
 }
 
@@ -104,7 +104,7 @@ impl Tape {
             window: (profile.window.lines, profile.window.bytes),
             ahead: profile.window.system_bytes,
             characters_per_s: profile.serial.characters_per_s(),
-            // With seven bits the eighth is the parity, which some adapters leave in place.
+            // With seven data bits the eighth is the parity bit, which some adapters do not remove.
             mask: if profile.serial.data_bits == 7 { 0x7F } else { 0xFF },
             patience: profile.answer_within,
             out: VecDeque::new(),
@@ -131,7 +131,7 @@ impl Tape {
         self.push(&bytes);
     }
 
-    /// Whether anything waits to go, or for the control to ask for it.
+    /// True if bytes wait to leave, or for the control to ask for them.
     fn is_waiting(&self, wire: &Wire) -> bool {
         self.state == State::Waiting || !self.out.is_empty() || !wire.is_empty() || self.gone < wire.sent() as f64
     }
@@ -160,7 +160,7 @@ impl Dialogue for Tape {
         if !self.is_waiting(wire) {
             self.moved = now;
         }
-        // The one that stands in the program goes out with the frame.
+        // The `%` of the program is sent with the frame.
         let is_framed = text.trim_ascii() == b"%" && (self.trailer.contains(&b'%') || self.start.contains(&b'%'));
         if !is_framed {
             check_text(&text, self.longest_line, &self.refused)?;
@@ -212,7 +212,7 @@ impl Dialogue for Tape {
             let bytes: Vec<u8> = self.out.drain(..count).collect();
             wire.push(&bytes);
         }
-        // The control may be busy for long with what it has; only beyond that something is amiss. Nothing is sent on suspicion.
+        // The control may be busy for long with its lines; only a longer silence is a fault. Nothing is sent on suspicion.
         if self.is_waiting(wire) && now.saturating_sub(self.moved.max(self.busy_until)) > self.patience {
             events.push(Event::Stalled);
             self.moved = now;
@@ -242,7 +242,7 @@ impl Dialogue for Tape {
                 "no further line is sent; the {} lines under way still go out, and {keeps}",
                 self.lines.len()
             )),
-            // Such a link has no word for it: feed hold is a key at the control.
+            // Such a link has no command for it: feed hold is a key at the control.
             Halt::Hold => None,
             Halt::Abort => {
                 self.out.clear();
@@ -271,7 +271,7 @@ mod tests {
         Line { number, text: text.into(), ..Line::default() }
     }
 
-    /// A dialogue, its wire, and what it said.
+    /// Returns a dialogue, its wire, and its events.
     fn opened(name: &str) -> (Tape, Wire, Vec<Event>) {
         let (mut tape, mut wire, mut events) = (Tape::new(&profile(name)), Wire::default(), Vec::new());
         tape.open(Duration::ZERO, &mut wire);

@@ -1,19 +1,19 @@
-//! Which endpoint of a server is connected to.
+//! Choice of the endpoint of a server.
 
 use opcua::core::comms::url::hostname_port_from_url;
 use opcua::crypto::SecurityPolicy;
 use opcua::types::{EndpointDescription, MessageSecurityMode, UserTokenPolicy, UserTokenType};
 
-/// The port of the standard.
+/// Standard port.
 const PORT: u16 = 4840;
 
-/// Host and port of an address, the usual one where it names none.
+/// Returns host and port of an address; the standard port if it has none.
 pub(super) fn host_and_port(url: &str) -> Option<(String, u16)> {
     hostname_port_from_url(url, PORT).ok().filter(|(host, port)| !host.is_empty() && *port != 0)
 }
 
-/// The endpoint without encryption that takes such a user: the one that the address names, else the first one. Its host and port are those of the
-/// address: a server may call itself by a name that is not known here.
+/// Returns the endpoint without encryption that accepts such a user: the one that the address names, else the first one. Its host and port are taken from the
+/// address, as the server may use a name that is not known here.
 pub(super) fn choose(
     url: &str,
     endpoints: Vec<EndpointDescription>,
@@ -33,7 +33,7 @@ pub(super) fn choose(
         let has_certificate = !one.server_certificate.is_null_or_empty();
         if let Some(policies) = &mut one.user_identity_tokens {
             policies.retain(|policy| policy.token_type == kind && is_usable(policy, has_certificate));
-            // A password is encrypted where the server offers that.
+            // A password is encrypted if the server offers it.
             policies.sort_by_key(is_plain);
         }
     }
@@ -48,19 +48,19 @@ pub(super) fn choose(
     Ok(endpoint)
 }
 
-/// What is behind host and port.
+/// Returns the path after host and port.
 fn path(url: &str) -> &str {
     let rest = url.strip_prefix("opc.tcp://").unwrap_or(url);
     rest.find('/').map_or("", |at| &rest[at..]).trim_end_matches('/')
 }
 
-/// Whether no password is encrypted under a policy.
+/// True if a policy does not encrypt passwords.
 fn is_plain(policy: &UserTokenPolicy) -> bool {
     let uri = policy.security_policy_uri.as_ref();
     uri.is_empty() || SecurityPolicy::from_uri(uri) == SecurityPolicy::None
 }
 
-/// Whether the client can do what a policy asks for.
+/// True if the client supports a policy.
 fn is_usable(policy: &UserTokenPolicy, has_certificate: bool) -> bool {
     let uri = policy.security_policy_uri.as_ref();
     is_plain(policy) || (has_certificate && SecurityPolicy::from_uri(uri) != SecurityPolicy::Unknown)

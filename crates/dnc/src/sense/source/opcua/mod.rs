@@ -1,10 +1,10 @@
 //! Variables of an OPC UA server (opc.tcp, without encryption), read by the service Read; nothing is ever written.
 //!
-//! After OPC 10000-4 (*Services*) and OPC 10000-6 (*Mappings*, 5.3.1.10: the texts of nodes). They are read and not subscribed to: a server sends a
-//! subscriber only what changes, and its silence may be a steady temperature or a server that hangs. An answer to Read is one of this moment. Its time of
-//! the source is that of the last change, so that a value is as old as the answer, unless the file says otherwise.
+//! According to OPC 10000-4 (*Services*) and OPC 10000-6 (*Mappings*, 5.3.1.10: texts of nodes). Variables are read, not subscribed to. A server sends only
+//! changes to a subscriber, so its silence may mean a steady temperature or a server that hangs. An answer to Read is current. Its source time stamp is that
+//! of the last change, so a value is as old as the answer, unless the file says otherwise.
 //!
-//! The client is asynchronous; its runtime is that of the one thread of this source.
+//! The client is asynchronous; its runtime runs in the single thread of this source.
 
 mod endpoint;
 mod value;
@@ -31,18 +31,18 @@ use super::{Kind, Opened, Plan, Wanted};
 use endpoint::{choose, host_and_port};
 use value::{halt, nothing, told};
 
-/// Small servers read no more variables at once.
+/// Maximum number of variables per request; small servers do not accept more.
 const MOST_AT_ONCE: usize = 32;
-/// A longer answer is none, bytes.
+/// Maximum length of an answer, bytes.
 const MOST_BYTES: usize = 1 << 20;
-/// A channel is renewed after three quarters of this time, ms. By the clock of the server: where that is ahead by more, the channel ends once in this time
-/// and is opened anew.
+/// Lifetime of a channel, ms; it is renewed after three quarters of it. The clock of the server counts: if that is ahead by more, the channel ends once in
+/// this time and is opened again.
 const CHANNEL_MS: u32 = 3_600_000;
-/// Time between two tries to connect, at first and at most.
+/// Time between two connection attempts: initial and maximum.
 const TRY_AGAIN: [Duration; 2] = [Duration::from_millis(500), Duration::from_secs(30)];
-/// Every so often the source sees whether it has to end.
+/// Interval at which the source checks whether it must end.
 const LOOK_UP: Duration = Duration::from_millis(50);
-/// So long a server has for the end of a session; many servers allow only a few of them.
+/// Maximum time for closing a session; many servers allow only a few sessions.
 const FAREWELL: Duration = Duration::from_millis(150);
 
 pub(super) const KIND: Kind =
@@ -51,7 +51,7 @@ pub(super) const KIND: Kind =
 #[derive(Clone, Debug)]
 struct Settings {
     url: String,
-    /// A name, and the variable of the environment that has its password.
+    /// User name, and environment variable that holds the password.
     user: Option<(String, Option<String>)>,
     timeout: Duration,
     has_times: bool,
@@ -116,7 +116,7 @@ struct Reader {
     link: Option<Link>,
 }
 
-/// A session, and the task that carries its messages.
+/// Session, and the task that carries its messages.
 struct Link {
     session: Arc<Session>,
     task: JoinHandle<StatusCode>,
@@ -141,11 +141,11 @@ impl Reader {
             }
             self.leave().await;
         });
-        // A look-up of a name cannot be broken off; it is not waited for.
+        // A pending name look-up cannot be aborted; it is not waited for.
         runtime.shutdown_background();
     }
 
-    /// Reads at each poll and connects again where the connection is lost.
+    /// Reads at each poll and reconnects if the connection is lost.
     async fn go_on(&mut self, poll: Duration, outlet: &Outlet) {
         let [mut pause, longest] = TRY_AGAIN;
         loop {
@@ -190,13 +190,13 @@ impl Reader {
         };
         let session = Arc::clone(&self.link.insert(link).session);
         for nodes in self.settings.nodes.chunks(MOST_AT_ONCE) {
-            // The state of the server comes with its values.
+            // The state of the server is read with its values.
             let state = NodeId::from(VariableId::Server_ServerStatus_State);
             let ids: Vec<ReadValueId> = std::iter::once(&state)
                 .chain(nodes.iter().map(|(_, node)| node))
                 .map(|node| ReadValueId::from(node.clone()))
                 .collect();
-            // No older value than that of now: the server asks its source.
+            // Maximum age 0: the server asks its source.
             let answer = within(self.settings.timeout, async {
                 session.read(&ids, TimestampsToReturn::Both, 0.0).await.map_err(|error| error.to_string())
             });
@@ -229,7 +229,7 @@ impl Settings {
         let endpoint = choose(&self.url, endpoints, kind)?;
         let (session, events) =
             client.connect_to_endpoint_directly(endpoint, token.clone()).map_err(|error| error.to_string())?;
-        // Another connection is a new session, which is opened here.
+        // A new connection needs a new session, which is opened here.
         session.disable_reconnects();
         let mut link = Link { session: Arc::clone(&session), task: events.spawn() };
         tokio::select! {
@@ -247,7 +247,7 @@ impl Settings {
             .application_uri("urn:ncfix")
             .product_uri("urn:ncfix")
             .session_name("ncfix")
-            // Certificates are not used: folders for them must not be made, and there is no such path.
+            // Certificates are not used: no folders may be created for them, and this path cannot exist.
             .pki_dir("\0")
             .create_sample_keypair(false)
             .session_retry_limit(0)
@@ -259,14 +259,14 @@ impl Settings {
     }
 }
 
-/// Waits until the source has to end.
+/// Waits until the source must end.
 async fn is_over(outlet: &Outlet) {
     while !outlet.is_over() {
         sleep(LOOK_UP).await;
     }
 }
 
-/// What is done within a time.
+/// Runs work with a timeout.
 async fn within<T>(time: Duration, work: impl Future<Output = Result<T, String>>) -> Result<T, String> {
     timeout(time, work).await.unwrap_or_else(|_| Err(format!("no answer within {} s", time.as_secs_f64())))
 }

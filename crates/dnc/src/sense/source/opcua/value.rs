@@ -1,4 +1,4 @@
-//! What a variable of a server says.
+//! Interpretation of the variables of a server.
 
 use std::time::SystemTime;
 
@@ -6,7 +6,7 @@ use opcua::types::{DataValue, NodeId, ServerState, StatusCode, Variant};
 
 use super::super::super::monitor::{Fault, Told};
 
-/// Why a server has no values at all; one that does not tell its state is taken to run.
+/// Returns why a server has no values at all. A server that does not report its state is assumed to run.
 pub(super) fn halt(state: &DataValue) -> Option<String> {
     let Some(Variant::Int32(number)) = state.value else { return None };
     match ServerState::try_from(number) {
@@ -19,10 +19,10 @@ pub(super) fn nothing(why: String) -> Told {
     Told::Nothing(Fault::Invalid, why)
 }
 
-/// What a variable says, and when it was read where that counts.
+/// Returns the value of a variable, and its source time if times are used.
 pub(super) fn told(node: &NodeId, value: &DataValue, has_times: bool) -> (Told, Option<SystemTime>) {
     let status = value.status.unwrap_or(StatusCode::Good);
-    // A number that somebody has set in place of the sensor is none of it.
+    // A number that was set in place of the sensor is not a measured value.
     if !status.is_good() || status.sub_code() == StatusCode::GoodLocalOverride.sub_code() {
         return (nothing(format!("the server says of {node}: {status}")), None);
     }
@@ -40,7 +40,7 @@ pub(super) fn told(node: &NodeId, value: &DataValue, has_times: bool) -> (Told, 
     }
 }
 
-/// The number of a value, or what it is instead.
+/// Returns the number of a value, or the kind of value found instead.
 fn number(value: &Variant) -> Result<f64, &'static str> {
     let number = match value {
         Variant::SByte(number) => f64::from(*number),
@@ -51,7 +51,7 @@ fn number(value: &Variant) -> Result<f64, &'static str> {
         Variant::UInt32(number) => f64::from(*number),
         Variant::Int64(number) => *number as f64,
         Variant::UInt64(number) => *number as f64,
-        // The shortest decimal of a number of 32 bits, not the long one that the same bits have as 64.
+        // The shortest decimal of a 32-bit number, not the long one of the equal 64-bit number.
         Variant::Float(number) => number.to_string().parse().unwrap_or(f64::NAN),
         Variant::Double(number) => *number,
         Variant::Empty => return Err("no value"),
@@ -121,7 +121,7 @@ mod tests {
             StatusCode::BadNoCommunication,
             StatusCode::UncertainLastUsableValue,
             StatusCode::GoodLocalOverride,
-            // One that no version of the standard has.
+            // A code that no version of the standard has.
             StatusCode::from(0x8fff_0000),
         ];
         for code in codes {
@@ -153,7 +153,7 @@ mod tests {
         assert_eq!(halt(&state(0)), None);
         assert_eq!(halt(&state(3)).as_deref(), Some("the server does not run: its state is Suspended"));
         assert!(halt(&state(6)).is_some());
-        // Not told, or nothing of the standard.
+        // State missing, or not in the standard.
         assert_eq!(halt(&DataValue::default()), None);
         assert_eq!(halt(&state(99)), None);
     }

@@ -1,0 +1,144 @@
+//! Modal groups: what is in force of each from block to block.
+//!
+//! Groups that every language has are kept as what their codes mean, in [`Modes`]. Of any other group [`CodesInForce`] holds the code
+//! itself; a family says which groups there are and which codes are in force at the start. Both are plain values: a saved state is a
+//! clone, and what brings it back asks which codes differ.
+
+use ncfix_base::geometry::Plane;
+use ncfix_base::units::MM_PER_INCH;
+use ncfix_machine::snc::FeedUnit;
+
+/// What the groups mean that every language has; `M` is the kind of motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::exec) struct Modes<M> {
+    /// The kind of motion in force.
+    pub(in crate::exec) motion: M,
+    /// The working plane.
+    pub(in crate::exec) plane: Plane,
+    /// Positions count from the one before.
+    pub(in crate::exec) incremental: bool,
+    /// Lengths are inches.
+    pub(in crate::exec) inch: bool,
+    /// The feed in mm and in units of `feed_unit`; 0 for none yet.
+    pub(in crate::exec) feed: f64,
+    /// What F counts.
+    pub(in crate::exec) feed_unit: FeedUnit,
+    /// Last speed of the spindle.
+    pub(in crate::exec) speed: Option<f64>,
+}
+
+impl<M> Modes<M> {
+    /// Absolute millimeters, and no feed.
+    pub(in crate::exec) fn new(motion: M, plane: Plane) -> Self {
+        Modes { motion, plane, incremental: false, inch: false, feed: 0.0, feed_unit: FeedUnit::default(), speed: None }
+    }
+
+    /// mm per programmed length unit.
+    pub(in crate::exec) fn scale(&self) -> f64 {
+        if self.inch { MM_PER_INCH } else { 1.0 }
+    }
+
+    /// Selects what F counts. A feed of another unit is none: it must be programmed again.
+    pub(in crate::exec) fn select_feed_unit(&mut self, unit: FeedUnit) {
+        if unit != self.feed_unit {
+            self.feed_unit = unit;
+            self.feed = 0.0;
+        }
+    }
+}
+
+/// The code in force of each group `G`.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::exec) struct CodesInForce<G: 'static, C: 'static> {
+    /// At the start.
+    initial: &'static [(G, C)],
+    /// Programmed since, in the order in which the program came to the groups.
+    programmed: Vec<(G, C)>,
+}
+
+impl<G: Copy + PartialEq, C: Copy + PartialEq> CodesInForce<G, C> {
+    /// These are in force at the start.
+    pub(in crate::exec) fn new(initial: &'static [(G, C)]) -> Self {
+        CodesInForce { initial, programmed: Vec::new() }
+    }
+
+    /// The code in force of a group; `None` where neither the program nor the start has one.
+    pub(in crate::exec) fn code(&self, group: G) -> Option<C> {
+        self.programmed(group).or_else(|| find(self.initial, group))
+    }
+
+    /// The code of a group that was programmed last.
+    pub(in crate::exec) fn programmed(&self, group: G) -> Option<C> {
+        find(&self.programmed, group)
+    }
+
+    /// Whether this code is in force.
+    pub(in crate::exec) fn is(&self, group: G, code: C) -> bool {
+        self.code(group) == Some(code)
+    }
+
+    /// Puts a code in force.
+    pub(in crate::exec) fn set(&mut self, group: G, code: C) {
+        match self.programmed.iter_mut().find(|(known, _)| *known == group) {
+            Some(entry) => entry.1 = code,
+            None => self.programmed.push((group, code)),
+        }
+    }
+
+    /// Brings the code of a group back from a saved state; gives it where another one was in force.
+    pub(in crate::exec) fn bring_back(&mut self, saved: &Self, group: G) -> Option<C> {
+        let code = saved.code(group).filter(|&code| self.code(group) != Some(code))?;
+        self.set(group, code);
+        Some(code)
+    }
+
+    /// What of these codes `left` has otherwise, in the order in which the program that ends came to the groups.
+    pub(in crate::exec) fn other_than(&self, left: &Self) -> Vec<C> {
+        let of = |&(group, code): &(G, C)| self.code(group).filter(|&before| before != code);
+        left.programmed.iter().filter_map(of).collect()
+    }
+}
+
+fn find<G: Copy + PartialEq, C: Copy>(codes: &[(G, C)], group: G) -> Option<C> {
+    codes.iter().find(|(known, _)| *known == group).map(|&(_, code)| code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const INITIAL: &[(u8, &str)] = &[(10, "G60"), (15, "G94")];
+
+    #[test]
+    fn a_group_has_the_code_of_the_start_until_another_is_programmed() {
+        let mut codes = CodesInForce::new(INITIAL);
+        assert_eq!((codes.code(10), codes.programmed(10), codes.code(7)), (Some("G60"), None, None));
+        codes.set(10, "G64");
+        codes.set(10, "G642");
+        assert!(codes.is(10, "G642") && !codes.is(10, "G60") && codes.is(15, "G94"));
+    }
+
+    #[test]
+    fn what_a_called_program_changed_comes_back_in_the_order_in_which_it_changed_it() {
+        let mut caller = CodesInForce::new(INITIAL);
+        caller.set(7, "G40");
+        let mut left = caller.clone();
+        left.set(15, "G95");
+        left.set(7, "G40");
+        left.set(10, "G64");
+        left.set(24, "FFWON");
+        // Nothing says what was in force of group 24.
+        assert_eq!(caller.other_than(&left), ["G94", "G60"]);
+        assert_eq!((left.bring_back(&caller, 10), left.bring_back(&caller, 10)), (Some("G60"), None));
+        assert!(left.is(10, "G60"));
+    }
+
+    #[test]
+    fn a_feed_ends_where_f_counts_something_else() {
+        let mut modes = Modes { feed: 500.0, inch: true, ..Modes::new((), Plane::XY) };
+        modes.select_feed_unit(FeedUnit::PerMinute);
+        assert_eq!((modes.feed, modes.scale()), (500.0, 25.4));
+        modes.select_feed_unit(FeedUnit::PerTurn);
+        assert_eq!((modes.feed, modes.feed_unit), (0.0, FeedUnit::PerTurn));
+    }
+}

@@ -1,0 +1,69 @@
+//! Where the axes are, and of which the program has said so.
+
+use super::fault::{Fault, fault};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame};
+use ncfix_base::source::Span;
+use ncfix_machine::machine::Machine;
+
+/// Where the axes are.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::exec) struct Position {
+    /// Axis commands, mm and rad; under a transformation positions fixed to the workpiece.
+    pub(in crate::exec) command: AxisVector,
+    /// Axes whose position the program has stated, in the frame in force.
+    pub(in crate::exec) known: AxisSet,
+}
+
+impl Position {
+    /// Before the first block: what the caller has said, or nowhere.
+    pub(in crate::exec) fn at_start(start: Option<AxisVector>, machine: &Machine) -> Self {
+        let known = if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY };
+        Position { command: start.unwrap_or_default(), known }
+    }
+
+    /// Where some axes are is unknown from here on. Those that a transformation or the frame mixes are unknown together; gives all that
+    /// are.
+    pub(in crate::exec) fn forget(&mut self, axes: AxisSet, turns: bool, frame: &Frame) -> AxisSet {
+        let mut lost = axes;
+        if turns {
+            lost = AxisSet::ALL;
+        } else if !axes.intersection(AxisSet::XYZ).is_empty() && !frame.is_translation() {
+            lost = axes.union(AxisSet::XYZ);
+        }
+        self.known = self.known.difference(lost);
+        lost
+    }
+}
+
+/// The finding about an axis whose place the program has not stated.
+pub(in crate::exec) fn unknown_start(span: Span, axis: Axis) -> Fault {
+    fault(
+        Code::UNKNOWN_START,
+        span,
+        format!("the program has not stated where {axis} is"),
+        "begin with an absolute position of this axis, or give --start",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ncfix_base::geometry::{AXES, Matrix};
+
+    #[test]
+    fn axes_that_are_mixed_are_lost_together() {
+        let all = Position { command: AxisVector::ZERO, known: AXES.into_iter().collect() };
+        let lost_of = |axis: Axis, turns: bool, frame: &Frame| {
+            let mut position = all;
+            let lost = position.forget([axis].into_iter().collect(), turns, frame);
+            assert_eq!(position.known, all.known.difference(lost));
+            lost
+        };
+        let turned = Frame::rotation(Matrix::new(0.8, -0.6, 0.0, 0.6, 0.8, 0.0, 0.0, 0.0, 1.0));
+        assert_eq!(lost_of(Axis::X, false, &Frame::identity()), [Axis::X].into_iter().collect());
+        assert_eq!(lost_of(Axis::X, false, &turned), AxisSet::XYZ);
+        assert_eq!(lost_of(Axis::B, false, &turned), [Axis::B].into_iter().collect());
+        assert_eq!(lost_of(Axis::B, true, &turned), AxisSet::ALL);
+    }
+}

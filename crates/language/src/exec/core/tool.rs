@@ -1,0 +1,194 @@
+//! Tools: which is selected and which is in the spindle, what of it is in force, and the data that a run writes over those of the machine file.
+
+use std::collections::BTreeMap;
+
+use super::fault::{Fault, fault};
+use super::radius::Radius;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+use ncfix_machine::machine::{Machine, Tool};
+
+/// The tool of a channel. `T` names a tool; `L` is the length in force as the control counts it.
+#[derive(Clone, Debug)]
+pub(in crate::exec) struct ToolState<T, L> {
+    /// Selected, not yet changed to.
+    pub(in crate::exec) selected: Option<T>,
+    /// In the spindle.
+    pub(in crate::exec) active: Option<T>,
+    /// Length in force, mm.
+    pub(in crate::exec) length_mm: L,
+    /// Radius in force, mm.
+    pub(in crate::exec) radius_mm: f64,
+    /// What is in force has no value in the machine file.
+    pub(in crate::exec) assumed: bool,
+}
+
+impl<T, L: Default> Default for ToolState<T, L> {
+    fn default() -> Self {
+        ToolState { selected: None, active: None, length_mm: L::default(), radius_mm: 0.0, assumed: false }
+    }
+}
+
+impl<T: Clone, L: Default> ToolState<T, L> {
+    /// The selected tool comes into the spindle; where none is selected, the one in it stays.
+    pub(in crate::exec) fn change(&mut self) {
+        if self.selected.is_some() {
+            self.active.clone_from(&self.selected);
+        }
+    }
+
+    /// Puts length and radius in force; `None` is a tool of which nothing is known: 0 is taken.
+    pub(in crate::exec) fn put_size(&mut self, size: Option<(L, f64)>) {
+        self.assumed = size.is_none();
+        (self.length_mm, self.radius_mm) = size.unwrap_or_default();
+    }
+}
+
+/// A tool or an offset that has no value in the machine file: refused where nothing may be assumed, else a warning that `used` is taken.
+pub(in crate::exec) fn without_value(
+    strict: bool,
+    warnings: &mut Vec<Fault>,
+    span: Span,
+    message: &str,
+    used: &str,
+    help: &str,
+) -> Result<(), Fault> {
+    if strict {
+        return Err(fault(Code::NO_TOOL, span, message, help));
+    }
+    warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; {used} is used"), help));
+    Ok(())
+}
+
+/// Length and radius of a cutting edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::exec) struct ToolSize {
+    /// L1, L2, L3, mm.
+    pub(in crate::exec) length_mm: [f64; 3],
+    /// With its wear, mm.
+    pub(in crate::exec) radius_mm: f64,
+    /// The wear in it, mm.
+    pub(in crate::exec) radius_wear_mm: f64,
+}
+
+impl ToolSize {
+    /// What the machine file says of a tool.
+    pub(in crate::exec) fn of(tool: &Tool, machine: &Machine) -> Self {
+        let wear = machine.radius_wear_mm.get(&(tool.number, tool.edge)).copied().unwrap_or(0.0);
+        ToolSize { length_mm: tool.length_mm, radius_mm: tool.radius_mm, radius_wear_mm: wear }
+    }
+
+    /// The radius that compensation works with, mm.
+    pub(in crate::exec) fn compensated_mm(&self, radius: Radius) -> f64 {
+        radius.of(self.radius_mm, self.radius_wear_mm)
+    }
+}
+
+/// What a control keeps of a cutting edge.
+pub(in crate::exec) trait ToolEntry: Clone + Default {
+    /// What the machine file says of a tool.
+    fn of(tool: &Tool, machine: &Machine) -> Self;
+
+    /// Length and radius.
+    fn size(&self) -> ToolSize;
+}
+
+impl ToolEntry for ToolSize {
+    fn of(tool: &Tool, machine: &Machine) -> Self {
+        ToolSize::of(tool, machine)
+    }
+
+    fn size(&self) -> ToolSize {
+        *self
+    }
+}
+
+/// Data of tools that a run has written, by number and edge, over those of the machine file.
+#[derive(Clone, Debug, Default)]
+pub(in crate::exec) struct ToolTable<E> {
+    places: BTreeMap<(u32, u32), usize>,
+    /// In the order in which they were written first.
+    edges: Vec<((u32, u32), E)>,
+}
+
+impl<E: ToolEntry> ToolTable<E> {
+    /// An edge that the run has written.
+    pub(in crate::exec) fn written(&self, number: u32, edge: u32) -> Option<&E> {
+        let place = self.places.get(&(number, edge))?;
+        self.edges.get(*place).map(|(_, edge)| edge)
+    }
+
+    /// All that the run has written, with number and edge.
+    pub(in crate::exec) fn all_written(&self) -> impl ExactSizeIterator<Item = ((u32, u32), &E)> {
+        self.edges.iter().map(|(place, edge)| (*place, edge))
+    }
+
+    /// An edge as run and machine file have it.
+    pub(in crate::exec) fn find(&self, machine: &Machine, number: u32, edge: u32) -> Option<E> {
+        let written = self.written(number, edge).cloned();
+        written.or_else(|| machine.tool(number, edge).map(|tool| E::of(tool, machine)))
+    }
+
+    /// Length and radius of an edge.
+    pub(in crate::exec) fn size(&self, machine: &Machine, number: u32, edge: u32) -> Option<ToolSize> {
+        match self.written(number, edge) {
+            Some(written) => Some(written.size()),
+            None => machine.tool(number, edge).map(|tool| E::of(tool, machine).size()),
+        }
+    }
+
+    /// Writes an edge.
+    pub(in crate::exec) fn write(&mut self, number: u32, edge: u32, entry: E) {
+        let new = self.edges.len();
+        let place = *self.places.entry((number, edge)).or_insert(new);
+        match self.edges.get_mut(place) {
+            Some((_, known)) => *known = entry,
+            None => self.edges.push(((number, edge), entry)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ncfix_base::source::{FileId, Source};
+    use ncfix_machine::machine::file::{DEMO, MachineFile, read_machine};
+
+    fn demo() -> Machine {
+        let source = Source::new(FileId(0), "demo", DEMO.as_bytes().to_vec()).unwrap();
+        read_machine(&MachineFile::parse(&source).unwrap()).0.unwrap()
+    }
+
+    #[test]
+    fn a_tool_is_in_force_when_it_is_changed_to() {
+        let mut tool: ToolState<u32, f64> = ToolState::default();
+        tool.change();
+        assert_eq!(tool.active, None);
+        tool.selected = Some(5);
+        assert_eq!(tool.active, None);
+        tool.change();
+        tool.put_size(Some((120.0, 6.0)));
+        assert_eq!((tool.active, tool.length_mm, tool.radius_mm, tool.assumed), (Some(5), 120.0, 6.0, false));
+        tool.put_size(None);
+        assert_eq!((tool.length_mm, tool.radius_mm, tool.assumed), (0.0, 0.0, true));
+    }
+
+    #[test]
+    fn what_a_run_writes_stands_over_what_the_machine_file_says() {
+        let mut machine = demo();
+        machine.tools = vec![Tool { number: 3, name: None, edge: 1, length_mm: [80.0, 0.0, 0.0], radius_mm: 4.02 }];
+        machine.radius_wear_mm.insert((3, 1), 0.02);
+        let mut table: ToolTable<ToolSize> = ToolTable::default();
+        let known = table.size(&machine, 3, 1).unwrap();
+        assert_eq!(known.length_mm[0], 80.0);
+        assert!((known.compensated_mm(Radius::Beside(0.0)) - 4.0).abs() < 1e-12);
+        assert_eq!((table.size(&machine, 3, 2), table.written(3, 1)), (None, None));
+        for radius_mm in [5.0, 6.0] {
+            table.write(3, 1, ToolSize { radius_mm, ..known });
+            table.write(1, 2, ToolSize::default());
+        }
+        assert_eq!(table.size(&machine, 3, 1).map(|size| size.radius_mm), Some(6.0));
+        let order: Vec<(u32, u32)> = table.all_written().map(|(place, _)| place).collect();
+        assert_eq!(order, [(3, 1), (1, 2)]);
+    }
+}
