@@ -124,12 +124,8 @@ impl Calibration {
         diagnostics.extend(own, &sources);
         match (fit, prepared) {
             (Some(fit), Some(prepared)) if !diagnostics.has_errors() => {
-                let hash = |sources: &[Source]| short_hash(sources.iter().map(Source::bytes));
-                let line = |one: &Measurement| {
-                    format!("{} {} ({})", one.data.kind.name, one.sources[0].name(), hash(&one.sources))
-                };
                 let mut head = vec![format!("parameters {}", options.parameters.join(" "))];
-                head.extend(prepared.used().iter().map(line));
+                head.extend(prepared.used().iter().map(line_of));
                 Ok(Calibration { found, fit, start: machine.clone(), head, diagnostics })
             }
             _ => Err(Error::found(diagnostics)),
@@ -235,6 +231,36 @@ impl Calibration {
     pub fn parameters(&self) -> &[Estimate] {
         &self.found.parameters
     }
+}
+
+/// The new machine file: the text of the old one with the parameters, and a head that says where they come from.
+///
+/// # Errors
+/// Where they cannot be written into it.
+pub(crate) fn text_of(
+    chosen: &Machine,
+    start: &Source,
+    model: &str,
+    fit: &Fit,
+    used: &[Measurement],
+) -> Result<String, Error> {
+    let condition = chosen.state.as_ref().map_or_else(String::new, |hash| format!(", condition ({hash})"));
+    let hash = short_hash([start.bytes()]);
+    let mut head = vec![format!("model {}, began with {} ({hash}){condition}", in_line(model), in_line(start.name()))];
+    head.extend(used.iter().map(line_of));
+    machine_text((start, &chosen.registry.model), &chosen.errors, fit, &head)
+        .map_err(|reason| Error::usage(format!("cannot write into the text of {}: {reason}", start.name())))
+}
+
+/// The line about a measurement in such a head.
+fn line_of(one: &Measurement) -> String {
+    let hash = short_hash(one.sources.iter().map(Source::bytes));
+    format!("{} {} ({hash})", one.data.kind.name, in_line(one.sources[0].name()))
+}
+
+/// A name may have any character; a comment ends with its line.
+fn in_line(name: &str) -> String {
+    name.replace(char::is_control, " ")
 }
 
 /// The parameters of names and presets.

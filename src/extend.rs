@@ -59,7 +59,9 @@ pub mod table {
     pub use ncfix_base::source::Source;
     pub use ncfix_tables::tables::format::{FormatLimits, Holds, without_numbers};
     pub use ncfix_tables::tables::scheme::Task;
-    pub use ncfix_tables::tables::{Format, Lookup, Nodes, Orientation, Scheme, Sense, Tables, Wiring, Written};
+    pub use ncfix_tables::tables::{
+        Format, Lookup, Multiplication, Nodes, Orientation, Scheme, Sense, Tables, Wiring, Written,
+    };
 }
 
 /// Dialogues of links.

@@ -37,9 +37,12 @@ mod disk;
 mod error;
 mod feed;
 mod machine;
+mod measured;
 mod moves;
 mod options;
+mod plan;
 mod program;
+mod realtime;
 mod recognition;
 mod registry;
 mod run;
@@ -48,6 +51,7 @@ mod steps;
 mod support_file;
 mod tables;
 mod tool;
+mod watch;
 
 #[doc(hidden)]
 pub mod cli;

@@ -8,12 +8,12 @@ use crate::disk::machine_file;
 use crate::error::Error;
 use crate::registry::Registry;
 use crate::tool::ToolVector;
-use ncfix_base::geometry::AxisVector;
+use ncfix_base::geometry::{AXES, AxisVector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
-use ncfix_machine::machine::{Condition, State};
+use ncfix_machine::machine::{AxisData, Condition, State};
+use ncfix_model::shares::{Deviation, ErrorShares};
 use ncfix_model::{ErrorModel, Model};
-use ncfix_report::shares::Deviation;
 
 /// One machine: its axes, control, tools and zero offsets, its measured errors, and the condition in which it is.
 ///
@@ -220,6 +220,35 @@ impl Machine {
             position_um: std::array::from_fn(|axis| um_from_mm(twist.translation[axis])),
             rotation_urad: std::array::from_fn(|axis| urad_from_rad(twist.rotation[axis])),
         }
+    }
+
+    /// What each source of error does at a pose; as for [`deviation`](Self::deviation).
+    pub(crate) fn shares(&self, pose: &AxisVector, tool: ToolVector, state: &State) -> ErrorShares {
+        let tool_mm = tool.vector_mm(&self.machine);
+        ErrorShares::new(&self.machine, &self.errors, &self.condition, pose, &tool_mm, state)
+    }
+
+    /// Refuses a pose that the machine cannot take.
+    ///
+    /// # Errors
+    /// Where it lacks an axis, or the pose is outside of the travel.
+    pub(crate) fn check_pose(&self, at: &AxisVector) -> Result<(), Error> {
+        const ROOM: f64 = 1e-9;
+        for axis in AXES {
+            let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+            match self.machine.axis(axis) {
+                None if at[axis] != 0.0 => {
+                    return Err(Error::usage(format!("--at: the machine has no axis {axis}")));
+                }
+                Some(AxisData { travel: Some([low, high]), .. }) if !(low - ROOM..=high + ROOM).contains(&at[axis]) => {
+                    let [at, low, high] = [at[axis], *low, *high].map(shown);
+                    let sentence = format!("--at: {axis} {at} is outside the travel from {low} to {high}");
+                    return Err(Error::usage(sentence));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// The error model in the condition of the machine.

@@ -1,5 +1,5 @@
-//! Says where the tables of languages stand: `grammars/` at the top of the project. A package has nothing of what stands above its folder, but a copy that
-//! `cargo package` makes of the link `grammars` beside this file. A system without such links needs the one at the top.
+//! Tells the compiler where the language tables are: `grammars/` at the top of the project. A package contains nothing above its folder, except the copy that
+//! `cargo package` makes of the link `grammars` beside this file. A system without such links needs the folder at the top.
 
 use std::path::Path;
 

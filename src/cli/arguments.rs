@@ -1,40 +1,32 @@
 //! The command line: commands, options and their help.
 
-mod calibrate;
-mod decompose;
-mod diagnose;
-mod examples;
-mod figures;
+pub(super) mod examples;
 mod help;
-mod machine;
-mod measured;
 mod page;
-mod plan;
-mod realtime;
-mod sensors;
 mod switches;
-mod tables;
 mod work;
 
+pub(super) use super::calibrate::arguments::CalibrateArguments;
+pub(super) use super::decompose::arguments::DecomposeArguments;
+pub(super) use super::diagnose::arguments::DiagnoseArguments;
 pub(super) use super::diff::arguments::DiffArguments;
 pub(super) use super::feed::arguments::{FeedArguments, ResumeArguments};
+pub(super) use super::figures::arguments::FiguresArguments;
 pub(super) use super::fix::arguments::{CompensationChoice, CorrectionChoice, RotaryChoice};
 pub(super) use super::load::arguments::LoadArguments;
+pub(super) use super::machine::arguments::{
+    MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice,
+};
+pub(super) use super::measured::arguments::MeasuredArguments;
+pub(super) use super::plan::arguments::PlanArguments;
+pub(super) use super::realtime::arguments::RealtimeArguments;
+pub(super) use super::sensors::arguments::SensorsArguments;
 pub(super) use super::simulate::arguments::SimulateArguments;
 pub(super) use super::steps::arguments::StepsArguments;
+pub(super) use super::tables::arguments::TablesArguments;
 pub(super) use super::verify::arguments::VerifyArguments;
-pub(super) use calibrate::CalibrateArguments;
-pub(super) use decompose::DecomposeArguments;
-pub(super) use diagnose::DiagnoseArguments;
-pub(super) use figures::FiguresArguments;
 pub(super) use help::{CompletionsArguments, EXAMPLES, ManArguments, STATUSES};
-pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
-pub(super) use measured::MeasuredArguments;
 pub(super) use page::PageChoice;
-pub(super) use plan::PlanArguments;
-pub(super) use realtime::RealtimeArguments;
-pub(super) use sensors::SensorsArguments;
-pub(super) use tables::TablesArguments;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -44,7 +36,10 @@ use clap::error::ErrorKind;
 use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::voice::Voice;
-use super::{diff, feed, load, simulate, steps, value};
+use super::{
+    calibrate, decompose, diagnose, diff, feed, figures, load, measured, plan, realtime, sensors, simulate, steps,
+    tables, value,
+};
 use crate::options::{Compensation, Options};
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::file::nearest;
@@ -139,7 +134,7 @@ pub(super) enum Command {
     #[command(after_help = diff::arguments::AFTER_HELP)]
     Diff(Box<DiffArguments>),
     /// Subtract the corrections from positions that were read on the machine (measurement mode)
-    #[command(after_help = measured::AFTER_HELP)]
+    #[command(after_help = measured::arguments::AFTER_HELP)]
     Measured(MeasuredArguments),
     /// Find the largest fixed step that keeps a residual, and draw residual over step
     #[command(after_help = steps::arguments::AFTER_HELP)]
@@ -148,37 +143,37 @@ pub(super) enum Command {
     #[command(after_help = load::arguments::AFTER_HELP)]
     Load(LoadArguments),
     /// Find what the model gets wrong, and why
-    #[command(after_help = diagnose::AFTER_HELP)]
+    #[command(after_help = diagnose::arguments::AFTER_HELP)]
     Diagnose(DiagnoseArguments),
     /// Divide the errors at speed into servo, link, motion, thermal and dynamic ones, and find what gives way
-    #[command(after_help = decompose::AFTER_HELP)]
+    #[command(after_help = decompose::arguments::AFTER_HELP)]
     Decompose(DecomposeArguments),
     /// Select the sensors of temperature that tell the drift of a machine
-    #[command(after_help = sensors::AFTER_HELP)]
+    #[command(after_help = sensors::arguments::AFTER_HELP)]
     Sensors(SensorsArguments),
     /// Send a program to the control line by line, corrected for the temperatures of the moment
     #[command(after_help = feed::arguments::AFTER_HELP)]
     Feed(Box<FeedArguments>),
     /// Answer set-points with corrections in the cycle of a control
-    #[command(after_help = realtime::AFTER_HELP)]
+    #[command(after_help = realtime::arguments::AFTER_HELP)]
     Realtime(Box<RealtimeArguments>),
     /// Show how a transfer that was broken off can be taken up again, and do it
     #[command(after_help = feed::arguments::RESUME_HELP)]
     Resume(ResumeArguments),
     /// Plan a measurement: the poses, and the program that runs them
-    #[command(after_help = plan::AFTER_HELP)]
+    #[command(after_help = plan::arguments::AFTER_HELP)]
     Plan(Box<PlanArguments>),
     /// Fit an error model to measured data and write the machine file
-    #[command(after_help = calibrate::AFTER_HELP)]
+    #[command(after_help = calibrate::arguments::AFTER_HELP)]
     Calibrate(CalibrateArguments),
     /// Write what instruments would read on a machine with its errors
     #[command(after_help = simulate::arguments::AFTER_HELP)]
     Simulate(SimulateArguments),
     /// Print figures of ISO 230 of measured data: A, E, R, B, M; G, F, D, H; size and form of a sphere
-    #[command(after_help = figures::AFTER_HELP)]
+    #[command(after_help = figures::arguments::AFTER_HELP)]
     Figures(FiguresArguments),
     /// Make, check and read compensation tables of a control
-    #[command(after_help = tables::AFTER_HELP)]
+    #[command(after_help = tables::arguments::AFTER_HELP)]
     Tables(Box<TablesArguments>),
     /// Check or show a machine file
     #[command(subcommand, after_help = examples::MACHINE)]

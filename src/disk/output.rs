@@ -12,7 +12,7 @@ use super::files;
 pub(crate) use super::replace::Old;
 use super::replace::{Put, backups, replace, without_name};
 use super::target::folder_of;
-pub(crate) use super::target::{OneFile, Target, is_same, is_same_file};
+pub(crate) use super::target::{OneFile, Target, is_same, is_same_file, protect, protect_program};
 use crate::error::Error;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 

@@ -11,7 +11,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{AXES, Axis, Vector};
 use ncfix_base::source::{FileId, Source, Span};
 use ncfix_machine::machine::Machine;
-use ncfix_report::tables::rounded_mm;
+use ncfix_tables::results::result::rounded_mm;
 use ncfix_tables::tables::{Control, FORMATS, Format, Multiplication, Sense, Tables, Wiring, format};
 
 /// Tables that were read.

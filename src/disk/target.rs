@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 
 use super::files::is_standard_stream;
 use super::fingerprint::Fingerprint;
+use crate::diagnostics::Diagnostics;
 use crate::error::Error;
+use ncfix_base::diagnostic::{Code, Diagnostic};
 
 /// Symbolic links followed to find a target, as many as Linux follows.
 const MAX_LINKS: usize = 40;
@@ -139,4 +141,37 @@ fn is_same_name(one: &Path, other: &Path) -> bool {
     let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().to_lowercase());
     let is_missing = !one.exists() && !other.exists();
     is_missing && name(one) == name(other) && is_same_file(folder_of(one), folder_of(other))
+}
+
+/// Adds a finding where the output would overwrite one of the files that were read.
+pub(crate) fn protect<'f>(target: &Target, files: impl IntoIterator<Item = &'f PathBuf>, findings: &mut Diagnostics) {
+    protect_with(target, files, "choose another output", findings);
+}
+
+/// The same for a command that can overwrite its program.
+pub(crate) fn protect_program<'f>(
+    target: &Target,
+    files: impl IntoIterator<Item = &'f PathBuf>,
+    findings: &mut Diagnostics,
+) {
+    let help = "choose another output; to overwrite the program itself and keep it as a .bak file, give --in-place";
+    protect_with(target, files, help, findings);
+}
+
+fn protect_with<'f>(
+    target: &Target,
+    files: impl IntoIterator<Item = &'f PathBuf>,
+    help: &str,
+    findings: &mut Diagnostics,
+) {
+    if let Some(file) = files.into_iter().find(|file| target.is(file)) {
+        findings.add(
+            Diagnostic::nowhere(
+                Code::WRONG_FILE,
+                format!("the output would overwrite {}, which is an input of this run", file.display()),
+                help,
+            ),
+            &[],
+        );
+    }
 }

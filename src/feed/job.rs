@@ -1,9 +1,12 @@
 //! A transfer: the program, the machine, the link and how it is sent.
 
+use std::path::Path;
+
 use super::link::ControlLink;
 use super::options::FeedOptions;
 use crate::correction::Writing;
 use crate::diagnostics::Diagnostics;
+use crate::disk::files;
 use crate::disk::hash::short_hash;
 use crate::error::Error;
 use crate::machine::Machine;
@@ -11,9 +14,11 @@ use crate::options::Options;
 use crate::program::Program;
 use crate::run::{self, Opened};
 use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::FileId;
 use ncfix_dialect::Dialect;
 use ncfix_dnc::drip::Settings;
 use ncfix_dnc::feed::{Dialogue, Limits};
+use ncfix_dnc::sense::{Config, Panel};
 
 /// A program that will be sent to a control line by line, corrected for the current temperatures.
 ///
@@ -95,6 +100,29 @@ impl Transfer {
         );
         let help = "look at the machine: no program runs, nothing moves, no alarm stands. Then add --i-checked-the-machine-stands-still";
         Some(Diagnostic::nowhere(Code::IDLE_UNKNOWN, message, help))
+    }
+
+    /// Opens the sensors of a file; `None` where there is no file, or findings forbid it.
+    ///
+    /// # Errors
+    /// Where it cannot be read.
+    pub(crate) fn panel(&self, path: Option<&Path>, found: &mut Diagnostics) -> Result<Option<Panel>, Error> {
+        let Some(path) = path else { return Ok(None) };
+        let source = files::read_written(path, FileId(0), "sensors, --sensors")?;
+        let config = match Config::read(&source) {
+            Ok(config) => config,
+            Err(faults) => {
+                found.extend(faults, std::slice::from_ref(&source));
+                return Ok(None);
+            }
+        };
+        let names: Vec<&str> = config.channels.iter().map(|channel| channel.name.as_str()).collect();
+        if let Some(missing) = self.missing(&names) {
+            found.add(missing, &[]);
+            return Ok(None);
+        }
+        let opened = Panel::open(&config, path.parent().unwrap_or(Path::new(".")));
+        Ok(opened.map_err(|faults| found.extend(faults, std::slice::from_ref(&source))).ok())
     }
 
     /// Says that sensors of the model are missing among those of a panel.

@@ -1,5 +1,5 @@
-//! What every part of ncfix stands on: bytes with their places, findings as plain data, the edge of units, tables of text, frames, least squares, registers that a
-//! caller extends. It knows no machines.
+//! Foundation of ncfix: bytes with their places, diagnostics as plain data, unit conversion, text tables, frames, least squares, and registers that a caller
+//! can extend. This crate does not depend on machines.
 
 pub mod csv;
 pub mod diagnostic;

@@ -1,6 +1,6 @@
-//! Numbers for people: thousands in groups, µm with a sensible number of decimals.
+//! Numbers for people: grouped thousands, µm with suitable decimals.
 
-/// A count with its thousands separated: `1,234,567`.
+/// Formats a count with its thousands separated: `1,234,567`.
 #[must_use]
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
@@ -14,13 +14,13 @@ pub fn grouped(count: u64) -> String {
     out
 }
 
-/// A distance in µm with the decimals that matter: `213 µm`, `21.4 µm`, `2.14 µm`, `0.021 µm`.
+/// Formats a distance in µm with its significant decimals: `213 µm`, `21.4 µm`, `2.14 µm`, `0.021 µm`.
 #[must_use]
 pub fn micrometers(um: f64) -> String {
     format!("{} µm", significant(um))
 }
 
-/// Three significant digits, at most three decimals.
+/// Formats a value with three significant digits, at most three decimals.
 #[must_use]
 pub fn significant(value: f64) -> String {
     let decimals = match value.abs() {
@@ -32,7 +32,7 @@ pub fn significant(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// A time: `0.42 s`, `12.3 s`, `3 min 20 s`.
+/// Formats a time: `0.42 s`, `12.3 s`, `3 min 20 s`.
 #[must_use]
 pub fn duration(seconds: f64) -> String {
     if seconds < 10.0 {

@@ -1,32 +1,32 @@
-//! Registers: the known ones of a kind of thing (sources of error, causes, formats …) by name, which a caller extends.
+//! Registers: the known entries of one kind (error sources, causes, formats …) by name, which a caller can extend.
 //!
-//! A register is a value: no register is global, and each function that needs one gets it as an argument. What is built in goes in by the same
-//! [`Register::with`] as what a caller adds.
+//! A register is a value: no register is global, and each function that needs one gets it as an argument. Built-in entries are added by the same
+//! [`Register::with`] as those of a caller.
 
 use std::fmt;
 use std::sync::Arc;
 
-/// What a register holds: implemented for the trait object or the type of an entry.
+/// Entry type of a register: implemented for the trait object or the type of an entry.
 pub trait Registered {
-    /// What one of them is called in messages: `source of error`.
+    /// Name of an entry in messages: `source of error`.
     const KIND: &'static str;
 
-    /// The name by which it is found; no other entry has it.
+    /// Returns the name by which it is found; no other entry has it.
     fn name(&self) -> &str;
 
-    /// The ones that are built in, in the order in which tables show them.
+    /// Returns the built-in entries, in the order in which tables show them.
     fn built_in() -> Vec<Box<Self>>;
 
-    /// Why both cannot stand in one register, other than by their names: a sentence without a full stop.
+    /// Returns why two entries cannot both be in one register, other than by their names: a sentence without a full stop.
     fn conflict(&self, _other: &Self) -> Option<String> {
         None
     }
 }
 
-/// Entries of one kind, in the order in which they were added. [`Register::default`] has those that are built in.
+/// Entries of one kind, in the order in which they were added. [`Register::default`] contains the built-in ones.
 pub struct Register<T: ?Sized>(Vec<Arc<T>>);
 
-/// An entry that cannot stand beside one that is there: a sentence without a full stop.
+/// Reason why an entry conflicts with an existing one: a sentence without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refused(pub String);
 
@@ -39,16 +39,16 @@ impl fmt::Display for Refused {
 impl std::error::Error for Refused {}
 
 impl<T: ?Sized + Registered> Register<T> {
-    /// Without entries.
+    /// Returns a register without entries.
     #[must_use]
     pub fn empty() -> Register<T> {
         Register(Vec::new())
     }
 
-    /// With an entry more.
+    /// Adds an entry.
     ///
     /// # Panics
-    /// Where [`Self::try_with`] refuses it: two entries of one name are a slip of the program that builds the register.
+    /// If [`Self::try_with`] refuses it: two entries with the same name are a bug of the program that builds the register.
     #[must_use]
     pub fn with(self, entry: impl Into<Box<T>>) -> Register<T> {
         match self.try_with(entry) {
@@ -57,10 +57,10 @@ impl<T: ?Sized + Registered> Register<T> {
         }
     }
 
-    /// With an entry more, for entries that are not known when the program is written.
+    /// Adds an entry that is not known when the program is written.
     ///
     /// # Errors
-    /// [`Refused`] where its name is empty, or one that is there has its name or something else that only one can have.
+    /// [`Refused`] if its name is empty, or an existing entry has its name or another property that must be unique.
     pub fn try_with(mut self, entry: impl Into<Box<T>>) -> Result<Register<T>, Refused> {
         let entry = entry.into();
         if entry.name().is_empty() {
@@ -76,24 +76,24 @@ impl<T: ?Sized + Registered> Register<T> {
         Ok(self)
     }
 
-    /// All entries, in the order in which they were added.
+    /// Returns all entries, in the order in which they were added.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &T> + ExactSizeIterator {
         self.0.iter().map(|entry| &**entry)
     }
 
-    /// The entry of a name.
+    /// Returns the entry with this name.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<&T> {
         self.iter().find(|entry| entry.name() == name)
     }
 
-    /// The entry of a name, to be kept.
+    /// Returns shared ownership of the entry with this name.
     #[must_use]
     pub fn shared(&self, name: &str) -> Option<Arc<T>> {
         self.0.iter().find(|entry| entry.name() == name).cloned()
     }
 
-    /// The names of all entries, in their order.
+    /// Returns the names of all entries, in their order.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.iter().map(Registered::name)
     }

@@ -1,60 +1,60 @@
 //! Bytes of a file and places in them.
 //!
-//! Part programs are bytes, not text: comments come in UTF-8, Latin-1 or GBK, and paper-tape leaders hold NULs.
-//! Nothing here decodes them; a [`Span`] is a range of byte offsets and text is recovered by slicing.
+//! Part programs are bytes, not text: comments are in UTF-8, Latin-1 or GBK, and paper-tape leaders contain NULs. Nothing here decodes them. A [`Span`] is a
+//! range of byte offsets, and text is recovered by slicing.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Identifies one of the files of a run (the program, its subprograms, the machine file) in findings.
+/// Identifies one of the files of a run (the program, its subprograms, the machine file) in diagnostics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FileId(pub u16);
 
-/// A range of byte offsets in one file.
+/// Range of byte offsets in one file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Span {
     /// Offset of the first byte.
     pub start: u32,
-    /// Offset behind the last byte.
+    /// Offset after the last byte.
     pub end: u32,
 }
 
 impl Span {
-    /// The span from `start` to before `end`.
+    /// Creates the span from `start` to before `end`.
     #[must_use]
     pub fn new(start: usize, end: usize) -> Self {
         Span { start: clamp(start), end: clamp(end) }
     }
 
-    /// The span as an index range.
+    /// Returns the span as an index range.
     #[must_use]
     pub fn range(self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
 
-    /// The smallest span that holds both.
+    /// Returns the smallest span that contains both.
     #[must_use]
     pub fn to(self, other: Span) -> Span {
         Span { start: self.start.min(other.start), end: self.end.max(other.end) }
     }
 }
 
-/// Offsets are 32 bits; [`Source::new`] refuses files beyond that, so this never loses anything.
+/// Converts an offset to 32 bits; [`Source::new`] refuses larger files, so nothing is lost.
 fn clamp(offset: usize) -> u32 {
     u32::try_from(offset).unwrap_or(u32::MAX)
 }
 
-/// The largest file that is read, in bytes: offsets are stored in 32 bits.
+/// Maximum file size in bytes: offsets are stored in 32 bits.
 pub const MAX_BYTES: usize = u32::MAX as usize - 1;
 
-/// A file: its name as shown to the user and its bytes, cheap to clone.
+/// File: its name as shown to the user and its bytes, cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Source {
     id: FileId,
     name: Arc<str>,
     bytes: Arc<Vec<u8>>,
     line_end: u8,
-    /// What macros made of some lines: bytes behind the file's own, as far as spans are concerned.
+    /// Lines expanded by macros: for spans, these bytes come after those of the file.
     tail: Arc<Tail>,
 }
 
@@ -62,40 +62,40 @@ pub struct Source {
 #[derive(Debug, Default)]
 struct Tail {
     bytes: Vec<u8>,
-    /// Where each expanded line begins in the tail, and the line that it was made of.
+    /// Offset of each expanded line in the tail, and the original line.
     lines: Vec<(u32, Span)>,
 }
 
-/// Spans of findings may reach this far behind the file; the tail begins there.
+/// Gap between file and tail; spans of diagnostics may extend this far beyond the file.
 const TAIL_GAP: usize = 64;
 
 impl Source {
     /// Wraps bytes that were read from the file `name`.
     ///
     /// # Errors
-    /// Hands the bytes back when there are more than [`MAX_BYTES`] of them.
+    /// Returns the bytes if there are more than [`MAX_BYTES`] of them.
     pub fn new(id: FileId, name: &str, bytes: Vec<u8>) -> Result<Self, Vec<u8>> {
         if bytes.len() > MAX_BYTES {
             return Err(bytes);
         }
-        // Old files end their lines with a carriage return alone.
+        // Old files end their lines with a single carriage return.
         let line_end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
         Ok(Source { id, name: name.into(), bytes: Arc::new(bytes), line_end, tail: Arc::default() })
     }
 
-    /// The offset at which the tail begins.
+    /// Returns the offset at which the tail begins.
     #[must_use]
     pub fn tail_start(&self) -> usize {
         self.bytes.len() + TAIL_GAP
     }
 
-    /// The file with a tail of expanded lines: their bytes, where each begins in them, and the line that it was made of.
+    /// Adds a tail of expanded lines: their bytes, the offset of each in them, and the original line.
     #[must_use]
     pub fn with_tail(self, bytes: Vec<u8>, lines: Vec<(u32, Span)>) -> Self {
         Source { tail: Arc::new(Tail { bytes, lines }), ..self }
     }
 
-    /// A span as a place in the file: a part of an expanded line is the line that it was made of.
+    /// Converts a span to a place in the file: a part of an expanded line becomes its original line.
     #[must_use]
     pub fn in_file(&self, span: Span) -> Span {
         let Some(offset) = (span.start as usize).checked_sub(self.tail_start()) else { return span };
@@ -103,31 +103,31 @@ impl Source {
         next.checked_sub(1).and_then(|index| self.tail.lines.get(index)).map_or(span, |(_, line)| *line)
     }
 
-    /// Which file this is.
+    /// Returns the identifier of this file.
     #[must_use]
     pub fn id(&self) -> FileId {
         self.id
     }
 
-    /// The name to show in findings.
+    /// Returns the name to show in diagnostics.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// All bytes.
+    /// Returns all bytes.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// The byte that ends a line: a line feed, or a carriage return in a file that has no line feed.
+    /// Returns the byte that ends a line: a line feed, or a carriage return in a file without line feeds.
     #[must_use]
     pub fn line_end(&self) -> u8 {
         self.line_end
     }
 
-    /// The bytes of a span; empty where the span lies outside.
+    /// Returns the bytes of a span; empty if the span lies outside.
     #[must_use]
     pub fn slice(&self, span: Span) -> &[u8] {
         if let Some(start) = (span.start as usize).checked_sub(self.tail_start()) {
@@ -137,9 +137,9 @@ impl Source {
         self.bytes.get(span.range()).unwrap_or_default()
     }
 
-    /// Line and column, both from 1, of a byte offset. Columns count bytes, tabs as one.
+    /// Returns line and column, both from 1, of a byte offset. Columns count bytes, tabs as one.
     ///
-    /// Costs a pass over the bytes before the offset; meant for findings, not for every block.
+    /// It reads all bytes before the offset; meant for diagnostics, not for every block.
     #[must_use]
     pub fn line_column(&self, offset: u32) -> (usize, usize) {
         let before = &self.bytes[..(offset as usize).min(self.bytes.len())];
@@ -148,7 +148,7 @@ impl Source {
         (line, before.len() - line_start + 1)
     }
 
-    /// The line that holds `offset`, without its line end, and the offset at which it starts.
+    /// Returns the line that contains `offset`, without its line end, and the offset at which it starts.
     #[must_use]
     pub fn line_at(&self, offset: u32) -> (&[u8], u32) {
         let at = (offset as usize).min(self.bytes.len());
@@ -159,8 +159,8 @@ impl Source {
     }
 }
 
-/// Whether a character makes a person read something else than what stands there: a control of terminals, or one that turns the direction of the text.
-/// Tabs and ends of lines do not.
+/// True if a character makes text appear different from its content: a control character of terminals, or one that changes the text direction. Tabs and line
+/// ends are not deceptive.
 #[must_use]
 pub fn is_deceptive(character: char) -> bool {
     let is_turn =
@@ -168,7 +168,7 @@ pub fn is_deceptive(character: char) -> bool {
     is_turn || character.is_control() && !matches!(character, '\t' | '\n' | '\r')
 }
 
-/// Text that may come from a file, safe to show: what [`is_deceptive`] becomes `?`.
+/// Returns text from a file in a form that is safe to show: [`is_deceptive`] characters become `?`.
 #[must_use]
 pub fn shown(text: &str) -> String {
     text.chars().map(|character| if is_deceptive(character) || character == '\r' { '?' } else { character }).collect()

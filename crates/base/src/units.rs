@@ -1,55 +1,55 @@
-//! The edge of units: mm, rad, s inside; µm, µrad, degrees, inches in files, options and reports.
+//! Unit conversion: mm, rad, s inside; µm, µrad, degrees, inches in files, options and reports.
 
 use serde::Serialize;
 
 /// mm per inch, exact by definition (ISO 31, 1959 international inch).
 pub const MM_PER_INCH: f64 = 25.4;
 
-/// µm as mm.
+/// Converts µm to mm.
 #[must_use]
 pub fn mm_from_um(um: f64) -> f64 {
     um * 1e-3
 }
 
-/// mm as µm.
+/// Converts mm to µm.
 #[must_use]
 pub fn um_from_mm(mm: f64) -> f64 {
     mm * 1e3
 }
 
-/// µrad as rad.
+/// Converts µrad to rad.
 #[must_use]
 pub fn rad_from_urad(urad: f64) -> f64 {
     urad * 1e-6
 }
 
-/// rad as µrad.
+/// Converts rad to µrad.
 #[must_use]
 pub fn urad_from_rad(rad: f64) -> f64 {
     rad * 1e6
 }
 
-/// The unit of small quantities in results: micrometers of lengths, microradians of angles. JSON has it as people write it.
+/// Unit of small quantities in results: micrometres for lengths, microradians for angles. In JSON it has its usual symbol.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Unit {
-    /// Of lengths.
+    /// Micrometres, for lengths.
     #[default]
     #[serde(rename = "µm")]
     Um,
-    /// Of angles.
+    /// Microradians, for angles.
     #[serde(rename = "µrad")]
     Urad,
 }
 
 impl Unit {
-    /// Of angles or of lengths.
+    /// Returns the unit of angles or of lengths.
     #[must_use]
     pub fn of(is_angle: bool) -> Unit {
         if is_angle { Unit::Urad } else { Unit::Um }
     }
 
-    /// `µm`, `µrad`.
+    /// Returns the symbol: `µm`, `µrad`.
     #[must_use]
     pub fn sign(self) -> &'static str {
         match self {
@@ -58,7 +58,7 @@ impl Unit {
         }
     }
 
-    /// A length in mm, or an angle in rad, in this unit.
+    /// Converts a length in mm, or an angle in rad, to this unit.
     #[must_use]
     pub fn shown(self, value: f64) -> f64 {
         match self {
@@ -74,26 +74,26 @@ impl std::fmt::Display for Unit {
     }
 }
 
-/// The same unit where JSON has it in ASCII, as keys have it.
+/// Unit of small quantities in ASCII, as in JSON keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum UnitKey {
-    /// Micrometers of lengths.
+    /// Micrometres, for lengths.
     #[default]
     Um,
-    /// Microradians of angles.
+    /// Microradians, for angles.
     Urad,
 }
 
 impl UnitKey {
-    /// Of angles or of lengths.
+    /// Returns the unit of angles or of lengths.
     #[must_use]
     pub fn of(is_angle: bool) -> UnitKey {
         if is_angle { UnitKey::Urad } else { UnitKey::Um }
     }
 
-    /// As people write it.
+    /// Returns the unit with its usual symbol.
     #[must_use]
     pub fn unit(self) -> Unit {
         match self {
@@ -109,7 +109,7 @@ impl UnitKey {
     }
 }
 
-/// Sine of degrees, exact at multiples of 90 and 30: a bolt circle's zero must be zero.
+/// Returns the sine of an angle in degrees, exact at multiples of 90 and 30: a zero in a bolt circle must be exactly zero.
 #[must_use]
 pub fn sin_deg(degrees: f64) -> f64 {
     let turn = degrees.rem_euclid(360.0);
@@ -125,10 +125,10 @@ pub fn sin_deg(degrees: f64) -> f64 {
     sign * value
 }
 
-/// Reads a length with its unit, `1um`, `0.02mm`, `1e-3 mm`, `0.001in`, as mm; a bare number has no unit and is refused.
+/// Reads a length with its unit, `1um`, `0.02mm`, `1e-3 mm`, `0.001in`, in mm; a number without a unit is refused.
 ///
 /// # Errors
-/// A sentence that says what was found and what is expected.
+/// A sentence that states what was found and what is expected.
 pub fn parse_length_mm(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let (number, factor) = [("um", 1e-3), ("µm", 1e-3), ("nm", 1e-6), ("mm", 1.0), ("in", MM_PER_INCH)]
@@ -139,9 +139,9 @@ pub fn parse_length_mm(text: &str) -> Result<f64, String> {
     if value.is_finite() { Ok(value * factor) } else { Err(format!("'{text}' is not finite")) }
 }
 
-/// Appends a whole number as text, without an allocation.
+/// Appends a whole number as text, without allocation.
 pub fn push_integer(line: &mut Vec<u8>, value: u64) {
-    /// Numbers below have at most eight digits.
+    /// Numbers below this have at most eight digits.
     const SHORT: u64 = 100_000_000;
     if value >= SHORT {
         push_integer(line, value / SHORT);
@@ -152,7 +152,7 @@ pub fn push_integer(line: &mut Vec<u8>, value: u64) {
     push_digits(line, value, count);
 }
 
-/// Appends the last `count` digits of a whole number, eight at most, zeros in front included.
+/// Appends the last `count` digits of a whole number, at most eight, including leading zeros.
 pub fn push_digits(line: &mut Vec<u8>, value: u64, count: usize) {
     let count = count.min(8);
     let mut digits = [b'0'; 8];

@@ -1,19 +1,19 @@
-//! How a language says that blocks end in an exact stop, or that they do not.
+//! Words of a language that switch exact stops at block ends on or off.
 
-/// The words of a language for the ends of blocks; a language without such words has empty ones.
+/// Words of a language for block ends; a language without such words has empty ones.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockEnds {
-    /// From here on every block ends in an exact stop.
+    /// Word from which on every block ends in an exact stop.
     pub exact: &'static str,
-    /// What a line says that is not to stop while that is in force.
+    /// Word for a line that is not to stop while the exact stop is in force.
     pub running: &'static str,
-    /// An exact stop at the end of its own block.
+    /// Word for an exact stop at the end of its own block only.
     pub once: Option<&'static str>,
     /// All codes of the modal group of [`Self::exact`].
     pub group: &'static [&'static str],
 }
 
-/// What a word says about the ends of blocks.
+/// Meaning of a word for block ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockEnd {
     /// Exact stops from here on.
@@ -25,10 +25,10 @@ pub enum BlockEnd {
 }
 
 impl BlockEnds {
-    /// No word says anything about the ends of blocks.
+    /// A language without words for block ends.
     pub const NONE: BlockEnds = BlockEnds { exact: "", running: "", once: None, group: &[] };
 
-    /// What a word says, upper case; `None` where it is another word.
+    /// Returns the meaning of a word, upper case; `None` if it does not concern block ends.
     #[must_use]
     pub fn of(&self, word: &str) -> Option<BlockEnd> {
         if self.once == Some(word) {
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
     use crate::{DIALECTS, find};
 
-    /// A code of the group that was missing here would be ended at the control by what a writer puts around the lines of a block.
+    /// If a code of the group were missing here, the words that a writer adds around the lines of a block would end it at the control.
     #[test]
     fn the_group_is_that_of_the_code_table() {
         for dialect in DIALECTS.iter().filter(|dialect| !dialect.block_ends.exact.is_empty()) {

@@ -1,30 +1,30 @@
-//! Blocks of word languages read for recognition alone: letters and numbers of a line, whatever its language turns out to be.
+//! Blocks of word languages, read for recognition only: letters and numbers of a line, whatever its language is.
 //!
-//! A scanner and no pattern: what a letter means depends on what stands before it, and a megabyte of blocks is read this way.
+//! A scanner and not a pattern: the meaning of a letter depends on the text before it, and up to a megabyte of blocks is read in this way.
 
-/// Characters of a number that are looked at.
+/// Number of characters of a number that are considered.
 const LONGEST: usize = 32;
 
-/// A letter and its number.
+/// Letter with its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Word {
-    /// Upper case.
+    /// Letter, upper case.
     pub(super) letter: u8,
-    /// `None` where it is a variable or an expression.
+    /// Number; `None` if it is a variable or an expression.
     pub(super) value: Option<f64>,
     /// Digits before the decimal point as written.
     pub(super) digits: usize,
     pub(super) has_point: bool,
 }
 
-/// One block.
+/// Block of a program.
 #[derive(Debug, Default)]
 pub(super) struct Block {
     pub(super) words: Vec<Word>,
 }
 
 impl Block {
-    /// Reads a line over again. Lines that assign, decide or call by name have no words.
+    /// Reads a new line into this block. Lines with assignments, decisions or calls by name have no words.
     pub(super) fn read(&mut self, line: &[u8]) {
         self.words.clear();
         let mut at = 0;
@@ -48,7 +48,7 @@ impl Block {
         }
     }
 
-    /// Reads a line over again whose blocks may hold names, calls and assignments: these are passed over, `X=…` is X with its number or none.
+    /// Reads a new line whose blocks may contain names, calls and assignments. These are skipped; `X=…` is X with its number, or without a value.
     pub(super) fn read_around_names(&mut self, line: &[u8]) {
         self.words.clear();
         let is_name = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'$');
@@ -61,7 +61,7 @@ impl Block {
                 b'(' => at += length_of(at, &|byte| *byte != b')') + 1,
                 b'"' => at += length_of(at + 1, &|byte| *byte != b'"') + 2,
                 b';' => return,
-                // The value of a name, or of an address with a number of its own.
+                // Value of a name, or of an address with an index.
                 b'=' => at += 1 + length_of(at + 1, &|byte| !byte.is_ascii_whitespace() && *byte != b'('),
                 b'$' | b'_' => at += length_of(at, &is_name),
                 _ if byte.is_ascii_alphabetic() => {
@@ -83,7 +83,7 @@ impl Block {
         }
     }
 
-    /// Takes the number that begins at a place; gives the place behind it.
+    /// Reads the number that begins at a position; returns the position after it.
     fn word(&mut self, letter: u8, line: &[u8], start: usize) -> usize {
         let is_part = |byte: &u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'+' | b'-' | b' ' | b'\t');
         let length = line.get(start..).unwrap_or_default().iter().take_while(|byte| is_part(byte)).count();
@@ -118,7 +118,7 @@ impl Block {
         letters.iter().any(|&letter| self.has(letter))
     }
 
-    /// G codes in tenths.
+    /// Returns the G codes in tenths.
     pub(super) fn codes(&self) -> impl Iterator<Item = u32> {
         let codes = self.words.iter().filter(|word| word.letter == b'G').filter_map(|word| word.value);
         codes.filter(|value| (0.0..1000.0).contains(value)).map(|value| (value * 10.0).round() as u32)
@@ -138,7 +138,7 @@ fn skip_blanks(line: &[u8], from: usize) -> usize {
     from + blanks
 }
 
-/// Lines of a text with the place of their first byte.
+/// Returns the lines of a text with the offset of their first byte.
 pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     let mut start = 0;
     bytes.split(|&byte| byte == b'\n' || byte == b'\r').map(move |line| {

@@ -1,11 +1,11 @@
-//! The code table of a dialect: one row per G code or bare word, read from `grammars/`.
+//! Code table of a dialect: one row per G code or bare word, read from `grammars/`.
 
 use std::collections::HashMap;
 
-/// What a code does to the execution.
+/// Effect of a code on the execution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Selects the kind of motion.
+    /// Selects the motion mode.
     Motion,
     /// Dwell.
     Dwell,
@@ -13,7 +13,7 @@ pub enum Effect {
     Plane,
     /// Selects the unit.
     Unit,
-    /// Absolute or incremental.
+    /// Selects absolute or incremental dimensions.
     Dimension,
     /// Selects a settable zero offset.
     Offset,
@@ -23,86 +23,86 @@ pub enum Effect {
     Frame,
     /// Sets the pole of polar coordinates.
     Pole,
-    /// Radius compensation and what belongs to it.
+    /// Radius compensation and related codes.
     Contour,
     /// No position changes; passed on.
     Keep,
-    /// Selects what F means; passed on.
+    /// Selects the meaning of F; passed on.
     FeedMode,
     /// Switches a five-axis transformation.
     Transform,
-    /// Says how orientations are meant.
+    /// Sets the meaning of orientation words.
     Orientation,
-    /// Says how splines begin or end.
+    /// Sets the end conditions of splines.
     Spline,
     /// Tapping with a compensating chuck, for one block.
     Tap,
-    /// Moves axes to a place that only the machine knows: they and it are passed on.
+    /// Moves axes to a position that only the machine knows: the code and its axes are passed on.
     Reference,
     /// Limits of working area or spindle: the whole block is passed on.
     Limits,
     /// Diameter or radius programming of the transverse axis.
     Diameter,
-    /// Concerns display or editor only; left out of the output.
+    /// Concerns display or editor only; omitted from the output.
     Display,
-    /// Executed; what it does follows from the code itself.
+    /// Executed; its effect follows from the code itself.
     Execute,
     /// Known, not executed yet.
     Refuse,
 }
 
-/// A row of the table.
+/// Row of the table.
 #[derive(Clone, Debug)]
 pub struct CodeEntry {
-    /// `G1`, `G54.1`, `SOFT`; `G600..G699` for a range of codes.
+    /// Name: `G1`, `G54.1`, `SOFT`; `G600..G699` for a range of codes.
     pub name: &'static str,
     /// Modal group, 0 for none.
     pub group: u8,
-    /// What it does.
+    /// Effect.
     pub effect: Effect,
-    /// The addresses that it uses, with blanks between them: `X Y I J B1 CR`; `axes` for all axes, `-` for none.
+    /// Addresses that it uses, separated by blanks: `X Y I J B1 CR`; `axes` for all axes, `-` for none.
     pub words: &'static str,
-    /// A few words.
+    /// Short description.
     pub meaning: &'static str,
-    /// The letters among them without an index, A the lowest bit.
+    /// Letters without an index among them as bits, A the lowest bit.
     letters: u32,
 }
 
-/// The highest G or M number of a table plus one.
+/// Highest G or M number of a table plus one.
 const NUMBERS: usize = 1000;
-/// The letters that `axes` stands for, and the polar words that stand for two of them.
+/// Letters for which `axes` stands, and the polar words that stand for two of them.
 const AXES: &[u8] = b"XYZABCUVW@^";
 
 /// All codes of a dialect.
 #[derive(Default)]
 pub struct CodeTable {
     rows: Vec<CodeEntry>,
-    /// Rows by ten times the G number.
+    /// Row indices by ten times the G number.
     by_g_tenths: Vec<u16>,
     by_m: Vec<u16>,
     by_name: HashMap<&'static str, u16>,
 }
 
 impl CodeEntry {
-    /// Whether it uses any address.
+    /// True if it uses any address.
     #[must_use]
     pub fn has_words(&self) -> bool {
         self.words != "-"
     }
 
-    /// Whether it uses an address letter, `X`, upper case; `@`, `^` and `$` of RS274/NGC count as letters.
+    /// True if it uses an address letter, `X`, upper case; `@`, `^` and `$` of RS274/NGC count as letters.
     #[must_use]
     pub fn uses(&self, letter: u8) -> bool {
         self.letters & bit(letter) != 0
     }
 
-    /// Whether it uses `,C` and its kin, upper case.
+    /// True if it uses an address with a comma, such as `,C`, upper case.
     #[must_use]
     pub fn uses_comma(&self, letter: u8) -> bool {
         self.words.split(' ').any(|word| word.as_bytes() == [b',', letter])
     }
 
-    /// Whether it uses an address with an index, `B1=`, upper case.
+    /// True if it uses an address with an index, `B1=`, upper case.
     #[must_use]
     pub fn uses_indexed(&self, letter: u8, index: u16) -> bool {
         let fits = |word: &str| word.as_bytes().first() == Some(&letter) && word[1..].parse() == Ok(index);
@@ -120,7 +120,7 @@ fn bit(letter: u8) -> u32 {
     }
 }
 
-/// The letters of a list of addresses.
+/// Returns the letters of a list of addresses as bits.
 fn letters_of(words: &str) -> u32 {
     let of_word = |word: &str| match word.as_bytes() {
         [letter] => bit(*letter),
@@ -130,7 +130,7 @@ fn letters_of(words: &str) -> u32 {
     words.split(' ').fold(0, |all, word| all | of_word(word))
 }
 
-/// `54.1` as 541.
+/// Converts `54.1` to 541.
 fn tenths(number: &str) -> Option<usize> {
     let (whole, decimal) = number.split_once('.').unwrap_or((number, "0"));
     let decimal: usize = decimal.parse().ok().filter(|&decimal| decimal < 10)?;
@@ -140,7 +140,7 @@ fn tenths(number: &str) -> Option<usize> {
 impl CodeTable {
     /// Reads `code TAB group TAB effect TAB words TAB meaning` lines; `#` starts a comment line.
     ///
-    /// Tables are compiled in and a test reads them all, so a faulty row is left out rather than reported.
+    /// Tables are compiled in, and a test reads them all. So a faulty row is omitted, not reported.
     #[must_use]
     pub fn from_tsv(text: &'static str) -> CodeTable {
         let by_g_tenths = vec![u16::MAX; NUMBERS * 10];
@@ -155,7 +155,7 @@ impl CodeTable {
             let (first, last) = name.split_once("..").unwrap_or((name, name));
             let range = |letter| Some((tenths(first.strip_prefix(letter)?)?, tenths(last.strip_prefix(letter)?)?));
             if let Some((first, last)) = range('G') {
-                // A range goes by whole numbers.
+                // A range contains whole numbers only.
                 for at in (first..=last).step_by(10) {
                     table.by_g_tenths[at] = index;
                 }
@@ -168,31 +168,31 @@ impl CodeTable {
         table
     }
 
-    /// The row of a whole G number.
+    /// Returns the row of a whole G number.
     #[must_use]
     pub fn g(&self, number: usize) -> Option<&CodeEntry> {
         self.g_tenths(number.checked_mul(10)?)
     }
 
-    /// The row of a G number in tenths: 541 for G54.1.
+    /// Returns the row of a G number in tenths: 541 for G54.1.
     #[must_use]
     pub fn g_tenths(&self, tenths: usize) -> Option<&CodeEntry> {
         self.by_g_tenths.get(tenths).and_then(|&index| self.rows.get(index as usize))
     }
 
-    /// The row of an M number. Most M codes are the machine builder's and have none.
+    /// Returns the row of an M number. Most M codes belong to the machine builder and have no row.
     #[must_use]
     pub fn m(&self, number: usize) -> Option<&CodeEntry> {
         self.by_m.get(number).and_then(|&index| self.rows.get(index as usize))
     }
 
-    /// The row of a word, upper case.
+    /// Returns the row of a word, upper case.
     #[must_use]
     pub fn word(&self, name: &str) -> Option<&CodeEntry> {
         self.by_name.get(name).map(|&index| &self.rows[index as usize])
     }
 
-    /// All rows.
+    /// Returns all rows.
     #[must_use]
     pub fn rows(&self) -> &[CodeEntry] {
         &self.rows

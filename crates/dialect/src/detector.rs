@@ -1,5 +1,5 @@
-//! Detectors: what gives the dialect of a file away, by its name or by a line of it. Each dialect brings one; a caller adds others to [`Detectors`], for the files
-//! of a post-processor or of a shop.
+//! Detectors: recognize the dialect of a file by its name or by one of its lines. Each dialect has one; a caller adds others to [`Detectors`] for the files
+//! of a post-processor or of a workshop.
 
 use std::sync::LazyLock;
 
@@ -8,10 +8,10 @@ use regex::bytes::{Regex, RegexBuilder};
 
 use super::{DIALECTS, Dialect};
 
-/// Bytes of a file that are looked at.
+/// Number of bytes of a file that are examined.
 const HEAD: usize = 8192;
 
-/// What gives a dialect away.
+/// Features that identify a dialect.
 #[derive(Clone, Debug)]
 pub struct Detector {
     name: String,
@@ -20,15 +20,15 @@ pub struct Detector {
     mark: Regex,
 }
 
-/// Detectors in the order in which they are asked: [`Register::default`] are those of the dialects.
+/// Detectors in the order in which they are asked. [`Register::default`] contains those of the dialects.
 pub type Detectors = Register<Detector>;
 
 impl Detector {
-    /// A detector of its own name: file extensions, and a pattern that a line of the dialect matches, without the blanks at its ends. Letters are the same
-    /// in either case; `^` and `$` are the ends of the line.
+    /// Creates a detector with a name, file extensions, and a pattern that a line of the dialect matches. Blanks at the ends of the line are removed, and
+    /// case is ignored; `^` and `$` match the ends of the line.
     ///
     /// # Errors
-    /// A sentence where the pattern is none.
+    /// A sentence if the pattern is not valid.
     pub fn new(
         name: impl Into<String>,
         dialect: &'static Dialect,
@@ -52,14 +52,14 @@ impl Registered for Detector {
     fn built_in() -> Vec<Box<Self>> {
         static OF_DIALECTS: LazyLock<Vec<Detector>> = LazyLock::new(|| {
             let of = |one: &'static Dialect| Detector::new(one.name, one, one.extensions, one.mark);
-            // The patterns are constants, and tests match with each of them.
+            // The patterns are constants, and tests match each of them.
             DIALECTS.iter().filter_map(|one| of(one).ok()).collect()
         });
         OF_DIALECTS.iter().cloned().map(Box::new).collect()
     }
 }
 
-/// Guesses as [`guess`](super::guess) does, with these detectors; where a file tells of several, the first one is taken.
+/// Guesses like [`guess`](super::guess), with these detectors; if several detectors match, the first one counts.
 #[must_use]
 pub fn guess_with(detectors: &Detectors, file_name: &str, bytes: &[u8]) -> Option<&'static Dialect> {
     let extension = file_name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());

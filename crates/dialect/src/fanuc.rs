@@ -1,4 +1,4 @@
-//! The dialect of Fanuc and the controls that follow it: its code table and file marks.
+//! Dialect of Fanuc and compatible controls: its code table and file marks.
 
 use std::sync::LazyLock;
 
@@ -18,5 +18,5 @@ pub(super) const FANUC: Dialect = Dialect {
     codes: || &CODES,
 };
 
-/// `O1234 (NAME)`, `%O1234`, `:1234` (`:10 G0 X1` is a main block of other controls), and of custom macros `IF[#1EQ2]GOTO10`, `N10 WHILE [#1 LT 5] DO1`.
+/// `O1234 (NAME)`, `%O1234`, `:1234` (`:10 G0 X1` is a main block of other controls); also custom macros: `IF[#1EQ2]GOTO10`, `N10 WHILE [#1 LT 5] DO1`.
 const MARK: &str = r"^%?\s*(?:O\s*[0-9]|:\s*[0-9]+\s*(?:\(|$)|(?:N\s*[0-9]+\s*)?(?:IF|WHILE)\s*\[.*#)";

@@ -1,4 +1,4 @@
-//! Tells texts of controls whose language is not read here. Where their words look like known ones they move the tool otherwise.
+//! Recognizes texts of controls whose language is not supported. Words that look familiar in such texts move the tool differently.
 
 use std::sync::LazyLock;
 
@@ -7,23 +7,23 @@ use regex::bytes::RegexSet;
 use super::blocks::lines;
 use super::patterns;
 
-/// Bytes that are looked through: such texts tell of themselves at their beginning.
+/// Number of bytes that are examined: such texts are recognizable at their beginning.
 const HEAD: usize = 8192;
 
-/// A control whose language is not read here.
+/// Control whose language is not supported.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Foreign {
-    /// What people call it.
+    /// Common name.
     pub name: &'static str,
-    /// What was found, with its line from 1 and the place where that begins, bytes.
+    /// Text that was found.
     pub found: String,
-    /// Its line, from 1.
+    /// Line of the text, from 1.
     pub line: u32,
-    /// Where the line begins, bytes from the start of the text.
+    /// Beginning of the line, bytes from the start of the text.
     pub at: usize,
 }
 
-/// A language, patterns of lines that tell of it, and how many of them it takes.
+/// Language with patterns of its lines, and the number of matches that identifies it.
 struct Language {
     name: &'static str,
     marks: &'static [&'static str],
@@ -76,11 +76,11 @@ const LANGUAGES: &[Language] = &[
     },
 ];
 
-/// The marks of all languages one behind the other.
+/// Marks of all languages in sequence.
 static MARKS: LazyLock<RegexSet> =
     LazyLock::new(|| patterns(LANGUAGES.iter().flat_map(|language| language.marks).copied()));
 
-/// What control a text is of, where that is none of the known ones.
+/// Returns the control of a text in an unsupported language; `None` if none is recognized.
 #[must_use]
 pub fn foreign(bytes: &[u8]) -> Option<Foreign> {
     let head = bytes.get(..bytes.len().min(HEAD)).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The dialect of Grundig and Philips CNC432/532 and Heidenhain MillPlus: its code table and file marks.
+//! Dialect of Grundig and Philips CNC432/532 and Heidenhain MillPlus: its code table and file marks.
 
 use std::sync::LazyLock;
 
@@ -18,6 +18,6 @@ pub(super) const GRUNDIG: Dialect = Dialect {
     codes: || &CODES,
 };
 
-/// `%PM` and the other memories; a first line such as `N9001 (NAME)`; a value behind `=` that begins with an E parameter, `N20 X=E1+3`: no other
-/// language has parameters of this name.
+/// `%PM` and the other memories; a first line such as `N9001 (NAME)`; a value after `=` that begins with an E parameter, `N20 X=E1+3`: no other language has
+/// parameters of this name.
 const MARK: &str = r"^(?:%\s*(?:PM|MM|TM|ZO|ZE|PO|PA|PL|MC)(?:[^A-Z_]|$)|N9[0-9]{3,}\s*(?:\(|$)|N\s*[0-9]+.*=E[0-9])";

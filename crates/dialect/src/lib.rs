@@ -1,4 +1,4 @@
-//! Dialects as values: tables of codes and words, file extensions and switches. No parser functions, no execution.
+//! Dialects as values: tables of codes and words, file extensions and settings. This crate contains neither parsers nor execution.
 
 mod block_ends;
 mod blocks;
@@ -24,7 +24,7 @@ pub use foreign::{Foreign, foreign};
 pub use turning::{Mark, turning};
 pub use word::{Treatment, ValueUnit, WordEntry, WordPlace, WordTable, words};
 
-/// The language of a dialect: what its parser and its execution ask for.
+/// Language of a dialect, on which parser and execution depend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Language {
     /// Sinumerik.
@@ -37,27 +37,27 @@ pub enum Language {
     Rs274,
 }
 
-/// A control's language.
+/// Dialect of a control.
 pub struct Dialect {
-    /// Which language it is.
+    /// Language.
     pub language: Language,
-    /// The name used on the command line and in machine files.
+    /// Name on the command line and in machine files.
     pub name: &'static str,
-    /// What people call it.
+    /// Common name.
     pub title: &'static str,
     /// File extensions, lower case.
     pub extensions: &'static [&'static str],
-    /// What a line, without blanks at its ends, looks like that gives the dialect away: a pattern, letters in either case.
+    /// Pattern of lines that identify the dialect, without blanks at their ends; case is ignored.
     mark: &'static str,
-    /// Whether programs of this dialect can be executed yet.
+    /// True if programs of this dialect can be executed.
     pub is_executable: bool,
-    /// Its words for exact stops.
+    /// Words for exact stops.
     pub block_ends: BlockEnds,
     codes: fn() -> &'static CodeTable,
 }
 
 impl Dialect {
-    /// G codes and words without a value.
+    /// Returns the table of G codes and words without a value.
     #[must_use]
     pub fn codes(&self) -> &'static CodeTable {
         (self.codes)()
@@ -70,33 +70,33 @@ impl std::fmt::Debug for Dialect {
     }
 }
 
-/// The register of dialects; where a file tells of several, the first one is taken.
+/// Built-in dialects; if several match a file, the first one counts.
 pub static DIALECTS: &[Dialect] = &[sinumerik::SINUMERIK, grundig::GRUNDIG, rs274::RS274, fanuc::FANUC];
 
-/// The Sinumerik dialect.
+/// Returns the Sinumerik dialect.
 #[must_use]
 pub fn sinumerik() -> &'static Dialect {
     &DIALECTS[0]
 }
 
-/// The dialect of a name.
+/// Returns the dialect of a name; case is ignored.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Dialect> {
     DIALECTS.iter().find(|dialect| dialect.name.eq_ignore_ascii_case(name))
 }
 
-/// Guesses from the file's name, then from its first kilobytes. Plain words that any of them might have written are no ground for a guess:
-/// the languages differ in what a number without a decimal point means.
+/// Guesses the dialect from the file name, then from the first kilobytes. Plain words that occur in several dialects are no basis for a guess: the languages
+/// differ in the meaning of a number without a decimal point.
 #[must_use]
 pub fn guess(file_name: &str, bytes: &[u8]) -> Option<&'static Dialect> {
     static OF_DIALECTS: LazyLock<Detectors> = LazyLock::new(Detectors::default);
     guess_with(&OF_DIALECTS, file_name, bytes)
 }
 
-/// Patterns for bytes, letters in either case, `.` for any byte.
+/// Compiles patterns for bytes that ignore case; `.` matches any byte.
 fn patterns<'p>(patterns: impl Iterator<Item = &'p str>) -> RegexSet {
     let set = RegexSetBuilder::new(patterns).unicode(false).case_insensitive(true).dot_matches_new_line(true).build();
-    // They are constants, and tests match with each of them.
+    // The patterns are constants, and tests match each of them.
     set.unwrap_or_else(|_| RegexSet::empty())
 }
 

@@ -1,4 +1,4 @@
-//! The RS274/NGC dialect of LinuxCNC: its code table and file marks.
+//! Dialect RS274/NGC of LinuxCNC: its code table and file marks.
 
 use std::sync::LazyLock;
 
@@ -18,5 +18,6 @@ pub(super) const RS274: Dialect = Dialect {
     codes: || &CODES,
 };
 
-/// `o<name> call`, `o100 sub`; active comments, `(debug, #1)`; named parameters outside of comments, `x#<depth>`. A line with an O-number is told by its O-word alone.
+/// `o<name> call`, `o100 sub`; active comments, `(debug, #1)`; named parameters outside comments, `x#<depth>`. A line with an O-number is recognized only by
+/// its O-word.
 const MARK: &str = r"^(?:o<|\((?:debug|print|logopen),|o\s*[0-9]+\s*(?:sub|endsub|call|return|if|while|do|repeat|else|end)|#<|(?:[^(;o]|o\s*[^0-9\s]).*#<|o\s*#<)";

@@ -1,4 +1,4 @@
-//! The Sinumerik 840D / 828D dialect: its code table and file marks.
+//! Dialect of Sinumerik 840D / 828D: its code table and file marks.
 
 use std::sync::LazyLock;
 

@@ -1,34 +1,33 @@
-//! Tells programs for lathes by their marks. On a lathe the words of a mill move the tool otherwise, so that such a program must not run
-//! as one for a mill.
+//! Recognizes lathe programs by their marks. On a lathe the words have other meanings than on a mill, so such a program must not run as a milling program.
 //!
-//! Each kind of mark counts once, by how seldom a mill's program has it: 6 alone is enough, 1 is a hint.
+//! Each kind of mark counts once. Its weight says how rare it is in milling programs: 6 is sufficient alone, 1 is a hint.
 
 use super::blocks::{Block, lines};
 use super::{Language, turning_names};
 
-/// From this sum on a program is one for a lathe.
+/// Sum of weights from which on a program counts as a lathe program.
 const ENOUGH: u32 = 6;
-/// Bytes that are looked through: a program for a lathe is shorter, or has its marks there.
+/// Number of bytes that are examined: a lathe program is shorter, or has its marks there.
 const HEAD: usize = 1 << 20;
-/// Marks that a message names.
+/// Maximum number of marks in a message.
 const MOST_NAMED: usize = 6;
-/// A feed below it is one per turn, mm and inch.
+/// Feeds below these are per revolution, mm and inch.
 const FEED_PER_TURN: [f64; 2] = [1.0, 0.05];
-/// The mark of a program that moves across and along and never names Y.
+/// Mark of a program that moves across and along and never names Y.
 pub(super) const NO_Y: &str = "no Y";
-/// The mark of G92 whose lead is the F of an earlier block.
+/// Mark of a G92 whose lead is the F of an earlier block.
 const MODAL_THREAD: &str = "G92 and X alone behind it, a thread";
 
-/// What a program has that a mill's has not.
+/// Feature of a lathe program that milling programs lack.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mark {
-    /// Where its line begins, bytes from the start of the text.
+    /// Beginning of its line, bytes from the start of the text.
     pub at: usize,
-    /// Its line, from 1.
+    /// Line, from 1.
     pub line: u32,
-    /// What was found.
+    /// Description.
     pub what: &'static str,
-    /// How much it says for a lathe.
+    /// Weight of the mark for a lathe.
     pub(super) weight: u32,
     /// What of the rest of the program decides whether it counts, and how much.
     pub(super) hangs_on: HangsOn,
@@ -49,7 +48,7 @@ pub(super) enum HangsOn {
     FeedMode,
 }
 
-/// The marks of a lathe program, the weightiest first; `None` where they are too few. `axes` are the letters of the machine's axes.
+/// Returns the marks of a lathe program, in descending order of weight; `None` if their sum is too small. `axes` are the letters of the machine axes.
 #[must_use]
 pub fn turning(language: Language, axes: &[u8], bytes: &[u8]) -> Option<Vec<Mark>> {
     let bytes = bytes.get(..bytes.len().min(HEAD)).unwrap_or_default();
@@ -65,14 +64,14 @@ pub fn turning(language: Language, axes: &[u8], bytes: &[u8]) -> Option<Vec<Mark
     Some(found)
 }
 
-/// Marks of Fanuc's words.
+/// Search for marks in Fanuc words.
 struct Search<'a> {
     is_fanuc: bool,
     axes: &'a [u8],
     marks: Vec<Mark>,
     motion: u32,
     is_inch: bool,
-    /// Tools without M6, the first one and whether there was another.
+    /// Tools without M6: the first one, and whether there was another.
     tools: Option<(f64, bool)>,
     has_y: bool,
     has_depth: bool,
@@ -81,9 +80,9 @@ struct Search<'a> {
     has_m6: bool,
     has_plane: bool,
     has_own_feed: bool,
-    /// G95: a mill drills and bores with it too.
+    /// G95 was found: a mill also uses it for drilling and boring.
     has_turn_feed: bool,
-    /// Where a block was G92 with X and Z, and nothing else yet.
+    /// Place of a block that was G92 with X and Z and nothing else so far.
     set_place: Option<(usize, u32)>,
 }
 
@@ -149,7 +148,7 @@ impl<'a> Search<'a> {
         self.cycles(block, place);
     }
 
-    /// Marks of single words.
+    /// Notes marks of single words.
     fn words(&mut self, block: &Block, place: (usize, u32)) {
         let code = |tenths: u32| block.has_code(tenths);
         let is_step = |letter: u8| block.has(letter) && !self.axes.contains(&letter);
@@ -191,7 +190,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Marks of the cycles of a lathe.
+    /// Notes marks of the cycles of a lathe.
     fn cycles(&mut self, block: &Block, place: (usize, u32)) {
         let code = |tenths: u32| block.has_code(tenths);
         let has = |letter: u8| block.has(letter);
@@ -245,7 +244,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// What only the whole program tells.
+    /// Notes marks that only the whole program shows.
     fn whole(mut self) -> Vec<Mark> {
         let is_flat = !self.has_y && self.has_depth;
         let (has_m6, has_cycle, has_own_feed, has_turn_feed, is_fanuc) =
@@ -271,7 +270,7 @@ impl<'a> Search<'a> {
             self.marks.push(Mark { what: NO_Y, weight: 2, hangs_on: HangsOn::Nothing, ..first });
         }
         if self.has_length {
-            // G43 is a matter of mills: as much again must speak for a lathe.
+            // G43 belongs to mills: additional weight must indicate a lathe.
             let least = self.marks.iter().map(|mark| mark.weight).sum::<u32>();
             if least < ENOUGH + 4 {
                 self.marks.clear();

@@ -1,4 +1,4 @@
-//! Marks of a lathe in programs of a Sinumerik and of a Grundig, whose blocks hold names and assignments beside letters and numbers.
+//! Lathe marks in programs of a Sinumerik and of a Grundig, whose blocks contain names and assignments besides letters and numbers.
 
 use std::sync::LazyLock;
 
@@ -8,10 +8,10 @@ use super::blocks::{Block, lines};
 use super::turning::{HangsOn, Mark, NO_Y};
 use super::{Language, patterns};
 
-/// A feed below it is one per turn, mm.
+/// Feeds below this are per revolution, mm.
 const FEED_PER_TURN_MM: f64 = 1.0;
 
-/// Names of a Sinumerik that only lathes have: patterns, what a message calls them, their weights.
+/// Sinumerik names that only lathes have: patterns, names in messages, weights.
 const NAMES: &[(&str, &str, u32)] = &[
     ("DIAMON", "DIAMON", 3),
     ("DIAM90", "DIAM90", 3),
@@ -30,27 +30,27 @@ const NAMES: &[(&str, &str, u32)] = &[
 
 static NAME_MARKS: LazyLock<RegexSet> = LazyLock::new(|| patterns(NAMES.iter().map(|(pattern, ..)| *pattern)));
 
-/// What stands in the head of programs for the lathe control of Philips.
+/// Text in the header of programs for the lathe control of Philips.
 const PHILIPS_LATHE: &str = "SYSTEM 3000";
 
 static PHILIPS_MARK: LazyLock<RegexSet> = LazyLock::new(|| patterns([PHILIPS_LATHE].into_iter()));
 
-/// What the blocks have told so far.
+/// Findings from the blocks so far.
 #[derive(Debug, Default)]
 struct Search {
     marks: Vec<Mark>,
     has_x: bool,
     has_y: bool,
     has_z: bool,
-    /// G93 or G94: F is no feed of a turn.
+    /// G93 or G94 was found: F is not a feed per revolution.
     has_own_feed: bool,
-    /// G95
+    /// G95 was found.
     has_turn_feed: bool,
     has_plane: bool,
     motion: u32,
 }
 
-/// The marks of a program.
+/// Returns the marks of a program.
 pub(super) fn marks(language: Language, bytes: &[u8]) -> Vec<Mark> {
     let mut search = Search::default();
     let mut block = Block::default();
@@ -114,7 +114,7 @@ impl Search {
         }
     }
 
-    /// What only the whole program tells. Whoever names Y, be it Y0, has such an axis.
+    /// Notes marks that only the whole program shows. A program that names Y, even Y0, has such an axis.
     fn whole(mut self) -> Vec<Mark> {
         let is_flat = !self.has_y && self.has_x && self.has_z;
         let (has_own_feed, has_turn_feed) = (self.has_own_feed, self.has_turn_feed);
@@ -122,7 +122,7 @@ impl Search {
             if mark.hangs_on != HangsOn::FeedMode {
                 return true;
             }
-            // A mill drills and bores with G95 too.
+            // A mill also drills and bores with G95.
             mark.weight = if has_turn_feed { 3 } else { 4 };
             is_flat && !has_own_feed
         });

@@ -1,11 +1,11 @@
-//! The table of words of the Sinumerik that are no codes: one row per word and place, read from `grammars/`.
+//! Table of the Sinumerik words that are not codes: one row per word and place, read from `grammars/`.
 
 use std::sync::LazyLock;
 
-/// The place in which a row holds.
+/// Place in which a row applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum WordPlace {
-    /// The actions of a synchronised action.
+    /// Actions of a synchronized action.
     Action,
     /// A word of a block.
     Block,
@@ -13,11 +13,11 @@ pub enum WordPlace {
     Definition,
     /// A function in an expression.
     Expression,
-    /// The first word of a block that is read to its end.
+    /// First word of a block that is read to its end.
     Statement,
 }
 
-/// What becomes of a word.
+/// Treatment of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Treatment {
     /// An address; its value is executed.
@@ -30,11 +30,11 @@ pub enum Treatment {
     Letter,
     /// Replaces the feed in its block.
     BlockFeed,
-    /// Reads or writes files of the control: left out, a result variable is 0 (no error).
+    /// Reads or writes files of the control: omitted, its result variable is 0 (no error).
     File,
     /// Lets an interrupt start a program.
     Interrupt,
-    /// Passed on; the positions of the axes are unknown after it.
+    /// Passed on; the axis positions are unknown afterwards.
     Lost,
     /// Text for the display.
     Message,
@@ -44,7 +44,7 @@ pub enum Treatment {
     Refuse,
     /// Known, not executed yet.
     Later,
-    /// A function of its arguments alone.
+    /// A function that depends only on its arguments.
     Function,
     /// A function that is evaluated with the state of the channel.
     Channel,
@@ -56,35 +56,35 @@ pub enum Treatment {
     Modifier,
 }
 
-/// What the values of a word are.
+/// Unit of the values of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ValueUnit {
     /// Neither length nor feed.
     None,
-    /// A length; of a call the first argument.
+    /// A length; for a call, the first argument is a length.
     Length,
     /// A feed.
     Feed,
 }
 
-/// A row of the table.
+/// Row of the table.
 #[derive(Clone, Debug)]
 pub struct WordEntry {
-    /// Upper case.
+    /// Name, upper case.
     pub name: &'static str,
-    /// Where the row holds.
+    /// Place in which the row applies.
     pub place: WordPlace,
-    /// What becomes of it.
+    /// Treatment.
     pub treatment: Treatment,
-    /// How values are written: `-`, `=length`, `[axis]=value`, `(...)`; of a function the number of its arguments: `1`, `2..3`.
+    /// Form of the values: `-`, `=length`, `[axis]=value`, `(...)`; for a function the number of its arguments: `1`, `2..3`.
     pub arguments: &'static str,
-    /// What its values are.
+    /// Unit of its values.
     pub unit: ValueUnit,
-    /// Fewest and most arguments of a function.
+    /// Minimum and maximum number of arguments of a function.
     pub counts: (usize, usize),
     /// Manual and chapter.
     pub source: &'static str,
-    /// A few words; of a refused word the reason.
+    /// Short description; for a refused word the reason.
     pub meaning: &'static str,
 }
 
@@ -96,7 +96,7 @@ pub struct WordTable {
 impl WordTable {
     /// Reads `word TAB place TAB treatment TAB arguments TAB source TAB meaning` lines; `#` starts a comment line.
     ///
-    /// The table is compiled in and a test reads it, so a faulty row is left out rather than reported.
+    /// The table is compiled in, and a test reads it. So a faulty row is omitted, not reported.
     fn from_tsv(text: &'static str) -> WordTable {
         let rows = text.lines().filter(|line| !line.starts_with('#')).filter_map(|line| {
             let fields: Vec<&'static str> = line.split('\t').collect();
@@ -114,21 +114,21 @@ impl WordTable {
         WordTable { rows: rows.collect() }
     }
 
-    /// The row of a word, upper case, in a place.
+    /// Returns the row of a word, upper case, in a place.
     #[must_use]
     pub fn find(&self, name: &str, place: WordPlace) -> Option<&WordEntry> {
         let found = self.rows.binary_search_by(|row| row.name.cmp(name).then(row.place.cmp(&place)));
         found.ok().and_then(|index| self.rows.get(index))
     }
 
-    /// All rows.
+    /// Returns all rows.
     #[must_use]
     pub fn rows(&self) -> &[WordEntry] {
         &self.rows
     }
 }
 
-/// The words of the Sinumerik.
+/// Returns the words of the Sinumerik.
 #[must_use]
 pub fn words() -> &'static WordTable {
     static WORDS: LazyLock<WordTable> =
@@ -173,7 +173,7 @@ impl Treatment {
         })
     }
 
-    /// Whether words of a place may have it.
+    /// True if words of a place may have this treatment.
     #[cfg(test)]
     fn fits(self, place: WordPlace) -> bool {
         match place {
@@ -193,7 +193,7 @@ impl Treatment {
 mod tests {
     use super::*;
 
-    /// The rows of the file, whatever the program makes of them.
+    /// Returns the rows of the file as written.
     fn written() -> Vec<Vec<String>> {
         let path = format!("{}/../../grammars/sinumerik-words.tsv", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(path).unwrap();

@@ -1,6 +1,6 @@
-//! The accumulator: adds up what all sources of error contribute to the location and motion errors of the axes.
+//! Accumulator: adds the contributions of all error sources to the location and motion errors of the axes.
 //!
-//! Sources know nothing of each other; the chain ([`super::link`]), correction and prediction know only the sum (Spaan 1995, ch. 2 and 6).
+//! Sources do not depend on each other; the chain ([`super::link`]), correction and prediction use only the sum (Spaan 1995, ch. 2 and 6).
 
 use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Branch, Condition, Machine, State};
@@ -10,23 +10,23 @@ use super::name::{Carrier, DIRECTIONS, Direction, ErrorKind, ErrorName};
 use super::source::Effect;
 use super::{ErrorModel, Model};
 
-/// The errors of a machine in one condition.
+/// Errors of a machine in one condition.
 #[derive(Clone, Debug)]
 pub struct Accumulator<'a> {
     machine: &'a Machine,
-    /// By slot.
+    /// Location errors of the axes by slot: EX EY EZ (mm), EA EB EC (rad).
     location: [[f64; 6]; AXIS_COUNT],
     spindle: [f64; 6],
     motion: Vec<MotionError>,
-    /// What the contribution at hand counts: −1 where it is taken away.
+    /// Sign of the current contribution: −1 if it is subtracted.
     sign: f64,
 }
 
 impl<'a> Accumulator<'a> {
-    /// The sum of the effects of a model that are `wanted`.
+    /// Sums the effects of a model that are `wanted`.
     ///
-    /// Drifting effects count from the condition in which the zero point was set, where that is known: all that they do, or, where the pose
-    /// is known too, what they did to the tip there.
+    /// Drifting effects count from the condition in which the zero point was set, if it is known. If the pose is known, too, only the displacement of the tip
+    /// at that pose is subtracted.
     #[must_use]
     pub fn sum(
         machine: &'a Machine,
@@ -38,7 +38,7 @@ impl<'a> Accumulator<'a> {
         let Some(zero) = condition.zero() else { return sum };
         let drifts = |effect: &dyn Effect| wanted(effect) && effect.drifts();
         if let Some(pose) = condition.zero_pose() {
-            // The zero offset took up where the tool was; what the drift does elsewhere, and to its direction, stays.
+            // The zero offset compensates the drift at the position of the tool; the drift elsewhere, and of the direction, remains.
             let then = Model::summed(&Accumulator::gathered(machine, errors, zero, &drifts));
             let moved = then.deviation(&pose.command, &pose.tool_mm, &State::default());
             sum.add_offset(&-moved.translation);
@@ -50,7 +50,7 @@ impl<'a> Accumulator<'a> {
         sum
     }
 
-    /// The sum in a condition, whatever was when the zero point was set.
+    /// Returns the sum in a condition, without the condition in which the zero point was set.
     fn gathered(
         machine: &'a Machine,
         errors: &ErrorModel,
@@ -63,7 +63,7 @@ impl<'a> Accumulator<'a> {
         sum
     }
 
-    /// The machine.
+    /// Returns the machine.
     #[must_use]
     pub fn machine(&self) -> &'a Machine {
         self.machine
@@ -78,7 +78,7 @@ impl<'a> Accumulator<'a> {
         components[name.direction.index()] += self.sign * value;
     }
 
-    /// Adds a function times a factor to a motion error.
+    /// Adds a function multiplied by a factor to a motion error.
     pub fn add_motion(&mut self, name: ErrorName, function: &Function, factor: f64) {
         let factor = self.sign * factor;
         if factor != 0.0 && !function.is_zero() {
@@ -87,9 +87,9 @@ impl<'a> Accumulator<'a> {
         }
     }
 
-    /// Adds a displacement of the tool relative to the workpiece along F's axes, the same at every position, mm.
+    /// Adds a displacement of the tool relative to the workpiece along the axes of F, constant over all positions, mm.
     pub fn add_offset(&mut self, offset_mm: &Vector) {
-        // The axis on the foundation displaces all that it carries, and no rotary axis turns that.
+        // The axis on the foundation displaces everything that it carries, and no rotary axis rotates this displacement.
         let topology = &self.machine.topology;
         let (axis, sense) = match (topology.tool.first(), topology.workpiece.first()) {
             (Some(&axis), _) => (axis, 1.0),
@@ -107,7 +107,7 @@ impl<'a> Accumulator<'a> {
         self.add_motion(ErrorName::motion(direction, over), function, sense);
     }
 
-    /// The value of a component at a pose, mm or rad.
+    /// Returns the value of a component at a pose, mm or rad.
     #[must_use]
     pub fn value(&self, name: ErrorName, command: &AxisVector, state: &State) -> f64 {
         match (name.kind, name.axis()) {
@@ -119,7 +119,7 @@ impl<'a> Accumulator<'a> {
         }
     }
 
-    /// Everything that was added: location errors with their values, motion errors with their functions. Components may come more than once.
+    /// Returns all contributions: location errors with their values, motion errors with their functions. Components may occur more than once.
     #[must_use]
     pub fn parts(&self) -> Vec<(ErrorName, Option<&Function>, f64)> {
         let axes = self.machine.axes.iter().flatten().map(|data| Carrier::Axis(data.axis));
@@ -134,7 +134,7 @@ impl<'a> Accumulator<'a> {
         places.filter(|&(_, _, value)| value != 0.0).chain(motion).collect()
     }
 
-    /// Location errors of a carrier: EX EY EZ (mm), EA EB EC (rad).
+    /// Returns the location errors of a carrier: EX EY EZ (mm), EA EB EC (rad).
     pub(super) fn location(&self, carrier: Carrier) -> [f64; 6] {
         match carrier {
             Carrier::Axis(axis) => self.location[axis.slot()],
@@ -142,7 +142,7 @@ impl<'a> Accumulator<'a> {
         }
     }
 
-    /// Motion errors; entries of one component add up.
+    /// Returns the motion errors; entries of one component add up.
     pub(super) fn motion(&self) -> &[MotionError] {
         &self.motion
     }

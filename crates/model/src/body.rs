@@ -1,36 +1,36 @@
-//! What is carried through the chain of axes: a point, a pose, or a point with the sensitivities of all commands.
+//! Bodies that are carried through the chain of axes: a point, a pose, or a point with its derivatives by all commands.
 //!
-//! The chain ([`super::link`]) is written once and moves any [`RigidBody`]; how much is computed depends on what is carried.
+//! The chain ([`super::link`]) is written once and moves any [`RigidBody`]; the amount of computation depends on the body.
 
 use ncfix_base::geometry::{AXIS_COUNT, Axis, Matrix, Vector};
 
 use super::name::Carrier;
 use super::rotation::{Rotation, vector_of};
 
-/// A place in the transform of an axis at which a body is watched, see [`super::link`].
+/// Place in the transform of an axis at which a body is observed, see [`super::link`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BodyPlace {
-    /// Where the location errors D(e0) act.
+    /// Place of the location errors D(e0).
     Location,
-    /// Where the motion errors D(e) act.
+    /// Place of the motion errors D(e).
     Motion,
 }
 
-/// Something rigid that is moved from the tool to the foundation and on to the workpiece.
+/// Rigid body that is moved from the tool to the foundation and on to the workpiece.
 pub(super) trait RigidBody {
-    /// Shifts it, mm.
+    /// Translates it, mm.
     fn translate(&mut self, by: &Vector);
 
-    /// Rotates it about the origin by an error; this is small.
+    /// Rotates it about the origin by an error, which is small.
     fn tilt(&mut self, by: &Rotation);
 
     /// Rotates it about the origin by the motion of a rotary axis.
     fn turn(&mut self, by: &Rotation);
 
-    /// The body stands where an error of `carrier` acts, in coordinates whose origin is a point of the axis.
+    /// Observes the body at the place where an error of `carrier` acts, in coordinates whose origin is a point of the axis.
     fn visit(&mut self, _carrier: Carrier, _place: BodyPlace) {}
 
-    /// The body has just been moved by an axis with this direction; `sense` is −1 on the workpiece side.
+    /// Notes that an axis with this direction has just moved the body; `sense` is −1 on the workpiece side.
     fn moved(&mut self, _axis: Axis, _direction: &Vector, _sense: f64) {}
 }
 
@@ -48,28 +48,28 @@ impl RigidBody for Vector {
     }
 }
 
-/// Where the tool is: the map from tool coordinates (origin at the tip, parallel to F at the zero pose) to workpiece coordinates.
+/// Pose of the tool: the map from tool coordinates (origin at the tip, parallel to F at the zero pose) to workpiece coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Directions of the tool frame in the workpiece frame, as columns.
     pub rotation: Matrix,
-    /// The tool tip in the workpiece frame, mm.
+    /// Tool tip in the workpiece frame, mm.
     pub translation: Vector,
 }
 
 impl Pose {
-    /// A tool frame parallel to F with its tip at a point.
+    /// Returns a tool frame parallel to F with its tip at a point.
     pub(super) fn parallel_at(translation: Vector) -> Pose {
         Pose { rotation: Matrix::identity(), translation }
     }
 
-    /// The rotation vector from this pose to another one that is turned a little, in this tool frame, rad.
+    /// Returns the small rotation vector from this pose to another one, in this tool frame, rad.
     #[must_use]
     pub fn turn_to(&self, other: &Pose) -> Vector {
         vector_of(&(self.rotation.transpose() * other.rotation))
     }
 
-    /// The inverse of this times the other: the other as seen from here.
+    /// Returns the inverse of this pose times the other: the other as seen from this one.
     pub(super) fn inverse_times(&self, other: &Pose) -> Pose {
         let back = self.rotation.transpose();
         Pose { rotation: back * other.rotation, translation: back * (other.translation - self.translation) }
@@ -127,7 +127,7 @@ pub(super) struct Pointer {
     pub(super) tip_by_command: [Vector; AXIS_COUNT],
     /// d axis / d command by slot, 1/rad; zero for linear axes.
     pub(super) axis_by_command: [Vector; AXIS_COUNT],
-    /// Axes that have been passed, in their order.
+    /// Axes that have been passed, in order.
     passed: [Axis; AXIS_COUNT],
     passed_count: usize,
 }
@@ -150,7 +150,7 @@ impl RigidBody for Pointer {
         self.tip += by;
     }
 
-    /// Leaves the derivatives alone: an error turns them by 1e-4 or so, which costs the iteration less than it would cost here.
+    /// Leaves the derivatives unchanged: an error rotates them by about 1e-4, which costs less in the iteration than here.
     fn tilt(&mut self, by: &Rotation) {
         self.tip = by.apply(&self.tip);
         self.axis = by.apply(&self.axis);
@@ -180,7 +180,7 @@ impl RigidBody for Pointer {
     }
 }
 
-/// A pose that remembers how it stood where one error acts.
+/// Pose that also records the tool frame at the place where one error acts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Witness {
     pose: Pose,

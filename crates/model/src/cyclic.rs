@@ -1,7 +1,7 @@
-//! The model as a control evaluates it in its cycle: errors on a grid of equal intervals, and a correction in a number of steps that is fixed.
+//! Model for evaluation in the cycle of a control: errors on a grid of equal intervals, and a correction in a fixed number of steps.
 //!
-//! The chain is the one of [`super::forward`]; only the functions of the axes are looked up in tables ([`super::motion`]), and Newton's steps are
-//! counted beforehand. An error of 0.1 mm whose slope is 1e-4 leaves 1e-5 mm behind the first step and 1e-9 mm behind the second.
+//! The chain is that of [`super::forward`]. Only the functions of the axes are looked up in tables ([`super::motion`]), and the number of Newton steps is
+//! fixed. An error of 0.1 mm with a slope of 1e-4 leaves a residual of 1e-5 mm after the first step and 1e-9 mm after the second.
 
 use std::f64::consts::TAU;
 
@@ -12,13 +12,13 @@ use super::linear::LinearStep;
 use super::orientation::OrientationProblem;
 use super::{Model, Solve};
 
-/// Newton's steps of a correction.
+/// Newton steps of a correction.
 const STEPS: usize = 2;
 
 impl Model {
-    /// The same model with the errors of every axis on `count` equal intervals, between the ends of its travel or over a turn where it turns
-    /// without end (Spaan 1995, ch. 6: 200). Evaluated directly stay errors of an axis without ends, functions of two axes, and functions for
-    /// which the grid is too coarse (0.02 µm, 0.05 µrad).
+    /// Returns the model with the errors of every axis on `count` equal intervals, between its travel limits or over one turn of a modulo axis (Spaan 1995,
+    /// ch. 6: 200). The errors of an axis without limits, functions of two axes, and functions for which the grid is too coarse (0.02 µm, 0.05 µrad) are
+    /// still evaluated directly.
     #[must_use]
     pub fn on_intervals(&self, machine: &Machine, count: usize) -> Model {
         let mut model = self.clone();
@@ -35,15 +35,15 @@ impl Model {
         model
     }
 
-    /// How many functions of an axis are evaluated one by one; behind [`Self::on_intervals`] those that its tables do not hold.
+    /// Returns the number of functions of an axis that are evaluated one by one; after [`Self::on_intervals`] those that its tables do not contain.
     #[must_use]
     pub fn direct_functions(&self, axis: Axis) -> usize {
         let links = self.tool_side.iter().chain(&self.workpiece_side).filter(|link| link.axis == axis);
         links.map(|link| link.functions.direct()).sum()
     }
 
-    /// The command whose actual pose is the nominal pose of `nominal`, as [`Self::solve`] finds it, in a fixed number of steps from the nominal
-    /// command: always the same time, no memory, and nothing that an earlier command changes. `None` where no command brings the tip to its place.
+    /// Returns the command whose actual pose is the nominal pose of `nominal`, like [`Self::solve`], in a fixed number of steps from the nominal command. The
+    /// time is constant, nothing is allocated, and no earlier command has an effect. `None` if no command brings the tip to its position.
     #[must_use]
     pub fn solve_in_cycle(
         &self,
@@ -71,7 +71,7 @@ impl Model {
         Some(command)
     }
 
-    /// Orientation and position in common steps, all with the derivatives at the nominal command: an error of 1e-4 changes them by as much.
+    /// Solves orientation and position in common steps with the derivatives at the nominal command: an error of 1e-4 changes them by that share only.
     fn turned_in_cycle(
         &self,
         nominal: &AxisVector,
@@ -99,7 +99,7 @@ impl Model {
             dual[0] += dual_step[0];
             dual[1] += dual_step[1];
             orientation.turn(nominal, &dual, &mut command);
-            // What the rotary step does to the tip is taken back in the same step.
+            // The effect of the rotary step on the tip is compensated in the same step.
             for &axis in orientation.axes() {
                 residual -= target.tip_by_command[axis.slot()] * (command[axis] - before[axis]);
             }

@@ -1,44 +1,44 @@
-//! The dead bands of the axes: behind a reversal the body of an axis follows only when the command has gone through the lost motion.
+//! Dead bands of the axes: after a reversal the body of an axis follows only when the command has passed the lost motion.
 //!
-//! A band keeps, for each axis, how far the command must still go in either sense until the body follows for certain. At the beginning, and after
-//! something unknown has moved the axis, that is the whole lost motion in both senses. An axis whose control adds more than it loses has no band: the
-//! least motion turns it, and so it is for components across the axis that depend on the sense.
+//! For each axis and direction, a band holds the distance that the command must still travel until the body certainly follows. At the beginning, and after an
+//! unknown motion of the axis, that is the whole lost motion in both directions. An axis whose control adds more than the axis loses has no band: the
+//! smallest motion switches its side. The same applies to components perpendicular to the axis that depend on the direction of motion.
 
 use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::{Control, State};
 
 use super::Model;
 
-/// Share of the increment that two rounded commands may be off together.
+/// Share of the increment by which two rounded commands together may deviate.
 const ROUNDED: f64 = 1.5;
-/// Share of a lost motion that corrections of other axes change of the way across it.
+/// Share of a lost motion by which corrections of other axes change the path through it.
 const ACROSS: f64 = 0.01;
 
-/// Two places within a dead band are the same if they differ by less than this share of it.
+/// Two positions within a dead band are equal if they differ by less than this share of it.
 const SAME_SHARE: f64 = 1e-6;
 
-/// How far the tip is from its nominal place, mm. Where the side of an axis is unknown there are several answers.
+/// Distance of the tip from its nominal position, mm. If the side of an axis is unknown, there are several values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Off {
-    /// With every unknown body in the middle of where it can be: a correction aims at this place.
+    /// Distance with every unknown body in the middle of its range; a correction aims at this position.
     pub middle: Vector,
-    /// For the sides that bring the tip nearest to its nominal place.
+    /// Distance for the sides that bring the tip nearest to its nominal position.
     pub nearest: Vector,
-    /// The largest distance that any of the sides gives.
+    /// Largest distance over all sides.
     pub most_mm: f64,
 }
 
-/// Where the axes are within their dead bands.
+/// Positions of the axes within their dead bands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeadBand {
-    /// How far each axis must still go in the positive sense, and in the negative one, until its body follows for certain, mm or rad.
+    /// Distance that each axis must still travel in the positive direction, and in the negative one, until its body certainly follows, mm or rad.
     ahead: AxisVector,
     back: AxisVector,
-    /// The side on which a body is nearly enough to place the tool for it, 0 where it is on none.
+    /// Side for which the tool is positioned: −1 or 1 if the body is close enough to it, 0 if it is on neither.
     direction: [i8; AXIS_COUNT],
 }
 
-/// How far commands that are rounded to increments may be off, mm and rad.
+/// Tolerance for commands that are rounded to increments, mm and rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Room {
     linear_mm: f64,
@@ -46,13 +46,13 @@ pub struct Room {
 }
 
 impl Room {
-    /// That of a control.
+    /// Returns the tolerance of a control.
     #[must_use]
     pub fn of(control: &Control) -> Room {
         Room { linear_mm: ROUNDED * control.increment_mm, rotary_rad: ROUNDED * control.increment_rad }
     }
 
-    /// That of an axis that loses so much.
+    /// Returns the tolerance of an axis with the lost motion `lost`.
     #[must_use]
     pub fn of_axis(&self, axis: Axis, lost: f64) -> f64 {
         ACROSS * lost + if axis.is_rotary() { self.rotary_rad } else { self.linear_mm }
@@ -67,7 +67,7 @@ impl Default for DeadBand {
 }
 
 impl DeadBand {
-    /// Forgets where axes are: something unknown has moved them.
+    /// Sets the positions of axes to unknown after an unknown motion.
     pub fn forget(&mut self, axes: AxisSet) {
         for axis in axes.iter() {
             (self.ahead[axis], self.back[axis]) = (f64::INFINITY, f64::INFINITY);
@@ -75,8 +75,8 @@ impl DeadBand {
         }
     }
 
-    /// Notes a motion of some axes on which none turns; of those that are not in `stated` nobody knows from where they come. What is at most
-    /// `quiet` long, mm or rad, turns no axis. Gives the axes that went further.
+    /// Notes a motion of some axes without reversal. The start of axes that are not in `stated` is unknown. A motion of at most `quiet`, mm or rad, switches
+    /// the side of no axis. Returns the axes that moved farther.
     pub fn note(
         &mut self,
         model: &Model,
@@ -121,14 +121,14 @@ impl DeadBand {
         moved
     }
 
-    /// How far an axis must still go in the positive sense, and in the negative one, until its body follows for certain, mm or rad.
+    /// Returns the distance that an axis must still travel in the positive direction, and in the negative one, until its body certainly follows, mm or rad.
     #[must_use]
     pub fn ways(&self, model: &Model, axis: Axis, command: &AxisVector) -> [f64; 2] {
         let lost = model.lost_motion(axis, command);
         [self.ahead[axis], self.back[axis]].map(|way| way.min(lost))
     }
 
-    /// Whether the bodies of these axes are where a motion in these senses, by slot, leaves them.
+    /// True if the bodies of these axes are on the sides where a motion in these directions, by slot, leaves them.
     #[must_use]
     pub fn is_on(&self, axes: AxisSet, senses: &[i8; AXIS_COUNT]) -> bool {
         axes.iter().all(|axis| {
@@ -141,27 +141,27 @@ impl DeadBand {
         })
     }
 
-    /// Puts the body of an axis on the side of `sense` (−1 or 1), or in the middle for 0. `lost` is the lost motion there, mm or rad.
+    /// Sets the body of an axis to the side `sense` (−1 or 1), or to the middle for 0. `lost` is the lost motion there, mm or rad.
     pub fn put(&mut self, axis: Axis, sense: i8, lost: f64) {
         let back = 0.5 * lost * (1.0 + f64::from(sense));
         (self.ahead[axis], self.back[axis]) = (lost - back, back);
         self.direction[axis.slot()] = sense;
     }
 
-    /// The side of each axis to place the tool for: −1 behind a motion in the negative sense, 1 in the positive, 0 within the dead band or
-    /// unknown.
+    /// Returns the side of each axis for which the tool is positioned: −1 after a motion in the negative direction, 1 in the positive, 0 within the dead band
+    /// or unknown.
     #[must_use]
     pub fn direction(&self) -> [i8; AXIS_COUNT] {
         self.direction
     }
 
-    /// The state that errors depend on.
+    /// Returns the state on which errors depend.
     #[must_use]
     pub fn state(&self) -> State {
         State { direction: self.direction, ..State::default() }
     }
 
-    /// Between which shares of the half reversal the body of an axis is, −1 to 1; both are one where that is known.
+    /// Returns the range of the body of an axis in shares of the half reversal, −1 to 1; both limits are equal if the position is known.
     fn shares(&self, model: &Model, axis: Axis, command: &AxisVector) -> [f64; 2] {
         let lost = model.lost_motion(axis, command);
         if lost <= 0.0 {
@@ -173,14 +173,14 @@ impl DeadBand {
         [low, (2.0 * back - 1.0).max(low)]
     }
 
-    /// Whether it is known where the body of an axis is.
+    /// True if the position of the body of an axis is known.
     #[must_use]
     pub fn is_known(&self, model: &Model, axis: Axis, command: &AxisVector) -> bool {
         let [low, high] = self.shares(model, axis, command);
         high - low < SAME_SHARE
     }
 
-    /// Axes that are within their dead bands, or nobody knows where, and the state with the sides of all others.
+    /// Returns the axes whose bodies are within their dead bands or unknown, and the state with the sides of all others.
     fn within(&self, model: &Model, axes: AxisSet, command: &AxisVector) -> (AxisSet, State) {
         let mut state = self.state();
         let mut within = AxisSet::EMPTY;
@@ -198,8 +198,8 @@ impl DeadBand {
         (within, state)
     }
 
-    /// How far the tip at `command` is from the nominal tip at `nominal`. A tool that waits for a body is late on its way: its distance along the
-    /// direction `along` does not count. The one function of correction, prediction and comparison for axes whose errors depend on the sense.
+    /// Returns the distance of the tip at `command` from the nominal tip at `nominal`. A tool that waits for a body only lags on its path: its distance along
+    /// the direction `along` does not count. Correction, prediction and comparison all use this function for axes with direction-dependent errors.
     #[must_use]
     pub fn error_mm(
         &self,
@@ -240,7 +240,7 @@ impl DeadBand {
         off
     }
 
-    /// The largest distance of the tip from its nominal place that an unknown side of one axis allows, as far as it comes from that, mm.
+    /// Returns the largest distance of the tip from its nominal position that is due to the unknown side of one axis, mm.
     #[must_use]
     pub fn unknown_mm(
         &self,
@@ -267,7 +267,7 @@ impl DeadBand {
     }
 }
 
-/// How far the tip moves when an axis goes from the middle of its dead band to the positive side, mm. `state` has the axis on no side.
+/// Returns the displacement of the tip when an axis moves from the middle of its dead band to the positive side, mm. `state` has the axis on neither side.
 fn half(
     model: &Model,
     axis: Axis,
@@ -283,10 +283,10 @@ fn half(
     (one - other) * 0.5
 }
 
-/// The part of a vector that is perpendicular to a direction.
+/// Returns the part of a vector that is perpendicular to a direction.
 fn across(vector: Vector, along: Option<Vector>) -> Vector {
     along.map_or(vector, |along| vector - along * along.dot(&vector))
 }
 
-/// Axes whose sides are looked at together; a machine has three that place the tip, and two that turn.
+/// Maximum number of axes whose sides are considered together; a machine has three axes that position the tip, and two that rotate.
 const OPEN_AXES: usize = 5;

@@ -1,4 +1,4 @@
-//! How finely the errors of an axis must be sampled along a path.
+//! Required sampling of the errors of an axis along a path.
 
 use ncfix_base::geometry::{AXES, AXIS_COUNT};
 use ncfix_machine::machine::Machine;
@@ -7,32 +7,32 @@ use super::MotionError;
 use super::motion::Function;
 use super::motion::table::Table;
 
-/// Length over which an axis without error functions is called smooth, mm.
+/// Length over which an axis without error functions counts as smooth, mm.
 const LINEAR_LENGTH_MM: f64 = 500.0;
-/// The same for a rotary axis: its motion bends every path, rad.
+/// Angle over which a rotary axis without error functions counts as smooth, rad; its motion bends every path.
 const ROTARY_LENGTH_RAD: f64 = std::f64::consts::FRAC_PI_6;
 
-/// What bends within less is not followed, mm: a file could ask for more samples than there is time for.
+/// Finest features that are followed, mm; a file could otherwise require an excessive number of samples.
 const FINEST_MM: f64 = 1e-3;
-/// The same for a rotary axis, rad.
+/// Finest features that are followed on a rotary axis, rad.
 const FINEST_RAD: f64 = 1e-5;
 
-/// Where the error functions of one axis bend.
+/// Features of the error functions of one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Features {
-    /// Length (mm or rad) over which the functions of the axis may be taken as smooth: a piece of 1/8 of it is a safe sampling step.
+    /// Length (mm or rad) over which the functions of the axis may be taken as smooth: 1/8 of it is a safe sampling step.
     pub length: f64,
     /// Commands (mm or rad) at which a function has a kink, strictly increasing.
     pub knots: Vec<f64>,
-    /// Whether a function depends on the sense of motion of the axis.
+    /// True if a function depends on the direction of motion of the axis.
     pub backlash: bool,
-    /// The lost motion of the axis along its command, mm or rad: entries add up, each with the factor of its direction. Where the sum is negative
-    /// the control adds more than the axis loses.
+    /// Lost motion of the axis along its command, mm or rad: entries add up, each with the factor of its direction. If the sum is negative, the control adds
+    /// more than the axis loses.
     lost: Vec<(f64, Table)>,
 }
 
 impl Features {
-    /// How far the command must go behind a reversal until the body follows, mm or rad.
+    /// Returns the distance that the command must travel after a reversal until the body follows, mm or rad.
     #[must_use]
     pub fn lost_motion(&self, command: f64) -> f64 {
         self.lost.iter().map(|(factor, reversal)| factor * reversal.value(command)).sum::<f64>().max(0.0)
@@ -42,14 +42,14 @@ impl Features {
         self.length = self.length.min(length);
     }
 
-    /// A polynomial of degree d bends about d times over the travel; a constant does not bend.
+    /// Notes a degree: a polynomial of degree d bends about d times over the travel; a constant does not bend.
     pub(super) fn note_degree(&mut self, degree: usize, travel: f64) {
         if degree > 0 {
             self.note_length(travel / degree as f64 / 2.0);
         }
     }
 
-    /// Kinks, increasing, and the smallest distance between two of them.
+    /// Notes kinks, increasing, and the smallest distance between two of them.
     pub(super) fn note_knots(&mut self, knots: impl Iterator<Item = f64>) {
         let mut last = None;
         for knot in knots {
@@ -62,12 +62,12 @@ impl Features {
     }
 }
 
-/// The features of every axis by slot; also of axes that the machine lacks.
+/// Returns the features of every axis by slot, including axes that the machine lacks.
 pub(super) fn of(machine: &Machine, motion: &[MotionError]) -> [Features; AXIS_COUNT] {
     let limit = AXES.map(|axis| if axis.is_rotary() { ROTARY_LENGTH_RAD } else { LINEAR_LENGTH_MM });
     let travels = AXES.map(|axis| {
         let travel = machine.axis(axis).and_then(|data| data.travel);
-        // Without travel limits: one turn, or what makes a line as smooth as no error at all.
+        // Without travel limits: one turn, or the length that gives a line the smoothness of an error-free axis.
         let unlimited = if axis.is_rotary() { std::f64::consts::TAU } else { 2.0 * LINEAR_LENGTH_MM };
         travel.map_or(unlimited, |[low, high]| high - low)
     });
@@ -86,7 +86,7 @@ pub(super) fn of(machine: &Machine, motion: &[MotionError]) -> [Features; AXIS_C
             if let (Function::Backlash(backlash), Some(data)) = (&error.function, machine.axis(axis))
                 && error.name.direction.index() == own
             {
-                // A body that lags behind is where it was: against the sense of the command.
+                // A lagging body remains behind, against the direction of the command.
                 let factor = -data.direction[axis.dimension()];
                 features[axis.slot()].lost.push((factor, backlash.reversal.clone()));
             }

@@ -1,4 +1,4 @@
-//! The machine file: what it says of the errors, source by source, and reading the file as a whole.
+//! Error model in the machine file, source by source, and reading of the whole file.
 //!
 //! Displacements are µm and rotations µrad in the file; polynomial coefficients are mm and rad per power of mm or rad.
 
@@ -14,14 +14,13 @@ use super::name::{ErrorKind, ErrorName};
 use super::source::Reading;
 use super::{ErrorModel, LocationError, ModelRegisters, MotionError};
 
-/// Reads a machine file. All findings are reported in one run, in the order of the file; there is a machine only where none of
-/// them is an error.
+/// Reads a machine file and reports all diagnostics in one run, in the order of the file. The machine is `None` if any of them is an error.
 #[must_use]
 pub fn load(source: &Source) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>) {
     load_with(source, &ModelRegisters::default())
 }
 
-/// Reads a machine file as [`load`] does; it may have the sections of these sources of error and these kinds of motion errors.
+/// Reads a machine file like [`load`]; it may contain the sections of these error sources and these kinds of motion errors.
 #[must_use]
 pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>) {
     let file = match MachineFile::parse(source) {
@@ -66,7 +65,7 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
     (machine.filter(|_| sound).map(|machine| (machine, errors)), findings)
 }
 
-/// The axes that have a section, whether or not it is sound: faults of the chain are reported elsewhere and must not hide others.
+/// Returns the axes that have a section, valid or not: faults of the chain are reported elsewhere and must not hide others.
 fn axes_in(mut root: Section<'_>) -> AxisSet {
     let letters = root.section("axis").map(|section| section.keys().collect::<Vec<_>>()).unwrap_or_default();
     letters
@@ -111,7 +110,7 @@ pub(super) fn read_motion(
     let name = component.and_then(|text| known_component(&mut section, text, place, axes, ErrorKind::Motion, help));
     let kind = read_kind(&mut section, kinds);
     let (Some(name), Some(kind)) = (name, kind) else {
-        // Without component and kind the other keys cannot be judged.
+        // Without component and kind the other keys cannot be checked.
         let keys: Vec<&str> = section.keys().collect();
         keys.into_iter().for_each(|key| section.accept(key));
         section.finish(findings);
@@ -123,7 +122,7 @@ pub(super) fn read_motion(
     Some(MotionError { name, function: function? })
 }
 
-/// The kind of a function; reports where it is missing or unknown.
+/// Reads the kind of a function; reports a missing or unknown kind.
 pub(super) fn read_kind<'k>(section: &mut Section<'_>, kinds: &'k MotionKinds) -> Option<&'k dyn MotionKind> {
     let text = section.required("kind", "\"polynomial\"", Section::text)?;
     let kind = kinds.find(text);
@@ -138,7 +137,7 @@ pub(super) fn read_kind<'k>(section: &mut Section<'_>, kinds: &'k MotionKinds) -
     kind
 }
 
-/// The component of a name; reports `E0406` where it is none of this machine or not of this kind.
+/// Reads a component by its name; reports `E0406` if this machine does not have it or it is not of this kind.
 pub(super) fn known_component(
     section: &mut Section<'_>,
     text: &str,

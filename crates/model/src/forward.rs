@@ -1,8 +1,7 @@
-//! Forward kinematics: where the tool is in the workpiece for given axis commands, with and without errors.
+//! Forward kinematics: pose of the tool in the workpiece for given axis commands, with and without errors.
 //!
-//! wTt = (F→w)⁻¹ (F→t). The tool frame has its origin at the tip and is parallel to F at the zero pose; it is carried through the
-//! spindle, through the axes of the tool side to F, and back through the axes of the workpiece side ([`super::link`]). The spindle
-//! is D(e0) at its gauge point.
+//! wTt = (F→w)⁻¹ (F→t). The tool frame has its origin at the tip and is parallel to F at the zero pose. It is carried through the spindle, through the axes
+//! of the tool side to F, and back through the axes of the workpiece side ([`super::link`]). The spindle is D(e0) at its gauge point.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -18,7 +17,7 @@ use super::name::{Carrier, ErrorKind, ErrorName};
 use super::rotation::vector_of;
 use super::{Accumulator, ErrorModel, Features, Pose, features};
 
-/// A machine and its errors, prepared for fast evaluation.
+/// Machine with its errors, prepared for fast evaluation.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// From the spindle to F.
@@ -28,32 +27,32 @@ pub struct Model {
     spindle_mm: Vector,
     spindle_axis: Vector,
     spindle_error: Option<Displacement>,
-    /// The axes that correct the position.
+    /// Axes that correct the position.
     pub(super) linear: LinearAxes,
-    /// The axes that correct the orientation.
+    /// Axes that correct the orientation.
     pub(super) rotary: AxisSet,
     features: [Features; AXIS_COUNT],
     /// Axes whose errors repeat with every turn.
     pub(super) modulo: AxisSet,
-    /// What the control adds to every command.
+    /// Compensation that the control adds to every command.
     active: Option<Arc<dyn ActiveCompensation>>,
     is_empty: bool,
-    /// What is the same everywhere on a machine without rotary axes.
+    /// Constants of a machine without rotary axes.
     straight: Option<Straight>,
 }
 
-/// Where all axes are linear, the nominal tip is a sum, and the step that brings the tip to its place is always the same.
+/// Constants of a machine with linear axes only: the nominal tip is a sum, and the step that brings the tip to its position is constant.
 #[derive(Clone, Debug)]
 struct Straight {
-    /// Axes, and the way of the tip per mm of each.
+    /// Axes, and the displacement of the tip per mm of each.
     columns: Vec<(Axis, Vector)>,
     step: Result<LinearStep, Singular>,
 }
 
-/// A small displacement: of the actual tool frame from the nominal one, in the nominal tool frame.
+/// Small displacement of the actual tool frame from the nominal one, in the nominal tool frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Twist {
-    /// Of the tip, mm.
+    /// Displacement of the tip, mm.
     pub translation: Vector,
     /// Rotation vector, rad.
     pub rotation: Vector,
@@ -72,7 +71,7 @@ impl Model {
         Model::summed(&Accumulator::sum(machine, errors, condition, |_| true))
     }
 
-    /// Prepares a machine and errors that were added up.
+    /// Prepares a machine and summed errors.
     #[must_use]
     pub fn summed(sum: &Accumulator<'_>) -> Model {
         let machine = sum.machine();
@@ -108,20 +107,20 @@ impl Model {
         }
     }
 
-    /// Whether no error can ever differ from zero.
+    /// True if no error can ever differ from zero.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.is_empty
     }
 
-    /// How finely the errors of an axis must be sampled.
+    /// Returns the required sampling of the errors of an axis.
     #[must_use]
     pub fn features(&self, axis: Axis) -> &Features {
         &self.features[axis.slot()]
     }
 
-    /// How far the command of an axis must go behind a reversal until its body follows, mm or rad: what the axis loses without what the tables of
-    /// the control add there.
+    /// Returns the distance that the command of an axis must travel after a reversal until its body follows, mm or rad: the loss of the axis minus the
+    /// addition by the tables of the control.
     #[must_use]
     pub fn lost_motion(&self, axis: Axis, command: &AxisVector) -> f64 {
         let lost = self.features[axis.slot()].lost_motion(command[axis]);
@@ -138,27 +137,27 @@ impl Model {
         }
     }
 
-    /// Pose of the tool in the workpiece without errors. `tool_mm` runs from the spindle gauge point to the tip, in F at the zero pose.
+    /// Returns the pose of the tool in the workpiece without errors. `tool_mm` runs from the spindle gauge point to the tip, in F at the zero pose.
     #[must_use]
     pub fn nominal(&self, command: &AxisVector, tool_mm: &Vector) -> Pose {
         self.carry(Pose::parallel_at(*tool_mm), command, None)
     }
 
-    /// Pose of the tool in the workpiece with errors: the one forward function of correction and prediction.
+    /// Returns the pose of the tool in the workpiece with errors. Correction and prediction both use this single forward function.
     #[must_use]
     pub fn actual(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Pose {
         self.carry(Pose::parallel_at(*tool_mm), &self.controlled(command, tool_mm, Some(state)), Some(state))
     }
 
-    /// Volumetric error: the actual tool frame as seen from the nominal one at the same command (Esmaeili 2021, eq. 4).
+    /// Returns the volumetric error: the actual tool frame as seen from the nominal one at the same command (Esmaeili 2021, eq. 4).
     #[must_use]
     pub fn volumetric_error(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Twist {
         let seen = self.nominal(command, tool_mm).inverse_times(&self.actual(command, tool_mm, state));
         Twist { translation: seen.translation, rotation: vector_of(&seen.rotation) }
     }
 
-    /// Deviation of the tool from the workpiece point that nominally coincides with its tip, along F's directions: the volumetric error,
-    /// turned from the nominal tool frame into F.
+    /// Returns the deviation of the tool from the workpiece point that nominally coincides with its tip, along the directions of F: the volumetric error,
+    /// rotated from the nominal tool frame to F.
     #[must_use]
     pub fn deviation(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Twist {
         let error = self.volumetric_error(command, tool_mm, state);
@@ -166,7 +165,7 @@ impl Model {
         Twist { translation: turn * error.translation, rotation: turn * error.rotation }
     }
 
-    /// Directions of the nominal tool frame in F, as columns.
+    /// Returns the directions of the nominal tool frame in F, as columns.
     #[must_use]
     pub fn tool_orientation(&self, command: &AxisVector) -> Matrix {
         let mut pose = Pose::parallel_at(Vector::zeros());
@@ -174,17 +173,16 @@ impl Model {
         pose.rotation
     }
 
-    /// The tip at `command` with errors minus the nominal tip at `nominal`, in the workpiece frame, mm.
+    /// Returns the tip at `command` with errors minus the nominal tip at `nominal`, in the workpiece frame, mm.
     #[must_use]
     pub fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, tool_mm: &Vector, state: &State) -> Vector {
         self.tip(command, tool_mm, Some(state)) - self.nominal_tip(nominal, tool_mm)
     }
 
-    /// First-order effect of one error component on the volumetric error, per mm or rad of the component, in the nominal tool frame.
+    /// Returns the first-order effect of one error component on the volumetric error, per mm or rad of the component, in the nominal tool frame.
     ///
-    /// With Q the tool frame as seen from the place where the error ε, ω acts: rotation Qᵀω, translation Qᵀ(ε + ω × t); negative
-    /// on the workpiece side, because the workpiece moves instead of the tool (transport matrices of Esmaeili 2021, eq. 53).
-    /// Zero for an axis that the machine lacks.
+    /// With Q the tool frame as seen from the place where the error ε, ω acts: rotation Qᵀω, translation Qᵀ(ε + ω × t). The sign is negative on the workpiece
+    /// side, because the workpiece moves instead of the tool (transport matrices of Esmaeili 2021, eq. 53). Zero for an axis that the machine lacks.
     #[must_use]
     pub fn sensitivity(&self, name: ErrorName, command: &AxisVector, tool_mm: &Vector) -> Twist {
         let place = if name.kind == ErrorKind::Location { BodyPlace::Location } else { BodyPlace::Motion };
@@ -202,40 +200,40 @@ impl Model {
         }
     }
 
-    /// Tip and axis of the tool with their derivatives by the commands, in the workpiece frame.
+    /// Returns tip and axis of the tool with their derivatives by the commands, in the workpiece frame.
     pub(super) fn pointer(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Pointer {
         self.carry(Pointer::new(*tool_mm, self.spindle_axis), &self.controlled(command, tool_mm, errors), errors)
     }
 
-    /// Tip and axis of the tool in the workpiece frame, with errors.
+    /// Returns tip and axis of the tool in the workpiece frame, with errors.
     pub(super) fn ray(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Ray {
         let command = self.controlled(command, tool_mm, Some(state));
         self.carry(Ray { tip: *tool_mm, axis: self.spindle_axis }, &command, Some(state))
     }
 
-    /// The axes that correct the position (X or U, Y or V, Z or W), where the machine has no rotary ones.
+    /// Returns the axes that correct the position (X or U, Y or V, Z or W) of a machine without rotary axes; otherwise `None`.
     #[must_use]
     pub fn straight_axes(&self) -> Option<[Option<Axis>; 3]> {
         self.straight.as_ref().map(|_| self.linear.0)
     }
 
-    /// The step of the linear axes on a machine without rotary axes; `None` where there are some.
+    /// Returns the step of the linear axes on a machine without rotary axes; `None` if it has rotary axes.
     pub(super) fn straight_step(&self) -> Option<&Result<LinearStep, Singular>> {
         self.straight.as_ref().map(|straight| &straight.step)
     }
 
-    /// The tip in the workpiece frame without errors, mm: what [`Self::nominal`] says of it.
+    /// Returns the tip in the workpiece frame without errors, mm: that of [`Self::nominal`].
     pub(super) fn nominal_tip(&self, command: &AxisVector, tool_mm: &Vector) -> Vector {
         let Some(straight) = &self.straight else { return self.carry(*tool_mm, command, None) };
         straight.columns.iter().fold(self.spindle_mm + tool_mm, |tip, (axis, column)| tip + column * command[*axis])
     }
 
-    /// The tip in the workpiece frame, mm.
+    /// Returns the tip in the workpiece frame, mm.
     pub(super) fn tip(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Vector {
         self.carry(*tool_mm, &self.controlled(command, tool_mm, errors), errors)
     }
 
-    /// Where the control really sends the axes: the command and what its tables add to it. Without errors the command itself.
+    /// Returns the command that the control really executes: the command plus the correction of its tables. Without errors it is the command itself.
     fn controlled(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> AxisVector {
         match (&self.active, errors) {
             (Some(active), Some(state)) => *command + active.correction(command, tool_mm, state),
@@ -243,7 +241,7 @@ impl Model {
         }
     }
 
-    /// Carries a body from the spindle to the workpiece; with errors where there is a state.
+    /// Carries a body from the spindle to the workpiece; with errors if there is a state.
     fn carry<B: RigidBody>(&self, mut body: B, command: &AxisVector, errors: Option<&State>) -> B {
         let mut within_turn;
         let mut command = command;

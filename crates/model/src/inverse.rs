@@ -1,12 +1,11 @@
-//! Inverse kinematics with errors: the commands whose actual pose is the nominal one.
+//! Inverse kinematics with errors: commands whose actual pose is the nominal one.
 //!
-//! Five rows are solved, the position of the tip and two components of the direction of the tool axis. The roll of the tool about its
-//! own axis is free: demanding it too (the six-row pseudo-inverse of Esmaeili 2021, eq. 37) spends rotary motion on what cuts nothing
-//! and leaves the axis tilted.
+//! Five rows are solved: the position of the tip and two components of the direction of the tool axis. The roll of the tool about its own axis is free. The
+//! six-row pseudo-inverse of Esmaeili 2021, eq. 37, also requires the roll. That spends rotary motion on something without effect on the cut, and leaves the
+//! axis tilted.
 //!
-//! Orientation is corrected by the rotary axes alone, damped near a singularity ([`super::orientation`]).
-//! Position comes first: whatever the rotary axes do, the linear axes bring the tip to its place exactly. A machine with less than
-//! three linear axes corrects the directions that it has.
+//! Orientation is corrected by the rotary axes alone, damped near a singularity ([`super::orientation`]). Position takes precedence: whatever the rotary axes
+//! do, the linear axes bring the tip exactly to its position. A machine with fewer than three linear axes corrects the directions that it has.
 
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::State;
@@ -16,38 +15,38 @@ use super::body::Pointer;
 use super::linear::{LinearStep, Singular};
 use super::orientation::OrientationProblem;
 
-/// The tip is in its place when it is this near, mm; a tenth of what is promised.
+/// Convergence limit of the tip position, mm; a tenth of the guaranteed accuracy.
 const POSITION_LIMIT_MM: f64 = 1e-7;
-/// Promised accuracy of the tip, mm.
+/// Guaranteed accuracy of the tip, mm.
 const PROMISED_MM: f64 = 1e-6;
-/// The orientation is found when a step would change it by less, rad.
+/// The orientation has converged when a step would change it by less, rad.
 const DIRECTION_LIMIT_RAD: f64 = 1e-9;
-/// More steps than ever needed: errors of 1e-4 are divided by about 1e3 at each.
+/// More steps than ever needed: each divides errors of 1e-4 by about 1e3.
 const MAX_STEPS: usize = 30;
 
-/// What a solution may change.
+/// Commands that a solution may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solve {
-    /// Tip position and tool axis direction, with linear and rotary axes.
+    /// Linear and rotary axes, for tip position and tool axis direction.
     Full,
-    /// Tip position only, with the linear axes; rotary commands stay those of the start (they were rounded to the increment).
+    /// Linear axes only, for the tip position; rotary commands stay those of the start (they were rounded to the increment).
     PositionOnly,
 }
 
-/// No command was found whose tip is within 1e-6 mm of the nominal one.
+/// Error if no command has its tip within 1e-6 mm of the nominal one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NotConverged {
-    /// How far the last tip was from its place, mm; not a number where the model gave none.
+    /// Distance of the last tip from its position, mm; NaN if the model gave none.
     pub residual_mm: f64,
 }
 
 impl Model {
-    /// The command whose actual pose is the nominal pose of `nominal`, iterated from `start`: the nominal command, or better that plus
-    /// the correction of a neighboring point. Axes that take no part (U where there is X) stay at their nominal command, rotary axes under
-    /// [`Solve::PositionOnly`] at that of the start. Without errors the nominal command itself is returned, bit by bit.
+    /// Returns the command whose actual pose is the nominal pose of `nominal`, iterated from `start`. A good start is the nominal command plus the correction
+    /// of a neighboring point. Axes that take no part (U if there is X) stay at their nominal command, rotary axes under [`Solve::PositionOnly`] at that of
+    /// the start. Without errors the nominal command itself is returned, bit by bit.
     ///
     /// # Errors
-    /// [`NotConverged`] when the tip cannot be brought to its place.
+    /// [`NotConverged`] if the tip cannot be brought to its position.
     pub fn solve(
         &self,
         nominal: &AxisVector,
@@ -81,7 +80,7 @@ impl Model {
         }
     }
 
-    /// Whether the rotary axes stand so near to a singularity that [`Solve::Full`] damps the orientation.
+    /// True if the rotary axes are so close to a singularity that [`Solve::Full`] damps the orientation.
     #[must_use]
     pub fn is_near_singularity(&self, command: &AxisVector, tool_mm: &Vector) -> bool {
         !self.rotary.is_empty()
@@ -89,7 +88,7 @@ impl Model {
     }
 }
 
-/// What stays the same while one solution is looked for.
+/// Constant data of the search for one solution.
 struct Search<'a> {
     model: &'a Model,
     tool_mm: &'a Vector,
@@ -101,7 +100,7 @@ impl Search<'_> {
         self.model.pointer(command, self.tool_mm, Some(self.state))
     }
 
-    /// Position on a machine without rotary axes: the derivatives are the directions of the axes.
+    /// Solves the position on a machine without rotary axes: the derivatives are the directions of the axes.
     fn straight_position(
         &self,
         step: &LinearStep,
@@ -112,7 +111,7 @@ impl Search<'_> {
         for _ in 0..MAX_STEPS {
             let residual = target - self.model.tip(&command, self.tool_mm, Some(self.state));
             residual_mm = step.reachable(&residual).norm();
-            // The step is known already, so what is left is taken away as well: it is far below the limit then.
+            // The step is known already, so the residual is removed as well and is then far below the limit.
             step.apply(&residual, &mut command);
             if residual_mm < POSITION_LIMIT_MM {
                 return Ok(command);
@@ -121,7 +120,7 @@ impl Search<'_> {
         last_resort(command, residual_mm)
     }
 
-    /// Position by the linear axes, at the rotary commands given.
+    /// Solves the position by the linear axes, at the given rotary commands.
     fn position(&self, target: Vector, mut command: AxisVector) -> Result<AxisVector, NotConverged> {
         let mut residual_mm = f64::NAN;
         for _ in 0..MAX_STEPS {
@@ -137,7 +136,7 @@ impl Search<'_> {
         last_resort(command, residual_mm)
     }
 
-    /// Orientation by the rotary axes and position by the linear ones, in common steps.
+    /// Solves the orientation by the rotary axes and the position by the linear ones, in common steps.
     fn pose(
         &self,
         target: &Pointer,
@@ -164,13 +163,13 @@ impl Search<'_> {
             dual[0] += dual_step[0];
             dual[1] += dual_step[1];
             orientation.turn(nominal, &dual, &mut command);
-            // What the rotary step does to the tip is taken back in the same step.
+            // The effect of the rotary step on the tip is compensated in the same step.
             for &axis in orientation.axes() {
                 residual -= now.tip_by_command[axis.slot()] * (command[axis] - before[axis]);
             }
             step.apply(&residual, &mut command);
         }
-        // The orientation would not settle (a step in an error table, say); the position still must.
+        // The orientation did not converge (because of a step in an error table, for example); the position still must.
         self.position(target.tip, command)
     }
 }
@@ -181,7 +180,7 @@ impl From<Singular> for NotConverged {
     }
 }
 
-/// Steps are used up: what is within the promise is good enough.
+/// The steps are used up: a result within the guaranteed accuracy is accepted.
 fn last_resort(command: AxisVector, residual_mm: f64) -> Result<AxisVector, NotConverged> {
     if residual_mm < PROMISED_MM { Ok(command) } else { Err(NotConverged { residual_mm }) }
 }

@@ -1,10 +1,10 @@
-//! The error model of a machine: forward kinematics with errors, and the commands that cancel them.
+//! Error model of a machine: forward kinematics with errors, and the commands that cancel them.
 //!
-//! [`ErrorModel`] is what the file says: location errors ([`location`]), motion errors ([`motion`], one file per kind of
-//! function), named as in ISO 230-1 ([`name`]), and the effects of other sources ([`source`], one file each). The [`Accumulator`] adds up what
-//! they contribute in one condition of the machine. [`Model`] is machine and sum prepared for evaluation; [`Model::actual`] is the only
-//! forward function, and [`Model::solve`] inverts it; [`Model::on_intervals`] and [`Model::solve_in_cycle`] are the same within the cycle of a control. [`preset`] names which parameters ([`parameter`]) a model has. Nothing here knows of
-//! programs or instruments.
+//! [`ErrorModel`] is the content of the file: location errors ([`location`]), motion errors ([`motion`], one file per kind of function), named as in ISO
+//! 230-1 ([`name`]), and the effects of other sources ([`source`], one file each). The [`Accumulator`] adds up their contributions in one condition of the
+//! machine. [`Model`] is machine and sum prepared for evaluation; [`Model::actual`] is the only forward function, and [`Model::solve`] inverts it.
+//! [`Model::on_intervals`] and [`Model::solve_in_cycle`] are their counterparts for the cycle of a control. [`preset`] lists the parameters ([`parameter`])
+//! of a model. This crate contains neither programs nor instruments.
 
 mod accumulator;
 mod body;
@@ -23,6 +23,7 @@ mod orientation;
 pub mod parameter;
 pub mod preset;
 mod rotation;
+pub mod shares;
 pub mod source;
 pub mod write;
 
@@ -39,11 +40,11 @@ pub use parameter::ParameterName;
 pub use preset::{Preset, Presets};
 pub use source::{Effect, ErrorSource, SourceInfo, Sources};
 
-/// What a machine file may say of errors: registers that a caller extends.
+/// Error-related content that a machine file may have: registers that a caller can extend.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct ModelRegisters {
-    /// Sources of error, which read sections of the file.
+    /// Error sources, which read sections of the file.
     pub sources: Sources,
     /// Kinds of functions in `[[motion]]` and `[[load]]`.
     pub motion_kinds: MotionKinds,
@@ -52,7 +53,7 @@ pub struct ModelRegisters {
 }
 
 impl ModelRegisters {
-    /// Adds a source of error.
+    /// Adds an error source.
     ///
     /// # Panics
     /// If its name or one of its sections belongs to another source.
@@ -80,33 +81,33 @@ impl ModelRegisters {
     }
 }
 
-/// The errors of a machine as its file gives them, in mm and rad.
+/// Errors of a machine as given by its file, in mm and rad.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ErrorModel {
     /// Position-independent errors.
     pub location: Vec<LocationError>,
     /// Position-dependent errors; entries of one component add up.
     pub motion: Vec<MotionError>,
-    /// What other sources do: workpiece weight, temperature, …
+    /// Effects of other sources: workpiece weight, temperature, …
     pub effects: Vec<Box<dyn Effect>>,
 }
 
 impl ErrorModel {
-    /// Everything that contributes, as effects of their sources.
+    /// Returns all contributions as effects of their sources.
     pub fn effects(&self) -> impl Iterator<Item = &dyn Effect> {
         let location = self.location.iter().map(|error| error as &dyn Effect);
         let motion = self.motion.iter().map(|error| error as &dyn Effect);
         location.chain(motion).chain(self.effects.iter().map(|effect| &**effect))
     }
 
-    /// The same, to be changed.
+    /// Returns all contributions for modification.
     pub fn effects_mut(&mut self) -> impl Iterator<Item = &mut dyn Effect> {
         let location = self.location.iter_mut().map(|error| error as &mut dyn Effect);
         let motion = self.motion.iter_mut().map(|error| error as &mut dyn Effect);
         location.chain(motion).chain(self.effects.iter_mut().map(|effect| &mut **effect as &mut dyn Effect))
     }
 
-    /// The sources that it has effects of, each once: first those that are built in, in the order of [`Sources`], then others as they come.
+    /// Returns the sources of its effects, each once: first the built-in ones in the order of [`Sources`], then others in order of occurrence.
     #[must_use]
     pub fn sources(&self) -> Vec<&'static SourceInfo> {
         let mut sources: Vec<&'static SourceInfo> = Vec::new();
@@ -119,12 +120,12 @@ impl ErrorModel {
         sources
     }
 
-    /// The effects of a source, by its name.
+    /// Returns the effects of a source, by its name.
     pub fn effects_of(&self, source: &str) -> impl Iterator<Item = &dyn Effect> {
         self.effects().filter(move |effect| effect.source().name == source)
     }
 
-    /// The sensors that the model needs, sorted, each once.
+    /// Returns the sensors that the model needs, sorted, each once.
     #[must_use]
     pub fn sensors(&self) -> Vec<&str> {
         let mut sensors: Vec<&str> = self.effects().flat_map(Effect::sensors).collect();

@@ -1,19 +1,19 @@
-//! The step of the linear axes that brings the tip to its place.
+//! Step of the linear axes that brings the tip to its position.
 
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, LINEAR_AXES, Matrix, Vector};
 
 use super::body::Pointer;
 
-/// The linear axes are parallel to each other, so that they cannot place the tip.
+/// Error if linear axes are parallel to each other, so that they cannot position the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Singular;
 
-/// The axis that corrects each direction of space: X, else U, and so on.
+/// Axis that corrects each direction of space: X, else U, and so on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LinearAxes(pub(super) [Option<Axis>; 3]);
 
 impl LinearAxes {
-    /// The axes that correct a machine with these axes.
+    /// Returns the correcting axes of a machine with these axes.
     pub(super) fn of(axes: AxisSet) -> LinearAxes {
         let mut linear = [None; 3];
         for axis in LINEAR_AXES.into_iter().filter(|&axis| axes.contains(axis)) {
@@ -22,18 +22,18 @@ impl LinearAxes {
         LinearAxes(linear)
     }
 
-    /// Those that there are.
+    /// Returns the existing axes.
     pub(super) fn axes(&self) -> impl Iterator<Item = Axis> {
         self.0.into_iter().flatten()
     }
 
-    /// The derivatives of the tip by their commands; zero where there is no axis.
+    /// Returns the derivatives of the tip by their commands; zero if there is no axis.
     pub(super) fn columns(&self, pointer: &Pointer) -> [Vector; 3] {
         self.0.map(|axis| axis.map_or(Vector::zeros(), |axis| pointer.tip_by_command[axis.slot()]))
     }
 }
 
-/// The step of the linear axes that takes a residual away, in the least-squares sense where there are less than three.
+/// Step of the linear axes that removes a residual; the least-squares step if there are fewer than three.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LinearStep {
     axes: [Option<Axis>; 3],
@@ -42,13 +42,13 @@ pub(super) struct LinearStep {
 }
 
 impl LinearStep {
-    /// From the derivatives of the tip by each linear command; zero where the machine has no axis.
+    /// Creates the step from the derivatives of the tip by each linear command; zero if the machine has no axis.
     pub(super) fn new(linear: &LinearAxes, columns: [Vector; 3]) -> Result<LinearStep, Singular> {
         let filled = fill(&linear.0, columns);
         // The adjugate: its rows are the cross products of the columns.
         let rows = [filled[1].cross(&filled[2]), filled[2].cross(&filled[0]), filled[0].cross(&filled[1])];
         let determinant = rows[0].dot(&filled[0]);
-        // Axes that have become parallel, as X and Y behind a rotary axis may, cannot place the tip.
+        // Axes that have become parallel, such as X and Y after a rotary axis, cannot position the tip.
         if determinant.is_nan() || determinant.abs() < 1e-6 {
             return Err(Singular);
         }
@@ -56,12 +56,12 @@ impl LinearStep {
         Ok(LinearStep { axes: linear.0, columns: Matrix::from_columns(&columns), inverse })
     }
 
-    /// The part of a residual that the axes can take away, mm.
+    /// Returns the part of a residual that the axes can remove, mm.
     pub(super) fn reachable(&self, residual: &Vector) -> Vector {
         if self.axes.iter().all(Option::is_some) { *residual } else { self.columns * (self.inverse * residual) }
     }
 
-    /// Takes a residual away, mm.
+    /// Removes a residual, mm.
     #[inline]
     pub(super) fn apply(&self, residual: &Vector, command: &mut AxisVector) {
         let step = self.inverse * residual;
@@ -73,8 +73,8 @@ impl LinearStep {
     }
 }
 
-/// Puts unit vectors at right angles to the others in the place of missing columns; the rows of the inverse that belong to the others
-/// are then those of the pseudo-inverse.
+/// Replaces missing columns by unit vectors perpendicular to the others; the rows of the inverse that belong to the others are then those of the
+/// pseudo-inverse.
 fn fill(axes: &[Option<Axis>; 3], mut columns: [Vector; 3]) -> [Vector; 3] {
     let missing: [bool; 3] = axes.map(|axis| axis.is_none());
     match missing.iter().filter(|&&missing| missing).count() {

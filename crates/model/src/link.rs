@@ -1,4 +1,4 @@
-//! One axis of the chain: its nominal motion and its errors, applied to whatever is carried.
+//! One axis of the chain: its nominal motion and its errors, applied to a body.
 //!
 //! With the nominal location L (a translation to a point of the axis), the nominal motion M(q) and small displacements D:
 //!
@@ -7,8 +7,8 @@
 //! lever fixed     L · D(e0) · D(e(q)) · M(q) · L⁻¹     (Spaan, eq. 2.7–2.9: the arm includes the axis's own motion)
 //! ```
 //!
-//! D(e) first rotates by the exponential of (EA, EB, EC), then shifts by (EX, EY, EZ). An error is always the deviation of the
-//! moving body, on the workpiece side too; there the inverse transform is applied on the way from F to the workpiece.
+//! D(e) first rotates by the exponential of (EA, EB, EC), then translates by (EX, EY, EZ). An error is always the deviation of the moving body, on the
+//! workpiece side, too. There the inverse transform is applied on the way from F to the workpiece.
 
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_machine::machine::{AxisData, Lever, State};
@@ -18,7 +18,7 @@ use super::motion::Functions;
 use super::name::Carrier;
 use super::rotation::Rotation;
 
-/// A small rigid displacement.
+/// Small rigid displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Displacement {
     rotation: Rotation,
@@ -26,14 +26,14 @@ pub(super) struct Displacement {
 }
 
 impl Displacement {
-    /// From EX EY EZ (mm) and EA EB EC (rad).
+    /// Creates a displacement from EX EY EZ (mm) and EA EB EC (rad).
     #[inline(always)]
     pub(super) fn new(components: &[f64; 6]) -> Displacement {
         let [x, y, z, a, b, c] = *components;
         Displacement { rotation: Rotation::from_vector(Vector::new(a, b, c)), translation: Vector::new(x, y, z) }
     }
 
-    /// `None` where all components are zero, so that nothing needs to be computed.
+    /// Returns `None` if all components are zero, so that nothing needs to be computed.
     pub(super) fn unless_zero(components: &[f64; 6]) -> Option<Displacement> {
         components.iter().any(|&component| component != 0.0).then(|| Displacement::new(components))
     }
@@ -51,7 +51,7 @@ impl Displacement {
     }
 }
 
-/// An axis with its errors, prepared for evaluation.
+/// Axis with its errors, prepared for evaluation.
 #[derive(Clone, Debug)]
 pub(super) struct AxisLink {
     pub(super) axis: Axis,
@@ -74,12 +74,12 @@ impl AxisLink {
         }
     }
 
-    /// Whether the axis has no error that can ever differ from zero.
+    /// True if the axis has no error that can ever differ from zero.
     pub(super) fn is_ideal(&self) -> bool {
         self.location.is_none() && self.functions.is_empty()
     }
 
-    /// Tool side: from the body that the axis moves to the one that carries it.
+    /// Carries a body on the tool side, from the body that the axis moves to the one that carries the axis.
     pub(super) fn carry<B: RigidBody>(&self, body: &mut B, command: &AxisVector, errors: Option<&State>) {
         let motion = self.motion_error(command, errors);
         body.translate(&-self.point_mm);
@@ -104,7 +104,7 @@ impl AxisLink {
         body.translate(&self.point_mm);
     }
 
-    /// Workpiece side: from the body that carries the axis to the one that it moves, the inverse transform.
+    /// Carries a body on the workpiece side, from the body that carries the axis to the one that it moves: the inverse transform.
     pub(super) fn uncarry<B: RigidBody>(&self, body: &mut B, command: &AxisVector, errors: Option<&State>) {
         let motion = self.motion_error(command, errors);
         body.translate(&-self.point_mm);

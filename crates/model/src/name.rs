@@ -1,7 +1,7 @@
 //! Names of error components: `EXX`, `EAY`, `EC0Y`, `EX0S` (ISO 230-1, ISO 230-7).
 //!
-//! `E`, the direction of the deviation, and the axis that has it. A `0` before the axis marks a location error: it does not
-//! depend on the position of the axis.
+//! A name is `E`, the direction of the deviation, and the axis that has it. A `0` before the axis marks a location error: it does not depend on the position
+//! of the axis.
 
 use std::fmt;
 use std::str::FromStr;
@@ -21,11 +21,11 @@ pub enum Direction {
     C,
 }
 
-/// The directions in order of their index: three displacements, three rotations.
+/// Directions in order of their index: three displacements, three rotations.
 pub const DIRECTIONS: [Direction; 6] =
     [Direction::X, Direction::Y, Direction::Z, Direction::A, Direction::B, Direction::C];
 
-/// The body that deviates.
+/// Body that deviates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Carrier {
     /// The body that an axis moves.
@@ -34,40 +34,40 @@ pub enum Carrier {
     Spindle,
 }
 
-/// Whether an error depends on the position of its axis.
+/// Kind of an error: dependent on the position of its axis or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ErrorKind {
-    /// It does not: where the axis is in the machine (`EC0Y`).
+    /// Independent of the position: location of the axis in the machine (`EC0Y`).
     Location,
-    /// It does: how the axis moves (`EXX`).
+    /// Dependent on the position: motion of the axis (`EXX`).
     Motion,
 }
 
-/// The name of an error component.
+/// Name of an error component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ErrorName {
     /// Direction of the deviation.
     pub direction: Direction,
-    /// The body that deviates.
+    /// Body that deviates.
     pub carrier: Carrier,
     /// Location or motion error.
     pub kind: ErrorKind,
 }
 
 impl Direction {
-    /// 0 … 5.
+    /// Returns the index, 0 … 5.
     #[must_use]
     pub fn index(self) -> usize {
         self as usize
     }
 
-    /// Whether it is a rotation (rad), not a displacement (mm).
+    /// True for a rotation (rad), false for a displacement (mm).
     #[must_use]
     pub fn is_rotation(self) -> bool {
         self >= Direction::A
     }
 
-    /// Its letter.
+    /// Returns its letter.
     #[must_use]
     pub fn letter(self) -> char {
         ['X', 'Y', 'Z', 'A', 'B', 'C'][self.index()]
@@ -75,25 +75,25 @@ impl Direction {
 }
 
 impl ErrorName {
-    /// The motion error of an axis.
+    /// Returns the name of a motion error of an axis.
     #[must_use]
     pub fn motion(direction: Direction, axis: Axis) -> ErrorName {
         ErrorName { direction, carrier: Carrier::Axis(axis), kind: ErrorKind::Motion }
     }
 
-    /// The location error of an axis.
+    /// Returns the name of a location error of an axis.
     #[must_use]
     pub fn location(direction: Direction, axis: Axis) -> ErrorName {
         ErrorName { direction, carrier: Carrier::Axis(axis), kind: ErrorKind::Location }
     }
 
-    /// The location error of the spindle.
+    /// Returns the name of a location error of the spindle.
     #[must_use]
     pub fn spindle(direction: Direction) -> ErrorName {
         ErrorName { direction, carrier: Carrier::Spindle, kind: ErrorKind::Location }
     }
 
-    /// The axis that has the error; `None` for the spindle.
+    /// Returns the axis that has the error; `None` for the spindle.
     #[must_use]
     pub fn axis(&self) -> Option<Axis> {
         match self.carrier {
@@ -116,7 +116,7 @@ impl fmt::Display for ErrorName {
     }
 }
 
-/// A text that is no component name.
+/// Error for a text that is not a component name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoSuchComponent;
 
@@ -142,7 +142,7 @@ impl FromStr for ErrorName {
         let direction =
             DIRECTIONS.into_iter().find(|direction| direction.letter() == char::from(letter)).ok_or(NoSuchComponent)?;
         let carrier = match (body, kind) {
-            // A rotation about the spindle's own axis moves nothing, and a spindle has no position.
+            // A rotation about the axis of the spindle moves nothing, and a spindle has no position.
             (b'S', ErrorKind::Location) if direction != Direction::C => Carrier::Spindle,
             (b'A'..=b'Z', _) => Carrier::Axis(Axis::from_letter(body).ok_or(NoSuchComponent)?),
             _ => return Err(NoSuchComponent),

@@ -1,15 +1,15 @@
-//! The direction of the tool axis by the rotary axes, damped near a singularity.
+//! Correction of the tool axis direction by the rotary axes, damped near a singularity.
 //!
-//! With Jₒ the 2 × n matrix of the tool axis direction by the rotary commands at the nominal pose, the correction is Δ = Jₒᵀ y, one y
-//! per eigenvector of Jₒ Jₒᵀ, and y solves
+//! With Jₒ the 2 × n matrix of the tool axis direction by the rotary commands at the nominal pose, the correction is Δ = Jₒᵀ y, with one component of y per
+//! eigenvector of Jₒ Jₒᵀ. y solves
 //!
 //! ```text
 //! r(q + Jₒᵀ y) + λ² y = 0,   λ² = ε² (1 − (s/ε)²)² where the singular value s < ε, else 0
 //! ```
 //!
-//! with r the two components of the actual axis direction. Away from a singularity that is exact. Near one, where the tool axis is
-//! almost parallel to a rotary axis and a small tilt would take a large motion, the damping (Tikhonov) bounds the motion and lets part
-//! of the tilt stand; because it acts on the whole correction and not on its steps, iterating does not creep back.
+//! with r the two components of the actual axis direction. Away from a singularity this is exact. Near one, the tool axis is almost parallel to a rotary
+//! axis, and a small tilt would take a large motion. There the damping (Tikhonov) limits the motion and leaves part of the tilt uncorrected. It acts on the
+//! whole correction and not on its steps, so the iteration does not undo it gradually.
 
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, ROTARY_AXES, Vector};
 
@@ -17,17 +17,17 @@ use super::body::Pointer;
 
 /// ε: singular value below which the orientation is damped; 2.9° from the singularity of two crossed rotary axes.
 const SINGULAR_LIMIT: f64 = 0.05;
-/// Eigenvalue of Jₒ Jₒᵀ below which a start says nothing about y.
+/// Eigenvalue of Jₒ Jₒᵀ below which a start does not determine y.
 const BLIND_LIMIT: f64 = 1e-6;
-/// A start whose rotary commands are farther from the nominal ones is no start, rad.
+/// Maximum distance of the rotary commands of a start from the nominal ones, rad; a start beyond it is ignored.
 const START_LIMIT_RAD: f64 = 0.1;
 
-/// The orientation problem at one nominal pose, split along the eigenvectors of Jₒ Jₒᵀ so that its two rows do not mix.
+/// Orientation problem at one nominal pose, split along the eigenvectors of Jₒ Jₒᵀ so that its two rows are decoupled.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OrientationProblem {
     rotary: [Axis; 3],
     count: usize,
-    /// Eigenvectors in the workpiece frame, at right angles to the nominal tool axis.
+    /// Eigenvectors in the workpiece frame, perpendicular to the nominal tool axis.
     tangents: [Vector; 2],
     /// Rows of Jₒ along the eigenvectors.
     rows: [[f64; 3]; 2],
@@ -38,7 +38,7 @@ pub(super) struct OrientationProblem {
 }
 
 impl OrientationProblem {
-    /// The problem at the nominal pose of a machine with these rotary axes.
+    /// Sets up the problem at the nominal pose of a machine with these rotary axes.
     pub(super) fn at(target: &Pointer, set: AxisSet) -> OrientationProblem {
         let mut rotary = [Axis::A; 3];
         let mut count = 0;
@@ -56,7 +56,7 @@ impl OrientationProblem {
             g12 += along * across;
             g22 += across * across;
         }
-        // The angle that makes the 2 × 2 matrix diagonal.
+        // Angle that makes the 2 × 2 matrix diagonal.
         let (sine, cosine) = (0.5 * (2.0 * g12).atan2(g11 - g22)).sin_cos();
         let tangents = [first * cosine + second * sine, second * cosine - first * sine];
         // Slots beyond `count` repeat the first axis and must not count.
@@ -69,19 +69,19 @@ impl OrientationProblem {
         OrientationProblem { rotary, count, tangents, rows, gains, dampings: gains.map(damping) }
     }
 
-    /// The rotary axes.
+    /// Returns the rotary axes.
     pub(super) fn axes(&self) -> &[Axis] {
         &self.rotary[..self.count]
     }
 
-    /// Whether a direction that these axes could turn the tool to is damped. One rotary axis alone turns it in one direction only: that
-    /// it cannot in the other is no singularity.
+    /// True if a direction in which these axes could rotate the tool is damped. A single rotary axis acts in one direction only; its lack of effect in the
+    /// other is not a singularity.
     pub(super) fn is_damped(&self) -> bool {
         let [first, second] = self.gains;
         damping(if self.count > 1 { first.min(second) } else { first.max(second) }) > 0.0
     }
 
-    /// The y that gives the rotary corrections of a start; zero where the start is no use.
+    /// Returns the y that gives the rotary corrections of a start; zero if the start is not usable.
     pub(super) fn dual_of(&self, nominal: &AxisVector, start: &AxisVector) -> [f64; 2] {
         let near = self.axes().iter().all(|&axis| (start[axis] - nominal[axis]).abs() < START_LIMIT_RAD);
         [0, 1].map(|k| {
@@ -100,7 +100,7 @@ impl OrientationProblem {
         }
     }
 
-    /// The step of y, and by how much the tool axis would turn with it, rad.
+    /// Returns the step of y, and the resulting rotation of the tool axis, rad.
     pub(super) fn step(&self, axis: &Vector, dual: &[f64; 2]) -> ([f64; 2], f64) {
         let step = [0, 1].map(|k| {
             let remainder = self.tangents[k].dot(axis) + self.dampings[k] * dual[k];
@@ -110,7 +110,7 @@ impl OrientationProblem {
     }
 }
 
-/// λ² for an eigenvalue s²: none from ε on, ε² at the singularity, with a continuous derivative between.
+/// Returns λ² for an eigenvalue s²: zero from ε on, ε² at the singularity, with a continuous derivative between.
 fn damping(gain: f64) -> f64 {
     let limit = SINGULAR_LIMIT * SINGULAR_LIMIT;
     if gain >= limit { 0.0 } else { limit * (1.0 - gain / limit).powi(2) }
@@ -126,14 +126,14 @@ mod tests {
         assert_eq!(damping(0.0), limit);
         assert_eq!(damping(limit), 0.0);
         assert!(damping(limit * (1.0 - 1e-6)) < 1e-11 * limit);
-        // Never less than three quarters of ε² in the sum that is divided by: 1 − x + x² at x = 1/2.
+        // The sum in the denominator is never less than three quarters of ε²: 1 − x + x² at x = 1/2.
         for tenth in 0..=10 {
             let gain = limit * f64::from(tenth) / 10.0;
             assert!(gain + damping(gain) >= 0.75 * limit * (1.0 - 1e-12));
         }
     }
 
-    /// Undamped, two axes can turn the tool to where any small correction of theirs puts it.
+    /// Without damping, two axes can rotate the tool to any direction that a small correction of theirs reaches.
     #[test]
     fn a_start_is_found_again() {
         let mut target = Pointer::new(Vector::zeros(), Vector::z());
@@ -147,7 +147,7 @@ mod tests {
         let mut command = nominal;
         orientation.turn(&nominal, &orientation.dual_of(&nominal, &start), &mut command);
         assert!((command - start).max_abs(&[Axis::A, Axis::C]) < 1e-14);
-        // What is further away than 0.1 rad is no start.
+        // A start more than 0.1 rad away is ignored.
         start[Axis::C] = -0.4 - 0.11;
         assert_eq!(orientation.dual_of(&nominal, &start), [0.0; 2]);
     }

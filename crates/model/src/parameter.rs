@@ -1,15 +1,15 @@
-//! One number of an error model by its name: what a calibration fits, and how it is read from and written to the model.
+//! One number of an error model by its name, as fitted by a calibration, with access to its value in the model.
 //!
 //! | name | number | unit |
 //! | --- | --- | --- |
 //! | `EC0Y`, `EX0C`, `EX0S` | a location error, of an axis or of the spindle | mm, rad |
 //! | `EXX1`, `EAY0` | coefficient of degree 1 of `EXX`, of degree 0 of `EAY` | mm, rad per power of mm, rad |
-//! | `EXXb` | coefficient of the sense of the last motion, +1 or −1: **half** of the reversal value | mm, rad |
-//! | `EXX2@150` | coefficient of (x − 150)₊², a truncated power that begins at 150 mm (degrees for a rotary axis) | as of its degree |
+//! | `EXXb` | coefficient of the direction of the last motion, +1 or −1: **half** of the reversal value | mm, rad |
+//! | `EXX2@150` | coefficient of (x − 150)₊², a truncated power that begins at 150 mm (degrees for a rotary axis) | that of its degree |
 //!
-//! Coefficients and backlash are those of Esmaeili 2021, eq. 19: E = Σ cₖ qᵏ + s·b with the sense s; truncated powers those of Spaan,
-//! eq. 3.3. Entries of the machine file that describe the same component add up, so that a parameter is their sum: reading adds,
-//! and writing changes the first entry that can hold it, or adds one. All in mm and rad.
+//! Coefficients and backlash are those of Esmaeili 2021, eq. 19: E = Σ cₖ qᵏ + s·b with the direction s; truncated powers are those of Spaan, eq. 3.3.
+//! Entries of the machine file for one component add up, so a parameter is their sum. Reading adds them; writing changes the first entry that can hold the
+//! parameter, or adds one. All values are in mm and rad.
 
 use std::fmt;
 use std::str::FromStr;
@@ -23,53 +23,53 @@ use super::{ErrorModel, LocationError};
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::State;
 
-/// Which number of a component.
+/// Number of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Term {
-    /// The only one of a location error.
+    /// The only number of a location error.
     Whole,
     /// The coefficient of this degree; names have degrees up to 9.
     Coefficient(u8),
-    /// The coefficient of the sense of the last motion.
+    /// The coefficient of the direction of the last motion.
     Backlash,
     /// The coefficient of a truncated power.
     Knot {
         /// Degree; names have degrees up to 9.
         degree: u8,
-        /// Where it begins, whole mm, or degrees on a rotary axis.
+        /// Position where it begins, whole mm, or degrees on a rotary axis.
         at: i32,
     },
 }
 
-/// The name of a parameter.
+/// Name of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ParameterName {
-    /// The error component.
+    /// Error component.
     pub component: ErrorName,
-    /// Which number of it; [`Term::Whole`] for a location error, another for a motion error.
+    /// Number of the component; [`Term::Whole`] for a location error, another for a motion error.
     pub term: Term,
 }
 
 impl ParameterName {
-    /// A location error.
+    /// Returns the parameter of a location error.
     #[must_use]
     pub fn location(component: ErrorName) -> ParameterName {
         ParameterName { component, term: Term::Whole }
     }
 
-    /// A coefficient of a motion error.
+    /// Returns the parameter of a coefficient of a motion error.
     #[must_use]
     pub fn coefficient(component: ErrorName, degree: u8) -> ParameterName {
         ParameterName { component, term: Term::Coefficient(degree) }
     }
 
-    /// The backlash in a motion error.
+    /// Returns the parameter of the backlash in a motion error.
     #[must_use]
     pub fn backlash(component: ErrorName) -> ParameterName {
         ParameterName { component, term: Term::Backlash }
     }
 
-    /// What a reading in mm or rad is multiplied with to give the component: 1, qᵏ, the sense, (q − t)₊ᵏ.
+    /// Returns the factor from the parameter to the component at a command: 1, qᵏ, the direction of motion, (q − t)₊ᵏ.
     #[must_use]
     pub fn weight(&self, command: &AxisVector, state: &State) -> f64 {
         let Some(axis) = self.component.axis() else { return 1.0 };
@@ -85,7 +85,7 @@ impl ParameterName {
         }
     }
 
-    /// The power of mm or rad that the number is divided by; 0 where it is a deviation.
+    /// Returns the power of mm or rad in the denominator of the unit; 0 for a deviation.
     #[must_use]
     pub fn degree(&self) -> u8 {
         match self.term {
@@ -94,7 +94,7 @@ impl ParameterName {
         }
     }
 
-    /// The unit: `mm`, `rad`, `mm/mm^2`, `rad/rad`.
+    /// Returns the unit: `mm`, `rad`, `mm/mm^2`, `rad/rad`.
     #[must_use]
     pub fn unit(&self) -> String {
         let deviation = if self.component.direction.is_rotation() { "rad" } else { "mm" };
@@ -106,7 +106,7 @@ impl ParameterName {
         }
     }
 
-    /// Its value in a model, mm or rad per power; 0 where nothing describes it.
+    /// Returns its value in a model, mm or rad per power; 0 if the model does not contain it.
     #[must_use]
     pub fn get(&self, errors: &ErrorModel) -> f64 {
         let motion = errors.motion.iter().filter(|error| error.name == self.component).map(|error| &error.function);
@@ -131,9 +131,9 @@ impl ParameterName {
         }
     }
 
-    /// Changes a model so that [`Self::get`] gives this value, mm or rad per power.
+    /// Changes a model so that [`Self::get`] returns this value, mm or rad per power.
     pub fn set(&self, errors: &mut ErrorModel, value: f64) {
-        // What the entries other than the changed one hold stays.
+        // The values of the other entries stay.
         let change = value - self.get(errors);
         if self.term == Term::Whole {
             match errors.location.iter_mut().find(|error| error.name == self.component) {
@@ -163,7 +163,7 @@ impl ParameterName {
         }
     }
 
-    /// A function with nothing but this parameter.
+    /// Returns a function with only this parameter.
     fn function(&self, value: f64) -> Function {
         let alone = |degree| {
             let mut coefficients = Vec::new();
@@ -181,7 +181,7 @@ impl ParameterName {
         }
     }
 
-    /// The deviation behind a positive motion if the function is a backlash, else 0.
+    /// Returns the deviation after a positive motion if the function is a backlash, else 0.
     fn backlash_of(&self, function: &Function) -> f64 {
         match (function, self.component.axis()) {
             (Function::Backlash(_), Some(axis)) if is_constant_backlash(function) => {
@@ -197,13 +197,13 @@ impl ParameterName {
         self.component.axis().is_some_and(|axis| axis.is_rotary())
     }
 
-    /// The command at which a truncated power begins, mm or rad.
+    /// Returns the command at which a truncated power begins, mm or rad.
     fn knot_at(&self, at: i32) -> f64 {
         if self.is_of_rotary_axis() { f64::from(at).to_radians() } else { f64::from(at) }
     }
 }
 
-/// The coefficients of a function that apply everywhere.
+/// Returns the coefficients of a function that apply everywhere.
 fn global_part(function: &Function) -> Option<&Vec<f64>> {
     match function {
         Function::Polynomial(polynomial) => Some(&polynomial.coefficients),
@@ -220,12 +220,12 @@ fn global_part_mut(function: &mut Function) -> Option<&mut Vec<f64>> {
     }
 }
 
-/// Whether it is a backlash that is the same everywhere; one that changes along the axis is no single parameter.
+/// True for a constant backlash; one that changes along the axis is not a single parameter.
 fn is_constant_backlash(function: &Function) -> bool {
     matches!(function, Function::Backlash(backlash) if backlash.reversal.positions.len() == 1)
 }
 
-/// A backlash by its coefficient of the sense.
+/// Returns a backlash from its coefficient of the direction.
 fn backlash(half: f64) -> Function {
     Function::Backlash(Backlash::constant(2.0 * half))
 }
@@ -240,12 +240,12 @@ fn add(coefficients: &mut Vec<f64>, degree: u8, change: f64) {
     }
 }
 
-/// Whether a knot of a file, whose degrees have been converted, is the one that begins here.
+/// True if a knot of a file, whose degrees have been converted, begins here.
 fn is_at(knot: &Knot, at: f64) -> bool {
     (knot.at - at).abs() < 1e-9
 }
 
-/// The coefficients of the knot at a command; it is put in where there is none.
+/// Returns the coefficients of the knot at a command; inserts the knot if it is missing.
 fn knot_at(knots: &mut Vec<Knot>, at: f64) -> &mut Vec<f64> {
     let place = knots.iter().position(|knot| is_at(knot, at)).unwrap_or_else(|| {
         let place = knots.partition_point(|knot| knot.at < at);
@@ -267,7 +267,7 @@ impl fmt::Display for ParameterName {
     }
 }
 
-/// A text that names no parameter.
+/// Error for a text that is not a parameter name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoSuchParameter;
 
@@ -305,7 +305,7 @@ impl FromStr for ParameterName {
             [degree @ b'0'..=b'9', b'@', ..] => {
                 let place = &term[2..];
                 let at: i32 = place.parse().map_err(|_| NoSuchParameter)?;
-                // One name per parameter: no +5, no 05.
+                // One name per parameter: neither +5 nor 05.
                 if at.to_string() != place {
                     return Err(NoSuchParameter);
                 }

@@ -4,10 +4,10 @@
 
 use ncfix_base::geometry::{Matrix, Vector};
 
-/// Below this squared angle (rad²) the series is exact to the last bit: the first term left out is θ⁶/5040 of 1.
+/// Squared angle (rad²) below which the series is exact to the last bit: the first omitted term is θ⁶/5040, relative to 1.
 const SERIES_LIMIT: f64 = 1e-5;
 
-/// A rotation, ready to be applied.
+/// Rotation, prepared for application.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rotation {
     vector: Vector,
@@ -18,12 +18,12 @@ pub(super) struct Rotation {
 }
 
 impl Rotation {
-    /// The exponential of a rotation vector, rad.
+    /// Returns the exponential of a rotation vector, rad.
     #[inline(always)]
     pub(super) fn from_vector(vector: Vector) -> Rotation {
         let square = vector.norm_squared();
         if square < SERIES_LIMIT {
-            // Factors, not quotients: a division costs as much as all the rest.
+            // Factors, not quotients: a division costs as much as everything else together.
             let sine = 1.0 - square * (1.0 / 6.0) * (1.0 - square * (1.0 / 20.0));
             let cosine = 0.5 - square * (1.0 / 24.0) * (1.0 - square * (1.0 / 30.0));
             Rotation { vector, sine, cosine }
@@ -34,21 +34,21 @@ impl Rotation {
         }
     }
 
-    /// The turn by `angle_rad` about a unit vector.
+    /// Returns the rotation by `angle_rad` about a unit vector.
     #[inline]
     pub(super) fn about(axis: Vector, angle_rad: f64) -> Rotation {
         let (sine, cosine) = angle_rad.sin_cos();
         Rotation { vector: axis, sine, cosine: 1.0 - cosine }
     }
 
-    /// The rotation backwards.
+    /// Returns the inverse rotation.
     #[inline]
     pub(super) fn inverse(mut self) -> Rotation {
         self.sine = -self.sine;
         self
     }
 
-    /// As a matrix, cheaper for more than two vectors: I + sine ω× + cosine (ω ωᵀ − |ω|² I).
+    /// Returns the matrix I + sine ω× + cosine (ω ωᵀ − |ω|² I), which is cheaper for more than two vectors.
     pub(super) fn matrix(&self) -> Matrix {
         let [x, y, z] = [self.vector.x, self.vector.y, self.vector.z];
         let [a, b, c] = [x * self.sine, y * self.sine, z * self.sine];
@@ -66,7 +66,7 @@ impl Rotation {
         )
     }
 
-    /// The rotated vector.
+    /// Returns the rotated vector.
     #[inline(always)]
     pub(super) fn apply(&self, vector: &Vector) -> Vector {
         let once = self.vector.cross(vector);
@@ -75,7 +75,7 @@ impl Rotation {
     }
 }
 
-/// The rotation vector of a rotation matrix by less than a right angle, rad: the inverse of the exponential.
+/// Returns the rotation vector of a rotation matrix with an angle below 90°, rad: the inverse of the exponential.
 pub(super) fn vector_of(rotation: &Matrix) -> Vector {
     let twice_sine = Vector::new(
         rotation[(2, 1)] - rotation[(1, 2)],

@@ -1,7 +1,7 @@
-//! Writes changed errors into the text of a machine file, which else stays as it is.
+//! Writes changed errors into the text of a machine file and keeps the rest unchanged.
 //!
-//! Parameters of effects stand where their sources say ([`super::source::Written`]). The other errors must be those that were read from this text with some numbers changed and entries added behind the others, as
-//! [`ParameterName::set`](super::parameter::ParameterName::set) does it.
+//! The sources state the places of the parameters of effects ([`super::source::Written`]). The other errors must be those that were read from this text, with
+//! some numbers changed and entries appended, as by [`ParameterName::set`](super::parameter::ParameterName::set).
 
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::edit::{Edit, Given};
@@ -9,14 +9,14 @@ use ncfix_machine::machine::edit::{Edit, Given};
 use super::motion::{Function, MotionError};
 use super::{Effect, ErrorModel, LocationError};
 
-/// Why a change cannot be written: a sentence without a full stop.
+/// Reason why a change cannot be written: a sentence without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NotWritable(pub String);
 
-/// The text of a machine file with `changed` in place of `read`, which was read from it.
+/// Returns the text of a machine file with `changed` in place of `read`, which was read from it.
 ///
 /// # Errors
-/// [`NotWritable`] where the text has not what was read from it.
+/// [`NotWritable`] if the text does not contain what was read from it.
 pub fn write(text: &str, read: &ErrorModel, changed: &ErrorModel) -> Result<String, NotWritable> {
     let mut edit = Edit::parse(text).ok_or_else(|| NotWritable("the machine file is no TOML".into()))?;
     for (index, error) in changed.location.iter().enumerate() {
@@ -60,7 +60,7 @@ pub fn write(text: &str, read: &ErrorModel, changed: &ErrorModel) -> Result<Stri
     Ok(edit.text())
 }
 
-/// A parameter of an effect and where it stands in the file.
+/// Parameter of an effect with its place in the file.
 struct Shown {
     value: f64,
     key: Option<(usize, String)>,
@@ -85,7 +85,7 @@ fn value_of(error: &LocationError) -> Given {
     Given::Number(if is_rotation { urad_from_rad(error.value) } else { um_from_mm(error.value) })
 }
 
-/// The keys that are to be written: all of a new entry, those that may have changed of an old one.
+/// Returns the keys to be written: all of a new entry; of an existing entry those that may have changed.
 fn keys_of(error: &MotionError, old: Option<&MotionError>) -> Result<Vec<(String, Given)>, NotWritable> {
     let is_rotation = error.name.direction.is_rotation();
     let mut keys = Vec::new();

@@ -23,12 +23,38 @@ pub struct OriginRow {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OriginFile {
-    /// What it is: `machine file`, `set-up file`, `tables`.
-    pub what: &'static str,
+    /// What it is.
+    pub what: OriginFileKind,
     /// Its path.
     pub file: String,
     /// How it was found: an option, a variable, a place.
     pub found: String,
+}
+
+/// What a file with values of a machine is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum OriginFileKind {
+    /// The machine file.
+    #[serde(rename = "machine file")]
+    Machine,
+    /// A set-up file.
+    #[serde(rename = "set-up file")]
+    SetUp,
+    /// Compensation tables that are active in the control.
+    #[serde(rename = "tables")]
+    Tables,
+}
+
+impl OriginFileKind {
+    /// As JSON has it.
+    fn word(self) -> &'static str {
+        match self {
+            OriginFileKind::Machine => "machine file",
+            OriginFileKind::SetUp => "set-up file",
+            OriginFileKind::Tables => "tables",
+        }
+    }
 }
 
 /// All values of a machine.
@@ -48,7 +74,7 @@ impl Origins {
         let mut out = String::new();
         // Writing into a String cannot fail.
         for OriginFile { what, file, found } in &self.files {
-            let _ = writeln!(out, "{what:<13}{file} ({found})");
+            let _ = writeln!(out, "{:<13}{file} ({found})", what.word());
         }
         let width = |of: fn(&OriginRow) -> usize| self.values.iter().map(of).max().unwrap_or(0);
         let path = width(|row| row.path.chars().count());

@@ -6,20 +6,20 @@ use serde::Serialize;
 
 use super::json::Finding;
 use super::number::significant;
+use ncfix_metrology::results::sensors::{SensorChoice, SensorSubset, SensorsResult};
 
 /// Rows of a plot.
 const HEIGHT: usize = 8;
 /// Columns of a number of sensors.
 const STEP: usize = 4;
 
-/// The result of `ncfix sensors`.
+/// What `ncfix sensors` prints: the result, and where it went.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorReport {
-    /// By direction and place.
-    pub selections: Vec<SelectionReport>,
-    /// The independent runs; `null` where the last third of every run was held back instead.
-    pub independent: Option<Vec<String>>,
+    /// What was found.
+    #[serde(flatten)]
+    pub found: SensorsResult,
     /// The written file; `null` where there is none.
     pub output: Option<String>,
     /// Name of the machine.
@@ -28,64 +28,23 @@ pub struct SensorReport {
     pub diagnostics: Vec<Finding>,
 }
 
-/// One direction at one place.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct SelectionReport {
-    /// `X`, `Y` or `Z`.
-    pub direction: &'static str,
-    /// Axis and position; `null` where there is one place.
-    pub place: Option<String>,
-    /// Readings that were learned from.
-    pub readings: usize,
-    /// Drift on the independent readings (RMS).
-    pub drift_um: f64,
-    /// What the chosen model leaves of it.
-    pub left_um: Option<f64>,
-    /// The number of sensors; `null` where none tell the independent readings.
-    pub chosen: Option<usize>,
-    /// The best sensors of each number.
-    pub sizes: Vec<SizeRow>,
-}
-
-/// The best sensors of one number.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct SizeRow {
-    /// Their names.
-    pub sensors: Vec<String>,
-    /// Their coefficients.
-    #[serde(rename = "um_per_K")]
-    pub um_per_k: Vec<f64>,
-    /// Their time constants.
-    pub lag_s: Vec<f64>,
-    /// Mallows' Cp.
-    pub cp: Option<f64>,
-    /// Efficiency on the data, 1 for all.
-    pub efficiency: f64,
-    /// Efficiency on the independent readings.
-    pub independent_efficiency: f64,
-    /// Whether the search was complete.
-    pub is_exact: bool,
-}
-
 impl SensorReport {
     /// The page for people.
     #[must_use]
     pub fn page(&self) -> String {
         let mut out = String::new();
-        for selection in &self.selections {
-            out.push_str(&selection.page());
+        for selection in &self.found.selections {
+            out.push_str(&selection_page(selection));
         }
         let mut row = |name: &str, text: &str| {
             // Writing into a String cannot fail.
             let _ = writeln!(out, "{name:<13}{text}");
         };
-        match &self.independent {
+        match &self.found.independent {
             Some(runs) => row("independent", &runs.join(", ")),
             None => row("independent", "the last third of every run, held back"),
         }
-        if self.selections.iter().flat_map(|selection| &selection.sizes).any(|size| !size.is_exact) {
+        if self.found.selections.iter().flat_map(|selection| &selection.sizes).any(|size| !size.is_exact) {
             row("search", "given up where the number has a ~: there may be better sensors; take fewer with --most");
         }
         row("machine", &self.machine);
@@ -96,87 +55,83 @@ impl SensorReport {
     }
 }
 
-impl SelectionReport {
-    fn page(&self) -> String {
-        let mut out = self.direction.to_owned();
-        if let Some(place) = &self.place {
-            let _ = write!(out, " at {place}");
-        }
-        let _ = writeln!(out, ": {} readings, drift {} µm (RMS)", self.readings, significant(self.drift_um));
-        let _ = writeln!(out, "{:>6}{:>10}{:>10}{:>14}  sensors", "number", "Cp", "data", "independent");
-        for (number, size) in (1..).zip(&self.sizes) {
-            let mark = if self.chosen == Some(size.sensors.len()) { '>' } else { ' ' };
-            let cp = size.cp.map_or("–".to_owned(), significant);
-            let names: Vec<String> = size
-                .sensors
-                .iter()
-                .zip(&size.lag_s)
-                .map(|(name, &lag_s)| if lag_s > 0.0 { format!("{name} ({lag_s:.0} s)") } else { name.clone() })
-                .collect();
-            let number = if size.is_exact { format!("{number}") } else { format!("~{number}") };
-            let [data, independent] = [size.efficiency, size.independent_efficiency].map(|share| 100.0 * share);
-            let _ = writeln!(out, "{mark}{number:>5}{cp:>10}{data:>8.1} %{independent:>12.1} %  {}", names.join(" "));
-        }
-        out.push_str(&self.plot());
-        match (self.chosen, self.left_um) {
-            (Some(number), Some(left)) => {
-                let noun = if number == 1 { "sensor" } else { "sensors" };
-                let _ = writeln!(
-                    out,
-                    "  {number} {noun}, {} µm (RMS) left on the independent readings\n",
-                    significant(left)
-                );
-            }
-            _ => out.push_str("  no sensors tell the independent readings\n\n"),
-        }
-        out
+/// The table of a direction at a place, with a plot.
+fn selection_page(selection: &SensorChoice) -> String {
+    let mut out = selection.direction.letter().to_owned();
+    if let Some(place) = &selection.place {
+        let _ = write!(out, " at {place}");
     }
+    let _ = writeln!(out, ": {} readings, drift {} µm (RMS)", selection.readings, significant(selection.drift_um));
+    let _ = writeln!(out, "{:>6}{:>10}{:>10}{:>14}  sensors", "number", "Cp", "data", "independent");
+    for (number, size) in (1..).zip(&selection.sizes) {
+        let mark = if selection.chosen == Some(size.sensors.len()) { '>' } else { ' ' };
+        let cp = size.cp.map_or("–".to_owned(), significant);
+        let names: Vec<String> = size
+            .sensors
+            .iter()
+            .zip(&size.lag_s)
+            .map(|(name, &lag_s)| if lag_s > 0.0 { format!("{name} ({lag_s:.0} s)") } else { name.clone() })
+            .collect();
+        let number = if size.is_exact { format!("{number}") } else { format!("~{number}") };
+        let [data, independent] = [size.efficiency, size.independent_efficiency].map(|share| 100.0 * share);
+        let _ = writeln!(out, "{mark}{number:>5}{cp:>10}{data:>8.1} %{independent:>12.1} %  {}", names.join(" "));
+    }
+    out.push_str(&plot(&selection.sizes));
+    match (selection.chosen, selection.left_um) {
+        (Some(number), Some(left)) => {
+            let noun = if number == 1 { "sensor" } else { "sensors" };
+            let _ =
+                writeln!(out, "  {number} {noun}, {} µm (RMS) left on the independent readings\n", significant(left));
+        }
+        _ => out.push_str("  no sensors tell the independent readings\n\n"),
+    }
+    out
+}
 
-    /// Efficiencies over the number of sensors.
-    fn plot(&self) -> String {
-        let values: Vec<[f64; 2]> =
-            self.sizes.iter().map(|size| [size.efficiency, size.independent_efficiency]).collect();
-        let shown = values.as_flattened().iter().map(|value| value.clamp(0.0, 1.0));
-        let low = shown.fold(1.0_f64, f64::min);
-        if values.len() < 2 {
-            return String::new();
-        }
-        // Whole tenths, and some room.
-        let low = ((low * 10.0).floor() / 10.0).min(0.9);
-        let row_of = |value: f64| {
-            let share = (value.clamp(low, 1.0) - low) / (1.0 - low);
-            // Between 0 and HEIGHT − 1.
-            (share * (HEIGHT - 1) as f64).round() as usize
-        };
-        let mut out = String::new();
-        for row in (0..HEIGHT).rev() {
-            let value = 100.0 * (low + (1.0 - low) * row as f64 / (HEIGHT - 1) as f64);
-            let _ = write!(out, "{value:>7.0} %│");
-            for [data, independent] in &values {
-                let mark = match (row_of(*data) == row, row_of(*independent) == row) {
-                    (_, true) => "●",
-                    (true, false) => "○",
-                    (false, false) => " ",
-                };
-                let _ = write!(out, "{mark:>STEP$}");
-            }
-            out.truncate(out.trim_end().len());
-            out.push('\n');
-        }
-        let _ = writeln!(out, "{:>9}└{}", "", "─".repeat(STEP * values.len()));
-        let numbers: String = (1..=values.len()).map(|number| format!("{number:>STEP$}")).collect();
-        let _ = writeln!(out, "{:>10}{numbers}   ○ data  ● independent", "");
-        out
+/// Efficiencies over the number of sensors.
+fn plot(sizes: &[SensorSubset]) -> String {
+    let values: Vec<[f64; 2]> = sizes.iter().map(|size| [size.efficiency, size.independent_efficiency]).collect();
+    let shown = values.as_flattened().iter().map(|value| value.clamp(0.0, 1.0));
+    let low = shown.fold(1.0_f64, f64::min);
+    if values.len() < 2 {
+        return String::new();
     }
+    // Whole tenths, and some room.
+    let low = ((low * 10.0).floor() / 10.0).min(0.9);
+    let row_of = |value: f64| {
+        let share = (value.clamp(low, 1.0) - low) / (1.0 - low);
+        // Between 0 and HEIGHT − 1.
+        (share * (HEIGHT - 1) as f64).round() as usize
+    };
+    let mut out = String::new();
+    for row in (0..HEIGHT).rev() {
+        let value = 100.0 * (low + (1.0 - low) * row as f64 / (HEIGHT - 1) as f64);
+        let _ = write!(out, "{value:>7.0} %│");
+        for [data, independent] in &values {
+            let mark = match (row_of(*data) == row, row_of(*independent) == row) {
+                (_, true) => "●",
+                (true, false) => "○",
+                (false, false) => " ",
+            };
+            let _ = write!(out, "{mark:>STEP$}");
+        }
+        out.truncate(out.trim_end().len());
+        out.push('\n');
+    }
+    let _ = writeln!(out, "{:>9}└{}", "", "─".repeat(STEP * values.len()));
+    let numbers: String = (1..=values.len()).map(|number| format!("{number:>STEP$}")).collect();
+    let _ = writeln!(out, "{:>10}{numbers}   ○ data  ● independent", "");
+    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ncfix_metrology::results::sensors::DriftDirection;
 
     #[test]
     fn the_page_has_table_plot_and_choice() {
-        let size = |count: usize, efficiency: f64, independent_efficiency: f64| SizeRow {
+        let size = |count: usize, efficiency: f64, independent_efficiency: f64| SensorSubset {
             sensors: (0..count).map(|k| format!("T{k}")).collect(),
             um_per_k: vec![1.0; count],
             lag_s: (0..count).map(|k| if k == 1 { 600.0 } else { 0.0 }).collect(),
@@ -185,8 +140,8 @@ mod tests {
             independent_efficiency,
             is_exact: count < 3,
         };
-        let selection = SelectionReport {
-            direction: "Y",
+        let selection = SensorChoice {
+            direction: DriftDirection::Y,
             place: Some("Z200".into()),
             readings: 1440,
             drift_um: 31.4,
@@ -194,7 +149,11 @@ mod tests {
             chosen: Some(2),
             sizes: vec![size(1, 0.71, 0.65), size(2, 0.95, 0.92), size(3, 0.97, 0.80)],
         };
-        let report = SensorReport { selections: vec![selection], machine: "mill".into(), ..SensorReport::default() };
+        let report = SensorReport {
+            found: SensorsResult { selections: vec![selection], independent: None },
+            machine: "mill".into(),
+            ..SensorReport::default()
+        };
         let page = report.page();
         let lines: Vec<&str> = page.lines().collect();
         assert_eq!(lines[0], "Y at Z200: 1440 readings, drift 31.4 µm (RMS)");

@@ -7,200 +7,51 @@ use serde::Serialize;
 use super::json::Finding;
 use super::markup::Markup;
 use super::plot::{Chart, Picture, STYLE, Series, Shape, WIDTH};
-use ncfix_base::geometry::{Axis, Vector};
-use ncfix_base::units::{um_from_mm, urad_from_rad};
-use ncfix_tables::tables::check::{Check, Errors};
-use ncfix_tables::tables::{Lookup, Sense, Tables};
+use ncfix_base::geometry::Axis;
+use ncfix_tables::results::result::TablesResult;
+use ncfix_tables::tables::{FORMATS, SCHEMES, Sense, Tables};
 
 /// Tables that are listed one by one.
 const MOST_ROWS: usize = 80;
 
-/// The report.
+/// What `ncfix tables` prints: the result, and where it went.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TablesReport {
-    /// Name of the machine; empty where none was needed.
-    pub machine: String,
-    /// Format that was written or read.
-    pub format: String,
-    /// Scheme that filled them; empty for tables that were read.
-    pub scheme: String,
-    /// How many tables.
-    pub tables: usize,
-    /// How many values.
-    pub entries: usize,
-    /// Nodes of a grid.
-    pub grid: Option<[usize; 3]>,
-    /// Rows.
-    pub rows: Vec<Row>,
-    /// What they leave.
-    pub check: Option<CheckReport>,
-    /// The tool that the file says its tables are for, mm from the gauge point, where another one was checked.
-    pub made_for_tool_mm: Option<[f64; 3]>,
-    /// What two sets of tables differ by, µm or µrad: root mean square and largest for each axis.
-    pub difference: Vec<Difference>,
-    /// What `auto` aimed at: less than the tolerance, for the poses that it did not see.
-    pub aim: Option<String>,
-    /// Ranges that were asked for in place of the travel.
-    pub ranges: Vec<String>,
-    /// What was tried by `auto`.
-    pub tried: Vec<TriedReport>,
+    /// What was found.
+    #[serde(flatten)]
+    pub found: TablesResult,
     /// Files that were written.
     pub written: Vec<String>,
     /// Findings.
     pub diagnostics: Vec<Finding>,
 }
 
-/// A table.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Row {
-    /// Its number, from 1.
-    pub number: usize,
-    /// Corrected axis.
-    pub output: String,
-    /// Axis that is looked up.
-    pub input: String,
-    /// Points.
-    pub points: usize,
-    /// First and last position, mm or deg.
-    pub range: [f64; 2],
-    /// Largest value without its sign, mm or deg.
-    pub largest: f64,
-    /// Number of the table that it is multiplied by.
-    pub times: Option<usize>,
-    /// `both`, `+` or `-`.
-    pub sense: &'static str,
-    /// Whether it repeats.
-    pub modulo: bool,
-    /// Whether the control evaluates it.
-    pub enabled: bool,
-}
-
-/// Errors over the volume.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct CheckReport {
-    /// Poses.
-    pub poses: usize,
-    /// Without correction.
-    pub before: ErrorsReport,
-    /// With the tables.
-    pub tables: ErrorsReport,
-    /// With the exact correction of the kinematics.
-    pub exact: ErrorsReport,
-    /// Where the tables leave most.
-    pub worst: String,
-    /// From the gauge point to the tip, mm.
-    pub tool_mm: [f64; 3],
-    /// Axes whose sense of motion counts: every pose was reached in both.
-    pub senses: Vec<String>,
-    /// Tip errors of all poses without correction and with the tables, µm, for pictures.
-    #[serde(skip)]
-    pub tips_um: [Vec<f64>; 2],
-}
-
-/// Errors of tip and tool axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[expect(missing_docs, reason = "mean, root mean square and largest, with their units")]
-pub struct ErrorsReport {
-    pub mean_um: f64,
-    pub rms_um: f64,
-    pub max_um: f64,
-    pub tilt_rms_urad: f64,
-    pub tilt_max_urad: f64,
-}
-
-/// What two sets of tables differ by.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[expect(missing_docs, reason = "the names say it")]
-pub struct Difference {
-    pub axis: String,
-    pub unit: &'static str,
-    pub rms: f64,
-    pub max: f64,
-}
-
-/// A scheme that `auto` tried.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[expect(missing_docs, reason = "the names say it")]
-pub struct TriedReport {
-    pub scheme: String,
-    pub points: usize,
-    pub tables: Option<usize>,
-    pub entries: Option<usize>,
-    pub rms_um: Option<f64>,
-    pub tilt_rms_urad: Option<f64>,
-    pub reason: Option<String>,
-}
-
-impl From<&Errors> for ErrorsReport {
-    fn from(errors: &Errors) -> Self {
-        ErrorsReport {
-            mean_um: um_from_mm(errors.mean_mm()),
-            rms_um: um_from_mm(errors.rms_mm()),
-            max_um: um_from_mm(errors.max_mm()),
-            tilt_rms_urad: urad_from_rad(errors.rms_rad()),
-            tilt_max_urad: urad_from_rad(errors.max_rad()),
-        }
-    }
-}
-
-/// A tool to a nanometre, without the digits that a direction of the spindle makes and without a minus in front of zero, mm.
-#[must_use]
-pub fn rounded_mm(tool_mm: &Vector) -> [f64; 3] {
-    [0, 1, 2].map(|index| (tool_mm[index] * 1e6).round() / 1e6 + 0.0)
-}
-
-impl CheckReport {
-    /// The figures of a check; `worst` says where, the tool runs from the gauge point to the tip.
-    #[must_use]
-    pub fn new(check: &Check, worst: String, tool_mm: &Vector) -> CheckReport {
-        CheckReport {
-            poses: check.before.tip_mm.len(),
-            before: (&check.before).into(),
-            tables: (&check.tables).into(),
-            exact: (&check.exact).into(),
-            worst,
-            tool_mm: rounded_mm(tool_mm),
-            senses: check.senses.iter().map(ToString::to_string).collect(),
-            tips_um: [&check.before, &check.tables].map(|one| one.tip_mm.iter().map(|mm| um_from_mm(*mm)).collect()),
-        }
-    }
-}
-
 impl TablesReport {
-    /// Takes the tables into the report.
-    pub fn note(&mut self, tables: &Tables) {
-        self.tables = tables.count();
-        self.entries = tables.entries();
-        self.grid = tables.grid.as_ref().map(|grid| grid.count);
-        self.rows = tables.lookups.iter().enumerate().map(|(index, one)| row(index, one)).collect();
-    }
-
     /// The page for a person.
     #[must_use]
     pub fn page(&self) -> String {
         let mut page = String::new();
-        let how = if self.scheme.is_empty() { String::new() } else { format!(", scheme {}", self.scheme) };
-        let _ = writeln!(page, "{} tables with {} values ({}{how})", self.tables, self.entries, self.format);
-        if let Some([x, y, z]) = self.grid {
+        let how = if self.found.scheme.is_empty() { String::new() } else { format!(", scheme {}", self.found.scheme) };
+        let _ = writeln!(
+            page,
+            "{} tables with {} values ({}{how})",
+            self.found.tables, self.found.entries, self.found.format
+        );
+        if let Some([x, y, z]) = self.found.grid {
             let _ = writeln!(page, "a grid of {x} x {y} x {z} nodes");
         }
-        if !self.rows.is_empty() {
+        if !self.found.rows.is_empty() {
             page.push_str("   no  corrects  over  points           range        largest  times\n");
         }
-        for row in self.rows.iter().take(MOST_ROWS) {
+        for row in self.found.rows.iter().take(MOST_ROWS) {
             let times = row.times.map_or(String::new(), |times| times.to_string());
             let notes = match (row.sense, row.modulo, row.enabled) {
                 (_, _, false) => " off",
-                ("both", false, _) => "",
-                ("both", true, _) => " modulo",
-                ("+", ..) => " +",
-                _ => " -",
+                (Sense::Both, false, _) => "",
+                (Sense::Both, true, _) => " modulo",
+                (Sense::Positive, ..) => " +",
+                (Sense::Negative, ..) => " -",
             };
             let [low, high] = row.range;
             let _ = writeln!(
@@ -209,14 +60,14 @@ impl TablesReport {
                 row.number, row.output, row.input, row.points, row.largest
             );
         }
-        if self.rows.len() > MOST_ROWS {
-            let _ = writeln!(page, "  and {} more", self.rows.len() - MOST_ROWS);
+        if self.found.rows.len() > MOST_ROWS {
+            let _ = writeln!(page, "  and {} more", self.found.rows.len() - MOST_ROWS);
         }
-        if !self.ranges.is_empty() {
-            let _ = writeln!(page, "for a part of the travel: {}", self.ranges.join(", "));
+        if !self.found.ranges.is_empty() {
+            let _ = writeln!(page, "for a part of the travel: {}", self.found.ranges.join(", "));
         }
         self.tried_page(&mut page);
-        if let Some(check) = &self.check {
+        if let Some(check) = &self.found.check {
             let [x, y, z] = check.tool_mm;
             let senses = check.senses.join(" ");
             let senses = if senses.is_empty() { senses } else { format!(", {senses} moving in both senses") };
@@ -233,24 +84,24 @@ impl TablesReport {
             if check.tables.rms_um > check.before.rms_um {
                 page.push_str("  more is left than there was: a constant part, which a zero offset takes, or tables that are not for this machine\n");
             }
-            if let Some([x, y, z]) = self.made_for_tool_mm {
+            if let Some([x, y, z]) = self.found.made_for_tool_mm {
                 let _ = writeln!(
                     page,
                     "  the file says its tables are for another tool: check them with --tool {x},{y},{z}"
                 );
             }
         }
-        if !self.difference.is_empty() {
+        if !self.found.difference.is_empty() {
             page.push_str("what the two add differs by\n");
         }
-        for one in &self.difference {
+        for one in &self.found.difference {
             let _ = writeln!(
                 page,
                 "  {}: rms {:.4} {unit}, largest {:.4} {unit}",
                 one.axis,
                 one.rms,
                 one.max,
-                unit = one.unit
+                unit = one.unit.word()
             );
         }
         for file in &self.written {
@@ -260,10 +111,10 @@ impl TablesReport {
     }
 
     fn tried_page(&self, page: &mut String) {
-        if let Some(aim) = &self.aim {
+        if let Some(aim) = &self.found.aim {
             let _ = writeln!(page, "  auto aims at {aim}: poses that it does not try have a little more");
         }
-        for one in &self.tried {
+        for one in &self.found.tried {
             let _ = match (&one.reason, one.tables, one.rms_um) {
                 (Some(reason), ..) => writeln!(page, "  tried {} with {} points: {reason}", one.scheme, one.points),
                 (None, Some(tables), Some(rms)) => {
@@ -282,23 +133,30 @@ impl TablesReport {
     }
 }
 
-fn row(index: usize, one: &Lookup) -> Row {
-    Row {
-        number: index + 1,
-        output: one.output.to_string(),
-        input: one.input.to_string(),
-        points: one.nodes.count(),
-        range: one.nodes.range(),
-        largest: one.values.iter().fold(0.0, |most, value| value.abs().max(most)),
-        times: one.factor.map(|factor| factor + 1),
-        sense: match one.sense {
-            Sense::Both => "both",
-            Sense::Positive => "+",
-            Sense::Negative => "-",
-        },
-        modulo: one.modulo,
-        enabled: one.is_enabled,
+/// Formats and schemes, a line each.
+#[must_use]
+pub fn list() -> String {
+    let mut text = String::from("formats\n");
+    let limit = |value: usize| if value == 0 { "-".to_owned() } else { value.to_string() };
+    for one in FORMATS {
+        let holds: Vec<String> = one.holds.iter().map(|what| format!("{what:?}").to_lowercase()).collect();
+        let _ = writeln!(
+            text,
+            "  {:<11} {}: {}; tables {}, points {}, largest value {}",
+            one.name,
+            one.title,
+            holds.join(", "),
+            limit(one.limits.tables),
+            limit(one.limits.points),
+            if one.limits.value_mm > 0.0 { format!("{} mm", one.limits.value_mm) } else { "-".to_owned() }
+        );
     }
+    text.push_str("schemes\n");
+    for one in SCHEMES {
+        let _ = writeln!(text, "  {:<14} {}", one.name, one.title);
+    }
+    let _ = writeln!(text, "  {:<14} the fewest tables that reach the tolerance on this control", "auto");
+    text
 }
 
 /// A picture of all tables: what each adds over its axis, mm or degrees; error functions in µm and µrad; a grid along lines through its middle.

@@ -12,8 +12,8 @@ pub struct WatchReport {
     pub schema: u32,
     /// Time since the start, s.
     pub t_s: f64,
-    /// `good`, `waiting`, `freeze`, or what is to be done: `continue`, `stop`, `hold`.
-    pub verdict: &'static str,
+    /// Whether they are good, or what is to be done.
+    pub verdict: WatchVerdict,
     /// Why it is not good.
     pub why: Option<String>,
     /// The channels, in the order of the file.
@@ -31,8 +31,8 @@ pub struct WatchChannel {
     pub value_c: Option<f64>,
     /// How old that is, s.
     pub age_s: Option<f64>,
-    /// `waiting`, `good` or `held`.
-    pub state: &'static str,
+    /// Whether its value is good.
+    pub state: WatchedState,
     /// Why it is held.
     pub fault: Option<&'static str>,
     /// The last number that came, as it came.
@@ -43,13 +43,71 @@ pub struct WatchChannel {
     pub source: String,
 }
 
+/// What live sensors are good for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum WatchVerdict {
+    /// All are good.
+    Good,
+    /// Some had no good value yet.
+    Waiting,
+    /// Some are held: nothing is dosed.
+    Freeze,
+    /// One is without a good value for too long, and the work goes on.
+    Continue,
+    /// For the same reason the work stops.
+    Stop,
+    /// For the same reason the axes are held.
+    Hold,
+}
+
+/// What the value of a live sensor is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum WatchedState {
+    /// There is none yet.
+    Waiting,
+    /// It is good.
+    Good,
+    /// It is the last good one.
+    Held,
+}
+
+impl WatchVerdict {
+    /// As JSON has it.
+    fn word(self) -> &'static str {
+        match self {
+            WatchVerdict::Good => "good",
+            WatchVerdict::Waiting => "waiting",
+            WatchVerdict::Freeze => "freeze",
+            WatchVerdict::Continue => "continue",
+            WatchVerdict::Stop => "stop",
+            WatchVerdict::Hold => "hold",
+        }
+    }
+}
+
+impl WatchedState {
+    /// As JSON has it.
+    fn word(self) -> &'static str {
+        match self {
+            WatchedState::Waiting => "waiting",
+            WatchedState::Good => "good",
+            WatchedState::Held => "held",
+        }
+    }
+}
+
 impl WatchChannel {
     fn value(&self) -> String {
         self.value_c.map_or_else(|| "–".to_owned(), |value_c| format!("{value_c:.2}"))
     }
 
     fn state(&self) -> String {
-        self.fault.map_or_else(|| self.state.to_owned(), |fault| format!("{}: {fault}", self.state))
+        let state = self.state.word();
+        self.fault.map_or_else(|| state.to_owned(), |fault| format!("{state}: {fault}"))
     }
 }
 
@@ -57,10 +115,10 @@ impl WatchReport {
     /// A line.
     #[must_use]
     pub fn line(&self) -> String {
-        let mut text = format!("{:.1} s  {}", self.t_s, self.verdict);
+        let mut text = format!("{:.1} s  {}", self.t_s, self.verdict.word());
         for channel in &self.channels {
             let _ = write!(text, "  {} {} °C", channel.name, channel.value());
-            if channel.state != "good" {
+            if channel.state != WatchedState::Good {
                 let _ = write!(text, " ({})", channel.state());
             }
         }
@@ -89,7 +147,7 @@ impl WatchReport {
             );
         }
         let why = self.why.as_ref().map_or_else(String::new, |why| format!(": {why}"));
-        let _ = writeln!(text, "{}{why}", self.verdict);
+        let _ = writeln!(text, "{}{why}", self.verdict.word());
         text
     }
 }

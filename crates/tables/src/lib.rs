@@ -1,4 +1,5 @@
 //! Compensation tables of controls, and corrections in the cycle of a control.
 
 pub mod realtime;
+pub mod results;
 pub mod tables;

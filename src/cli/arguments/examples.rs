@@ -16,13 +16,13 @@ Examples:
   ncfix verify part.mpf part_corrected.mpf --machine mill.toml
   ncfix verify part.mpf part_corrected.mpf --machine mill.toml --state warm.toml --load 1700";
 
-pub(super) const MACHINE: &str = "\
+pub(in crate::cli) const MACHINE: &str = "\
 Examples:
   ncfix machine check mill.toml
   ncfix machine show mill.toml --at X100,Y50,Z-20 --tool 120
   ncfix machine presets mayer-13 --machine mill.toml";
 
-pub(super) const SHOW: &str = "\
+pub(in crate::cli) const SHOW: &str = "\
 Sources: geometry (location and motion errors), coupling (functions of two axes), reversal (backlash, lateral play), load (weight of the \
 workpiece), structure (segments that warm up), drift (weighted temperatures), expansion (scales, workpiece). Deviations are those of the tool \
 relative to the workpiece, along the axes of F.
@@ -35,7 +35,7 @@ Examples:
   ncfix machine show mill.toml --at X100,Y50,Z-20 --state warm.toml --load 1700@0,0,-280 --json
   ncfix machine show --origin --setup job.toml";
 
-pub(super) const PRESETS: &str = "\
+pub(in crate::cli) const PRESETS: &str = "\
 Examples:
   ncfix machine presets
   ncfix machine presets 84 --machine mill.toml";

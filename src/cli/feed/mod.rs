@@ -16,7 +16,6 @@ use crate::feed::{self as transfers, Begin, ControlLink, FeedEnd, FeedOptions, L
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
 use ncfix_dnc::feed::port;
-use ncfix_dnc::sense::{Config, Panel};
 use ncfix_report::feed::Before;
 use ncfix_report::json;
 
@@ -87,7 +86,7 @@ pub(super) fn send(arguments: &FeedArguments, job: Transfer, before: &Before, be
     }
     let help = "give the lasting name to --port, or change the profile";
     findings.extend(opened.notes.iter().map(|note| Diagnostic::nowhere(Code::SERIAL_SETTINGS, note, help)), &[]);
-    let panel = panel(arguments, &job, &mut findings)?;
+    let panel = job.panel(arguments.sensors.as_deref(), &mut findings)?;
     findings.draw();
     if findings.has_errors() {
         tell(&format!("{}; nothing was sent\n", findings.count()));
@@ -150,7 +149,7 @@ pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Res
     // The profile fits its protocol, and the sensors are told of as they will be read.
     job.dialogue()?;
     if arguments.dry_run {
-        panel(arguments, &job, findings)?;
+        job.panel(arguments.sensors.as_deref(), findings)?;
     }
     Ok(before.map(|before| (job, before)))
 }
@@ -180,27 +179,4 @@ fn transfer(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option
     let Some(link) = link.filter(|_| is_read && !findings.has_errors()) else { return Ok(None) };
     let how = (&arguments.correction.options(), FeedOptions::from(arguments));
     Ok(Transfer::new(part, machine, (link, sensors_hash), how, findings)?)
-}
-
-/// Opens the sensors of a job; `None` where there are none, or findings forbid it.
-fn panel(arguments: &FeedArguments, job: &Transfer, findings: &mut Findings) -> Result<Option<Panel>, Stop> {
-    let Some(path) = &arguments.sensors else { return Ok(None) };
-    let source = input::read_written(path, FileId(0), "sensors, --sensors")?;
-    let fault = |found, findings: &mut Findings| {
-        findings.extend(found, std::slice::from_ref(&source));
-        Ok(None)
-    };
-    let config = match Config::read(&source) {
-        Ok(config) => config,
-        Err(found) => return fault(found, findings),
-    };
-    let names: Vec<&str> = config.channels.iter().map(|channel| channel.name.as_str()).collect();
-    if let Some(missing) = job.missing(&names) {
-        findings.add(missing, &[]);
-        return Ok(None);
-    }
-    match Panel::open(&config, path.parent().unwrap_or(Path::new("."))) {
-        Ok(panel) => Ok(Some(panel)),
-        Err(found) => fault(found, findings),
-    }
 }

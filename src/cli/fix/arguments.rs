@@ -4,6 +4,7 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::value;
 use crate::options::Options;
+use ncfix_model::Solve;
 use ncfix_path::path::{Arcs, FiveAxis, OutputFrame, Rapids, Rotary};
 
 /// Corrections beyond this are refused where nothing else is said: a machine that is further off is not a machine but a wrong unit.
@@ -132,6 +133,16 @@ impl CorrectionChoice {
             increment_mm: self.increment,
             max_correction_mm: self.max_correction,
             ..Options::default()
+        }
+    }
+}
+
+impl RotaryChoice {
+    /// The same where there is no operation: whether rotary axes are corrected.
+    pub(in crate::cli) fn solve(self) -> Solve {
+        match self {
+            RotaryChoice::Auto | RotaryChoice::Correct => Solve::Full,
+            RotaryChoice::Hold => Solve::PositionOnly,
         }
     }
 }

@@ -10,11 +10,8 @@ use crate::cli::output::Target;
 use crate::cli::program::protect;
 use crate::cli::stop::Stop;
 use crate::cli::{deliver, input, machine_choice, pages};
-use ncfix_base::csv::Table;
-use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
-use ncfix_metrology::measure::strain;
-use ncfix_metrology::measure::weighing;
+use ncfix_metrology::results::weighed::weigh;
 use ncfix_report::{json, load};
 
 /// Weighs.
@@ -25,7 +22,7 @@ pub(in crate::cli) fn run(arguments: &LoadArguments) -> Result<ExitCode, Stop> {
     }
     let mut findings = Findings::default();
     let mut report = load::Load::default();
-    let result = weigh(arguments, &mut findings, &mut report);
+    let result = find(arguments, &mut findings, &mut report);
     let page = report.table();
     deliver(
         result,
@@ -39,35 +36,19 @@ pub(in crate::cli) fn run(arguments: &LoadArguments) -> Result<ExitCode, Stop> {
     )
 }
 
-fn weigh(arguments: &LoadArguments, findings: &mut Findings, report: &mut load::Load) -> Result<(), Stop> {
+fn find(arguments: &LoadArguments, findings: &mut Findings, report: &mut load::Load) -> Result<(), Stop> {
     let source = input::read(&arguments.data, FileId(0), "readings")?;
-    let sources = std::slice::from_ref(&source);
     let target = arguments.output.as_deref().map(Target::new).transpose()?;
     let Some(chosen) = machine_choice::choose(&arguments.machine, &arguments.data, findings)? else { return Ok(()) };
     report.machine.clone_from(&chosen.machine.name);
     if let Some(target) = &target {
         protect(target, chosen.files.iter().chain([&arguments.data]), findings);
     }
-    let Some(gauge) = &chosen.machine.strain else {
-        let message = format!("the machine {} has no section [strain]", chosen.machine.name);
-        let help = "give the signals of the strain gauge in [strain] of the machine file, or the load itself";
-        findings.add(Diagnostic::nowhere(Code::MISSING_KEY, message, help), &[]);
-        return Ok(());
-    };
-    let (table, found) = Table::read(&source);
-    findings.extend(found, sources);
-    let Some(table) = table else { return Ok(()) };
-    let readings = match strain::read(&table, gauge) {
-        Ok(readings) => readings,
-        Err(found) => {
-            findings.extend(found, sources);
-            return Ok(());
-        }
-    };
-    let (weighing, found) = weighing::weigh(&readings, gauge, arguments.known.unwrap_or_default());
-    findings.extend(found, sources);
+    let mut found = Vec::new();
+    let weighing = weigh(&source, &chosen.machine, arguments.known.unwrap_or_default(), &mut found);
+    findings.extend(found, std::slice::from_ref(&source));
     let Some(weighing) = weighing.filter(|_| !findings.has_errors()) else { return Ok(()) };
-    report.note(&weighing);
+    report.found = (&weighing).into();
     if let (Some(target), Some(path)) = (target, &arguments.output) {
         let text = weighing.state_text(source.name(), &chosen.machine.name);
         pages::publish(target, &text)?;

@@ -1,9 +1,8 @@
-//! Tables of text: rows of cells behind a header, each cell a place in its file, so that findings have line and column and a copy of the
-//! table changes nothing but the cells that it means to.
+//! Text tables: rows of cells after a header. Every cell has a place in its file, so diagnostics have line and column, and a copy of the table changes only
+//! the intended cells.
 //!
-//! Separators are commas, semicolons (as spreadsheets write where the comma is the decimal sign) or tabs; cells may be quoted (RFC 4180).
-//! The reader is our own because it must give the bytes of every cell; it decodes nothing, so cells that nobody asks for may be in any
-//! encoding that keeps ASCII.
+//! Separators are commas, semicolons (as written by spreadsheets if the comma is the decimal sign) or tabs; cells may be quoted (RFC 4180). The reader is
+//! part of this crate because it must return the bytes of every cell. It decodes nothing, so unused cells may be in any encoding that preserves ASCII.
 
 mod reader;
 
@@ -14,7 +13,7 @@ use crate::source::{Source, Span};
 
 use reader::Reader;
 
-/// A table: a header and rows that are as wide.
+/// Table: a header and rows of equal width.
 #[derive(Clone, Debug)]
 pub struct Table {
     source: Source,
@@ -25,7 +24,7 @@ pub struct Table {
     separator: u8,
 }
 
-/// The sign in front of decimals.
+/// Decimal sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DecimalSign {
     /// `1.5`
@@ -34,7 +33,7 @@ pub enum DecimalSign {
     Comma,
 }
 
-/// A row of a table.
+/// Row of a table.
 #[derive(Clone, Copy, Debug)]
 pub struct Row<'a> {
     table: &'a Table,
@@ -42,25 +41,25 @@ pub struct Row<'a> {
 }
 
 impl Table {
-    /// Reads a table; without one there is at least one finding that is an error.
+    /// Reads a table. If there is none, at least one diagnostic is an error.
     #[must_use]
     pub fn read(source: &Source) -> (Option<Table>, Vec<Diagnostic>) {
         Reader::read(source)
     }
 
-    /// Names of the columns, in order.
+    /// Returns the names of the columns, in order.
     #[must_use]
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The column of a name.
+    /// Returns the index of the column with this name.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name)
     }
 
-    /// Where the name of a column stands; the whole header for a column that there is not.
+    /// Returns the place of a column name; the whole header if the column does not exist.
     #[must_use]
     pub fn header_place(&self, column: Option<usize>) -> Place {
         let all = || {
@@ -71,31 +70,31 @@ impl Table {
         Place { file: self.source.id(), span }
     }
 
-    /// The rows, in order; rows without any content are left out.
+    /// Returns the rows, in order, without empty ones.
     pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         let cells = self.cells.chunks_exact(self.names.len().max(1));
         cells.map(|cells| Row { table: self, cells })
     }
 
-    /// The line of a place in the table, from 1.
+    /// Returns the line of a place in the table, from 1.
     #[must_use]
     pub fn line_of(&self, place: Place) -> usize {
         self.source.line_column(place.span.start).0
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     #[must_use]
     pub fn row_count(&self) -> usize {
         self.cells.len() / self.names.len().max(1)
     }
 
-    /// What separates the cells.
+    /// Returns the separator of the cells.
     #[must_use]
     pub fn separator(&self) -> u8 {
         self.separator
     }
 
-    /// The place behind the last cell of the row that has this last cell, where another cell may be added.
+    /// Returns the place after the last cell of a row, given that cell; another cell may be added there.
     #[must_use]
     pub fn place_behind(&self, last: Place) -> Place {
         let bytes = self.source.bytes();
@@ -106,11 +105,11 @@ impl Table {
         Place { file: last.file, span: Span::new(end, end) }
     }
 
-    /// The decimal sign of the numbers in some columns. Where no number has decimals it is the comma in tables with semicolons: that is
-    /// why they have them.
+    /// Returns the decimal sign of the numbers in some columns. If no number has decimals, it is the comma in tables with semicolons, as this is why they use
+    /// semicolons.
     ///
     /// # Errors
-    /// A finding where both signs occur: one of them would be a separator of thousands, and nobody knows which.
+    /// A diagnostic if both signs occur: one of them would be a thousands separator, and it is not known which.
     pub fn decimal_sign(&self, columns: &[usize]) -> Result<DecimalSign, Diagnostic> {
         let mut found: Option<(DecimalSign, Place)> = None;
         for row in self.rows() {
@@ -119,7 +118,7 @@ impl Table {
                 let sign = match (text.contains(&b'.'), text.contains(&b',')) {
                     (true, false) => DecimalSign::Point,
                     (false, true) => DecimalSign::Comma,
-                    // With both it is no number in either manner, which is found where it is read.
+                    // With both signs it is not a number in either notation, which is reported when it is read.
                     _ => continue,
                 };
                 match found {
@@ -142,44 +141,44 @@ impl Table {
         Ok(found.map_or(usual, |(sign, _)| sign))
     }
 
-    /// A copy of the table, byte by byte, in which single cells may be replaced.
+    /// Returns a byte-by-byte copy of the table in which single cells may be replaced.
     pub fn copy<W: Write>(&self, out: W) -> Copy<'_, W> {
         Copy { bytes: self.source.bytes(), done: 0, out }
     }
 }
 
 impl<'a> Row<'a> {
-    /// The content of a cell without its quotation marks; empty for a column that there is not.
+    /// Returns the content of a cell without its quotation marks; empty if the column does not exist.
     #[must_use]
     pub fn text(&self, column: usize) -> &'a [u8] {
         self.cells.get(column).map_or(&[], |&span| self.table.source.slice(span))
     }
 
-    /// The column of a name.
+    /// Returns the index of the column with this name.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<usize> {
         self.table.column(name)
     }
 
-    /// The header of the table.
+    /// Returns the place of the table header.
     #[must_use]
     pub fn header_place(&self) -> Place {
         self.table.header_place(None)
     }
 
-    /// Where the content of a cell stands.
+    /// Returns the place of the content of a cell.
     #[must_use]
     pub fn place(&self, column: usize) -> Place {
         let span = self.cells.get(column).copied().unwrap_or_default();
         Place { file: self.table.source.id(), span }
     }
 
-    /// The number in a cell.
+    /// Returns the number in a cell.
     ///
     /// # Errors
-    /// A finding where the cell is empty or no finite number.
+    /// A diagnostic if the cell is empty or not a finite number.
     pub fn number(&self, column: usize, sign: DecimalSign) -> Result<f64, Diagnostic> {
-        /// Nothing that is measured is larger in any unit, and squares of it can be told.
+        /// No measured value is larger in any unit, and its square is still finite.
         const MOST: f64 = 1e15;
         let text = self.text(column);
         let value = parse_number(text, sign);
@@ -208,7 +207,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// A copy on its way; what was not replaced is written as it is.
+/// Copy in progress; everything that is not replaced is written unchanged.
 #[derive(Debug)]
 pub struct Copy<'a, W> {
     bytes: &'a [u8],
@@ -217,10 +216,10 @@ pub struct Copy<'a, W> {
 }
 
 impl<W: Write> Copy<'_, W> {
-    /// Writes everything up to a place and a text instead of it. Places come in order.
+    /// Writes everything up to a place, and a text in its stead. Places must come in order.
     ///
     /// # Errors
-    /// What the writer says.
+    /// I/O errors of the writer.
     pub fn replace(&mut self, place: Place, text: &str) -> io::Result<()> {
         let range = place.span.range();
         self.out.write_all(self.bytes.get(self.done..range.start).unwrap_or_default())?;
@@ -231,17 +230,17 @@ impl<W: Write> Copy<'_, W> {
     /// Writes the rest.
     ///
     /// # Errors
-    /// What the writer says.
+    /// I/O errors of the writer.
     pub fn finish(mut self) -> io::Result<()> {
         self.out.write_all(self.bytes.get(self.done..).unwrap_or_default())?;
         self.out.flush()
     }
 }
 
-/// A number as it stands in a cell, with at least `decimals` decimals and at least as many as `like` has.
+/// Formats a number for a cell, with at least `decimals` decimals and at least the number of decimals in `like`.
 #[must_use]
 pub fn number_text(value: f64, decimals: usize, like: &[u8], sign: DecimalSign) -> String {
-    // More digits than a double has say nothing.
+    // More digits than a double contains are meaningless.
     const MOST_DECIMALS: usize = 15;
     let mut parts = like.splitn(2, |byte| matches!(byte, b'.' | b','));
     let behind = parts.nth(1).unwrap_or_default();
@@ -251,7 +250,7 @@ pub fn number_text(value: f64, decimals: usize, like: &[u8], sign: DecimalSign) 
     if sign == DecimalSign::Comma { text.replace('.', ",") } else { text }
 }
 
-/// Digits with sign, decimals and exponent; nothing else that a language might take for a number.
+/// Parses digits with sign, decimals and exponent, and nothing else that a library might accept as a number.
 fn parse_number(text: &[u8], sign: DecimalSign) -> Option<f64> {
     let mark = if sign == DecimalSign::Comma { b',' } else { b'.' };
     let is_fit = |byte: &u8| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'e' | b'E') || *byte == mark;
@@ -262,7 +261,7 @@ fn parse_number(text: &[u8], sign: DecimalSign) -> Option<f64> {
     plain.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// Bytes for a sentence, cut where they are long.
+/// Returns bytes for a message, shortened if they are long.
 fn shown(bytes: &[u8]) -> String {
     const LONGEST: usize = 40;
     let text = String::from_utf8_lossy(bytes);

@@ -1,4 +1,4 @@
-//! Cuts the bytes of a table into cells.
+//! Splits the bytes of a table into cells.
 
 use std::collections::HashSet;
 
@@ -7,11 +7,11 @@ use crate::source::{Source, Span};
 
 use super::{DecimalSign, Table, parse_number};
 
-/// More findings than this help nobody.
+/// Maximum number of diagnostics; more are of no use.
 const MOST_FINDINGS: usize = 100;
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Walks over the bytes of a file.
+/// Reader over the bytes of a file.
 pub(super) struct Reader<'a> {
     source: &'a Source,
     bytes: &'a [u8],
@@ -21,7 +21,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// The table in a file, or findings.
+    /// Returns the table in a file, or diagnostics.
     pub(super) fn read(source: &'a Source) -> (Option<Table>, Vec<Diagnostic>) {
         let mut reader = match Reader::new(source) {
             Ok(reader) => reader,
@@ -97,7 +97,7 @@ impl<'a> Reader<'a> {
             }
             let count = cells.len() - first;
             if cells.get(first..).unwrap_or_default().iter().all(|span| span.start == span.end) {
-                // Spreadsheets leave rows of separators behind.
+                // Spreadsheets leave rows that contain only separators.
                 cells.truncate(first);
             } else if count != names.len() {
                 cells.truncate(first);
@@ -122,7 +122,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The end of the line of a row that was read, for drawing it.
+    /// Returns the end of the line of a row, for drawing it.
     fn row_end(&self, start: usize) -> usize {
         (start..self.bytes.len()).find(|&at| self.is_line_end(at)).unwrap_or(self.bytes.len())
     }
@@ -134,7 +134,7 @@ impl<'a> Reader<'a> {
         self.at = (self.at + 1).min(self.bytes.len());
     }
 
-    /// Goes to the next line that is not blank.
+    /// Skips blank lines.
     fn skip_blank(&mut self) {
         let mut at = self.at;
         while self.bytes.get(at).is_some_and(u8::is_ascii_whitespace) {
@@ -148,7 +148,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The separator of a line `sep=;`, as spreadsheets want it, and past that line.
+    /// Reads the separator of a line `sep=;`, as used by spreadsheets, and skips that line.
     fn stated_separator(&mut self) -> Option<u8> {
         let rest = self.bytes.get(self.at..)?;
         let [b's' | b'S', b'e' | b'E', b'p' | b'P', b'=', separator @ (b';' | b',' | b'\t'), ..] = *rest else {
@@ -162,9 +162,9 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The separator by what the header has.
+    /// Guesses the separator from the header.
     fn likely_separator(&self) -> u8 {
-        // A quotation mark within a cell is part of it, such as that of inches.
+        // A quotation mark within a cell is part of it, such as the sign for inches.
         let (mut is_quoted, mut begins_cell) = (false, true);
         let mut seen = [false; 2];
         let mut at = self.at;
@@ -205,7 +205,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Adds the cells of the next row; `false` at the end of the file.
+    /// Adds the cells of the next row; returns `false` at the end of the file.
     fn row(&mut self, cells: &mut Vec<Span>) -> Result<bool, Diagnostic> {
         self.skip_blank();
         if self.at >= self.bytes.len() {
@@ -222,7 +222,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The content of the next cell; stops at what ends it.
+    /// Returns the content of the next cell and stops at its terminator.
     fn cell(&mut self) -> Result<Span, Diagnostic> {
         self.skip_spaces();
         if self.bytes.get(self.at) == Some(&b'"') {

@@ -1,10 +1,10 @@
-//! Names characters that a person takes for others: files in UTF-16, and letters, dashes and blanks that look like those of ASCII.
+//! Names characters that are easily mistaken: files in UTF-16, and letters, dashes and blanks that look like ASCII.
 
 use encoding_rs::{Encoding, UTF_8, WINDOWS_1251, WINDOWS_1252};
 
 use crate::source::shown;
 
-/// Characters beside those of ASCII that they look like.
+/// Characters and the ASCII characters that they resemble.
 const ALIKE: &[(&str, &str)] = &[
     ("АВСЕНІЈКМОРЅТУХ", "ABCEHIJKMOPSTYX"),
     ("ΑΒΕΖΗΙΚΜΝΟΡΤΥΧ", "ABEZHIKMNOPTYX"),
@@ -13,19 +13,19 @@ const ALIKE: &[(&str, &str)] = &[
     ("×٫，．；：", "X.,.;:"),
 ];
 
-/// The encoding of a file whose byte order mark says that it is none of single bytes: `UTF-16LE`.
+/// Returns the encoding of a file whose byte order mark shows that it is not a single-byte encoding or UTF-8: `UTF-16LE`.
 #[must_use]
 pub fn wide_encoding(bytes: &[u8]) -> Option<&'static str> {
     let (encoding, _) = Encoding::for_bom(bytes)?;
     (encoding != UTF_8).then(|| encoding.name())
 }
 
-/// The character of ASCII that a character looks like.
+/// Returns the ASCII character that a character resembles.
 fn alike(character: char) -> Option<char> {
     if character.is_whitespace() {
         return Some(' ');
     }
-    // The full-width forms of East Asian fonts.
+    // Full-width forms of East Asian fonts.
     if let wide @ 0xff01..=0xff5e = u32::from(character) {
         return char::from_u32(wide - 0xff01 + 0x21);
     }
@@ -35,7 +35,7 @@ fn alike(character: char) -> Option<char> {
         .map(|(_, to)| to)
 }
 
-/// Names what stands at an offset where it is no ASCII: `Х (U+0425) is no X`, or what a byte is in usual encodings.
+/// Names the character at an offset if it is not ASCII: `Х (U+0425) is no X`, or the meaning of a byte in common encodings.
 #[must_use]
 pub fn name_at(bytes: &[u8], at: usize) -> Option<String> {
     let lead = *bytes.get(at).filter(|byte| !byte.is_ascii())?;

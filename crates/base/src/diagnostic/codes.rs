@@ -1,48 +1,48 @@
-//! The register of finding codes: every code once, with its title and the long text that `ncfix explain` prints.
+//! Register of diagnostic codes: every code once, with its title and the long text that `ncfix explain` prints.
 //!
-//! Groups: `E01` what was written (syntax), `E02` what it means (execution), `E03` safety and machine limits,
-//! `E04` machine file and error model, `E05` state of the machine, `E06` measured data, `E07` links, `E08` the cycle of a control, `E09` compensation tables; `W…` the same groups as warnings. Codes are stable:
-//! one that is no longer used stays retired. A test demands a sample file that provokes each code.
+//! Groups: `E01` syntax, `E02` execution, `E03` safety and machine limits, `E04` machine file and error model, `E05` state of the machine, `E06` measured
+//! data, `E07` links, `E08` the cycle of a control, `E09` compensation tables; `W…` are these groups as warnings. Codes are stable; a code that is no longer
+//! used stays retired. A test demands a sample file that provokes each code.
 
 use std::fmt;
 
 use super::Severity;
 
-/// A stable finding code such as `E0203`.
+/// Stable diagnostic code such as `E0203`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Code(pub(super) &'static str);
 
-/// What is known of a code.
+/// Row of the register.
 #[derive(Clone, Copy, Debug)]
 pub struct CodeRow {
-    /// The code.
+    /// Code.
     pub code: Code,
-    /// A few words.
+    /// Short title.
     pub title: &'static str,
-    /// The long text: what it means, why the program stops there, what to do, with an example where one helps.
+    /// Long text: the meaning, why the program stops there, and what to do, with an example if useful.
     pub explain: &'static str,
 }
 
 impl Code {
-    /// The code as text.
+    /// Returns the code as text.
     #[must_use]
     pub fn as_str(self) -> &'static str {
         self.0
     }
 
-    /// The row of a code given as text in any case, `e0203`.
+    /// Returns the row of a code given as text in any case, such as `e0203`.
     #[must_use]
     pub fn find(text: &str) -> Option<&'static CodeRow> {
         CODES.iter().find(|row| row.code.0.eq_ignore_ascii_case(text))
     }
 
-    /// Weight by its first letter.
+    /// Returns the severity, which follows from the first letter.
     #[must_use]
     pub fn severity(self) -> Severity {
         if self.0.starts_with('W') { Severity::Warning } else { Severity::Error }
     }
 
-    /// Whether the finding says that the program text itself was not understood (exit status 3, not 4).
+    /// True if the program text itself was not understood (exit status 3, not 4).
     #[must_use]
     pub fn is_language(self) -> bool {
         self.0.starts_with("E01") || self.0 == "E0201"

@@ -1,4 +1,4 @@
-//! Findings as plain data: what was found, where, and what to do. Drawing them is the business of `report`.
+//! Diagnostics as plain data: what was found, where, and what to do. `report` draws them.
 
 pub mod character;
 mod codes;
@@ -9,19 +9,19 @@ use serde::Serialize;
 
 use crate::source::{FileId, Span};
 
-/// How much a finding weighs.
+/// Severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// The run goes on; the person should know.
+    /// The run continues; the user should know.
     Warning,
     /// Nothing is written.
     Error,
 }
 
 impl Severity {
-    /// The word shown to the user and in JSON.
+    /// Returns the word shown to the user and in JSON.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -37,70 +37,70 @@ impl std::fmt::Display for Severity {
     }
 }
 
-/// A place in one of the files of a run.
+/// Place in one of the files of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Place {
-    /// The file.
+    /// File.
     pub file: FileId,
-    /// The bytes in question.
+    /// Bytes concerned.
     pub span: Span,
 }
 
-/// One finding. No color, no file name, no source text in it.
+/// Diagnostic, without color, file name or source text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnostic {
     /// Stable code, see [`CODES`].
     pub code: Code,
-    /// Where; `None` where a finding has no place in a file.
+    /// Place; `None` if it does not belong to a place in a file.
     pub place: Option<Place>,
-    /// What was found, with numbers and units: one sentence, lower case, no full stop.
+    /// Message with numbers and units: one sentence, lower case, no full stop.
     pub message: String,
-    /// What to do about it: one sentence in the same manner.
+    /// Advice: one sentence in the same style.
     pub help: String,
-    /// Where it has to do with variables without a value.
+    /// Variables without a value that are involved, if any.
     pub unset: Option<Box<Unset>>,
 }
 
-/// Variables without a value that a finding has to do with: others about them would only follow from it.
+/// Variables without a value that a diagnostic involves; further diagnostics about them would only be consequences.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Unset {
-    /// The one that is read.
+    /// Variable that is read.
     pub read: Option<String>,
-    /// Those that get none because of this.
+    /// Variables that therefore get no value.
     pub left: Vec<String>,
 }
 
 impl Diagnostic {
-    /// A finding at a place.
+    /// Creates a diagnostic at a place.
     #[must_use]
     pub fn at(code: Code, place: Place, message: impl Into<String>, help: impl Into<String>) -> Self {
         Diagnostic { place: Some(place), ..Diagnostic::nowhere(code, message, help) }
     }
 
-    /// A finding that has no place in a file.
+    /// Creates a diagnostic without a place in a file.
     #[must_use]
     pub fn nowhere(code: Code, message: impl Into<String>, help: impl Into<String>) -> Self {
         let (message, help) = (readable(message.into()), help.into());
         Diagnostic { code, place: None, message, help, unset: None }
     }
 
-    /// Its weight, which follows from the code.
+    /// Returns its severity, which follows from the code.
     #[must_use]
     pub fn severity(&self) -> Severity {
         self.code.severity()
     }
 
-    /// Whether it forbids output.
+    /// True if it prevents output.
     #[must_use]
     pub fn is_error(&self) -> bool {
         self.severity() == Severity::Error
     }
 }
 
-/// Numbers with more digits are shown by their power of ten: nobody counts 309 of them.
+/// Numbers with more digits are shown by their power of ten: 309 digits are not readable.
 const MOST_DIGITS: usize = 24;
 
-/// A message with its longest numbers as powers of ten: `1.000e308`.
+/// Returns a message with its longest numbers as powers of ten: `1.000e308`.
 fn readable(message: String) -> String {
     let is_digit = |byte: u8| byte.is_ascii_digit() || byte == b'.';
     let is_long = message.as_bytes().windows(MOST_DIGITS + 1).any(|bytes| bytes.iter().all(|&byte| is_digit(byte)));
@@ -136,7 +136,7 @@ mod tests {
             shown(format!("start radius {:.4} mm, end 5.25 mm", 1e308)),
             "start radius 1.000e308 mm, end 5.25 mm"
         );
-        // The nearest number that there is has 2024 of the smallest steps: 9.99989e-321.
+        // The nearest representable number is 2024 of the smallest steps: 9.99989e-321.
         assert_eq!(shown(format!("P{} µm", 1e-320)), "P1.000e-320 µm");
         assert_eq!(shown("9".repeat(400)), format!("{}…", "9".repeat(24)));
     }

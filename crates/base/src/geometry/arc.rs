@@ -1,13 +1,13 @@
 //! Circular arcs and helices in one of the three principal planes.
 //!
-//! An arc is given by its start, its end, its center in the plane, its sense and the number of extra full turns.
-//! The axis across the plane, and every other axis, moves linearly with the swept angle.
+//! An arc is defined by its start, its end, its center in the plane, its direction and the number of extra full turns. The axis perpendicular to the plane,
+//! and every other axis, moves linearly with the swept angle.
 
 use std::f64::consts::TAU;
 
 use super::{Axis, AxisVector, Vector};
 
-/// A working plane, by the G code that selects it.
+/// Working plane, by the G code that selects it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Plane {
     /// G17: abscissa X, ordinate Y, applicate Z.
@@ -20,7 +20,7 @@ pub enum Plane {
 }
 
 impl Plane {
-    /// Abscissa, ordinate, applicate: right-handed in this order.
+    /// Returns abscissa, ordinate and applicate: right-handed in this order.
     #[must_use]
     pub fn axes(self) -> [Axis; 3] {
         match self {
@@ -30,7 +30,7 @@ impl Plane {
         }
     }
 
-    /// 17, 18 or 19.
+    /// Returns the number 17, 18 or 19.
     #[must_use]
     pub fn number(self) -> u8 {
         match self {
@@ -40,14 +40,14 @@ impl Plane {
         }
     }
 
-    /// The plane of 17, 18 or 19.
+    /// Returns the plane of 17, 18 or 19.
     #[must_use]
     pub fn from_number(number: u8) -> Option<Plane> {
         [Plane::XY, Plane::ZX, Plane::YZ].into_iter().find(|plane| plane.number() == number)
     }
 }
 
-/// Why start, end and center make no arc.
+/// Reason why start, end and center do not define an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CenterFault {
     /// The radii at start and end differ, or the center is off the perpendicular bisector.
@@ -65,12 +65,12 @@ pub enum CenterFault {
     NotFinite,
 }
 
-/// An arc or helix from a start that its user keeps: center, sense, sweep.
+/// Arc or helix without its start, which the user stores: center, direction, sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
-    /// The plane of the circle.
+    /// Plane of the circle.
     pub plane: Plane,
-    /// True for G2, seen against the applicate.
+    /// True for G2, viewed against the applicate.
     pub clockwise: bool,
     /// Center: abscissa and ordinate, absolute, mm.
     pub center_mm: [f64; 2],
@@ -78,15 +78,15 @@ pub struct Arc {
     pub extra_turns: u32,
 }
 
-/// Below this distance, mm, start and end in the plane are one point and the arc is a full circle.
+/// Distance in the plane, mm, below which start and end are one point and the arc is a full circle.
 const SAME_POINT_MM: f64 = 1e-9;
 
 impl Arc {
-    /// Builds the arc the way a Sinumerik does: a center that is off by at most `tolerance_mm` (difference of the two
-    /// radii, and distance from the perpendicular bisector of the chord) is moved onto the bisector; the end is kept.
+    /// Builds the arc like a Sinumerik. A center that is off by at most `tolerance_mm` (difference of the two radii, and distance from the perpendicular
+    /// bisector of the chord) is moved onto the bisector; the end is kept.
     ///
     /// # Errors
-    /// Where the center is off by more, or the radius is zero.
+    /// If the center is off by more, or the radius is zero.
     pub fn through(
         plane: Plane,
         clockwise: bool,
@@ -124,11 +124,11 @@ impl Arc {
         Ok(arc)
     }
 
-    /// Builds the arc the way LinuxCNC does: the center stays where it is programmed. Where the radii at start and end differ, by
-    /// at most `tolerance_mm` of the larger one, the way between them is a spiral.
+    /// Builds the arc like LinuxCNC: the center stays as programmed. If the radii at start and end differ, by at most `tolerance_mm` of the larger one, the
+    /// path between them is a spiral.
     ///
     /// # Errors
-    /// Where the radii differ by more, or the radius is zero.
+    /// If the radii differ by more, or the radius is zero.
     pub fn spiral(
         plane: Plane,
         clockwise: bool,
@@ -149,22 +149,21 @@ impl Arc {
         if (start_radius_mm - end_radius_mm).abs() > tolerance_mm(start_radius_mm.max(end_radius_mm)) {
             let [abscissa, ordinate, _] = plane.axes();
             let chord = (end[abscissa] - start[abscissa]).hypot(end[ordinate] - start[ordinate]);
-            // By the theorem of cosines in the triangle of start, end and center.
+            // Law of cosines in the triangle of start, end and center.
             let off_bisector_mm = (start_radius_mm.powi(2) - end_radius_mm.powi(2)).abs() / (2.0 * chord);
             return Err(CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm });
         }
         Ok(arc)
     }
 
-    /// Radius at the start, mm.
+    /// Returns the radius at the start, mm.
     #[must_use]
     pub fn radius_mm(&self, start: &AxisVector) -> f64 {
         let [abscissa, ordinate, _] = self.plane.axes();
         (start[abscissa] - self.center_mm[0]).hypot(start[ordinate] - self.center_mm[1])
     }
 
-    /// Signed angle swept from start to end, rad: positive counter-clockwise, a full circle where both coincide, plus
-    /// the extra turns.
+    /// Returns the signed angle swept from start to end, rad: positive counter-clockwise, a full circle if both coincide, plus the extra turns.
     #[must_use]
     pub fn sweep_rad(&self, start: &AxisVector, end: &AxisVector) -> f64 {
         let from = self.angle_rad(start);
@@ -182,14 +181,13 @@ impl Arc {
         if self.clockwise { -(part + turns) } else { part + turns }
     }
 
-    /// Angle of a point about the center, rad, from the abscissa.
+    /// Returns the angle of a point about the center, rad, from the abscissa.
     fn angle_rad(&self, point: &AxisVector) -> f64 {
         let [abscissa, ordinate, _] = self.plane.axes();
         (point[ordinate] - self.center_mm[1]).atan2(point[abscissa] - self.center_mm[0])
     }
 
-    /// The position at `fraction` (0 … 1) of the sweep; exact at both ends. The radius changes in proportion where it differs at
-    /// the end.
+    /// Returns the position at `fraction` (0 … 1) of the sweep; exact at both ends. If the radius differs at the end, it changes in proportion.
     #[must_use]
     pub fn at(&self, start: &AxisVector, end: &AxisVector, fraction: f64) -> AxisVector {
         if fraction <= 0.0 {
@@ -207,7 +205,7 @@ impl Arc {
         out
     }
 
-    /// Center minus start along X, Y, Z, mm: the I J K of the flat stream (0 across the plane).
+    /// Returns center minus start along X, Y, Z, mm: the I J K of the flat stream (0 perpendicular to the plane).
     #[must_use]
     pub fn center_from_start_mm(&self, start: &AxisVector) -> Vector {
         let [abscissa, ordinate, _] = self.plane.axes();
@@ -217,7 +215,7 @@ impl Arc {
         ijk
     }
 
-    /// Length of the path in space, mm: the helix where the applicate moves too.
+    /// Returns the length of the path in space, mm: that of the helix if the applicate also moves.
     #[must_use]
     pub fn length_mm(&self, start: &AxisVector, end: &AxisVector) -> f64 {
         let across = self.plane.axes()[2];

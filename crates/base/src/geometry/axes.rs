@@ -1,4 +1,4 @@
-//! The nine axis letters of ISO 841 and vectors over them.
+//! Nine axis letters of ISO 841 and vectors over them.
 
 use std::fmt;
 use std::ops::{Add, Index, IndexMut, Sub};
@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use super::Vector;
 
-/// A machine axis by its ISO 841 letter; the number is its slot in an [`AxisVector`].
+/// Machine axis by its ISO 841 letter; the number is its slot in an [`AxisVector`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 #[expect(missing_docs, reason = "the letters are the documentation")]
@@ -26,13 +26,13 @@ pub enum Axis {
 pub const AXIS_COUNT: usize = 9;
 /// All axes in slot order.
 pub const AXES: [Axis; AXIS_COUNT] = [Axis::X, Axis::Y, Axis::Z, Axis::U, Axis::V, Axis::W, Axis::A, Axis::B, Axis::C];
-/// The linear axes in slot order.
+/// Linear axes in slot order.
 pub const LINEAR_AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::U, Axis::V, Axis::W];
-/// The rotary axes in slot order.
+/// Rotary axes in slot order.
 pub const ROTARY_AXES: [Axis; 3] = [Axis::A, Axis::B, Axis::C];
 
 impl Axis {
-    /// The axis of a letter, upper or lower case.
+    /// Returns the axis of a letter, upper or lower case.
     #[must_use]
     pub fn from_letter(letter: u8) -> Option<Axis> {
         Some(match letter.to_ascii_uppercase() {
@@ -49,25 +49,25 @@ impl Axis {
         })
     }
 
-    /// Its letter, upper case ASCII.
+    /// Returns its letter, upper case ASCII.
     #[must_use]
     pub fn letter(self) -> u8 {
         b"XYZUVWABC"[self.slot()]
     }
 
-    /// Its slot in an [`AxisVector`].
+    /// Returns its slot in an [`AxisVector`].
     #[must_use]
     pub fn slot(self) -> usize {
         self as usize
     }
 
-    /// Whether it is one of A, B, C.
+    /// True for A, B, C.
     #[must_use]
     pub fn is_rotary(self) -> bool {
         self >= Axis::A
     }
 
-    /// The direction of space that a linear axis moves along (X and U: 0, …), or that a rotary axis turns about.
+    /// Returns the spatial direction along which a linear axis moves (X and U: 0, …), or about which a rotary axis rotates.
     #[must_use]
     pub fn dimension(self) -> usize {
         self.slot() % 3
@@ -80,7 +80,7 @@ impl fmt::Display for Axis {
     }
 }
 
-/// A set of axes.
+/// Set of axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct AxisSet(u16);
 
@@ -97,42 +97,42 @@ impl AxisSet {
         self.0 |= 1 << axis.slot();
     }
 
-    /// Takes an axis out.
+    /// Removes an axis.
     pub fn remove(&mut self, axis: Axis) {
         self.0 &= !(1 << axis.slot());
     }
 
-    /// Whether the axis is in the set.
+    /// True if the axis is in the set.
     #[must_use]
     pub fn contains(self, axis: Axis) -> bool {
         self.0 & (1 << axis.slot()) != 0
     }
 
-    /// Whether there is none in it.
+    /// True if the set is empty.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    /// The axes of both.
+    /// Returns the axes of both sets together.
     #[must_use]
     pub fn union(self, other: AxisSet) -> AxisSet {
         AxisSet(self.0 | other.0)
     }
 
-    /// The axes that are in both.
+    /// Returns the axes that are in both sets.
     #[must_use]
     pub fn intersection(self, other: AxisSet) -> AxisSet {
         AxisSet(self.0 & other.0)
     }
 
-    /// The axes of this set that the other lacks.
+    /// Returns the axes of this set that the other lacks.
     #[must_use]
     pub fn difference(self, other: AxisSet) -> AxisSet {
         AxisSet(self.0 & !other.0)
     }
 
-    /// Its axes in slot order.
+    /// Returns its axes in slot order.
     pub fn iter(self) -> impl Iterator<Item = Axis> {
         let mut rest = self.0;
         std::iter::from_fn(move || {
@@ -159,7 +159,7 @@ impl AxisVector {
     /// All zero.
     pub const ZERO: AxisVector = AxisVector([0.0; AXIS_COUNT]);
 
-    /// The X, Y and Z values as a vector, mm.
+    /// Returns the X, Y and Z values as a vector, mm.
     #[must_use]
     pub fn xyz(&self) -> Vector {
         Vector::new(self.0[0], self.0[1], self.0[2])
@@ -170,7 +170,7 @@ impl AxisVector {
         self.0[..3].copy_from_slice(xyz.as_slice());
     }
 
-    /// The point at `fraction` (0 … 1) of the way to `end`, every axis linear.
+    /// Returns the point at `fraction` (0 … 1) of the distance to `end`, every axis linear.
     #[must_use]
     pub fn lerp(&self, end: &AxisVector, fraction: f64) -> AxisVector {
         let mut out = *self;
@@ -180,7 +180,7 @@ impl AxisVector {
         out
     }
 
-    /// The largest magnitude among the given axes.
+    /// Returns the largest magnitude among the given axes.
     #[must_use]
     pub fn max_abs(&self, axes: &[Axis]) -> f64 {
         axes.iter().fold(0.0, |max, &axis| self[axis].abs().max(max))
@@ -190,7 +190,7 @@ impl AxisVector {
 impl FromStr for AxisVector {
     type Err = String;
 
-    /// `X0,Y0,Z100,A90`: mm and degrees, which become mm and rad; axes that are not given are zero.
+    /// Reads `X0,Y0,Z100,A90` in mm and degrees and converts it to mm and rad; axes that are not given are zero.
     fn from_str(text: &str) -> Result<AxisVector, String> {
         let mut position = AxisVector::ZERO;
         for part in text.split(',').map(str::trim) {
@@ -237,6 +237,119 @@ impl Sub for AxisVector {
     }
 }
 
+/// The axis and the unit of a value in results: `X_mm` and `C_deg` of positions, `X_um` and `C_urad` of deviations. Keys are in the order of their letters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct AxisKey {
+    letter: char,
+    unit: AxisUnit,
+}
+
+/// What a value of an axis is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum AxisUnit {
+    Mm,
+    Deg,
+    Um,
+    Urad,
+}
+
+impl AxisKey {
+    /// Of a position: mm, or degrees.
+    #[must_use]
+    pub fn of_position(axis: Axis) -> AxisKey {
+        AxisKey::new(axis, [AxisUnit::Mm, AxisUnit::Deg])
+    }
+
+    /// Of a deviation or a correction: µm, or µrad.
+    #[must_use]
+    pub fn of_deviation(axis: Axis) -> AxisKey {
+        AxisKey::new(axis, [AxisUnit::Um, AxisUnit::Urad])
+    }
+
+    fn new(axis: Axis, [linear, rotary]: [AxisUnit; 2]) -> AxisKey {
+        let unit = if axis.is_rotary() { rotary } else { linear };
+        AxisKey { letter: char::from(axis.letter()), unit }
+    }
+
+    /// The letter of the axis.
+    #[must_use]
+    pub fn letter(self) -> char {
+        self.letter
+    }
+
+    /// Whether the value is an angle.
+    #[must_use]
+    pub fn is_rotary(self) -> bool {
+        matches!(self.unit, AxisUnit::Deg | AxisUnit::Urad)
+    }
+
+    /// The unit as people write it: `mm`, `°`, `µm`, `µrad`.
+    #[must_use]
+    pub fn sign(self) -> &'static str {
+        match self.unit {
+            AxisUnit::Mm => "mm",
+            AxisUnit::Deg => "°",
+            AxisUnit::Um => "µm",
+            AxisUnit::Urad => "µrad",
+        }
+    }
+
+    /// The unit behind a number in a list of axes, where a length in mm has none: ` µm`, `°`.
+    #[must_use]
+    pub fn suffix(self) -> &'static str {
+        match self.unit {
+            AxisUnit::Mm => "",
+            AxisUnit::Deg => "°",
+            AxisUnit::Um => " µm",
+            AxisUnit::Urad => " µrad",
+        }
+    }
+
+    /// A value in mm or rad in the unit of the key.
+    #[must_use]
+    pub fn shown(self, value: f64) -> f64 {
+        match self.unit {
+            AxisUnit::Mm => value,
+            AxisUnit::Deg => value.to_degrees(),
+            AxisUnit::Um => um_from_mm(value),
+            AxisUnit::Urad => urad_from_rad(value),
+        }
+    }
+}
+
+impl fmt::Display for AxisKey {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unit = match self.unit {
+            AxisUnit::Mm => "mm",
+            AxisUnit::Deg => "deg",
+            AxisUnit::Um => "um",
+            AxisUnit::Urad => "urad",
+        };
+        write!(out, "{}_{unit}", self.letter)
+    }
+}
+
+impl Serialize for AxisKey {
+    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        out.collect_str(self)
+    }
+}
+
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for AxisKey {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        String::schema_name()
+    }
+
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        String::json_schema(generator)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -250,5 +363,21 @@ mod tests {
         assert_eq!(Axis::W.dimension(), 2);
         assert_eq!(Axis::B.dimension(), 1);
         assert_eq!(Axis::from_letter(b'S'), None);
+    }
+
+    #[test]
+    fn a_key_has_the_unit_of_its_axis() {
+        let keys = [AxisKey::of_position(Axis::X), AxisKey::of_position(Axis::C), AxisKey::of_deviation(Axis::Z)];
+        assert_eq!(keys.map(|key| key.to_string()), ["X_mm", "C_deg", "Z_um"]);
+        assert_eq!(keys.map(AxisKey::sign), ["mm", "°", "µm"]);
+        let turn = AxisKey::of_deviation(Axis::B);
+        assert_eq!((turn.to_string(), turn.sign(), turn.shown(2e-6).round()), ("B_urad".to_owned(), "µrad", 2.0));
+    }
+
+    #[test]
+    fn keys_are_in_the_order_of_letters() {
+        let mut keys = [Axis::X, Axis::C, Axis::A, Axis::Y].map(AxisKey::of_deviation);
+        keys.sort();
+        assert_eq!(keys.map(AxisKey::letter), ['A', 'C', 'X', 'Y']);
     }
 }

@@ -1,24 +1,24 @@
-//! The working plane in space: plane coordinates for contours, also where a frame has tilted or mirrored the plane.
+//! Working plane in space: plane coordinates for contours, including planes that a frame has tilted or mirrored.
 
 use super::{Arc, Axis, AxisVector, Frame, Matrix, Plane, Vector};
 
-/// Directions nearer than this are the same.
+/// Two directions are equal if they differ by less than this.
 const SAME_DIRECTION: f64 = 1e-12;
 
-/// A right-handed orthonormal basis: abscissa, ordinate, normal.
+/// Right-handed orthonormal basis: abscissa, ordinate, normal.
 ///
-/// Behind a mirroring frame the normal points the other way, so that a programmed counter-clockwise arc is counter-clockwise in
-/// plane coordinates whatever the frame does, and left stays left.
+/// With a mirroring frame the normal is reversed. So a programmed counter-clockwise arc is counter-clockwise in plane coordinates for any frame, and left
+/// stays left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlaneBasis {
-    /// Along the machine's axes.
+    /// Along the axes of the machine.
     Principal(Plane),
     /// Columns: abscissa, ordinate, normal.
     Tilted(Matrix),
 }
 
 impl PlaneBasis {
-    /// The plane as a frame places it; `None` where the frame squeezes it flat.
+    /// Returns the plane as transformed by a frame; `None` if the frame makes it degenerate.
     #[must_use]
     pub fn behind(frame: &Frame, plane: Plane) -> Option<PlaneBasis> {
         if frame.is_translation() {
@@ -31,7 +31,7 @@ impl PlaneBasis {
         Some(PlaneBasis::Tilted(Matrix::from_columns(&[first, second, first.cross(&second)])))
     }
 
-    /// Plane coordinates of a position, mm.
+    /// Returns the plane coordinates of a position, mm.
     #[must_use]
     pub fn flat(&self, position: &AxisVector) -> [f64; 2] {
         match self {
@@ -46,7 +46,7 @@ impl PlaneBasis {
         }
     }
 
-    /// Distance of a position from the plane through the origin, mm.
+    /// Returns the distance of a position from the parallel plane through the origin, mm.
     #[must_use]
     pub fn height(&self, position: &AxisVector) -> f64 {
         match self {
@@ -55,7 +55,7 @@ impl PlaneBasis {
         }
     }
 
-    /// X Y Z of plane coordinates and height, mm.
+    /// Returns X Y Z of plane coordinates and height, mm.
     #[must_use]
     pub fn lift(&self, flat: [f64; 2], height: f64) -> Vector {
         match self {
@@ -71,7 +71,7 @@ impl PlaneBasis {
         }
     }
 
-    /// A position with other plane coordinates, its height and the other axes unchanged. Bits of untouched axes are kept.
+    /// Returns a position with other plane coordinates; its height and the other axes are unchanged. Untouched axes keep every bit.
     #[must_use]
     pub fn moved(&self, position: &AxisVector, flat: [f64; 2]) -> AxisVector {
         let mut out = *position;
@@ -86,7 +86,7 @@ impl PlaneBasis {
         out
     }
 
-    /// An arc of plane coordinates as one in a principal plane; `None` where the plane is tilted.
+    /// Converts an arc of plane coordinates to one in a principal plane; `None` if the plane is tilted.
     #[must_use]
     pub fn principal_arc(&self, clockwise: bool, center: [f64; 2], extra_turns: u32) -> Option<Arc> {
         match self {

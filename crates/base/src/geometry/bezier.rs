@@ -1,34 +1,34 @@
-//! Rational Bézier curves over all axes: what splines and polynomials become before they are cut into chords.
+//! Rational Bézier curves over all axes: the form of splines and polynomials before they are divided into chords.
 
 use super::{AXES, AXIS_COUNT, AxisVector};
 
-/// Control points of a curve at most: degree 6.
+/// Maximum number of control points of a curve: degree 6.
 const MOST_POINTS: usize = 7;
-/// Halvings of one curve at most.
+/// Maximum number of halvings of one curve.
 const MOST_HALVINGS: u32 = 30;
-/// Radians of a rotary axis count as mm at this arm, about the reach of a workpiece on a table.
+/// Lever arm that converts rotary angles to lengths, mm: about the reach of a workpiece on a table.
 const ROTARY_ARM_MM: f64 = 100.0;
 
-/// A point with its weight: positions times weight, then the weight.
+/// Point with its weight: positions times weight, then the weight.
 pub type Weighted = [f64; AXIS_COUNT + 1];
 
-/// A curve from its first to its last control point.
+/// Curve from its first to its last control point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bezier {
     points: [Weighted; MOST_POINTS],
     count: usize,
 }
 
-/// Why a curve has no chords.
+/// Reason why a curve cannot be divided into chords.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveFault {
-    /// A weight is not above 0: the curve goes through infinity.
+    /// A weight is not positive: the curve goes through infinity.
     Nowhere,
-    /// More chords than there may be.
+    /// More chords than permitted.
     TooManyChords,
 }
 
-/// A position with a weight.
+/// Returns a position with a weight.
 #[must_use]
 pub fn weighted(position: &AxisVector, weight: f64) -> Weighted {
     let mut out = [weight; AXIS_COUNT + 1];
@@ -39,7 +39,7 @@ pub fn weighted(position: &AxisVector, weight: f64) -> Weighted {
 }
 
 impl Bezier {
-    /// The curve of two to seven control points; `None` for any other number.
+    /// Creates the curve of two to seven control points; `None` for any other number.
     #[must_use]
     pub fn new(control: &[Weighted]) -> Option<Bezier> {
         let mut points = [[0.0; AXIS_COUNT + 1]; MOST_POINTS];
@@ -52,7 +52,7 @@ impl Bezier {
         Some(Bezier { points, count: control.len() })
     }
 
-    /// The cubic curve between two positions with derivatives by a parameter from 0 to 1.
+    /// Creates the cubic curve between two positions with derivatives by a parameter from 0 to 1.
     #[must_use]
     pub fn hermite(positions: [&AxisVector; 2], derivatives: [&AxisVector; 2]) -> Option<Bezier> {
         let (mut first, mut second) = (*positions[0], *positions[1]);
@@ -63,7 +63,7 @@ impl Bezier {
         Bezier::new(&[positions[0], &first, &second, positions[1]].map(|position| weighted(position, 1.0)))
     }
 
-    /// The curve of a polynomial in a parameter from 0 to 1, coefficients from the constant one on.
+    /// Creates the curve of a polynomial in a parameter from 0 to 1, coefficients in ascending order from the constant one.
     #[must_use]
     pub fn of_powers(coefficients: &[Weighted]) -> Option<Bezier> {
         let degree = coefficients.len().checked_sub(1)?;
@@ -80,17 +80,17 @@ impl Bezier {
         Bezier::new(&control)
     }
 
-    /// The position at a parameter from 0 to 1.
+    /// Returns the position at a parameter from 0 to 1.
     #[must_use]
     pub fn at(&self, parameter: f64) -> AxisVector {
         position(&self.halves(parameter).1.points[0])
     }
 
-    /// Calls `out` with the ends of chords that are no farther than a tolerance from the curve, all but the last: the curve lies in the
-    /// hull of its control points. `budget` is how many there may be, and goes down.
+    /// Calls `out` with the ends of all chords except the last. The chords deviate from the curve by no more than a tolerance: the curve lies in the hull of
+    /// its control points. `budget` is the number of permitted chords and is decremented.
     ///
     /// # Errors
-    /// Where the curve is nowhere, or needs more chords.
+    /// If the curve goes through infinity, or needs more chords.
     pub fn chords(
         &self,
         tolerance_mm: f64,
@@ -126,7 +126,7 @@ impl Bezier {
         self.points.get(..self.count).unwrap_or_default()
     }
 
-    /// The largest distance of a control point from the chord, mm.
+    /// Returns the largest distance of a control point from the chord, mm.
     fn bulge_mm(&self) -> f64 {
         let places: Vec<AxisVector> = self.control().iter().map(|point| scaled(&position(point))).collect();
         let [start, inner @ .., end] = places.as_slice() else { return 0.0 };
@@ -136,13 +136,13 @@ impl Bezier {
             let from_start = *point - *start;
             let share = if square > 0.0 { (dot(&from_start, &chord) / square).clamp(0.0, 1.0) } else { 0.0 };
             let off = *point - start.lerp(end, share);
-            // What is no number is far away.
+            // NaN counts as infinitely far.
             Some(dot(&off, &off)).filter(|square| !square.is_nan()).unwrap_or(f64::INFINITY)
         });
         off.fold(0.0, f64::max).sqrt()
     }
 
-    /// The parts before and behind a parameter (de Casteljau).
+    /// Returns the parts before and after a parameter (de Casteljau).
     fn halves(&self, parameter: f64) -> (Bezier, Bezier) {
         let (mut first, mut second) = (*self, *self);
         let last = self.count - 1;
@@ -167,7 +167,7 @@ fn position(point: &Weighted) -> AxisVector {
     out
 }
 
-/// Rotary axes at their arm.
+/// Converts rotary axes to lengths at their lever arm.
 fn scaled(position: &AxisVector) -> AxisVector {
     let mut out = *position;
     for axis in AXES.into_iter().filter(|axis| axis.is_rotary()) {

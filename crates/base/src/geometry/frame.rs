@@ -1,14 +1,14 @@
-//! A frame: the map from programmed positions to the control's machine positions.
+//! Frame: the map from programmed positions to the machine positions of the control.
 
 use super::{AXES, Axis, AxisSet, AxisVector, Matrix, Plane, Vector};
 
-/// Lengths squared and products of directions nearer than this share are the same.
+/// Relative tolerance for squared lengths and for products of directions.
 const SAME_SHAPE: f64 = 1e-12;
 
-/// `machine = linear · programmed + translation` for X Y Z, and an offset each for U V W A B C.
+/// `machine = linear · programmed + translation` for X Y Z, and one offset each for U V W A B C.
 ///
-/// Sinumerik: the total of base frame, settable frame and programmable frame (TRANS, ROT, SCALE, MIRROR), right-most nearest to the
-/// programmed value. U V W A B C are shifted only.
+/// Sinumerik: the total of base frame, settable frame and programmable frame (TRANS, ROT, SCALE, MIRROR); the right-most one is applied first to the
+/// programmed value. U V W A B C are only shifted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     linear: Matrix,
@@ -19,25 +19,25 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame that changes nothing.
+    /// Returns the identity.
     #[must_use]
     pub fn identity() -> Frame {
         Frame::translation(AxisVector::ZERO)
     }
 
-    /// A frame that only shifts, each axis by its own amount (mm, rad).
+    /// Returns a frame that only shifts, each axis by its own amount (mm, rad).
     #[must_use]
     pub fn translation(offset: AxisVector) -> Frame {
         Frame { linear: Matrix::identity(), inverse: Matrix::identity(), offset, is_translation: true }
     }
 
-    /// A rotation about the origin; the matrix must be orthonormal.
+    /// Returns a rotation about the origin; the matrix must be orthonormal.
     #[must_use]
     pub fn rotation(rotation: Matrix) -> Frame {
         Frame::linear_part(rotation, rotation.transpose())
     }
 
-    /// A scale along X, Y and Z; `None` where a factor cannot be undone.
+    /// Returns a scale along X, Y and Z; `None` if a factor cannot be inverted.
     #[must_use]
     pub fn scale(factors: Vector) -> Option<Frame> {
         let is_sound =
@@ -47,7 +47,7 @@ impl Frame {
         is_good.then(|| Frame::linear_part(Matrix::from_diagonal(&factors), Matrix::from_diagonal(&inverse)))
     }
 
-    /// Mirrors those of X, Y and Z that are in the set.
+    /// Mirrors the axes of the set among X, Y and Z.
     #[must_use]
     pub fn mirror(axes: AxisSet) -> Frame {
         let signs =
@@ -60,13 +60,13 @@ impl Frame {
         Frame { linear, inverse, offset: AxisVector::ZERO, is_translation }
     }
 
-    /// The same with other offsets.
+    /// Returns this frame with other offsets.
     #[must_use]
     pub fn with_offset(self, offset: AxisVector) -> Frame {
         Frame { offset, ..self }
     }
 
-    /// The frame that undoes this one.
+    /// Returns the inverse frame.
     #[must_use]
     pub fn inverse(&self) -> Frame {
         let mut offset = AxisVector::ZERO - self.offset;
@@ -74,8 +74,8 @@ impl Frame {
         Frame { linear: self.inverse, inverse: self.linear, offset, is_translation: self.is_translation }
     }
 
-    /// Which axes are stated where only those in `known` were: with `inward`, of programmed coordinates from machine positions, else the
-    /// other way. An axis that the frame mixes with others is known where all of them are.
+    /// Returns the axes whose positions are known, given those in `known`: with `inward`, programmed coordinates from machine positions, else vice versa. An
+    /// axis that the frame mixes with others is known if all of them are.
     #[must_use]
     pub fn known_across(&self, known: AxisSet, inward: bool) -> AxisSet {
         if self.is_translation {
@@ -99,7 +99,7 @@ impl Frame {
         out
     }
 
-    /// The machine axes that move where the program moves those of a set.
+    /// Returns the machine axes that move if the program moves the axes of a set.
     #[must_use]
     pub fn mixed_with(&self, programmed: AxisSet) -> AxisSet {
         if self.is_translation {
@@ -116,25 +116,25 @@ impl Frame {
         out
     }
 
-    /// Whether the frame only shifts.
+    /// True if the frame only shifts.
     #[must_use]
     pub fn is_translation(&self) -> bool {
         self.is_translation
     }
 
-    /// The shift of every axis, mm and rad.
+    /// Returns the shift of every axis, mm and rad.
     #[must_use]
     pub fn offset(&self) -> &AxisVector {
         &self.offset
     }
 
-    /// The linear part, for directions.
+    /// Returns the linear part, for directions.
     #[must_use]
     pub fn linear(&self) -> &Matrix {
         &self.linear
     }
 
-    /// The frame with this linear part and these offsets; `None` where the linear part cannot be inverted.
+    /// Creates the frame with this linear part and these offsets; `None` if the linear part cannot be inverted.
     #[must_use]
     pub fn new(linear: Matrix, offset: AxisVector) -> Option<Frame> {
         if linear == Matrix::identity() {
@@ -144,13 +144,13 @@ impl Frame {
         Some(Frame { linear, inverse, offset, is_translation: false })
     }
 
-    /// Whether every circle stays one: turned, mirrored, or scaled alike in all directions.
+    /// True if every circle stays a circle: rotated, mirrored, or scaled equally in all directions.
     #[must_use]
     pub fn keeps_shapes(&self) -> bool {
         self.keeps_circles(Plane::XY) && self.keeps_circles(Plane::YZ)
     }
 
-    /// Whether circles of a plane stay circles, and what is across it stays across it: turned, mirrored, or scaled alike.
+    /// True if circles of a plane stay circles, and its normal stays perpendicular to it: rotated, mirrored, or scaled equally.
     #[must_use]
     pub fn keeps_circles(&self, plane: Plane) -> bool {
         if self.is_translation {
@@ -163,7 +163,7 @@ impl Frame {
         off.iter().all(|value| value.abs() <= SAME_SHAPE * size.max(across.norm_squared()))
     }
 
-    /// `self : inner`: first `inner`, then this one.
+    /// Returns `self : inner`: first `inner`, then this frame.
     #[must_use]
     pub fn compose(&self, inner: &Frame) -> Frame {
         let mut offset = self.offset + inner.offset;
@@ -175,7 +175,7 @@ impl Frame {
         Frame { linear, inverse, offset, is_translation: linear == Matrix::identity() }
     }
 
-    /// Programmed to machine.
+    /// Maps a programmed position to the machine position.
     #[must_use]
     pub fn apply(&self, programmed: &AxisVector) -> AxisVector {
         let mut out = *programmed + self.offset;
@@ -185,7 +185,7 @@ impl Frame {
         out
     }
 
-    /// Machine to programmed.
+    /// Maps a machine position to the programmed position.
     #[must_use]
     pub fn unapply(&self, machine: &AxisVector) -> AxisVector {
         let mut out = *machine - self.offset;
@@ -196,25 +196,25 @@ impl Frame {
         out
     }
 
-    /// A direction, programmed to machine.
+    /// Maps a programmed direction to the machine direction.
     #[must_use]
     pub fn apply_direction(&self, programmed: Vector) -> Vector {
         self.linear * programmed
     }
 
-    /// A direction, machine to programmed.
+    /// Maps a machine direction to the programmed direction.
     #[must_use]
     pub fn unapply_direction(&self, machine: Vector) -> Vector {
         self.inverse * machine
     }
 
-    /// How far one of X, Y, Z moves in programmed coordinates for each of the machine's.
+    /// Returns the derivatives of one of X, Y, Z in programmed coordinates by those of the machine.
     #[must_use]
     pub fn unapply_row(&self, axis: Axis) -> [f64; 3] {
         [0, 1, 2].map(|column| self.inverse.get((axis.slot(), column)).copied().unwrap_or_default())
     }
 
-    /// The shift of one axis, mm or rad.
+    /// Returns the shift of one axis, mm or rad.
     #[must_use]
     pub fn shift(&self, axis: Axis) -> f64 {
         self.offset[axis]

@@ -1,4 +1,4 @@
-//! A frame taken apart as a control stores it: translation, fine translation, rotation, scale and mirror.
+//! Frame in components as stored by a control: translation, fine translation, rotation, scale and mirror.
 
 use super::{AxisVector, Frame, Matrix, RotationOrder};
 
@@ -13,13 +13,13 @@ pub struct FrameParts {
     pub rotation: [f64; 3],
     /// SC: factors of X, Y and Z.
     pub scale: [f64; 3],
-    /// MI: which of X, Y and Z are mirrored.
+    /// MI: true for the mirrored axes among X, Y and Z.
     pub mirror: [bool; 3],
 }
 
-/// Angles and factors that are off 0 or 1 by less than this are noise of the arithmetic.
+/// Numerical noise: angles and factors closer than this to 0 or 1 are rounded to these.
 const NOISE: f64 = 1e-14;
-/// How far the columns of a linear part may be off a right angle, as a share of their lengths, to count as rotated.
+/// Maximum deviation of the columns of a linear part from a right angle, as a share of their lengths.
 const SKEW_LIMIT: f64 = 1e-9;
 
 impl Default for FrameParts {
@@ -41,19 +41,19 @@ impl From<AxisVector> for FrameParts {
 }
 
 impl FrameParts {
-    /// Whether it changes nothing.
+    /// True if it changes nothing.
     #[must_use]
     pub fn is_identity(&self) -> bool {
         *self == FrameParts::default()
     }
 
-    /// Shift of every axis, coarse and fine, mm and rad.
+    /// Returns the shift of every axis, coarse and fine, mm and rad.
     #[must_use]
     pub fn shift(&self) -> AxisVector {
         self.translation + self.fine
     }
 
-    /// The linear part, `RT · SC · MI`.
+    /// Returns the linear part, `RT · SC · MI`.
     #[must_use]
     pub fn linear(&self, order: RotationOrder) -> Matrix {
         let mut linear = order.matrix(self.rotation);
@@ -65,13 +65,13 @@ impl FrameParts {
         linear
     }
 
-    /// The frame; `None` where a factor is 0.
+    /// Returns the frame; `None` if a factor is 0.
     #[must_use]
     pub fn frame(&self, order: RotationOrder) -> Option<Frame> {
         Frame::new(self.linear(order), self.shift())
     }
 
-    /// `self : inner`, taken apart again; `None` where the chain has no such parts, as a rotation inside different factors.
+    /// Returns `self : inner` in components; `None` if the chain has no such components, for example a rotation inside different factors.
     #[must_use]
     pub fn chain(&self, inner: &FrameParts, order: RotationOrder) -> Option<FrameParts> {
         let outer = self.linear(order);
@@ -87,7 +87,7 @@ impl FrameParts {
         Some(FrameParts { translation, fine, rotation, scale, mirror })
     }
 
-    /// The parts of a frame, its shift all coarse; of several possible ways with the least mirrors; `None` where it is skew.
+    /// Returns the components of a frame, with its whole shift as coarse; of several solutions the one with the fewest mirrors. `None` if the frame is skew.
     #[must_use]
     pub fn of(frame: &Frame, order: RotationOrder) -> Option<FrameParts> {
         let translation = *frame.offset();
@@ -106,7 +106,7 @@ impl FrameParts {
         parts.min_by(|a, b| turned(&a.rotation).total_cmp(&turned(&b.rotation)))
     }
 
-    /// The frame that undoes this one; `None` where it has no such parts.
+    /// Returns the inverse frame; `None` if it has no such components.
     #[must_use]
     pub fn inverse(&self, order: RotationOrder) -> Option<FrameParts> {
         let frame = self.frame(order)?;
@@ -116,7 +116,7 @@ impl FrameParts {
     }
 }
 
-/// Angles about X, Y, Z and factors of a linear part with given mirrors.
+/// Returns angles about X, Y, Z and factors of a linear part with given mirrors.
 fn taken_apart(linear: &Matrix, mirror: [bool; 3], order: RotationOrder) -> Option<([f64; 3], [f64; 3])> {
     let scale: [f64; 3] = [0, 1, 2].map(|column| {
         let length = linear.column(column).norm();
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn rotation_is_about_x_then_y_then_z() {
-        // Y10 turned by 30 degrees about X, then by 90 degrees about Z.
+        // Y10 rotated by 30 degrees about X, then by 90 degrees about Z.
         let found = apply(&rotated(30.0, 0.0, 90.0), 0.0, 10.0, 0.0);
         assert!((found - Vector::new(-8.660_254_037_844_387, 0.0, 5.0)).norm() < 1e-12, "{found}");
         assert_eq!(apply(&rotated(0.0, 0.0, 90.0), 10.0, 0.0, 0.0), Vector::new(0.0, 10.0, 0.0));

@@ -1,8 +1,7 @@
-//! Axis vectors, frames, lines and arcs: values that evaluate and split themselves, without knowledge of machines.
+//! Axis vectors, frames, lines and arcs: values with their evaluation and subdivision, independent of machines.
 
 mod arc;
 mod axes;
-mod axis_key;
 mod basis;
 mod bezier;
 mod frame;
@@ -11,8 +10,7 @@ mod rotation;
 mod spline;
 
 pub use arc::{Arc, CenterFault, Plane};
-pub use axes::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
-pub use axis_key::AxisKey;
+pub use axes::{AXES, AXIS_COUNT, Axis, AxisKey, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
 pub use basis::PlaneBasis;
 pub use bezier::{Bezier, CurveFault, Weighted, weighted};
 pub use frame::Frame;
@@ -20,7 +18,7 @@ pub use frame_parts::FrameParts;
 pub use rotation::{RotationOrder, about, by_solid_angles};
 pub use spline::{BSpline, SplineEnd, akima_slopes, cubic_slopes};
 
-/// A vector in space, mm or a direction.
+/// Vector in space, mm or a direction.
 pub type Vector = nalgebra::Vector3<f64>;
-/// A 3 × 3 matrix, here always a rotation or a frame's linear part.
+/// 3 × 3 matrix, here always a rotation or the linear part of a frame.
 pub type Matrix = nalgebra::Matrix3<f64>;

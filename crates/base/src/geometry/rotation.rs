@@ -1,13 +1,13 @@
-//! Rotations of space as matrices: about a line, by three angles, by the inclination of a plane.
+//! Rotations in space as matrices: about a line, by three angles, by the inclination of a plane.
 
 use std::f64::consts::FRAC_PI_2;
 
 use super::{Axis, Matrix, Vector};
 
-/// Numbers nearer than this to 0, 1 or −1 are these: the noise of sine and cosine at right angles.
+/// Numerical noise of sine and cosine at right angles: values closer than this to 0, 1 or −1 are rounded to these.
 const NOISE: f64 = 1e-15;
 
-/// In which order up to three angles about X, Y and Z turn (Sinumerik MD10600).
+/// Order of rotation of up to three angles about X, Y and Z (Sinumerik MD10600).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RotationOrder {
     /// About Z, then about the new Y, then about the new X: `Rz · Ry · Rx`.
@@ -18,7 +18,7 @@ pub enum RotationOrder {
 }
 
 impl RotationOrder {
-    /// The rotation by angles about X, Y, Z, rad.
+    /// Returns the rotation by angles about X, Y, Z, rad.
     #[must_use]
     pub fn matrix(self, angles_rad: [f64; 3]) -> Matrix {
         let [x, y, z] = angles_rad;
@@ -29,8 +29,7 @@ impl RotationOrder {
         }
     }
 
-    /// Angles about X, Y, Z, rad, that give a rotation; where several do, the Y angle of RPY is within a quarter turn and the angle that
-    /// stays open is 0.
+    /// Returns angles about X, Y, Z, rad, that give a rotation. If several do, the Y angle of RPY is within ±90°, and an undetermined angle is 0.
     #[must_use]
     pub fn angles_rad(self, rotation: &Matrix) -> [f64; 3] {
         let at = |row: usize, column: usize| rotation[(row, column)];
@@ -39,7 +38,7 @@ impl RotationOrder {
                 let across = at(0, 0).hypot(at(1, 0));
                 let y = (-at(2, 0)).atan2(across);
                 if across < SINGULAR {
-                    // X and Z turn about the same line.
+                    // X and Z rotate about the same line.
                     return [0.0, y, (-at(0, 1)).atan2(at(1, 1))];
                 }
                 [at(2, 1).atan2(at(2, 2)), y, at(1, 0).atan2(at(0, 0))]
@@ -56,10 +55,10 @@ impl RotationOrder {
     }
 }
 
-/// Below this the outer axes of three turns are parallel.
+/// Limit below which the outer axes of three rotations are parallel.
 const SINGULAR: f64 = 1e-12;
 
-/// The rotation about a unit vector by the right-hand rule: Rodrigues' formula. Right angles are exact.
+/// Returns the rotation about a unit vector by the right-hand rule: Rodrigues' formula. Right angles are exact.
 #[must_use]
 pub fn about(axis: &Vector, angle_rad: f64) -> Matrix {
     let (sine, cosine) = angle_rad.sin_cos();
@@ -67,16 +66,16 @@ pub fn about(axis: &Vector, angle_rad: f64) -> Matrix {
     Matrix::identity() * cosine + axis.cross_matrix() * sine + axis * axis.transpose() * (1.0 - cosine)
 }
 
-/// The rotation to a plane that is given by the inclination of its lines in two planes across it: by `first_rad` about `first` and by
+/// Returns the rotation to a plane that is defined by the inclination of its lines in two planes perpendicular to it: by `first_rad` about `first` and by
 /// `second_rad` about `second`, which follows it in the order X Y Z X.
 ///
-/// With X and Y: the new X lies in the old Z X plane, turned about Y; the line of the new plane in the old Y Z plane is turned about X
-/// (Sinumerik ROTS). `None` where two angles are not both below a right angle.
+/// For X and Y: the new X lies in the old Z X plane, rotated about Y; the line of the new plane in the old Y Z plane is rotated about X (Sinumerik ROTS).
+/// `None` if there are two angles and one of them is not below a right angle.
 #[must_use]
 pub fn by_solid_angles(first: Axis, first_rad: f64, second_rad: f64) -> Option<Matrix> {
     let base = first.dimension();
     let unit = |k: usize| Vector::ith((base + k) % 3, 1.0);
-    // One angle alone turns about its axis, however far.
+    // A single angle rotates about its axis by any amount.
     if second_rad == 0.0 {
         return Some(about(&unit(0), first_rad));
     }
@@ -137,14 +136,14 @@ mod tests {
             assert!((rotation * rotation.transpose() - Matrix::identity()).norm() < 1e-14);
             assert!((rotation.determinant() - 1.0).abs() < 1e-14);
             let normal = rotation * Vector::ith((k + 2) % 3, 1.0);
-            // The line across the first axis at 0.3 rad from the second, the one across the second at 0.5 rad.
+            // The line perpendicular to the first axis at 0.3 rad from the second, the one perpendicular to the second at 0.5 rad.
             let line = Vector::ith((k + 1) % 3, 0.3_f64.cos()) + Vector::ith((k + 2) % 3, 0.3_f64.sin());
             assert!(normal.dot(&line).abs() < 1e-14, "{first}");
             let abscissa = rotation * Vector::ith(k, 1.0);
             let expected = Vector::ith(k, 0.5_f64.cos()) - Vector::ith((k + 2) % 3, 0.5_f64.sin());
             assert!((abscissa - expected).norm() < 1e-14, "{first}");
         }
-        // One angle alone is a turn about its axis.
+        // A single angle is a rotation about its axis.
         assert!((by_solid_angles(Axis::X, 0.3, 0.0).unwrap() - about(&Vector::x(), 0.3)).norm() < 1e-14);
     }
 }

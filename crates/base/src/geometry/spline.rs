@@ -3,25 +3,25 @@
 use super::bezier::{Bezier, Weighted};
 use super::{AXIS_COUNT, AxisVector};
 
-/// What holds at an end of a spline through points.
+/// End condition of a spline through points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SplineEnd {
-    /// No curvature.
+    /// Zero curvature.
     Natural,
-    /// The derivative by the parameter.
+    /// Given derivative by the parameter.
     Tangent(AxisVector),
-    /// What the points themselves suggest.
+    /// Condition derived from the points.
     Automatic,
 }
 
-/// Derivatives of an Akima spline at its points: `chords` are the slopes between the points by the parameter, `lengths` the parameter's
-/// steps (Akima 1970). Weights are lengths of vectors, so that turning the points turns the curve.
+/// Returns the derivatives of an Akima spline at its points: `chords` are the slopes between the points by the parameter, `lengths` the steps of the
+/// parameter (Akima 1970). Weights are lengths of vectors, so rotating the points rotates the curve.
 #[must_use]
 pub fn akima_slopes(chords: &[AxisVector], lengths: &[f64], ends: [SplineEnd; 2]) -> Vec<AxisVector> {
     let (Some(&first), Some(&last)) = (chords.first(), chords.last()) else { return Vec::new() };
     let second = *chords.get(1).unwrap_or(&first);
     let last_but_one = *chords.iter().rev().nth(1).unwrap_or(&last);
-    // Two slopes beyond each end, as if a parabola went on.
+    // Two slopes beyond each end, as if a parabola continued.
     let before = sum(2.0, &first, -1.0, &second);
     let behind = sum(2.0, &last, -1.0, &last_but_one);
     let mut all = vec![sum(2.0, &before, -1.0, &first), before];
@@ -62,8 +62,8 @@ pub fn akima_slopes(chords: &[AxisVector], lengths: &[f64], ends: [SplineEnd; 2]
     slopes
 }
 
-/// Derivatives at the points of the cubic spline with continuous curvature, see [`akima_slopes`] for the arguments. An automatic end
-/// has no knot at the point next to it: one cubic leads through the first three points.
+/// Returns the derivatives at the points of the cubic spline with continuous curvature; see [`akima_slopes`] for the arguments. An automatic end has no knot
+/// at the point next to it: one cubic passes through the first three points.
 #[must_use]
 pub fn cubic_slopes(chords: &[AxisVector], lengths: &[f64], ends: [SplineEnd; 2]) -> Vec<AxisVector> {
     let count = chords.len().min(lengths.len());
@@ -104,7 +104,7 @@ pub fn cubic_slopes(chords: &[AxisVector], lengths: &[f64], ends: [SplineEnd; 2]
     solve(rows)
 }
 
-/// Both ends automatic and three points: the parabola through them.
+/// Returns the slopes of the parabola through three points, if both ends are automatic.
 fn parabola(chords: &[AxisVector], lengths: &[f64]) -> Vec<AxisVector> {
     let ([first, second], [before, behind]) = (chords, lengths) else { return Vec::new() };
     let both = before + behind;
@@ -112,7 +112,7 @@ fn parabola(chords: &[AxisVector], lengths: &[f64]) -> Vec<AxisVector> {
     vec![sum(2.0, first, -1.0, &middle), middle, sum(2.0, second, -1.0, &middle)]
 }
 
-/// Thomas' algorithm; the rows are diagonally dominant, or nearly so at the ends.
+/// Solves the system by the Thomas algorithm; the rows are diagonally dominant, or nearly so at the ends.
 fn solve(mut rows: Vec<(f64, f64, f64, AxisVector)>) -> Vec<AxisVector> {
     for k in 1..rows.len() {
         let (_, on, above, right) = rows[k - 1];
@@ -133,7 +133,7 @@ fn solve(mut rows: Vec<(f64, f64, f64, AxisVector)>) -> Vec<AxisVector> {
     slopes
 }
 
-/// A B-spline that begins at its first and ends at its last control point, knots at equal distances.
+/// B-spline that begins at its first and ends at its last control point, with equally spaced knots.
 #[derive(Clone, Debug)]
 pub struct BSpline {
     degree: usize,
@@ -141,24 +141,24 @@ pub struct BSpline {
 }
 
 impl BSpline {
-    /// Degree 1 to 3, lower where there are too few control points; `None` with less than two.
+    /// Creates a B-spline of degree 1 to 3, lower if there are too few control points; `None` with fewer than two.
     #[must_use]
     pub fn new(degree: usize, control: Vec<Weighted>) -> Option<BSpline> {
         let most = control.len().checked_sub(1)?;
         (most > 0).then(|| BSpline { degree: degree.clamp(1, 3).min(most), control })
     }
 
-    /// Number of polynomial pieces.
+    /// Returns the number of polynomial pieces.
     #[must_use]
     pub fn pieces(&self) -> usize {
         self.control.len() - self.degree
     }
 
-    /// The curve between two parameters of one piece; parameters run from 0 to the number of pieces.
+    /// Returns the curve between two parameters of one piece; parameters run from 0 to the number of pieces.
     #[must_use]
     pub fn part(&self, from: f64, to: f64) -> Option<Bezier> {
         let middle = 0.5 * (from + to);
-        // In range by construction: pieces are at least one.
+        // In range by construction: there is at least one piece.
         let piece = (middle.floor().max(0.0) as usize).min(self.pieces() - 1);
         let control: Option<Vec<Weighted>> = (0..=self.degree)
             .map(|k| {
@@ -169,7 +169,7 @@ impl BSpline {
         Bezier::new(&control?)
     }
 
-    /// The polar form of a piece: one argument for every step of de Boor's algorithm.
+    /// Returns the polar form of a piece: one argument for every step of de Boor's algorithm.
     fn blossom(&self, piece: usize, arguments: &[f64]) -> Option<Weighted> {
         let degree = self.degree;
         let mut points: Vec<Weighted> = self.control.get(piece..=piece + degree)?.to_vec();
@@ -188,7 +188,7 @@ impl BSpline {
         points.last().copied()
     }
 
-    /// Knots: 0 at the start and the number of pieces at the end, degree + 1 times each.
+    /// Returns a knot: 0 at the start and the number of pieces at the end, degree + 1 times each.
     fn knot(&self, index: usize) -> f64 {
         index.saturating_sub(self.degree).min(self.pieces()) as f64
     }
@@ -229,7 +229,7 @@ mod tests {
         (lengths, found)
     }
 
-    /// Akima's own example (Journal of the ACM 17, 1970): y = 10 up to x = 5, then rising; slopes by his formula, by hand.
+    /// Akima's own example (Journal of the ACM 17, 1970): y = 10 up to x = 5, then rising; slopes calculated manually by his formula.
     #[test]
     fn akima_slopes_are_those_of_the_formula() {
         let x: Vec<f64> = (0..11).map(f64::from).collect();
@@ -282,7 +282,7 @@ mod tests {
                 _ => assert!(right(3).abs() < 1e-10),
             }
         }
-        // Three points, both ends automatic: y = x² comes back.
+        // Three points, both ends automatic: reproduces y = x².
         let (_, s) = curve(&[0.0, 1.0, 9.0], &[0.0, 1.0, 3.0], |c, l| cubic_slopes(c, l, [SplineEnd::Automatic; 2]));
         for (slope, wanted) in s.iter().zip([0.0, 2.0, 6.0]) {
             assert!((slope[Axis::Y] - wanted).abs() < 1e-12);

@@ -1,8 +1,8 @@
-//! Fisher's F: how likely so large a ratio of two variances is by chance.
+//! Fisher's F distribution: p-values of variance ratios.
 
 use super::student::incomplete_beta;
 
-/// Chance of a ratio at least this large with `above` degrees of freedom over `below`; 1 where there are none.
+/// Returns the p-value of a ratio at least this large with `above` degrees of freedom over `below`; 1 if there are no degrees of freedom.
 #[must_use]
 pub fn exceeded(ratio: f64, above: f64, below: f64) -> f64 {
     if !(ratio > 0.0 && above > 0.0 && below > 0.0) {

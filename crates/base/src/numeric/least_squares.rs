@@ -1,57 +1,56 @@
 //! Weighted linear least squares of many rows and few columns, with rank, covariance and null space.
 //!
-//! Rows are folded into a triangle as they come (QR by Householder reflections, block by block), so that memory does not grow with their
-//! number; the singular values are those of the triangle with columns of unit length. What the data cannot tell is left at zero and named by
-//! the null space, never filled with noise.
+//! Rows are folded into a triangle as they arrive (QR by Householder reflections, block by block), so memory does not grow with their number. The singular
+//! values are those of the triangle with columns of unit length. Combinations that are not identifiable from the data stay zero and are listed in the null
+//! space; they are never filled with noise.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Rows that are folded at once, at least; more where there are many columns.
+/// Minimum number of rows that are folded at once; more if there are many columns.
 const BLOCK: usize = 512;
-/// Singular values below this share of the largest one are zero. Plans of the literature have their last one at 2e-4 and the next one, which is
-/// arithmetic, at 1e-16; where positions scatter a little about what would be confounded, it is somewhere between. At 1e-6, noise of 1 µm
-/// would be millimetres of errors that cancel each other.
+/// Singular values below this share of the largest one are zero. Measurement plans in the literature have their last one at 2e-4, and the next one, which is
+/// numerical noise, at 1e-16. If positions scatter slightly about a confounded arrangement, it lies in between. At 1e-6, noise of 1 µm would become
+/// millimetres of errors that cancel each other.
 pub const RANK_LIMIT: f64 = 1e-6;
-/// Parts of the null space that are larger are no rounding.
+/// Components of the null space above this are not rounding errors.
 const LOST: f64 = 1e-6;
-/// The decomposition gives up after this many steps.
+/// Maximum number of steps of the decomposition.
 const MAX_SWEEPS: usize = 100_000;
 
-/// A system that grows row by row.
+/// System that grows row by row.
 #[derive(Clone, Debug)]
 pub struct System {
     columns: usize,
-    /// The triangle, and rows that are not folded yet below it; the value stands in the last column.
+    /// Triangle, with rows below it that are not folded yet; the value is in the last column.
     pending: DMatrix<f64>,
     filled: usize,
     rows: usize,
 }
 
-/// The solution of a system.
+/// Solution of a system.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// The unknowns.
+    /// Unknowns.
     pub unknowns: DVector<f64>,
     /// (JᵀJ)⁺: covariance at unit noise.
     pub cofactors: DMatrix<f64>,
-    /// Singular values of the system with columns of unit length, the largest first.
+    /// Singular values of the system with columns of unit length, in descending order.
     pub singular_values: Vec<f64>,
-    /// How many of them are not zero.
+    /// Number of nonzero singular values.
     pub rank: usize,
-    /// Directions that the data cannot tell, each of unit length, by columns of unit length: the parts of a direction are sizes of effects,
-    /// whatever the units of the unknowns.
+    /// Directions that are not identifiable, each of unit length, by columns of unit length: the components of a direction are sizes of effects, whatever the
+    /// units of the unknowns.
     pub null_space: Vec<DVector<f64>>,
     /// Sum of the squared residuals.
     pub squares: f64,
-    /// Rows less rank.
+    /// Degrees of freedom: rows minus rank.
     pub freedom: usize,
-    /// Variance inflation of every unknown: how much its variance grows because others are free; 1 where it stands alone, infinite where
-    /// it is in the null space.
+    /// Variance inflation of every unknown: the growth of its variance because others are free; 1 if it is uncorrelated, infinite if it is in the null space.
     pub inflation: Vec<f64>,
 }
 
 impl System {
-    /// A system without rows.
+    /// Creates a system without rows.
     #[must_use]
     pub fn new(columns: usize) -> System {
         let rows = (columns + 1) + BLOCK.max(columns + 1);
@@ -82,13 +81,13 @@ impl System {
         }
     }
 
-    /// Rows so far.
+    /// Returns the number of rows so far.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Takes an unknown out: its factors are zero in all rows so far.
+    /// Removes an unknown: its factors are set to zero in all rows so far.
     pub fn clear(&mut self, column: usize) {
         // The triangle of rows without a column is the triangle without it.
         if column < self.columns {
@@ -96,7 +95,7 @@ impl System {
         }
     }
 
-    /// The same rows with the unknowns from `first` on only.
+    /// Returns the system of all rows with only the unknowns from `first` on.
     #[must_use]
     pub fn behind(&self, first: usize) -> System {
         let mut out = System::new(self.columns.saturating_sub(first));
@@ -110,18 +109,18 @@ impl System {
         out
     }
 
-    /// Solves it with [`RANK_LIMIT`]; `None` where it has numbers that are not finite.
+    /// Solves it with [`RANK_LIMIT`]; `None` if it contains numbers that are not finite.
     #[must_use]
     pub fn solve(self) -> Option<Solution> {
         self.solve_to(RANK_LIMIT)
     }
 
-    /// Solves it with a limit of its own for singular values, as a share of the largest one.
+    /// Solves it with a given limit for singular values, as a share of the largest one.
     #[must_use]
     pub fn solve_to(mut self, limit: f64) -> Option<Solution> {
         self.fold();
         let n = self.columns;
-        // Square, so that all right singular vectors are there.
+        // Square, so that all right singular vectors exist.
         let height = self.filled.max(n);
         let mut matrix = self.pending.view((0, 0), (height, n)).into_owned();
         let values = self.pending.view((0, n), (height, 1)).column(0).into_owned();
@@ -171,7 +170,7 @@ impl System {
             singular_values,
             rank,
             null_space,
-            // Not the difference of the squares, of which nothing is left where the fit is good.
+            // Not the difference of the squares, which loses all digits if the fit is good.
             squares: (values - explained).norm_squared(),
             freedom: self.rows.saturating_sub(rank),
             inflation,
@@ -180,7 +179,7 @@ impl System {
 }
 
 impl Solution {
-    /// Largest by smallest singular value that is not zero, of columns of unit length.
+    /// Returns the condition number: largest by smallest nonzero singular value, for columns of unit length.
     #[must_use]
     pub fn condition(&self) -> f64 {
         match (self.singular_values.first(), self.rank.checked_sub(1).and_then(|last| self.singular_values.get(last))) {
@@ -196,7 +195,7 @@ mod tests {
 
     #[test]
     fn a_line_through_points() {
-        // y = 2 + 3 x with residuals 1, -2, 1 at 0, 1, 2: at right angles to both columns.
+        // y = 2 + 3 x with residuals 1, -2, 1 at 0, 1, 2: orthogonal to both columns.
         let mut system = System::new(2);
         for (x, y) in [(0.0, 3.0), (1.0, 3.0), (2.0, 9.0)] {
             system.add(&[1.0, x], y, 1.0);

@@ -1,46 +1,46 @@
-//! Regressions without some of their columns, from one with all of them.
+//! Regressions without some of their columns, derived from one with all of them.
 //!
-//! In the basis of a regression with all columns each column is a few numbers, and so is what is explained. What some columns say beside any of the others
-//! then takes sums over these numbers in place of sums over all rows.
+//! In the basis of a regression with all columns, each column is represented by a few numbers, and so is the explained part. The contribution of some columns
+//! beside any others then needs sums over these numbers instead of sums over all rows.
 
 use super::series::{CLEAR, DEPENDENT, Gain, Series};
 use super::sums::dot;
 
-/// A regression with groups of columns any of which may be left out.
+/// Regression with groups of columns, any of which may be left out.
 #[derive(Clone, Debug)]
 pub struct LeaveOut {
     whole: Series,
-    /// Columns of the basis that stay.
+    /// Number of columns of the basis that stay.
     before: usize,
     columns: Vec<Column>,
-    /// What each column of the basis behind those explains.
+    /// Part that each further column of the basis explains.
     explained: Vec<f64>,
 }
 
-/// A column by what it is of the columns of the basis behind those that stay.
+/// Column as components along the columns of the basis after those that stay.
 #[derive(Clone, Debug)]
 struct Column {
     group: usize,
-    /// Of all of it.
+    /// Length of the whole column.
     length: f64,
     shares: Vec<f64>,
 }
 
-/// A group beside some others.
+/// Group beside some others.
 #[derive(Clone, Debug)]
 pub struct Beside {
-    /// What it explains.
+    /// Improvement by the group.
     pub gain: Gain,
     /// Columns of the basis without it.
     pub rank: usize,
-    /// Sum of the squares that is left without it.
+    /// Residual sum of squares without it.
     pub squares: f64,
-    /// What each of its columns has of its own, by column of the basis; none of those that have nothing.
+    /// Independent part of each of its columns, by column of the basis; dependent columns are omitted.
     own: Vec<Vec<f64>>,
 }
 
 impl LeaveOut {
-    /// Takes groups of columns into a series behind what it has, which stays.
+    /// Adds groups of columns to a series after its existing columns, which stay.
     #[must_use]
     pub fn new(mut whole: Series, groups: &[Vec<Vec<f64>>]) -> LeaveOut {
         let before = whole.rank();
@@ -57,13 +57,13 @@ impl LeaveOut {
         LeaveOut { whole, before, columns, explained }
     }
 
-    /// With all of them.
+    /// Returns the regression with all groups.
     #[must_use]
     pub fn whole(&self) -> &Series {
         &self.whole
     }
 
-    /// What is left with some groups only, whitened.
+    /// Returns the residuals with some groups only, whitened.
     #[must_use]
     pub fn left(&self, some: &[usize]) -> Vec<f64> {
         let basis = self.basis(some);
@@ -74,7 +74,7 @@ impl LeaveOut {
         left
     }
 
-    /// A group beside some others.
+    /// Returns a group beside some others.
     #[must_use]
     pub fn beside(&self, group: usize, others: &[usize]) -> Beside {
         let basis = self.basis(others);
@@ -101,7 +101,7 @@ impl LeaveOut {
         }
     }
 
-    /// What each column of a group has of its own, by row, whitened.
+    /// Returns the independent part of each column of a group, by row, whitened.
     pub fn own<'b>(&'b self, beside: &'b Beside) -> impl Iterator<Item = Vec<f64>> + 'b {
         beside.own.iter().map(|shares| {
             let mut rows = vec![0.0; self.whole.left().len()];
@@ -115,7 +115,7 @@ impl LeaveOut {
         behind.iter().zip(shares).filter(|(_, share)| **share != 0.0).for_each(|(own, share)| own.add(*share, to));
     }
 
-    /// Some groups at right angles to each other.
+    /// Returns an orthonormal basis of some groups.
     fn basis(&self, some: &[usize]) -> Vec<Vec<f64>> {
         let mut basis: Vec<Vec<f64>> = Vec::new();
         for column in self.columns.iter().filter(|column| some.contains(&column.group)) {
@@ -125,11 +125,11 @@ impl LeaveOut {
     }
 }
 
-/// The part of a column at right angles to a basis, of unit length, and its length.
+/// Returns the part of a column perpendicular to a basis, normalized to unit length, and its length.
 fn direction(column: &Column, basis: &[Vec<f64>]) -> Option<(Vec<f64>, f64)> {
     let mut direction = column.shares.clone();
     let mut own = 0.0;
-    // Twice where little is left: what rounding leaves of the first time.
+    // Twice if little remains, to remove the rounding errors of the first pass.
     for _ in 0..2 {
         take_out_all(&mut direction, basis);
         own = dot(&direction, &direction).sqrt();
@@ -167,7 +167,7 @@ mod tests {
         let values: Vec<f64> = (0..rows).map(|row| ((row * 7919) % 101) as f64 / 50.0 - 1.0).collect();
         let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<f64>>();
         let [one, two, three] = [wave(rows, 0.31), wave(rows, 0.83), wave(rows, 1.7)];
-        // The third group has a column of its own and one that the first two have together; the fourth is the second once more.
+        // The third group has one independent column and one that is the sum of the first two; the fourth is a copy of the second.
         let groups = vec![
             vec![one.clone()],
             vec![two.clone()],
@@ -202,7 +202,7 @@ mod tests {
             assert!((beside.squares - plain.squares()).abs() < 1e-9 * plain.squares());
             let left = all.left(&others);
             assert!(left.iter().zip(plain.left()).all(|(a, b)| (a - b).abs() < 1e-9));
-            // What says nothing of its own is missing among those that do.
+            // Dependent columns are missing among the independent parts.
             let mut own = all.own(&beside);
             for column in &groups[group] {
                 let mut plain = plain.clone();

@@ -1,4 +1,4 @@
-//! Least squares, the choice of columns, and statistics: plain arithmetic that knows no machine tools.
+//! Least squares, selection of columns, and statistics: plain arithmetic, independent of machine tools.
 
 pub mod fisher;
 pub mod least_squares;

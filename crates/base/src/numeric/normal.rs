@@ -1,13 +1,13 @@
-//! Weighted normal equations: quicker than folding rows into a triangle, at the price of half the digits.
+//! Weighted normal equations: faster than folding rows into a triangle, but with half the digits.
 //!
-//! Good for steps that are taken again: what a step misses the next one finds. Rank and covariance come from [`super::System`].
+//! Suitable for iterated steps: the next step corrects the errors of the current one. Rank and covariance come from [`super::System`].
 
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DVector};
 
-/// Rows that are multiplied at once.
+/// Number of rows that are multiplied at once.
 const BLOCK: usize = 256;
-/// Steps by matrices that are further from regular than this have too few digits; of columns of unit length.
+/// Smallest pivot, for columns of unit length; a matrix that is closer to singular leaves too few digits.
 const LEAST_PIVOT: f64 = 1e-10;
 
 /// JᵀWJ, for each of several groups of rows, and JᵀWr.
@@ -15,25 +15,25 @@ const LEAST_PIVOT: f64 = 1e-10;
 pub struct Normal {
     groups: Vec<DMatrix<f64>>,
     right: DVector<f64>,
-    /// Rows that are not multiplied yet, one in each column, all of one group.
+    /// Rows that are not multiplied yet, one per column, all of one group.
     pending: DMatrix<f64>,
     filled: usize,
     group: usize,
 }
 
-/// A step.
+/// Step of the iteration.
 #[derive(Clone, Debug)]
 pub struct NormalStep {
-    /// The unknowns.
+    /// Unknowns.
     pub unknowns: DVector<f64>,
     /// Their variances at unit noise.
     pub variances: DVector<f64>,
-    /// How many unknowns each group of rows has used up; their sum is the number of unknowns.
+    /// Degrees of freedom used by each group of rows; their sum is the number of unknowns.
     pub used: Vec<f64>,
 }
 
 impl Normal {
-    /// Equations without rows.
+    /// Creates equations without rows.
     #[must_use]
     pub fn new(columns: usize, groups: usize) -> Normal {
         Normal {
@@ -45,7 +45,7 @@ impl Normal {
         }
     }
 
-    /// Adds a row of a group: factors, value and weight (1/σ). Rows of one group in a row are quicker.
+    /// Adds a row of a group: factors, value and weight (1/σ). Consecutive rows of one group are faster.
     pub fn add(&mut self, group: usize, factors: &[f64], value: f64, weight: f64) {
         if self.filled == BLOCK || group != self.group {
             self.multiply();
@@ -68,7 +68,7 @@ impl Normal {
         self.filled = 0;
     }
 
-    /// Solves them; `None` where the matrix is not safely regular.
+    /// Solves them; `None` if the matrix is not safely regular.
     #[must_use]
     pub fn solve(mut self) -> Option<NormalStep> {
         self.multiply();

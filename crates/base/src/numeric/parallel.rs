@@ -1,37 +1,38 @@
-//! Work that all cores share, with results that do not depend on how many there are.
+//! Parallel work on all cores, with results that do not depend on the number of cores.
 
 use std::sync::mpsc;
 use std::thread;
 
 use rayon::prelude::*;
 
-/// Works on all of them at once; the results are in their order.
+/// Processes all items in parallel; the results are in their order.
 ///
 /// # Panics
-/// Where the work does.
+/// If the work panics.
 #[must_use]
 pub fn in_parts<T: Sync, R: Send>(all: &[T], work: &(dyn Fn(&T) -> R + Sync)) -> Vec<R> {
     all.par_iter().map(work).collect()
 }
 
-/// Does both at once.
+/// Runs both in parallel.
 ///
 /// # Panics
-/// Where one of them does.
+/// If one of them panics.
 pub fn both<A: Send, B: Send>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B + Send) -> (A, B) {
     rayon::join(one, other)
 }
 
-/// Works on the numbers below `count` at once; the results are in their order. `progress` is told in the thread of the caller how many are done.
+/// Processes the numbers below `count` in parallel; the results are in their order. `progress` gets the number of completed ones, in the thread of the
+/// caller.
 ///
 /// # Panics
-/// Where the work does.
+/// If the work panics.
 #[must_use]
 pub fn repeated<R: Send>(count: usize, work: &(dyn Fn(usize) -> R + Sync), progress: &mut dyn FnMut(u64)) -> Vec<R> {
     let (sender, results) = mpsc::channel();
     let mut found: Vec<(usize, R)> = thread::scope(|scope| {
         scope.spawn(move || {
-            // The receiver waits until the last sender is gone.
+            // The receiver waits until the last sender is dropped.
             (0..count).into_par_iter().for_each_with(sender, |sender, number| {
                 let _ = sender.send((number, work(number)));
             });

@@ -1,18 +1,19 @@
-//! Where a function of one number is largest, in few trials.
+//! Maximum of a function of one variable, in few evaluations.
 
-/// The share of an interval that each trial leaves where a parabola does not help, from the golden section.
+/// Share of an interval for each step of the golden section, used if a parabola does not help.
 const SHARE: f64 = 0.381_966_011_250_105_2;
 
-/// Where `of` is largest between two numbers, to within `close` of it, and how large it is there: parabolas through the best trials, the golden section
-/// where these lead nowhere (Brent, *Algorithms for Minimization without Derivatives*, 1973, chapter 5). A function with several peaks gives one of them.
+/// Returns the position of the maximum of `of` between two numbers, to within `close`, and its value. The method uses parabolas through the best points, and
+/// the golden section if these fail (Brent, *Algorithms for Minimization without Derivatives*, 1973, chapter 5). For a function with several peaks it returns
+/// one of them.
 #[must_use]
 pub fn peak(low: f64, high: f64, close: f64, most: usize, of: &dyn Fn(f64) -> f64) -> (f64, f64) {
     let (mut low, mut high) = (low.min(high), low.max(high));
     let mut best = low + SHARE * (high - low);
     let mut at_best = of(best);
-    // The second and third best.
+    // Second and third best point.
     let [(mut second, mut at_second), (mut third, mut at_third)] = [(best, at_best); 2];
-    // The last step, and the one before it.
+    // Last step, and the one before it.
     let (mut step, mut earlier) = (0.0_f64, 0.0_f64);
     for _ in 1..most {
         let middle = f64::midpoint(low, high);
@@ -20,7 +21,7 @@ pub fn peak(low: f64, high: f64, close: f64, most: usize, of: &dyn Fn(f64) -> f6
             break;
         }
         let parabola = vertex([(best, at_best), (second, at_second), (third, at_third)]);
-        // It must lead inside, and by less than half of the step before the last: else it does not converge.
+        // It must lead inside, and by less than half of the step before the last; otherwise it does not converge.
         let by_parabola = parabola.map(|vertex| vertex - best).filter(|by| {
             earlier.abs() > close && by.abs() < 0.5 * earlier.abs() && best + by > low && best + by < high
         });
@@ -49,7 +50,7 @@ pub fn peak(low: f64, high: f64, close: f64, most: usize, of: &dyn Fn(f64) -> f6
     (best, at_best)
 }
 
-/// Where the parabola through three points turns; `None` where they are on a line.
+/// Returns the vertex of the parabola through three points; `None` if they are on a line.
 fn vertex([(a, at_a), (b, at_b), (c, at_c)]: [(f64, f64); 3]) -> Option<f64> {
     let (by_b, by_c) = ((a - b) * (at_a - at_c), (a - c) * (at_a - at_b));
     let under = 2.0 * (by_b - by_c);
@@ -97,7 +98,7 @@ mod tests {
             (50.0 * x).sin() - (x * 7.0).fract()
         });
         assert_eq!(count.get(), 7);
-        // Nothing is said by what is not a number.
+        // NaN gives no information.
         assert!(peak(0.0, 1.0, 1e-6, 20, &|_| f64::NAN).0.is_finite());
         assert!((0.0..=1.0).contains(&peak(0.0, 1.0, 1e-6, 20, &|_| 1.0).0));
     }

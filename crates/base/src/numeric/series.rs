@@ -1,8 +1,7 @@
-//! Linear regression on rows that come in series whose noise remembers: each residual is ρ times the one before plus something new.
+//! Linear regression on rows in series with autocorrelated noise: each residual is ρ times the previous one plus independent noise.
 //!
-//! Rows are whitened – every row less ρ times the one before it in its series – and regressed on as if they were independent (Cochrane &
-//! Orcutt 1949). Columns are taken into an orthonormal basis one after the other, so that what a further column would explain beside them is
-//! known without solving anything.
+//! Rows are whitened – every row minus ρ times the one before it in its series – and then regressed as if they were independent (Cochrane & Orcutt 1949).
+//! Columns are added to an orthonormal basis one after the other. So the contribution of a further column is known without solving a system.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,17 +10,17 @@ use nalgebra::{DMatrix, DVector};
 
 use super::sums::dot;
 
-/// A column of which less than this share of its length is left beside the others says nothing of its own.
+/// A column whose residual beside the others is below this share of its length is linearly dependent.
 pub(super) const DEPENDENT: f64 = 1e-6;
-/// Where this share of the length is left, rounding leaves nothing that counts.
+/// Share of the length above which rounding errors are negligible.
 pub(super) const CLEAR: f64 = 0.1;
-/// Memory beyond this is a random walk, of which one long row is left.
+/// Maximum autocorrelation: beyond it the noise is a random walk, equivalent to a single long row.
 const MOST_MEMORY: f64 = 0.98;
 
 /// Series of rows with weights, and a basis of columns.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// The row before each one in its series.
+    /// Previous row in the series of each row.
     before: Arc<Vec<Option<usize>>>,
     weights: Arc<Vec<f64>>,
     memory: f64,
@@ -29,28 +28,28 @@ pub struct Series {
     left: Vec<f64>,
 }
 
-/// A column of a basis: of unit length, whitened, and zero but for some rows that follow each other; what belongs to one set-up is short.
+/// Column of a basis: of unit length, whitened, and nonzero only in some consecutive rows. A column of a single set-up is short.
 #[derive(Clone, Debug)]
 pub struct BasisColumn {
     first: usize,
     values: Vec<f64>,
 }
 
-/// What columns explain beside those of the basis.
+/// Improvement by columns beside those of the basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
-    /// By how much the sum of the squares falls.
+    /// Reduction of the sum of squares.
     pub squares: f64,
-    /// Columns that say something of their own.
+    /// Number of linearly independent columns.
     pub rank: usize,
 }
 
 impl Series {
-    /// `series` numbers the series of each row, which are in order within it; weights are 1/σ, 0 for a row that does not count.
+    /// Creates a series. `series` contains the series number of each row; rows are in order within a series. Weights are 1/σ, 0 for an ignored row.
     #[must_use]
     pub fn new(series: &[usize], weights: &[f64], memory: f64) -> Series {
         let mut last: std::collections::HashMap<usize, usize> = std::collections::HashMap::new();
-        // A row that does not count is a gap that the memory bridges.
+        // An ignored row is a gap that the autocorrelation bridges.
         let before =
             series
                 .iter()
@@ -68,13 +67,13 @@ impl Series {
         }
     }
 
-    /// Rows that count.
+    /// Returns the number of rows with weight.
     #[must_use]
     pub fn count(&self) -> usize {
         self.weights.iter().filter(|&&weight| weight > 0.0).count()
     }
 
-    /// A column whitened.
+    /// Returns a whitened column.
     #[must_use]
     pub fn whitened(&self, column: &[f64]) -> Vec<f64> {
         let fresh = (1.0 - self.memory * self.memory).sqrt();
@@ -88,7 +87,7 @@ impl Series {
             .collect()
     }
 
-    /// What is regressed on the columns; those of the basis are taken out of it.
+    /// Sets the values that are regressed on the columns; the existing basis is projected out.
     pub fn set_values(&mut self, values: &[f64]) {
         self.left = self.whitened(values);
         for direction in &self.basis {
@@ -96,18 +95,18 @@ impl Series {
         }
     }
 
-    /// Takes a column into the basis. Returns whether it says something of its own.
+    /// Adds a column to the basis. Returns false if it is linearly dependent.
     pub fn take(&mut self, column: &[f64]) -> bool {
         self.take_with_shares(column).is_some()
     }
 
-    /// Takes a column into the basis. Returns what it is of each column of the basis, at last of its own, and what is explained by this one.
+    /// Adds a column to the basis. Returns its components along the columns of the basis, the last one along itself, and the part that it explains.
     pub fn take_with_shares(&mut self, column: &[f64]) -> Option<(Vec<f64>, f64)> {
         let (taken, shares) = self.take_by_shares(column);
         taken.map(|explained| (shares, explained))
     }
 
-    /// Takes a column into the basis if it says something of its own. Returns what is explained by it then, and what it is of each column of the basis.
+    /// Adds a column to the basis if it is linearly independent. Returns the part that it then explains, and its components along the columns of the basis.
     pub(super) fn take_by_shares(&mut self, column: &[f64]) -> (Option<f64>, Vec<f64>) {
         let mut shares = vec![0.0; self.basis.len()];
         let Some((direction, own)) = self.direction(column, &[], &mut shares) else { return (None, shares) };
@@ -117,25 +116,25 @@ impl Series {
         (Some(explained), shares)
     }
 
-    /// The columns of the basis, at right angles to each other.
+    /// Returns the orthonormal columns of the basis.
     #[must_use]
     pub fn basis(&self) -> &[Arc<BasisColumn>] {
         &self.basis
     }
 
-    /// Memory of the noise.
+    /// Returns the autocorrelation of the noise.
     #[must_use]
     pub fn memory(&self) -> f64 {
         self.memory
     }
 
-    /// 1/σ of the rows.
+    /// Returns 1/σ of the rows.
     #[must_use]
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
 
-    /// The transpose of [`Series::whitened`]: the product of a column with what comes out is that of the whitened column with `direction`.
+    /// Applies the transpose of [`Series::whitened`]: the product of a column with the result equals that of the whitened column with `direction`.
     #[must_use]
     pub fn unwhitened(&self, direction: &[f64]) -> Vec<f64> {
         let fresh = (1.0 - self.memory * self.memory).sqrt();
@@ -156,25 +155,25 @@ impl Series {
         out
     }
 
-    /// Columns of the basis.
+    /// Returns the number of columns of the basis.
     #[must_use]
     pub fn rank(&self) -> usize {
         self.basis.len()
     }
 
-    /// Sum of the squares of what is left, in squares of σ.
+    /// Returns the residual sum of squares, in squares of σ.
     #[must_use]
     pub fn squares(&self) -> f64 {
         dot(&self.left, &self.left)
     }
 
-    /// What is left, whitened.
+    /// Returns the residuals, whitened.
     #[must_use]
     pub fn left(&self) -> &[f64] {
         &self.left
     }
 
-    /// What columns would explain beside those of the basis.
+    /// Returns the improvement by columns beside those of the basis.
     #[must_use]
     pub fn gain(&self, columns: &[Vec<f64>]) -> Gain {
         let mut own: Vec<BasisColumn> = Vec::new();
@@ -188,11 +187,11 @@ impl Series {
         Gain { squares, rank: own.len() }
     }
 
-    /// Amounts of columns that explain most beside the basis, and their covariance at unit noise; columns that depend on those before them get
-    /// the amount 0 and no variance.
+    /// Returns the least-squares amounts of columns beside the basis, and their covariance at unit noise. Columns that depend on those before them get the
+    /// amount 0 and no variance.
     #[must_use]
     pub fn amounts(&self, columns: &[Vec<f64>]) -> (Vec<f64>, DMatrix<f64>) {
-        // Each column by the directions that it and those before it have of their own: a triangle.
+        // Each column by the independent directions of it and of those before it: a triangle.
         let mut own: Vec<BasisColumn> = Vec::new();
         let mut places = Vec::new();
         let mut triangle: Vec<Vec<f64>> = Vec::new();
@@ -225,8 +224,8 @@ impl Series {
         (amounts, covariance)
     }
 
-    /// The part of a column at right angles to the basis and to others, of unit length, and its length; `shares` gets what the column is of those of
-    /// the basis and of the others.
+    /// Returns the part of a column perpendicular to the basis and to others, normalized to unit length, and its length. `shares` receives the components of
+    /// the column along the basis and the others.
     fn direction(&self, column: &[f64], others: &[BasisColumn], shares: &mut [f64]) -> Option<(BasisColumn, f64)> {
         let mut rest = self.whitened(column);
         let length = dot(&rest, &rest).sqrt();
@@ -235,10 +234,10 @@ impl Series {
         }
         let mut own = length;
         let mut span = span(&rest);
-        // Twice where little is left: what rounding leaves of the first time.
+        // Twice if little remains, to remove the rounding errors of the first pass.
         for _ in 0..2 {
             for (place, other) in self.basis.iter().map(Arc::as_ref).chain(others).enumerate() {
-                // What is zero wherever the other is not has none of it.
+                // Columns without common nonzero rows are orthogonal.
                 if span.start.max(other.first) >= span.end.min(other.end()) {
                     continue;
                 }
@@ -261,7 +260,7 @@ impl Series {
         Some((BasisColumn { first: span.start, values: part.iter().map(|value| value / own).collect() }, own))
     }
 
-    /// Memory of residuals that are not whitened: the correlation of neighbours in the series.
+    /// Returns the autocorrelation of residuals that are not whitened: the correlation of neighbors in the series.
     #[must_use]
     pub fn memory_of(&self, residuals: &[f64]) -> f64 {
         let own = |row: usize| self.weights[row] * residuals.get(row).copied().unwrap_or(0.0);
@@ -276,7 +275,7 @@ impl Series {
     }
 }
 
-/// Between which rows a column is not zero.
+/// Returns the range of rows in which a column is nonzero.
 fn span(column: &[f64]) -> Range<usize> {
     let first = column.iter().position(|value| *value != 0.0).unwrap_or(column.len());
     let last = column.iter().rposition(|value| *value != 0.0).map_or(first, |last| last + 1);
@@ -288,7 +287,7 @@ impl BasisColumn {
         self.first + self.values.len()
     }
 
-    /// All of it, for so many rows.
+    /// Returns the full column for `rows` rows.
     #[must_use]
     pub fn whole(&self, rows: usize) -> Vec<f64> {
         let mut out = vec![0.0; rows];
@@ -296,19 +295,19 @@ impl BasisColumn {
         out
     }
 
-    /// Its product with a column.
+    /// Returns its product with a column.
     #[must_use]
     pub fn dot(&self, column: &[f64]) -> f64 {
         dot(&self.values, column.get(self.first..).unwrap_or_default())
     }
 
-    /// Adds so much of it to a column.
+    /// Adds it to a column, multiplied by `amount`.
     pub(super) fn add(&self, amount: f64, to: &mut [f64]) {
         let to = to.get_mut(self.first..).unwrap_or_default();
         to.iter_mut().zip(&self.values).for_each(|(value, part)| *value += amount * part);
     }
 
-    /// Takes it out of a column. Returns how much it was.
+    /// Projects it out of a column. Returns the removed amount.
     fn take_out_of(&self, from: &mut [f64]) -> f64 {
         let amount = self.dot(from);
         self.add(-amount, from);

@@ -1,11 +1,11 @@
-//! Student's t: how likely so large a value is by chance.
+//! Student's t distribution: p-values and limits.
 
 use statrs::function::beta::beta_reg;
 
-/// Halvings of an interval.
+/// Number of halvings of an interval.
 const HALVINGS: usize = 200;
 
-/// Chance of a value at least as large as `t`, in either direction, at `freedom` degrees of freedom (any number above 0).
+/// Returns the p-value of a value at least as large as `t` in either direction, with `freedom` degrees of freedom (any positive number).
 #[must_use]
 pub fn two_sided(t: f64, freedom: f64) -> f64 {
     if t.is_nan() || freedom.is_nan() || freedom <= 0.0 {
@@ -18,8 +18,8 @@ pub fn two_sided(t: f64, freedom: f64) -> f64 {
     incomplete_beta(freedom / 2.0, 0.5, freedom / (freedom + square), square / (freedom + square))
 }
 
-/// The value that is exceeded, in either direction, with this chance. By halving: the inverse of statrs has no right digit where the chance is tiny or the degrees of
-/// freedom are many.
+/// Returns the two-sided limit for a p-value, by bisection. The inverse of statrs has no correct digit if the p-value is tiny or the degrees of freedom are
+/// many.
 #[must_use]
 pub fn limit(chance: f64, freedom: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
@@ -37,12 +37,12 @@ pub fn limit(chance: f64, freedom: f64) -> f64 {
     high
 }
 
-/// I(a, b) at x = 1 − y; both are given because the smaller one has more digits.
+/// Returns I(a, b) at x = 1 − y; both are given because the smaller one has more digits.
 pub(super) fn incomplete_beta(a: f64, b: f64, x: f64, y: f64) -> f64 {
     if x <= 0.0 || y <= 0.0 {
         return if x <= 0.0 { 0.0 } else { 1.0 };
     }
-    // The library mirrors on the same side, but by 1 − x.
+    // The library mirrors on the same side, but uses 1 − x.
     if x < (a + 1.0) / (a + b + 2.0) { beta_reg(a, b, x) } else { 1.0 - beta_reg(b, a, y) }
 }
 

@@ -1,9 +1,9 @@
 //! Sums over long columns.
 
-/// Sums side by side: one alone waits for itself in every step.
+/// Number of parallel sums: each step of a single sum would wait for the previous one.
 const LANES: usize = 8;
 
-/// The sum of products of two columns, as far as both go.
+/// Returns the sum of products of two columns, up to the shorter length.
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let length = a.len().min(b.len());
@@ -18,7 +18,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// The same of three.
+/// Returns the sum of products of three columns, up to the shortest length.
 #[must_use]
 pub fn dot_of_three(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     let length = a.len().min(b.len()).min(c.len());

@@ -1,21 +1,21 @@
-//! Columns at right angles to each other, made once and fitted many times, with other rows each time.
+//! Orthonormal columns that are computed once and fitted many times, with other rows each time.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Series;
 use super::sums::dot;
 
-/// A column of which less than this share of its squares is left beside the others, in the rows that count, is not told from them.
+/// A column is dependent if less than this share of its squares remains beside the others, in the rows that count.
 const DEPENDENT: f64 = 1e-8;
 
-/// Columns of unit length at right angles.
+/// Orthonormal columns.
 #[derive(Clone, Debug, Default)]
 pub struct Upright {
     columns: Vec<Vec<f64>>,
 }
 
 impl Upright {
-    /// What columns span; those that depend on others are not there.
+    /// Orthonormalizes columns; dependent ones are omitted.
     #[must_use]
     pub fn new(columns: &[Vec<f64>]) -> Upright {
         let rows = columns.first().map_or(0, Vec::len);
@@ -26,10 +26,11 @@ impl Upright {
         Upright { columns: series.basis().iter().map(|direction| direction.whole(rows)).collect() }
     }
 
-    /// The least squares of values in those rows that count, by all columns and another one: what all columns but that one say of every row, and
-    /// the amount of that one, 0 where it is not told from them. Of columns that these rows do not tell from each other as little as possible is used.
+    /// Returns the least-squares fit of values in the rows that count, by all columns and another one: the prediction of all columns except that one for
+    /// every row, and the amount of that one (0 if it is dependent). If the columns are dependent in these rows, the minimum-norm solution is used.
     ///
-    /// JᵀJ of columns at right angles is the identity, less what the rows do that do not count: few rows are cheap, and nothing of the precision is lost.
+    /// JᵀJ of orthonormal columns is the identity minus the products of the rows that do not count. So a few omitted rows are cheap, and no precision is
+    /// lost.
     #[must_use]
     pub fn fitted(&self, values: &[f64], counts: &[bool], other: Option<&[f64]>) -> (Vec<f64>, f64) {
         let zeroed = |column: &[f64]| -> Vec<f64> {
@@ -52,7 +53,7 @@ impl Upright {
         let mut amounts = &solve * of(values);
         let mut amount = 0.0;
         if let Some(other) = other {
-            // Beside the columns: what is left of it after them (Schur).
+            // Residual of the other column after projection on the columns (Schur complement).
             let (products, own) = (of(other), zeroed(other));
             let by_columns = &solve * &products;
             let squares = dot(&own, &own);
@@ -76,7 +77,7 @@ mod tests {
 
     #[test]
     fn what_is_fitted_is_what_the_rows_that_count_say() {
-        // 3 − 2 t + 0.5 t², and 7 more from row 6 on; two rows say nonsense.
+        // 3 − 2 t + 0.5 t², and 7 more from row 6 on; two rows are outliers.
         let times: Vec<f64> = (0..12).map(f64::from).collect();
         let columns: Vec<Vec<f64>> = (0..3).map(|power| times.iter().map(|t| t.powi(power)).collect()).collect();
         let step: Vec<f64> = (0..12).map(|row| if row < 6 { 0.0 } else { 1.0 }).collect();
@@ -92,10 +93,10 @@ mod tests {
         let (fitted, amount) = Upright::new(&with_twin).fitted(&values, &counts, Some(&step));
         assert!((amount - 7.0).abs() < 1e-9, "{amount}");
         fitted.iter().zip(&smooth).for_each(|(one, other)| assert!((one - other).abs() < 1e-9));
-        // What the columns say already has no amount.
+        // A column that depends on the columns has no amount.
         let (_, amount) = Upright::new(&columns).fitted(&values, &counts, Some(&columns[2]));
         assert_eq!(amount, 0.0);
-        // Two rows for three columns: both are met.
+        // Two rows for three columns: both are matched.
         let few: Vec<bool> = (0..12).map(|row| row < 2).collect();
         let (fitted, _) = Upright::new(&columns).fitted(&values, &few, None);
         (0..2).for_each(|row| assert!((fitted[row] - values[row]).abs() < 1e-6, "{fitted:?}"));

@@ -1,9 +1,9 @@
 //! Executes a program as the control would and yields the flat stream, lazily and in bounded memory.
 //!
-//! Every family of languages has an executor of its own, in a folder of its name. What they share is here: the outlet that turns
-//! paths into moves (radius compensation and roundings in `contour`, five-axis transformations in `five_axis`), and the ledger
-//! of files, findings and calls. Findings are items of the stream too; after an error the execution goes on, so that one run shows
-//! them all, but what it yields is then no longer good for anything but more findings.
+//! Each family of languages has its own executor in a folder of its name. Common parts are here: the outlet that converts paths into moves (radius
+//! compensation and roundings in `contour`, five-axis transformations in `five_axis`), and the ledger of files, diagnostics and calls. Diagnostics
+//! are items of the stream too. After an error the execution continues, so that one run reports all errors; its output then only serves further
+//! diagnostics.
 
 mod core;
 mod grundig;
@@ -22,7 +22,7 @@ use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Element, Origin};
 
-/// Puts data that a control has saved (tools, zero offsets, parameters) into the machine that it controls.
+/// Applies data that a control has saved (tools, zero offsets, parameters) to the machine.
 #[must_use]
 pub fn apply_archive(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     match ncfix_dialect::find(&machine.controller) {
@@ -31,13 +31,13 @@ pub fn apply_archive(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> 
     }
 }
 
-/// A running program: an iterator over the elements of the flat stream and the findings.
+/// A running program: an iterator over the elements of the flat stream and the diagnostics.
 pub struct Execution<'a> {
     executor: Box<dyn Executor + 'a>,
 }
 
 impl<'a> Execution<'a> {
-    /// Starts a program. Syntax findings of the main program are the caller's business; faulty blocks do nothing here.
+    /// Starts a program. The caller handles syntax diagnostics of the main program; faulty blocks have no effect here.
     #[must_use]
     pub fn new(program: Program, machine: &'a Machine, library: Box<dyn Library + 'a>, options: Options) -> Self {
         let executor: Box<dyn Executor + 'a> = match program {

@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::measure::data::DataSet;
 use crate::measure::iso230::figures::{self as iso230, Figures, Found, Path, RUNS};
 use crate::measure::iso230::positioning::OneWay;
+use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::units::{Unit, um_from_mm, urad_from_rad};
 use ncfix_machine::machine::Machine;
 
@@ -87,6 +88,23 @@ pub struct Value {
 pub fn of(data: &DataSet, machine: &Machine) -> Measurement {
     let figures = iso230::figures(data, machine).iter().map(group).collect();
     Measurement { name: data.name.clone(), kind: data.kind.name, figures }
+}
+
+/// The figures of measurements; a finding for each that has none.
+#[must_use]
+pub fn of_all(all: &[super::measurement::Measurement], machine: &Machine) -> (Vec<Measurement>, Vec<Diagnostic>) {
+    let mut found = Vec::new();
+    let mut measurements = Vec::new();
+    for one in all {
+        let of = of(&one.data, machine);
+        if of.figures.is_empty() {
+            let message = format!("{}: a {} measurement has no figures of ISO 230", of.name, of.kind);
+            let help = "give readings of single components (direct) or of a ball-bar";
+            found.push(Diagnostic::nowhere(Code::DATA_COLUMN, message, help));
+        }
+        measurements.push(of);
+    }
+    (measurements, found)
 }
 
 fn group(found: &Found) -> Group {

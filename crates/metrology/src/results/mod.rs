@@ -8,6 +8,7 @@ pub mod calibration;
 mod cells;
 pub mod compared;
 mod conditions;
+pub mod corrected;
 mod data_faults;
 pub mod decomposition;
 pub mod diagnosis;
@@ -17,9 +18,13 @@ mod held;
 pub mod measurement;
 mod not_told;
 pub mod parameters;
+pub mod planned;
 pub mod readings;
 mod repeated;
 pub mod selection;
+pub mod sensors;
+pub mod simulated;
+pub mod weighed;
 
 use ncfix_base::diagnostic::Diagnostic;
 

@@ -1,8 +1,8 @@
-//! Backlash: half the reversal value in the sense of the last motion, e = +b(q)/2 behind a positive one, −b(q)/2 behind a negative one, 0
-//! before any.
+//! Backlash: half the reversal value in the direction of the last motion, e = +b(q)/2 after a positive one, −b(q)/2 after a negative one, 0 before any
+//! motion.
 //!
-//! The reversal value of ISO 230-2 as a deviation of the actual position; position errors are taken as the mean of both senses. In a
-//! component across the axis it is lateral play. It may change along the axis, where a screw winds up or is worn in places.
+//! It is the reversal value of ISO 230-2 as a deviation of the actual position; position errors are the mean of both directions. In a component perpendicular
+//! to the axis it is lateral play. It may change along the axis if a screw winds up or is worn in places.
 
 use super::table::{self, Table};
 use super::{Entry, Function};
@@ -10,18 +10,18 @@ use super::{Entry, Function};
 /// Backlash.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Backlash {
-    /// b along the axis: value behind a positive motion minus value behind a negative one, mm or rad.
+    /// b along the axis: value after a positive motion minus value after a negative one, mm or rad.
     pub reversal: Table,
 }
 
 impl Backlash {
-    /// The same everywhere, mm or rad.
+    /// Creates a constant backlash, mm or rad.
     #[must_use]
     pub fn constant(reversal: f64) -> Backlash {
         Backlash { reversal: Table { positions: vec![0.0], values: vec![reversal] } }
     }
 
-    /// The value at a command for a sense of the last motion, −1, 0 or 1; mm or rad.
+    /// Returns the value at a command for the direction of the last motion, −1, 0 or 1; mm or rad.
     #[must_use]
     pub fn value(&self, command: f64, sense: i8) -> f64 {
         match sense.signum() {
@@ -31,11 +31,11 @@ impl Backlash {
     }
 }
 
-/// An entry of this kind.
+/// Example entry.
 pub(super) const EXAMPLE: &str = "component = \"EXX\"\nkind = \"backlash\"\n\
     positions_mm = [0, 700]\nvalues_um = [-6.0, -4.0]\n";
 
-/// Reads `value_um` or `value_urad`, or where it is not the same everywhere what a table has.
+/// Reads `value_um` or `value_urad`; if it is not constant, the keys of a table.
 pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     let backlash = if entry.has_stem("positions") || entry.has_stem("values") {
         Backlash { reversal: table::read_points(entry)? }

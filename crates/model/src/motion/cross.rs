@@ -1,32 +1,32 @@
-//! Cross-coupling: an error of one axis that depends on another axis too, e(q, r) = (Σ aₖ qᵏ)(Σ bₖ rᵏ).
+//! Cross-coupling: an error of one axis that also depends on another axis, e(q, r) = (Σ aₖ qᵏ)(Σ bₖ rᵏ).
 //!
-//! Arises from finite stiffness: the roll of Y may change with the place of X (Spaan, ch. 3, measured up to 10 µrad).
-//! The product of the coefficients carries the unit: aₖ in mm or rad per power, bₖ per power only.
+//! It arises from finite stiffness: the roll of Y may change with the position of X (Spaan, ch. 3, measured up to 10 µrad). The product of the coefficients
+//! carries the unit: aₖ in mm or rad per power, bₖ per power only.
 
 use super::polynomial::evaluate;
 use super::{Entry, Function};
 use ncfix_base::geometry::Axis;
 
-/// A product of two polynomials.
+/// Product of two polynomials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cross {
     /// aₖ at index k, of the own command.
     pub coefficients: Vec<f64>,
-    /// The other axis.
+    /// Other axis.
     pub with: Axis,
     /// bₖ at index k, of the other command.
     pub with_coefficients: Vec<f64>,
 }
 
 impl Cross {
-    /// The value at the own command and that of the other axis, mm or rad.
+    /// Returns the value at the own command and that of the other axis, mm or rad.
     #[must_use]
     pub fn value(&self, own: f64, other: f64) -> f64 {
         evaluate(&self.coefficients, own) * evaluate(&self.with_coefficients, other)
     }
 }
 
-/// An entry of this kind.
+/// Example entry.
 pub(super) const EXAMPLE: &str = "component = \"EAY\"\nkind = \"cross\"\n\
     coefficients = [0, 1e-9]\nwith = \"X\"\nwith_coefficients = [0, 1.0]\n";
 

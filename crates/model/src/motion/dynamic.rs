@@ -1,23 +1,23 @@
 //! Deflection while an axis accelerates: e = k·a + c·ȧ with the acceleration a and the jerk ȧ of the axis.
 //!
-//! A frame that gives way follows the force of inertia at once as long as the force changes slowly beside the first natural frequency; the jerk
-//! is the first term of what it lags behind. Encoders do not see it (Andolfatto, Lavernhe and Mayer 2011, section 3.4, call what is left beside
-//! contouring and quasi-static errors the dynamic geometric error).
+//! A compliant frame follows the inertial force at once as long as the force changes slowly compared with the first natural frequency. The jerk is the first
+//! term of its lag. Encoders do not see this deflection. Andolfatto, Lavernhe and Mayer 2011, section 3.4, call the residual of contouring and quasi-static
+//! errors the dynamic geometric error.
 
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::State;
 
-/// A deflection that goes with the rates of the own axis.
+/// Deflection proportional to the rates of the own axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dynamic {
-    /// mm or rad, by mm/s² or rad/s² of the axis.
+    /// Deflection by acceleration: mm or rad per mm/s² or rad/s² of the axis.
     pub by_acceleration: f64,
-    /// The same by its jerk, mm/s³ or rad/s³.
+    /// Deflection by jerk: mm or rad per mm/s³ or rad/s³ of the axis.
     pub by_jerk: f64,
 }
 
 impl Dynamic {
-    /// The value, mm or rad, of a function of `axis`.
+    /// Returns the value of a function of `axis`, mm or rad.
     #[must_use]
     pub fn value(&self, axis: Axis, state: &State) -> f64 {
         self.by_acceleration * state.acceleration[axis] + self.by_jerk * state.jerk[axis]

@@ -1,4 +1,4 @@
-//! One `[[motion]]` entry while it is read: its keys carry units that follow from the component and its axis.
+//! Reader of one `[[motion]]` entry: the units in its keys follow from the component and its axis.
 
 use crate::name::ErrorName;
 use ncfix_base::diagnostic::Code;
@@ -6,33 +6,33 @@ use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_base::units::{mm_from_um, rad_from_urad};
 use ncfix_machine::machine::file::Section;
 
-/// Units that a key may carry by mistake.
+/// Units that a key may have by mistake.
 const UNITS: [&str; 9] = ["um", "mm", "urad", "mrad", "rad", "deg", "arcsec", "nm", "in"];
 
 fn is_rotary(axis: Option<Axis>) -> bool {
     axis.is_some_and(|axis| axis.is_rotary())
 }
 
-/// The key of a position of an axis.
+/// Returns the key of a position of an axis.
 pub(super) fn position_key_of(stem: &str, axis: Option<Axis>) -> String {
     format!("{stem}_{}", if is_rotary(axis) { "deg" } else { "mm" })
 }
 
-/// Greater deviations are in another unit, µm or µrad.
+/// Largest deviation, µm or µrad; a greater value is in another unit.
 const MOST_DEVIATION: f64 = 1e6;
 
-/// Greater coefficients are in another unit than mm and rad per power of mm and rad.
+/// Largest coefficient, mm and rad per power of mm and rad; a greater value is in another unit.
 const MOST_COEFFICIENT: f64 = 1e3;
 
-/// An entry whose component is known.
+/// Entry whose component is known.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Entry<'a> {
-    /// The section.
+    /// Section.
     pub section: Section<'a>,
-    /// The component.
+    /// Component.
     pub name: ErrorName,
-    /// The axes of the machine.
+    /// Axes of the machine.
     pub axes: AxisSet,
 }
 
@@ -41,27 +41,27 @@ impl Entry<'_> {
         is_rotary(self.name.axis())
     }
 
-    /// The key of a deviation: `values` as `values_um` or `values_urad`.
+    /// Returns the key of a deviation: `values` as `values_um` or `values_urad`.
     pub fn deviation_key(&self, stem: &str) -> String {
         format!("{stem}_{}", if self.name.direction.is_rotation() { "urad" } else { "um" })
     }
 
-    /// The key of a position: `positions` as `positions_mm` or `positions_deg`.
+    /// Returns the key of a position: `positions` as `positions_mm` or `positions_deg`.
     pub fn position_key(&self, stem: &str) -> String {
         position_key_of(stem, self.name.axis())
     }
 
-    /// The factor from the unit of deviations to mm or rad.
+    /// Returns the factor from the unit of deviations to mm or rad.
     fn deviation_factor(&self) -> f64 {
         if self.name.direction.is_rotation() { rad_from_urad(1.0) } else { mm_from_um(1.0) }
     }
 
-    /// A position as it stands in the file as mm or rad.
+    /// Converts a position of the file to mm or rad.
     fn position_from_file(&self, value: f64) -> f64 {
         if self.is_rotary() { value.to_radians() } else { value }
     }
 
-    /// A deviation, mm or rad.
+    /// Reads a deviation, mm or rad.
     pub fn deviation(&mut self, stem: &str) -> Option<f64> {
         let key = self.deviation_key(stem);
         self.check_deviation_unit(stem, &key)?;
@@ -71,7 +71,7 @@ impl Entry<'_> {
         Some(value * self.deviation_factor())
     }
 
-    /// Deviations, mm or rad.
+    /// Reads deviations, mm or rad.
     pub fn deviations(&mut self, stem: &str) -> Option<Vec<f64>> {
         let key = self.deviation_key(stem);
         self.check_deviation_unit(stem, &key)?;
@@ -85,7 +85,7 @@ impl Entry<'_> {
         Some(values.into_iter().map(|value| value * self.deviation_factor()).collect())
     }
 
-    /// A position, mm or rad.
+    /// Reads a position, mm or rad.
     pub fn position(&mut self, stem: &str) -> Option<f64> {
         let key = self.position_key(stem);
         self.check_position_unit(stem, &key, self.name.axis())?;
@@ -93,7 +93,7 @@ impl Entry<'_> {
         Some(self.position_from_file(value))
     }
 
-    /// A length along the axis above zero, mm or rad.
+    /// Reads a positive length along the axis, mm or rad.
     pub fn length(&mut self, stem: &str) -> Option<f64> {
         let key = self.position_key(stem);
         self.check_position_unit(stem, &key, self.name.axis())?;
@@ -103,12 +103,12 @@ impl Entry<'_> {
         Some(self.position_from_file(value))
     }
 
-    /// Positions, mm or rad.
+    /// Reads positions, mm or rad.
     pub fn positions(&mut self, stem: &str) -> Option<Vec<f64>> {
         self.positions_of(stem, self.name.axis())
     }
 
-    /// Positions of an axis, mm or rad.
+    /// Reads positions of an axis, mm or rad.
     pub fn positions_of(&mut self, stem: &str, axis: Option<Axis>) -> Option<Vec<f64>> {
         let key = position_key_of(stem, axis);
         self.check_position_unit(stem, &key, axis)?;
@@ -119,7 +119,7 @@ impl Entry<'_> {
         Some(values)
     }
 
-    /// Rows of deviations, mm or rad.
+    /// Reads rows of deviations, mm or rad.
     pub fn deviation_rows(&mut self, stem: &str) -> Option<Vec<Vec<f64>>> {
         let key = self.deviation_key(stem);
         self.check_deviation_unit(stem, &key)?;
@@ -128,7 +128,7 @@ impl Entry<'_> {
         Some(rows)
     }
 
-    /// Another axis of the machine than that of the component.
+    /// Reads an axis of the machine other than that of the component.
     pub fn other_axis(&mut self, key: &str) -> Option<Axis> {
         let letter = self.section.required(key, "\"X\"", Section::text)?;
         let axis = match letter.as_bytes() {
@@ -147,14 +147,14 @@ impl Entry<'_> {
         found
     }
 
-    /// Reports the key of a deviation with another unit than its component has.
+    /// Reports the key of a deviation with a wrong unit for its component.
     fn check_deviation_unit(&mut self, stem: &str, key: &str) -> Option<()> {
         let kind = if self.name.direction.is_rotation() { "rotation" } else { "displacement" };
         let reason = format!("{} is a {kind}", self.name);
         self.check_unit(stem, key, &reason)
     }
 
-    /// Reports the key of a position with another unit than its axis has.
+    /// Reports the key of a position with a wrong unit for its axis.
     fn check_position_unit(&mut self, stem: &str, key: &str, axis: Option<Axis>) -> Option<()> {
         let kind = if is_rotary(axis) { "rotary" } else { "linear" };
         let reason = match axis {
@@ -164,7 +164,7 @@ impl Entry<'_> {
         self.check_unit(stem, key, &reason)
     }
 
-    /// Reports the key with another unit than it should have.
+    /// Reports the key with a wrong unit.
     fn check_unit(&mut self, stem: &str, key: &str, reason: &str) -> Option<()> {
         let Some(wrong) =
             UNITS.iter().map(|unit| format!("{stem}_{unit}")).find(|wrong| wrong != key && self.section.has(wrong))
@@ -183,7 +183,7 @@ impl Entry<'_> {
         None
     }
 
-    /// Coefficients, mm and rad as they are.
+    /// Reads coefficients, mm and rad without conversion.
     pub fn coefficients(&mut self, key: &str) -> Option<Vec<f64>> {
         let values = self.section.required(key, "[0, 1e-5]", Section::numbers)?;
         if let Some(index) = values.iter().position(|value| value.abs() > MOST_COEFFICIENT) {
@@ -195,12 +195,12 @@ impl Entry<'_> {
         Some(values)
     }
 
-    /// Whether there is a key of this stem, whatever its unit.
+    /// True if there is a key of this stem, whatever its unit.
     pub fn has_stem(&self, stem: &str) -> bool {
         UNITS.iter().any(|unit| self.section.has(&format!("{stem}_{unit}")))
     }
 
-    /// Reports `E0408` where positions do not increase strictly.
+    /// Reports `E0408` if positions do not increase strictly.
     pub fn demand_increase(&mut self, key: &str, positions: &[f64]) -> Option<()> {
         let fault = positions.windows(2).position(|pair| pair[0] >= pair[1]);
         if let Some(index) = fault {
@@ -212,7 +212,7 @@ impl Entry<'_> {
         Some(())
     }
 
-    /// Closes a subsection of this entry.
+    /// Finishes a subsection of this entry.
     pub fn take_findings(&mut self, subsection: Section<'_>) {
         let mut findings = Vec::new();
         subsection.finish(&mut findings);

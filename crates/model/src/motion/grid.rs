@@ -1,6 +1,6 @@
-//! Table over two axes: bilinear between its points, constant outside, as controls with tables of two inputs interpolate.
+//! Table over two axes: bilinear between its points, constant outside, like control tables with two inputs.
 //!
-//! The error of one axis depends on the place of another: the roll of a knee on where the table stands on it (Spaan, ch. 4). In a cell with
+//! The error of one axis depends on the position of another: for example the roll of a knee on the position of the table on it (Spaan, ch. 4). In a cell with
 //! the shares u of the own and v of the other axis
 //! e = (1−u)(1−v) e₀₀ + u(1−v) e₁₀ + (1−u) v e₀₁ + u v e₁₁.
 
@@ -15,16 +15,16 @@ use ncfix_base::geometry::Axis;
 pub struct Grid {
     /// Own commands, strictly increasing, mm or rad.
     pub positions: Vec<f64>,
-    /// The other axis.
+    /// Other axis.
     pub with: Axis,
     /// Commands of the other axis, strictly increasing, mm or rad.
     pub with_positions: Vec<f64>,
-    /// A row for every own command, a deviation for every other one in it, mm or rad.
+    /// Deviations, mm or rad: one row per own command, one value per command of the other axis.
     pub values: Vec<Vec<f64>>,
 }
 
 impl Grid {
-    /// The value at the own command and that of the other axis, mm or rad.
+    /// Returns the value at the own command and that of the other axis, mm or rad.
     #[must_use]
     pub fn value(&self, own: f64, other: f64) -> f64 {
         let across = Cell::around(&self.with_positions, other);
@@ -33,13 +33,13 @@ impl Grid {
         })
     }
 
-    /// The kinks along the own and the other axis; none along an axis that it does not depend on.
+    /// Returns the kinks along the own and the other axis; none along an axis on which it does not depend.
     pub(super) fn knots(&self) -> [&[f64]; 2] {
         [&self.positions, &self.with_positions].map(|positions| if positions.len() > 1 { positions } else { &[][..] })
     }
 }
 
-/// An entry of this kind.
+/// Example entry.
 pub(super) const EXAMPLE: &str = "component = \"EAY\"\nkind = \"grid\"\npositions_mm = [0, 250, 500]\n\
     with = \"X\"\nwith_positions_mm = [0, 700]\nvalues_urad = [[0, 2], [6, 3], [4, -1]]\n";
 
@@ -49,7 +49,7 @@ pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     let positions = entry.positions("positions");
     let values = entry.deviation_rows("values");
     let Some(with) = entry.other_axis("with") else {
-        // Its unit follows from the axis; unknown, it is not judged.
+        // Its unit follows from the axis. If the axis is unknown, the key is not checked.
         ["with_positions_mm", "with_positions_deg"].into_iter().for_each(|key| entry.section.accept(key));
         return None;
     };

@@ -1,28 +1,28 @@
-//! All functions of one axis on a grid of equal intervals, linear in between: what a control looks up in its cycle (Spaan, ch. 6: 200
-//! intervals between the end switches).
+//! All functions of one axis on a grid of equal intervals, linear in between, for look-up in the cycle of a control (Spaan, ch. 6: 200 intervals between the
+//! end switches).
 //!
-//! The six components of a grid point lie side by side, so that an evaluation reads two neighbouring rows whatever there is to add up. What
-//! depends on the sense of the last motion is held as its mean and its half, e = m(q) + s h(q) with s = −1, 0 or 1.
+//! The six components of a grid point are adjacent in memory, so an evaluation reads two neighboring rows, whatever the number of functions. Values that
+//! depend on the direction of the last motion are stored as mean and half difference, e = m(q) + s h(q) with s = −1, 0 or 1.
 
 use super::{Function, Functions};
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::machine::State;
 
-/// The table may be off a function by this between its points, mm and rad: 0.02 µm, and as much at an arm of 0.4 m. What it would leave more
-/// of is not tabulated.
+/// Maximum deviation of the table from a function between its points, mm and rad: 0.02 µm, and the equivalent angle at an arm of 0.4 m. A function with a
+/// larger deviation is not tabulated.
 const LIMIT_MM: f64 = 2e-5;
 const LIMIT_RAD: f64 = 5e-8;
-/// Places within each interval at which the table is held against the function. Seven of them see a wave down to a quarter of an interval.
+/// Points within each interval at which the table is compared with the function. Seven of them detect a wave down to a quarter of an interval.
 const PROBES: usize = 7;
 
-/// A table of equal intervals.
+/// Table of equal intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Intervals {
     low: f64,
     per_unit: f64,
-    /// EX EY EZ EA EB EC at each end of an interval, mm and rad: the mean of both senses of motion.
+    /// EX EY EZ EA EB EC at each end of an interval, mm and rad: mean of both directions of motion.
     mean: Vec<[f64; 6]>,
-    /// What the sense adds behind a positive motion; empty where nothing depends on it.
+    /// Addition after a positive motion; empty if nothing depends on the direction.
     half: Vec<[f64; 6]>,
 }
 
@@ -31,12 +31,12 @@ impl Intervals {
         Intervals { low, per_unit: count as f64 / (high - low), mean: vec![[0.0; 6]; count + 1], half: Vec::new() }
     }
 
-    /// The components at a command and a sense of the last motion, mm and rad. Beyond its ends the table goes on as in its last interval: a
-    /// correction leads a little beyond the end of the travel.
+    /// Returns the components at a command and a direction of the last motion, mm and rad. Beyond its ends the table is extrapolated from its last interval:
+    /// a correction leads slightly beyond the end of the travel.
     #[inline]
     pub(super) fn value(&self, command: f64, sense: i8) -> [f64; 6] {
         let place = (command - self.low) * self.per_unit;
-        // A cast takes what is below zero, and what is no number, to the first row.
+        // The cast maps values below zero and NaN to the first row.
         let row = (place as usize).min(self.mean.len().saturating_sub(2));
         let share = place - row as f64;
         let mut components = between(&self.mean, row, share);
@@ -47,7 +47,7 @@ impl Intervals {
         components
     }
 
-    /// Adds a function; whether it is kept well enough. If not, nothing is added.
+    /// Adds a function if the table represents it well enough. Returns false if not; nothing is added then.
     fn take(&mut self, axis: Axis, row: usize, function: &Function) -> bool {
         let at = |command: f64, sense: i8| {
             let mut commands = AxisVector::ZERO;
@@ -82,7 +82,7 @@ impl Intervals {
     }
 }
 
-/// Between two neighbouring rows.
+/// Interpolates between two neighboring rows.
 #[inline]
 fn between(rows: &[[f64; 6]], row: usize, share: f64) -> [f64; 6] {
     let [low, high] =
@@ -93,8 +93,8 @@ fn between(rows: &[[f64; 6]], row: usize, share: f64) -> [f64; 6] {
 }
 
 impl Functions {
-    /// The same functions on `count` equal intervals over a range of commands, mm or rad. Functions of two axes, and those that the grid is too
-    /// coarse for, stay as they are.
+    /// Returns the functions on `count` equal intervals over a range of commands, mm or rad. Functions of two axes, and those for which the grid is too
+    /// coarse, stay unchanged.
     pub(crate) fn on_intervals(&self, axis: Axis, range: [f64; 2], count: usize) -> Functions {
         let mut table = Intervals::new(range, count);
         let mut rest = Functions::default();
@@ -121,7 +121,7 @@ impl Functions {
         rest
     }
 
-    /// How many functions are evaluated one by one.
+    /// Returns the number of functions that are evaluated one by one.
     pub(crate) fn direct(&self) -> usize {
         let polynomials = (0..6).filter(|&row| self.polynomial.iter().any(|powers| powers[row] != 0.0)).count();
         polynomials + self.others.len()
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn what_the_grid_is_too_coarse_for_stays() {
-        // Intervals of 2 mm: a chord of a wave of 10 µm and 20 mm is off by 10 (2π/20)² 2²/8 = 0.49 µm, of 400 mm by 0.0012 µm.
+        // Intervals of 2 mm: the chord deviation of a wave of 10 µm is 10 (2π/20)² 2²/8 = 0.49 µm for a period of 20 mm, and 0.0012 µm for 400 mm.
         let wave = |period| Function::Periodic(periodic::Periodic { amplitude: 0.01, period, phase_rad: 0.3 });
         let on_grid = functions(vec![(Direction::Y, wave(20.0)), (Direction::Z, wave(400.0))]);
         assert_eq!(on_grid.direct(), 1);

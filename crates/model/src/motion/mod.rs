@@ -1,8 +1,8 @@
 //! Position-dependent errors: one file per kind of function, and their sum per axis.
 //!
-//! A function gives one component (mm or rad) from the actual commands of its axis, of another axis ([`cross`], [`grid`]) or from the
-//! sense of the last motion ([`backlash`]). A kind is a file here and a line in `BUILT_IN`; a caller adds others to the register [`MotionKinds`], with
-//! functions of its own ([`MotionFunction`]).
+//! A function returns one component (mm or rad) from the actual commands of its axis, of another axis ([`cross`], [`grid`]) or from the direction of the last
+//! motion ([`backlash`]). A kind is a file here and a line in `BUILT_IN`. A caller adds others to the register [`MotionKinds`], with its own functions
+//! ([`MotionFunction`]).
 
 pub mod backlash;
 pub mod cross;
@@ -26,16 +26,16 @@ use ncfix_machine::machine::State;
 use super::Features;
 use super::name::ErrorName;
 
-/// A position-dependent error: one entry of the machine file.
+/// Position-dependent error: one entry of the machine file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionError {
-    /// The component that it adds to.
+    /// Component to which it adds.
     pub name: ErrorName,
-    /// Its value.
+    /// Function that gives its value.
     pub function: Function,
 }
 
-/// A function of one kind.
+/// Function of one kind.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Function {
@@ -53,25 +53,25 @@ pub enum Function {
     Cross(cross::Cross),
     /// See [`grid`].
     Grid(grid::Grid),
-    /// See [`dynamic`]; it has a section of its own.
+    /// See [`dynamic`]; it has its own section.
     Dynamic(dynamic::Dynamic),
-    /// Of a kind that a caller brings; see [`MotionFunction`].
+    /// Of a custom kind; see [`MotionFunction`].
     Own(Own),
 }
 
-/// A kind of function as the machine file names it.
+/// Kind of function as named in the machine file.
 ///
 /// A caller adds one with [`MotionKinds::with`](ncfix_base::register::Register::with) and reads the machine file with
 /// [`file::load_with`](crate::file::load_with).
 pub trait MotionKind: Send + Sync {
-    /// `kind = "…"` in `[[motion]]` and `[[load]]`.
+    /// Returns its name: `kind = "…"` in `[[motion]]` and `[[load]]`.
     fn name(&self) -> &str;
 
-    /// Reads the keys of the kind with the methods of the entry, which know the units that follow from the component and its axis and report what
-    /// is wrong; `None` where the entry is not sound.
+    /// Reads the keys of the kind with the methods of the entry. These know the units that follow from the component and its axis, and report faults. `None`
+    /// if the entry is not valid.
     fn read(&self, entry: &mut Entry<'_>) -> Option<Function>;
 
-    /// The lines of an entry below its `[[motion]]`, for a machine with the axes X, Y and Z.
+    /// Returns the lines of an example entry below its `[[motion]]`, for a machine with the axes X, Y and Z.
     fn example(&self) -> &str;
 }
 
@@ -81,7 +81,7 @@ impl<K: MotionKind + 'static> From<K> for Box<dyn MotionKind> {
     }
 }
 
-/// The kinds of functions that a machine file may have: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+/// Kinds of functions that a machine file may have. [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type MotionKinds = Register<dyn MotionKind>;
 
 impl Registered for dyn MotionKind {
@@ -96,7 +96,7 @@ impl Registered for dyn MotionKind {
     }
 }
 
-/// A kind that is built in.
+/// Built-in kind.
 #[derive(Clone, Copy)]
 struct BuiltIn {
     name: &'static str,
@@ -118,7 +118,7 @@ impl MotionKind for BuiltIn {
     }
 }
 
-/// Those that are built in.
+/// Built-in kinds.
 const BUILT_IN: &[BuiltIn] = &[
     BuiltIn { name: "polynomial", read: polynomial::read, example: polynomial::EXAMPLE },
     BuiltIn { name: "table", read: table::read, example: table::EXAMPLE },
@@ -130,7 +130,7 @@ const BUILT_IN: &[BuiltIn] = &[
 ];
 
 impl Function {
-    /// The value, mm or rad, of a function of `axis`.
+    /// Returns the value of a function of `axis`, mm or rad.
     #[must_use]
     pub fn value(&self, axis: Axis, command: &AxisVector, state: &State) -> f64 {
         let own = command[axis];
@@ -147,7 +147,7 @@ impl Function {
         }
     }
 
-    /// Whether the value is zero everywhere.
+    /// True if the value is zero everywhere.
     #[must_use]
     pub fn is_zero(&self) -> bool {
         let all_zero = |values: &[f64]| values.iter().all(|&value| value == 0.0);
@@ -166,7 +166,7 @@ impl Function {
         }
     }
 
-    /// Shows every value that the function is proportional to, with its name.
+    /// Visits every value to which the function is proportional, with its name.
     pub fn visit_values(&mut self, visit: &mut dyn FnMut(&str, &mut f64)) {
         let mut list = |name: &str, values: &mut [f64]| {
             for (index, value) in values.iter_mut().enumerate() {
@@ -201,7 +201,7 @@ impl Function {
         }
     }
 
-    /// Another axis than its own whose position it depends on.
+    /// Returns the other axis on whose position it depends, if any.
     #[must_use]
     pub fn with(&self) -> Option<Axis> {
         match self {
@@ -212,7 +212,7 @@ impl Function {
         }
     }
 
-    /// The function times a factor.
+    /// Returns the function multiplied by a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Function {
         let mut scaled = self.clone();
@@ -220,8 +220,8 @@ impl Function {
         scaled
     }
 
-    /// Notes in the features of `axis`, whose function this is, and of the axes that it depends on besides, how finely it must be
-    /// sampled. `travels` are the lengths of travel, mm or rad, by slot.
+    /// Notes the required sampling in the features of `axis`, whose function this is, and of other axes on which it depends. `travels` are the lengths of
+    /// travel, mm or rad, by slot.
     pub(super) fn note_features(&self, axis: Axis, travels: &[f64], features: &mut [Features]) {
         let travel = travels[axis.slot()];
         let own = &mut features[axis.slot()];
@@ -247,7 +247,7 @@ impl Function {
                 own.note_knots(along.iter().copied());
                 features[grid.with.slot()].note_knots(across.iter().copied());
             }
-            // It is the same everywhere.
+            // It is constant over all positions.
             Function::Dynamic(_) => {}
             Function::Own(function) => {
                 let function = function.function();
@@ -269,12 +269,12 @@ pub(super) struct Functions {
     /// Coefficients of the six components, highest degree first.
     polynomial: Vec<[f64; 6]>,
     others: Vec<(usize, Function)>,
-    /// What was put on a grid for a control.
+    /// Functions tabulated for a control.
     intervals: Option<intervals::Intervals>,
 }
 
 impl Functions {
-    /// The functions of one axis.
+    /// Collects the functions of one axis.
     pub(super) fn of(axis: Axis, errors: &[MotionError]) -> Functions {
         let mut functions = Functions::default();
         let own = errors.iter().filter(|error| error.name.axis() == Some(axis) && !error.function.is_zero());
@@ -307,7 +307,7 @@ impl Functions {
         self.polynomial.is_empty() && self.others.is_empty() && self.intervals.is_none()
     }
 
-    /// EX EY EZ (mm) and EA EB EC (rad) of the axis.
+    /// Returns EX EY EZ (mm) and EA EB EC (rad) of the axis.
     #[inline(always)]
     pub(super) fn evaluate(&self, axis: Axis, command: &AxisVector, state: &State) -> [f64; 6] {
         let own = command[axis];
@@ -317,14 +317,14 @@ impl Functions {
                 *component = *component * own + coefficient;
             }
         }
-        // Sums of polynomials stay in registers: a sum at a row that is known at run time only goes through memory.
+        // Sums of polynomials stay in registers; a sum at a row known only at run time goes through memory.
         if self.intervals.is_none() && self.others.is_empty() {
             return components;
         }
         self.with_others(components, axis, command, state)
     }
 
-    /// The components with what is no polynomial.
+    /// Adds the non-polynomial functions to the components.
     #[inline(never)]
     fn with_others(&self, mut components: [f64; 6], axis: Axis, command: &AxisVector, state: &State) -> [f64; 6] {
         if let Some(intervals) = &self.intervals {

@@ -8,10 +8,10 @@ use std::f64::consts::TAU;
 use super::{Entry, Function};
 use ncfix_base::diagnostic::Code;
 
-/// Shorter periods are no errors of position that blocks of a program could follow, mm or rad: a tenth of the shortest pitch of a scale.
+/// Shortest period, mm or rad: a tenth of the shortest pitch of a scale. The blocks of a program could not follow a shorter one.
 const SHORTEST: f64 = 1e-3;
 
-/// A sine.
+/// Sine function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Periodic {
     /// p, mm or rad.
@@ -23,14 +23,14 @@ pub struct Periodic {
 }
 
 impl Periodic {
-    /// The value at a command, mm or rad.
+    /// Returns the value at a command, mm or rad.
     #[must_use]
     pub fn value(&self, command: f64) -> f64 {
         self.amplitude * (TAU * (command / self.period) + self.phase_rad).sin()
     }
 }
 
-/// An entry of this kind.
+/// Example entry.
 pub(super) const EXAMPLE: &str = "component = \"EXX\"\nkind = \"periodic\"\n\
     period_mm = 10.0\namplitude_um = 1.5\nphase_deg = 30.0\n";
 

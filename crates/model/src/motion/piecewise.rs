@@ -1,13 +1,13 @@
 //! Piecewise polynomial in truncated powers: e(q) = Σⱼ β₀ⱼ qʲ + Σᵢ Σⱼ βᵢⱼ (q − tᵢ)₊ʲ (Spaan, eq. 3.3).
 //!
-//! (x)₊ is x where x is positive and 0 elsewhere; a term j = 0 is a step that counts from the knot on. With only the highest
-//! power at its knots the function is a spline, smooth but for its highest derivative.
+//! (x)₊ is x if x is positive and 0 otherwise; a term j = 0 is a step from the knot on. With only the highest power at its knots the function is a spline,
+//! smooth except for its highest derivative.
 
 use super::polynomial::{degree, evaluate};
 use super::{Entry, Function};
 use ncfix_base::diagnostic::{Code, Place};
 
-/// A global polynomial and what is added from each knot on.
+/// Global polynomial with additions from each knot on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Piecewise {
     /// β₀ⱼ at index j, mm or rad per power of mm or rad.
@@ -16,7 +16,7 @@ pub struct Piecewise {
     pub knots: Vec<Knot>,
 }
 
-/// A knot.
+/// Knot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knot {
     /// tᵢ, mm or rad.
@@ -26,7 +26,7 @@ pub struct Knot {
 }
 
 impl Piecewise {
-    /// The value at a command, mm or rad.
+    /// Returns the value at a command, mm or rad.
     #[must_use]
     pub fn value(&self, command: f64) -> f64 {
         let reached = self.knots.iter().take_while(|knot| command >= knot.at);
@@ -35,14 +35,14 @@ impl Piecewise {
         })
     }
 
-    /// The highest power anywhere.
+    /// Returns the highest power.
     pub(super) fn degree(&self) -> usize {
         let knots = self.knots.iter().map(|knot| degree(&knot.coefficients));
         knots.fold(degree(&self.coefficients), usize::max)
     }
 }
 
-/// An entry of this kind.
+/// Example entry.
 pub(super) const EXAMPLE: &str = "component = \"EZY\"\nkind = \"piecewise\"\ndegree = 2\n\
     coefficients = [0.0, 1e-5, 2e-8]\nknots = [{ at_mm = 100, coefficients = [0, 0, 3e-8] }]\n";
 

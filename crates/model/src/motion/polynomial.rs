@@ -1,7 +1,7 @@
 //! Polynomial of the axis command: e(q) = Σ cₖ qᵏ, q in mm or rad, cₖ in mm or rad per power of mm or rad.
 //!
-//! The form in which the literature prints calibrated motion errors (Esmaeili 2021, eq. 3 and Tables 4-2, 4-3).
-//! Outside the measured travel it grows without bound; a machine file should give the travel.
+//! This is the form in which the literature prints calibrated motion errors (Esmaeili 2021, eq. 3 and Tables 4-2, 4-3). Outside the measured travel it grows
+//! without bound, so a machine file should state the travel.
 
 use super::{Entry, Function};
 
@@ -13,24 +13,24 @@ pub struct Polynomial {
 }
 
 impl Polynomial {
-    /// The value at a command, mm or rad.
+    /// Returns the value at a command, mm or rad.
     #[must_use]
     pub fn value(&self, command: f64) -> f64 {
         evaluate(&self.coefficients, command)
     }
 }
 
-/// Σ cₖ qᵏ by Horner's rule.
+/// Evaluates Σ cₖ qᵏ by Horner's rule.
 pub(super) fn evaluate(coefficients: &[f64], command: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * command + coefficient)
 }
 
-/// The highest power with a coefficient other than zero.
+/// Returns the highest power with a nonzero coefficient.
 pub(super) fn degree(coefficients: &[f64]) -> usize {
     coefficients.iter().rposition(|&coefficient| coefficient != 0.0).unwrap_or(0)
 }
 
-/// An entry of this kind.
+/// Example entry.
 pub(super) const EXAMPLE: &str = "component = \"EXX\"\nkind = \"polynomial\"\n\
     coefficients = [0.0, -3.13e-4, 7.53e-8, 1.35e-10]\n";
 

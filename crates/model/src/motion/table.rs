@@ -1,4 +1,4 @@
-//! Table of measured deviations: linear between its points, constant outside, as controls interpolate their own tables.
+//! Table of measured deviations: linear between its points, constant outside, like the tables of controls.
 //!
 //! e(q) = eᵢ + (eᵢ₊₁ − eᵢ)(q − qᵢ)/(qᵢ₊₁ − qᵢ) for qᵢ ≤ q ≤ qᵢ₊₁ (Sinumerik `$AN_CEC`, ISO/TR 16907).
 
@@ -10,35 +10,35 @@ use ncfix_base::diagnostic::Code;
 pub struct Table {
     /// Commands, strictly increasing, mm or rad.
     pub positions: Vec<f64>,
-    /// Deviations there, mm or rad, as many.
+    /// Deviations at the positions, mm or rad.
     pub values: Vec<f64>,
 }
 
 impl Table {
-    /// The value at a command, mm or rad.
+    /// Returns the value at a command, mm or rad.
     #[must_use]
     pub fn value(&self, command: f64) -> f64 {
         let cell = Cell::around(&self.positions, command);
         cell.blend(|index| self.values.get(index).copied().unwrap_or_default())
     }
 
-    /// The kinks: none where a single point makes it constant.
+    /// Returns the kinks; none if a single point makes it constant.
     pub(super) fn knots(&self) -> &[f64] {
         if self.positions.len() > 1 { &self.positions } else { &[] }
     }
 }
 
-/// The points of a table around a command.
+/// Two points of a table around a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cell {
     lower: usize,
     upper: usize,
-    /// Share of the way from the lower to the upper, 0 … 1.
+    /// Share of the distance from the lower to the upper point, 0 … 1.
     share: f64,
 }
 
 impl Cell {
-    /// In increasing positions; outside them both points are the outermost.
+    /// Finds the cell in increasing positions; outside them both points are the outermost one.
     pub(super) fn around(positions: &[f64], command: f64) -> Cell {
         let upper = positions.partition_point(|&position| position <= command);
         let lower = upper.saturating_sub(1);
@@ -50,14 +50,14 @@ impl Cell {
         }
     }
 
-    /// The value between those of the two points.
+    /// Interpolates between the values of the two points.
     pub(super) fn blend(&self, value: impl Fn(usize) -> f64) -> f64 {
         let low = value(self.lower);
         if self.lower == self.upper { low } else { low + (value(self.upper) - low) * self.share }
     }
 }
 
-/// An entry of this kind.
+/// Example entry.
 pub(super) const EXAMPLE: &str = "component = \"EYX\"\nkind = \"table\"\n\
     positions_mm = [0, 350, 700]\nvalues_um = [0, 4, -1]\n";
 
@@ -66,7 +66,7 @@ pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     read_points(entry).map(Function::Table)
 }
 
-/// The points of a table.
+/// Reads the points of a table.
 pub(super) fn read_points(entry: &mut Entry<'_>) -> Option<Table> {
     let positions_key = entry.position_key("positions");
     let values_key = entry.deviation_key("values");

@@ -1,9 +1,8 @@
-//! Presets: which parameters an error model has on a given machine, as the literature prints them for particular ones.
+//! Presets: parameter sets of an error model for a given machine, generalized from those in the literature.
 //!
-//! A preset is found by the roles of the axes (`roles`), not by their letters, and gives exactly the printed list for the
-//! printed topology. Every set is free of redundancy under its assumptions about the set-up, which its file names: what is left
-//! out moves the tool just as a combination of what is in it, or as the unknown place of the workpiece or the tool.
-//! A preset is a file here and a line in [`PRESETS`]; a caller adds its own to [`Presets`].
+//! A preset is derived from the roles of the axes (`roles`), not from their letters; for the printed topology it gives exactly the printed list. Every set is
+//! free of redundancy under its assumptions about the set-up, which its file states. An omitted parameter moves the tool like a combination of the others, or
+//! like the unknown position of the workpiece or the tool. A preset is a file here and a line in [`PRESETS`]; a caller adds its own to [`Presets`].
 
 mod cubic;
 mod linked;
@@ -20,20 +19,20 @@ use super::parameter::ParameterName;
 use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::Machine;
 
-/// A named choice of parameters.
+/// Named set of parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct Preset {
-    /// As it is given on the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// What it is.
+    /// Description for people.
     pub title: &'static str,
-    /// Where it comes from.
+    /// Source in the literature.
     pub source: &'static str,
-    /// The parameters on a machine, in the order in which they are listed.
+    /// Returns the parameters for a machine, in the order in which they are listed.
     pub parameters: fn(&Machine) -> Result<Vec<ParameterName>, Unsuitable>,
 }
 
-/// Why a preset makes no sense on a machine: a sentence without a full stop.
+/// Reason why a preset does not fit a machine: a sentence without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unsuitable(pub String);
 
@@ -45,7 +44,7 @@ impl fmt::Display for Unsuitable {
 
 impl std::error::Error for Unsuitable {}
 
-/// The presets that have a name: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+/// Presets that have a name. [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type Presets = Register<&'static Preset>;
 
 impl Registered for &'static Preset {
@@ -60,7 +59,7 @@ impl Registered for &'static Preset {
     }
 }
 
-/// Those that are built in.
+/// Built-in presets.
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "spaan-18",
@@ -106,13 +105,13 @@ pub const PRESETS: &[Preset] = &[
     },
 ];
 
-/// The location errors that are not redundant: the eight of five axes, the squareness of linear axes alone, none where there are fewer.
+/// Returns the location errors that are not redundant: the eight of five axes; with linear axes alone their squareness; none with fewer axes.
 #[must_use]
 pub fn location_errors(machine: &Machine) -> Vec<ParameterName> {
     linked::location_errors(machine).or_else(|_| linked::squareness(machine)).unwrap_or_default()
 }
 
-/// The preset of a name.
+/// Returns the built-in preset of a name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Preset> {
     PRESETS.iter().find(|preset| preset.name == name)

@@ -1,4 +1,4 @@
-//! What a model has beside the parameters of a preset.
+//! Errors of a model beyond the parameters of a preset.
 
 use std::collections::BTreeSet;
 
@@ -6,18 +6,18 @@ use crate::motion::Function;
 use crate::parameter::{ParameterName, Term};
 use crate::{ErrorModel, ErrorName, MotionError};
 
-/// An error that is not among given parameters.
+/// Error that is not among given parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rest {
-    /// A number with a name of its own.
+    /// A number with its own name.
     Parameter(ParameterName),
     /// A function of another kind.
     Function(ErrorName, &'static str),
-    /// Another source of errors than geometry, by its title.
+    /// An error source other than geometry, by its title.
     Source(&'static str),
 }
 
-/// The errors of a model, other than zero, that are not among the parameters; each once, sorted.
+/// Returns the nonzero errors of a model that are not among the parameters; each once, sorted.
 #[must_use]
 pub fn rest(errors: &ErrorModel, parameters: &[ParameterName]) -> Vec<Rest> {
     let location = errors.location.iter().map(|error| Rest::Parameter(ParameterName::location(error.name)));
@@ -30,7 +30,7 @@ pub fn rest(errors: &ErrorModel, parameters: &[ParameterName]) -> Vec<Rest> {
     location.chain(motion).chain(sources).filter(is_left).collect::<BTreeSet<_>>().into_iter().collect()
 }
 
-/// The parameters in a function, or the function as a whole.
+/// Returns the parameters in a function, or the function as a whole.
 fn parts(error: &MotionError) -> Vec<Rest> {
     let component = error.name;
     let global = |coefficients: &[f64]| -> Vec<Rest> {

@@ -1,11 +1,11 @@
-//! The roles of the axes in a chain, by which a preset that was printed for one machine is carried over to another.
+//! Roles of the axes in a chain. They transfer a preset from its printed machine to others.
 
 use super::Unsuitable;
 use crate::name::{DIRECTIONS, Direction, ErrorName};
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_machine::machine::{AxisData, Branch, Machine};
 
-/// Sine of the smallest angle between axes that counts as different directions; spatial product for three axes.
+/// Sine of the smallest angle at which two axes count as different directions; for three axes the limit of their triple product.
 const LEAST_ANGLE: f64 = 0.05;
 
 /// Three linear axes in the order of the chain from the workpiece to the tool.
@@ -15,26 +15,26 @@ pub(super) struct Linear<'a>(pub(super) [&'a AxisData; 3]);
 /// Two rotary axes that are not parallel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RotaryPair<'a> {
-    /// The one from which the other is seen: nearer to the linear axes where both are on one side, else on the tool side.
+    /// Axis relative to which the other is described: nearer to the linear axes if both are on one side, else on the tool side.
     pub(super) first: &'a AxisData,
-    /// The other one.
+    /// Other axis.
     pub(super) second: &'a AxisData,
 }
 
-/// The axes in the order of the chain from the workpiece to the tool.
+/// Returns the axes in the order of the chain from the workpiece to the tool.
 fn chain(machine: &Machine) -> impl Iterator<Item = &AxisData> {
     let order = machine.topology.workpiece.iter().rev().chain(&machine.topology.tool);
     order.filter_map(|&axis| machine.axis(axis))
 }
 
-/// `X, Y` of the axes, or `none`.
+/// Lists the axes as `X, Y`, or `none`.
 fn listed<'a>(axes: impl Iterator<Item = &'a AxisData>) -> String {
     let letters: Vec<String> = axes.map(|data| data.axis.to_string()).collect();
     if letters.is_empty() { "none".into() } else { letters.join(", ") }
 }
 
 impl<'a> Linear<'a> {
-    /// The linear axes of a machine that has three of them in independent directions.
+    /// Returns the linear axes of a machine that has three of them in independent directions.
     pub(super) fn of(machine: &'a Machine) -> Result<Linear<'a>, Unsuitable> {
         let linear = || chain(machine).filter(|data| !data.axis.is_rotary());
         let three: Vec<&AxisData> = linear().collect();
@@ -51,10 +51,10 @@ impl<'a> Linear<'a> {
         Ok(Linear(three))
     }
 
-    /// The three squareness errors: per pair of axes, the later axis of the chain about the direction at right angles to both.
+    /// Returns the three squareness errors: per pair of axes, the later axis of the chain about the direction perpendicular to both.
     ///
-    /// The first axis from the workpiece is the datum. Where two axes are on the workpiece side, though, the later one carries the
-    /// earlier one, and tilting it would tilt both: there the earlier one has the error.
+    /// The first axis from the workpiece is the datum. If two axes are on the workpiece side, however, the later one carries the earlier one, and tilting it
+    /// would tilt both. In this case the earlier one has the error.
     pub(super) fn squareness(&self, machine: &Machine) -> [ErrorName; 3] {
         let [a, b, c] = self.0;
         [[a, b], [b, c], [a, c]].map(|[earlier, later]| {
@@ -66,7 +66,7 @@ impl<'a> Linear<'a> {
 }
 
 impl<'a> RotaryPair<'a> {
-    /// The rotary axes of a machine that has two which are not parallel.
+    /// Returns the rotary axes of a machine that has two which are not parallel.
     pub(super) fn of(machine: &'a Machine) -> Result<RotaryPair<'a>, Unsuitable> {
         let rotary = || chain(machine).filter(|data| data.axis.is_rotary());
         let two: Vec<&AxisData> = rotary().collect();
@@ -82,36 +82,36 @@ impl<'a> RotaryPair<'a> {
         Ok(RotaryPair { first, second })
     }
 
-    /// The offset of the second axis from the first, along their common normal.
+    /// Returns the offset of the second axis from the first, along their common normal.
     pub(super) fn offset(&self) -> ErrorName {
         let normal = self.first.direction.cross(&self.second.direction);
         ErrorName::location(along(&normal), self.second.axis)
     }
 }
 
-/// The two tilts of a rotary axis: rotations about the directions other than its own.
+/// Returns the two tilts of a rotary axis: rotations about the directions other than its own.
 pub(super) fn tilts(data: &AxisData) -> [ErrorName; 2] {
     let own = about(&data.direction, Some(data.axis));
     let [a, b] = others([Direction::A, Direction::B, Direction::C], own);
     [ErrorName::location(a, data.axis), ErrorName::location(b, data.axis)]
 }
 
-/// The two offsets of the spindle across its axis.
+/// Returns the two offsets of the spindle perpendicular to its axis.
 pub(super) fn spindle_offsets(machine: &Machine) -> [ErrorName; 2] {
     lateral(&machine.spindle.axis).map(ErrorName::spindle)
 }
 
-/// The displacements across a direction.
+/// Returns the displacements perpendicular to a direction.
 pub(super) fn lateral(axis: &Vector) -> [Direction; 2] {
     others([Direction::X, Direction::Y, Direction::Z], along(axis))
 }
 
-/// The displacement along the direction of F that is nearest to a vector.
+/// Returns the displacement along the direction of F that is nearest to a vector.
 pub(super) fn along(vector: &Vector) -> Direction {
     DIRECTIONS[vector.iamax()]
 }
 
-/// The rotation about the direction of F that is nearest to a vector; at a tie, as at 45°, that of the axis letter.
+/// Returns the rotation about the direction of F that is nearest to a vector; at a tie, for example at 45°, that of the axis letter.
 pub(super) fn about(vector: &Vector, letter: Option<Axis>) -> Direction {
     let nearest = vector.iamax();
     let own = letter.map_or(nearest, Axis::dimension);

@@ -1,39 +1,39 @@
-//! Which parameters can be told apart by readings of the tool tip's place on a workpiece, whatever the poses.
+//! Determines the parameters that are separable by tip positions on a workpiece, for any choice of poses.
 //!
-//! Rows are three displacements at poses all over the chain's range; columns are the sensitivities to the parameters, behind
-//! those to what the set-up leaves unknown. Columns are taken in turn: one that is a combination of those before it is left out.
+//! Rows are three displacements at poses all over the range of the chain. Columns are the sensitivities to the unknowns of the set-up, followed by those to
+//! the parameters. Columns are taken in turn; one that is a combination of those before it is omitted.
 
 use crate::{ErrorModel, ErrorName, Model, ParameterName};
 use ncfix_base::geometry::{AXES, AxisVector, Vector};
 use ncfix_machine::machine::{Machine, State};
 
-/// Poses, many more than a third of the parameters.
+/// Number of poses, well above a third of the number of parameters.
 const POSES: usize = 120;
-/// Commands of linear axes lie within ± this, mm.
+/// Range of the commands of linear axes, ± mm.
 const LINEAR_REACH_MM: f64 = 300.0;
-/// Commands of rotary axes lie within ± this, rad.
+/// Range of the commands of rotary axes, ± rad.
 const ROTARY_REACH_RAD: f64 = 2.0;
 /// Length of the tool, mm.
 const TOOL_MM: f64 = 150.0;
-/// What is left of a column of length 1 that counts as independent of those before it.
+/// Smallest residual of a column of length 1 that counts as independent of those before it.
 const LEAST_REMAINDER: f64 = 1e-7;
 
-/// What is unknown beside the parameters and the place of the workpiece, which always is.
+/// Unknowns in addition to the parameters and the position of the workpiece, which is always unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SetUp {
-    /// Tool length. The artefact has a known length, and the tool's offset was told from the spindle's by indexing the spindle.
+    /// Tool length. The artefact has a known length, and the offset of the tool was separated from that of the spindle by indexing the spindle.
     ToolLength,
-    /// All of the tool vector, and the size of the artefact.
+    /// The whole tool vector, and the size of the artefact.
     ToolAndSize,
 }
 
-/// A pose at which the tip is read, and the senses in which it was reached.
+/// Pose at which the tip is measured, and the directions from which it was reached.
 struct Reading {
     command: AxisVector,
     senses: State,
 }
 
-/// A machine and the readings on it.
+/// Machine with the planned readings.
 pub(super) struct ReadingPlan {
     model: Model,
     spindle: Vector,
@@ -51,19 +51,19 @@ impl ReadingPlan {
         }
     }
 
-    /// Displacement of the tip per mm or rad of a component at a pose, in the tool frame.
+    /// Returns the displacement of the tip per mm or rad of a component at a pose, in the tool frame.
     fn sensitivity(&self, component: ErrorName, reading: &Reading) -> Vector {
         self.model.sensitivity(component, &reading.command, &self.tool_mm).translation
     }
 
-    /// Whether a component moves the tip by the same everywhere: a displacement, or a rotation with a constant arm.
+    /// True if the effect of a component on the tip is constant: a displacement, or a rotation with a constant arm.
     pub(super) fn is_constant(&self, component: ErrorName) -> bool {
         let mut effects = self.readings.iter().map(|reading| self.sensitivity(component, reading));
         let first = effects.next().unwrap_or_default();
         effects.all(|effect| (effect - first).norm() <= LEAST_REMAINDER * TOOL_MM)
     }
 
-    /// The candidates that are no combination of the set-up and of candidates before them.
+    /// Returns the candidates that are not a combination of the set-up and of earlier candidates.
     pub(super) fn separable(&self, candidates: &[ParameterName], set_up: SetUp) -> Vec<ParameterName> {
         let mut basis = Basis::default();
         for column in self.set_up_columns(set_up) {
@@ -72,7 +72,7 @@ impl ReadingPlan {
         candidates.iter().filter(|parameter| basis.take(self.effect(parameter))).copied().collect()
     }
 
-    /// The column of a parameter.
+    /// Returns the column of a parameter.
     fn effect(&self, parameter: &ParameterName) -> Vec<f64> {
         let mut column = Vec::with_capacity(3 * POSES);
         for reading in &self.readings {
@@ -82,7 +82,7 @@ impl ReadingPlan {
         column
     }
 
-    /// What the set-up leaves unknown, seen in the tool frame as the parameters are.
+    /// Returns the columns of the unknowns of the set-up, in the tool frame like the parameters.
     fn set_up_columns(&self, set_up: SetUp) -> Vec<Vec<f64>> {
         let units = [0, 1, 2].map(|row| Vector::ith(row, 1.0));
         let count = if set_up == SetUp::ToolAndSize { 10 } else { 7 };
@@ -104,7 +104,7 @@ impl ReadingPlan {
     }
 }
 
-/// The pose of a number: multiples of irrational numbers fill the range evenly, and the same each time.
+/// Returns the pose with this number. Multiples of irrational numbers fill the range evenly and reproducibly.
 fn reading(number: usize) -> Reading {
     let fraction = |prime: f64| (number as f64 * prime.sqrt()).fract() * 2.0 - 1.0;
     let mut senses = State::default();
@@ -119,17 +119,17 @@ fn reading(number: usize) -> Reading {
     Reading { command, senses }
 }
 
-/// Columns at right angles to each other (Gram–Schmidt).
+/// Orthonormal columns (Gram–Schmidt).
 #[derive(Default)]
 struct Basis(Vec<Vec<f64>>);
 
 impl Basis {
-    /// Takes a column in; `false` where it is a combination of those in it.
+    /// Adds a column; returns `false` if it is a combination of the existing ones.
     fn take(&mut self, mut column: Vec<f64>) -> bool {
         if !normalize(&mut column, f64::MIN_POSITIVE) {
             return false;
         }
-        // A second round takes away what rounding has left of the first.
+        // A second pass removes the rounding errors of the first.
         for _ in 0..2 {
             for unit in &self.0 {
                 let along: f64 = unit.iter().zip(&column).map(|(a, b)| a * b).sum();
@@ -146,7 +146,7 @@ impl Basis {
     }
 }
 
-/// Scales a column to length 1; `false` where it is no longer than `least`.
+/// Scales a column to length 1; returns `false` if it is no longer than `least`.
 fn normalize(column: &mut [f64], least: f64) -> bool {
     let length = column.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
     column.iter_mut().for_each(|entry| *entry /= length);

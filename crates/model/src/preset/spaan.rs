@@ -1,21 +1,19 @@
-//! The models of three linear axes: `spaan-18` and `spaan-21`.
+//! Models of three linear axes: `spaan-18` and `spaan-21`.
 //!
-//! Each linear axis has three translations and three rotations, 18 functions, and three squareness errors (Spaan 1995, ch. 3, table of
-//! direct measurements). A function is a piecewise polynomial of degree 2, continuous with its slope, with knots every 50 mm of the
-//! travel (eq. 3.3 and the example of Fig. 3.4); a fit takes out those that mean nothing. So that nothing is said twice,
+//! Each linear axis has three translations and three rotations, 18 functions, and there are three squareness errors (Spaan 1995, ch. 3, table of direct
+//! measurements). A function is a piecewise polynomial of degree 2, continuous with its slope, with knots every 50 mm of the travel (eq. 3.3 and the example
+//! of Fig. 3.4). A fit removes insignificant terms. To avoid redundancy,
 //!
-//! - no function has a constant, which would be where the zero of an axis or the workpiece is, and
+//! - no function has a constant, which would be the zero of an axis or the position of the workpiece, and
 //! - straightness has no slope, which is squareness or the direction of the axis.
 //!
-//! `spaan-21` has the squareness errors by themselves. In `spaan-18` they are in the constants of the matching rotations, as the
-//! accumulator of Spaan, ch. 6, adds them (`xsy` to `yrz` on a machine X-Y-Z). That takes his arms, which include the axis's own motion
-//! (`lever = "fixed"`): there both describe the same machines. On an axis whose errors are carried a constant rotation
-//! tilts what stands on the axis, not its way, and squareness is the slope of its straightness instead; what is left between both models is
-//! then a constant tilt of tool or workpiece.
+//! `spaan-21` lists the squareness errors separately. In `spaan-18` they are the constants of the matching rotations, as the accumulator of Spaan, ch. 6,
+//! adds them (`xsy` to `yrz` on a machine X-Y-Z). That requires his lever arms, which include the motion of the axis itself (`lever = "fixed"`); with them
+//! both presets describe the same machines. On an axis whose errors are carried, a constant rotation tilts what stands on the axis, not its path. There
+//! squareness is the slope of its straightness instead. The two models then differ by a constant tilt of tool or workpiece.
 //!
-//! With readings of the tip only, the rotations of the axis next to the spindle show with several tool vectors only, and with one tool
-//! length along the spindle a roll about it does not show at all. Rotary axes, if there are any, are left without errors: they are
-//! clamped.
+//! With readings of the tip only, the rotations of the axis next to the spindle are determined only by several tool vectors. With one tool length along the
+//! spindle a roll about it is not identifiable. Rotary axes, if any, have no errors here: they are clamped.
 
 use super::Unsuitable;
 use super::roles::{Linear, along};
@@ -25,10 +23,10 @@ use ncfix_machine::machine::{AxisData, Lever, Machine};
 
 /// Distance of the knots, mm.
 const KNOT_DISTANCE_MM: i32 = 50;
-/// A travel beyond this has no knots: it is no length of a machine tool, mm.
+/// Maximum travel with knots, mm: no machine tool is longer.
 const LONGEST_TRAVEL_MM: f64 = 100_000.0;
 
-/// Spaan 1995, eq. 2.2–2.9.
+/// Returns the parameters of Spaan 1995, eq. 2.2–2.9.
 pub(super) fn functions_18(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitable> {
     let Linear(axes) = Linear::of(machine)?;
     let squareness = Linear(axes).squareness(machine);
@@ -36,7 +34,7 @@ pub(super) fn functions_18(machine: &Machine) -> Result<Vec<ParameterName>, Unsu
     Ok(functions(&axes, &within))
 }
 
-/// Spaan 1995, ch. 3: direct measurement.
+/// Returns the parameters of Spaan 1995, ch. 3: direct measurement.
 pub(super) fn functions_21(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitable> {
     let linear = Linear::of(machine)?;
     let mut parameters = functions(&linear.0, &[]);
@@ -44,19 +42,19 @@ pub(super) fn functions_21(machine: &Machine) -> Result<Vec<ParameterName>, Unsu
     Ok(parameters)
 }
 
-/// The coefficient of a function of the same axis that stands for a squareness error.
+/// Returns the coefficient of a function of the same axis that represents a squareness error.
 fn within_a_function(machine: &Machine, squareness: ErrorName) -> Option<ParameterName> {
     let data = machine.axis(squareness.axis()?)?;
     if data.lever == Lever::Fixed {
         return Some(ParameterName::coefficient(ErrorName { kind: ErrorKind::Motion, ..squareness }, 0));
     }
-    // Across the axis, and at right angles to the direction about which it is tilted.
+    // Perpendicular to the axis, and to the direction about which it is tilted.
     let used = [along(&data.direction).index(), squareness.direction.index() % 3];
     let across = DIRECTIONS[..3].iter().find(|direction| !used.contains(&direction.index()))?;
     Some(ParameterName::coefficient(ErrorName::motion(*across, data.axis), 1))
 }
 
-/// The functions of the axes, and in them also the listed coefficients.
+/// Returns the functions of the axes, including the listed additional coefficients.
 fn functions(axes: &[&AxisData; 3], also: &[ParameterName]) -> Vec<ParameterName> {
     let mut axes = *axes;
     axes.sort_by_key(|data| data.axis);
@@ -75,7 +73,7 @@ fn functions(axes: &[&AxisData; 3], also: &[ParameterName]) -> Vec<ParameterName
     parameters
 }
 
-/// The multiples of the distance inside the travel; none without a travel.
+/// Returns the multiples of the distance inside the travel; none without a travel.
 fn knots(data: &AxisData) -> impl Iterator<Item = i32> + use<> {
     let [low, high] = data.travel.unwrap_or_default();
     let is_known = low.abs() < LONGEST_TRAVEL_MM && high.abs() < LONGEST_TRAVEL_MM;

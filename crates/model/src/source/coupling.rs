@@ -1,10 +1,10 @@
-//! Cross-coupling: motion errors that depend on the position of another axis too (Spaan 1995, ch. 4, fig. 4.1).
+//! Cross-coupling: motion errors that also depend on the position of another axis (Spaan 1995, ch. 4, fig. 4.1).
 //!
-//! They stand in `[[motion]]` with the kinds of functions of two axes.
+//! They are entries of `[[motion]]` with the kinds of functions of two axes.
 
 use super::SourceInfo;
 
-/// The source.
+/// Name, title and sections of the source.
 pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "coupling",
     title: "cross-coupling of two axes",

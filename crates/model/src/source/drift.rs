@@ -1,10 +1,10 @@
 //! Zero-point drift: displacement of the tool relative to the workpiece as a weighted sum of temperatures (Spaan 1995, ch. 5 and 6).
 //!
-//! d = Σ cᵢ ΔTᵢ along an axis of F, ΔTᵢ the rise of a sensor above the reference state, or of a body that follows the sensor with a time
-//! constant: a sensor close to a source of heat is ahead of the casting that expands. Coefficients hold at one position of an axis; with
-//! several positions the drift is linear between them and constant outside. `[[drift]]`, one entry for each direction and position.
+//! d = Σ cᵢ ΔTᵢ along an axis of F. ΔTᵢ is the rise of a sensor above the reference state, or of a body that follows the sensor with a time constant: a
+//! sensor close to a heat source is ahead of the casting that expands. Coefficients are valid at one position of an axis; with several positions the drift is
+//! linear between them and constant outside. `[[drift]]` has one entry for each direction and position.
 //!
-//! A drift ends where the zero point of the workpiece is set: it counts from the condition in which that was done.
+//! A drift ends when the zero point of the workpiece is set: it counts from the condition at that time.
 
 use crate::ErrorModel;
 use crate::accumulator::Accumulator;
@@ -19,7 +19,7 @@ use ncfix_machine::machine::{Condition, Lever, Machine};
 
 use super::{Effect, Parameter, Reading, SourceInfo, Written};
 
-/// The source.
+/// Name, title and sections of the source.
 pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "drift",
     title: "zero-point drift with temperature",
@@ -41,18 +41,18 @@ sensors = [{ name = \"T_head\", um_per_K = 3.1, lag_s = 600 }, { name = \"T_colu
 ",
 };
 
-/// The drift in one direction.
+/// Drift in one direction.
 #[derive(Clone, Debug)]
 struct Drift {
     /// X, Y or Z of F.
     direction: Direction,
-    /// The axis along which it changes; `None` where it is the same everywhere.
+    /// Axis along which it changes; `None` if it is constant over all positions.
     over: Option<Axis>,
-    /// By increasing position; one where it is the same everywhere.
+    /// Nodes by increasing position; a single one if it is constant.
     nodes: Vec<Node>,
 }
 
-/// The drift at one position.
+/// Drift at one position.
 #[derive(Clone, Debug)]
 struct Node {
     /// Number of its section.
@@ -62,7 +62,7 @@ struct Node {
     terms: Vec<Term>,
 }
 
-/// What one sensor stands for.
+/// Contribution of one sensor.
 #[derive(Clone, Debug)]
 struct Term {
     sensor: String,
@@ -70,7 +70,7 @@ struct Term {
     lag_s: f64,
 }
 
-/// An entry of the machine file and where it stands.
+/// Entry of the machine file with its place.
 struct Entry {
     direction: Direction,
     over: Option<Axis>,
@@ -79,7 +79,7 @@ struct Entry {
 }
 
 impl Node {
-    /// The drift in a condition, mm. A sensor without a reading adds nothing: it is reported where readings come in.
+    /// Returns the drift in a condition, mm. A sensor without a reading adds nothing; it is reported where readings are input.
     fn drift_mm(&self, machine: &Machine, condition: &Condition) -> f64 {
         let part = |term: &Term| Some(term.mm_per_k * machine.rise_k(condition, &term.sensor, term.lag_s)?);
         self.terms.iter().filter_map(part).sum()
@@ -108,7 +108,7 @@ impl Effect for Drift {
             Function::Table(Table { positions, values })
         };
         match machine.axis(over) {
-            // The errors of a rotary axis turn with its body: what lies along F's axis at each position, in the frame of the body.
+            // The errors of a rotary axis rotate with its body: the displacement along the axis of F at each position, in the frame of the body.
             Some(axis) if over.is_rotary() && axis.lever == Lever::Carried => {
                 let turned: Vec<Vector> =
                     self.nodes.iter().map(|node| about(&axis.direction, -node.at) * unit).collect();
@@ -133,7 +133,7 @@ impl Effect for Drift {
             for index in 0..node.terms.len() {
                 let (before, rest) = node.terms.split_at_mut(index);
                 let Some(term) = rest.first_mut() else { continue };
-                // A sensor may stand there twice, with and without a lag.
+                // A sensor may occur twice, with and without a lag.
                 let again = before.iter().filter(|other| other.sensor == term.sensor).count();
                 let number = if again > 0 { format!("~{}", again + 1) } else { String::new() };
                 let name = format!("drift.{place}.{}{number}", term.sensor);
@@ -177,7 +177,7 @@ pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     }
 }
 
-/// The entries of one direction as one drift.
+/// Joins the entries of one direction to one drift.
 fn join(mut entries: Vec<&Entry>, findings: &mut Vec<Diagnostic>) -> Option<Drift> {
     let first = *entries.first()?;
     let by = |over: Option<Axis>| over.map_or("the same everywhere".to_owned(), |axis| format!("over {axis}"));
@@ -238,7 +238,7 @@ fn read_direction(section: &mut Section<'_>) -> Option<Direction> {
     known
 }
 
-/// The axis and its position; no axis and 0 where the drift is the same everywhere.
+/// Reads the axis and its position; no axis and 0 if the drift is constant over all positions.
 fn read_over(section: &mut Section<'_>, axes: AxisSet, machine: Option<&Machine>) -> Option<(Option<Axis>, f64)> {
     if !section.has("over") {
         section.accept("over");
@@ -296,7 +296,7 @@ fn read_over(section: &mut Section<'_>, axes: AxisSet, machine: Option<&Machine>
     Some((Some(axis), if axis.is_rotary() { at.to_radians() } else { at }))
 }
 
-/// The rotary axis between the foundation and an axis, where there is one.
+/// Returns the rotary axis between the foundation and an axis, if any.
 fn turned_by(machine: &Machine, axis: Axis) -> Option<Axis> {
     let topology = &machine.topology;
     let branch = if topology.tool.contains(&axis) { &topology.tool } else { &topology.workpiece };

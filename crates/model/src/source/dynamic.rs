@@ -1,7 +1,7 @@
 //! Dynamics: the deflection of the structure while axes accelerate.
 //!
-//! One `[[dynamic]]` for each component that gives way: e = k·a + c·ȧ of the axis of the component ([`crate::motion::dynamic`]). Where
-//! nothing says how an axis accelerates – where positions were measured at rest, or a program is corrected – it is zero.
+//! One `[[dynamic]]` for each component with a compliance: e = k·a + c·ȧ of the axis of the component ([`crate::motion::dynamic`]). It is zero if the
+//! acceleration of an axis is unknown, for positions measured at rest and for the correction of a program.
 
 use super::{Effect, Parameter, Reading, SourceInfo, Written};
 use crate::ErrorModel;
@@ -14,14 +14,14 @@ use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::file::Section;
 
-/// Greater compliances are in another unit: a millimetre for the acceleration of gravity.
+/// Largest compliance; greater ones are in another unit: one millimetre for the acceleration of gravity.
 const MOST: f64 = 1e3;
-/// µm by m/s² as mm by mm/s², and the same of angles by angles: µrad by rad/s² as rad by rad/s².
+/// Factor from µm per m/s² to mm per mm/s², and likewise for angles: from µrad per rad/s² to rad per rad/s².
 const MICRO: f64 = 1e-6;
-/// m as mm.
+/// Millimetres per metre.
 const MM_PER_M: f64 = 1e3;
 
-/// The source.
+/// Name, title and sections of the source.
 pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "dynamic",
     title: "deflection by acceleration",
@@ -70,7 +70,7 @@ impl Effect for Deflection {
     }
 }
 
-/// The key of a compliance by its component: `um_per_m_s2`; `order` is 2 for the acceleration, 3 for the jerk.
+/// Returns the key of a compliance by its component: `um_per_m_s2`; `order` is 2 for the acceleration, 3 for the jerk.
 #[must_use]
 pub fn key(name: ErrorName, order: u8) -> String {
     let of = if name.direction.is_rotation() { "urad" } else { "um" };
@@ -78,7 +78,7 @@ pub fn key(name: ErrorName, order: u8) -> String {
     format!("{of}_per_{by}_s{order}")
 }
 
-/// What a value of the file is multiplied with: to mm or rad by mm/s², rad/s² (s³).
+/// Returns the factor from the unit of the file to mm or rad per mm/s², rad/s² (s³).
 #[must_use]
 pub fn factor(name: ErrorName) -> f64 {
     let of = if name.direction.is_rotation() { MICRO } else { MICRO * MM_PER_M };
@@ -103,7 +103,7 @@ fn read_entry(entry: usize, section: &mut Section<'_>, reading: &Reading<'_, '_>
     let help = "write E, a direction and the axis that accelerates, for example EXX or EAY";
     let name = text.and_then(|text| known_component(section, text, place, reading.axes, ErrorKind::Motion, help));
     let Some(name) = name else {
-        // Without a component the units of the other keys cannot be judged.
+        // Without a component the units of the other keys cannot be checked.
         let keys: Vec<&str> = section.keys().collect();
         keys.into_iter().for_each(|key| section.accept(key));
         return None;

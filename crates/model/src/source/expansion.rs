@@ -1,12 +1,12 @@
-//! Expansion of scales and of the workpiece, linear in the position of the axis (Spaan 1995, ch. 6).
+//! Thermal expansion of scales and of the workpiece, linear in the position of the axis (Spaan 1995, ch. 6).
 //!
-//! e(x) = (α_s ΔT_s (x − x_s) − α_w ΔT_w (x − x_w)) along the axis, as deviation of the body that it moves; ΔT above the reference state,
-//! x_s and x_w the commands at which scale and workpiece stay where they are. A warm scale makes the axis move farther. The material that
-//! a tool shall touch has moved outwards by α_w ΔT_w (x − x_w) along its path, so that a tool without correction falls short of it. On the
-//! workpiece side the body moves the other way in relation to the tool, and so does its deviation: the sign is the same.
+//! e(x) = (α_s ΔT_s (x − x_s) − α_w ΔT_w (x − x_w)) along the axis, as deviation of the body that it moves. ΔT counts from the reference state; x_s and x_w
+//! are the commands of the fixed points of scale and workpiece. A warm scale makes the axis move farther. The material that a tool should touch has moved
+//! outwards by α_w ΔT_w (x − x_w) along its path, so a tool without correction falls short of it. On the workpiece side the body moves in the opposite
+//! direction relative to the tool, and so does its deviation: the sign is the same.
 //!
-//! Unlike a drift this does not end where the zero point is set: it makes distances wrong, not a place, and distances relate to the
-//! reference temperature (ISO 1). It is treated like the position-dependent errors of the geometry.
+//! Unlike a drift it does not end when the zero point is set: it changes distances, not a position, and distances relate to the reference temperature (ISO
+//! 1). It is treated like the position-dependent errors of the geometry.
 
 use crate::accumulator::Accumulator;
 use crate::motion::Function;
@@ -20,7 +20,7 @@ use ncfix_machine::machine::{Condition, Machine};
 
 use super::{Effect, Parameter, Reading, SourceInfo, Written};
 
-/// The source.
+/// Name, title and sections of the source.
 pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "expansion",
     title: "expansion of scales and workpiece",
@@ -34,10 +34,10 @@ workpiece = { sensors = [\"T_work\"], um_per_m_K = 11.5, fixed_mm = 200, lag_s =
 ",
 };
 
-/// 1/K in µm per m and K.
+/// Factor from µm per m and K to 1/K.
 const PER_UM_PER_M: f64 = 1e-6;
 
-/// The expansion of one body along one axis.
+/// Thermal expansion of one body along one axis.
 #[derive(Clone, Debug)]
 struct Expansion {
     /// Number of its section.
@@ -45,7 +45,7 @@ struct Expansion {
     axis: Axis,
     body: Body,
     per_k: f64,
-    /// The command at which it stays where it is, mm.
+    /// Command of its fixed point, mm.
     fixed_mm: f64,
     sensors: Vec<Sensor>,
     lag_s: f64,
@@ -73,7 +73,7 @@ impl Body {
 }
 
 impl Expansion {
-    /// The weighted mean of the sensors that have a reading, K: a body of which one sensor is lost is not half as warm.
+    /// Returns the weighted mean of the sensors that have a reading, K: a body with one failed sensor of two is not half as warm.
     fn rise_k(&self, machine: &Machine, condition: &Condition) -> Option<f64> {
         let rises = self
             .sensors

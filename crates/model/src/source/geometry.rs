@@ -1,6 +1,6 @@
 //! Geometry: location errors and the motion errors that depend on the position of their own axis.
 //!
-//! `[location]` and `[[motion]]`; the sum of both is the volumetric error model of ISO 230-1 (Spaan 1995, ch. 2; Esmaeili 2021, ch. 2).
+//! Sections `[location]` and `[[motion]]`; the sum of both is the volumetric error model of ISO 230-1 (Spaan 1995, ch. 2; Esmaeili 2021, ch. 2).
 
 use super::{Effect, Parameter, Reading, SourceInfo, coupling, reversal};
 use crate::accumulator::Accumulator;
@@ -9,7 +9,7 @@ use crate::motion::Function;
 use crate::{ErrorModel, LocationError, MotionError};
 use ncfix_machine::machine::Condition;
 
-/// The source.
+/// Name, title and sections of the source.
 pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "geometry",
     title: "location and motion errors",

@@ -6,8 +6,8 @@
 //! e(x, F, p) = e(x, F₀) · F/F₀                    neither       (the weight alone)
 //! ```
 //!
-//! e(x, F₀) is what a load of F₀ does to a motion error (in the center of the table; at p₀ for the second) or to a location error, F the weight
-//! and p its place from the center of the table along a direction of F. The effects of several loads add up.
+//! e(x, F₀) is the effect of a load of F₀ on a motion error or on a location error (load at the center of the table; at p₀ for the second formula). F is the
+//! weight, and p its position from the center of the table along a direction of F. The effects of several loads add up.
 
 use super::{Effect, Parameter, Reading, SourceInfo, Written};
 use crate::accumulator::Accumulator;
@@ -20,7 +20,7 @@ use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::file::Section;
 use ncfix_machine::machine::{Condition, Load};
 
-/// The source.
+/// Name, title and sections of the source.
 pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "load",
     title: "workpiece weight",
@@ -43,7 +43,7 @@ value_urad = -45
 ",
 };
 
-/// The directions that a place on the table has.
+/// Directions of a position on the table.
 const ALONG: [&str; 3] = ["X", "Y", "Z"];
 
 pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
@@ -72,7 +72,7 @@ fn read_effect(
     });
     let lean = read_lean(&mut section);
     let Some(name) = name else {
-        // What the other keys should be follows from the component.
+        // The required keys follow from the component.
         let keys: Vec<&str> = section.keys().collect();
         keys.into_iter().for_each(|key| section.accept(key));
         section.finish(findings);
@@ -135,13 +135,13 @@ fn read_lean(section: &mut Section<'_>) -> Option<Lean> {
     }
 }
 
-/// What a load does to one component.
+/// Effect of a load on one component.
 #[derive(Clone, Debug, PartialEq)]
 struct LoadEffect {
     /// Number of its section.
     entry: usize,
     name: ErrorName,
-    /// With a load of `reference_n`, in the center of the table or at `at_mm`.
+    /// Amount for a load of `reference_n`, at the center of the table or at `at_mm`.
     amount: Amount,
     reference_n: f64,
     lean: Lean,
@@ -149,13 +149,14 @@ struct LoadEffect {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Amount {
-    /// Of a location error, mm or rad.
+    /// Change of a location error, mm or rad.
     Constant(f64),
-    /// Of a motion error.
+    /// Change of a motion error.
     Function(Function),
 }
 
-/// The key of a value of a function in the file, and what a value is multiplied with there: coefficients are in mm and rad, all else has a unit.
+/// Returns the key of a value of a function in the file, and the factor to the unit of the file: coefficients are in mm and rad, all other values have a
+/// unit.
 fn written_as(name: &str, is_rotation: bool) -> (String, f64) {
     if name.contains("coefficients") {
         return (name.to_owned(), 1.0);
@@ -168,7 +169,7 @@ fn written_as(name: &str, is_rotation: bool) -> (String, f64) {
     }
 }
 
-/// How the place of the load counts.
+/// Influence of the position of the load.
 #[derive(Clone, Debug, PartialEq)]
 enum Lean {
     None,
@@ -177,12 +178,12 @@ enum Lean {
 }
 
 impl LoadEffect {
-    /// How much of the reference a load is.
+    /// Returns the effect of a load as a share of the reference load.
     fn share(&self, load: &Load) -> f64 {
         let place = |along: usize| load.position_mm.get(along).copied().unwrap_or_default();
         let factor = match self.lean {
             Lean::None => 1.0,
-            // An arm that is varied down to 0 has no meaning, and would spoil the sum of all sources.
+            // An arm that a fit varies down to 0 has no meaning, and would make the sum of all sources invalid.
             Lean::Arm { arm_mm: 0.0, .. } | Lean::Moment { at_mm: 0.0, .. } => 0.0,
             Lean::Arm { along, arm_mm } => (arm_mm - place(along)) / arm_mm,
             Lean::Moment { along, at_mm } => place(along) / at_mm,

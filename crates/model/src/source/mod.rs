@@ -1,7 +1,7 @@
-//! Sources of error: one file each, and the register of them ([`Sources`]), which a caller extends.
+//! Error sources: one file each, and their register ([`Sources`]), which a caller can extend.
 //!
-//! A source reads its sections of the machine file into effects. An [`Effect`] contributes to the location and motion errors of the axes what
-//! the condition of the machine makes of it, and shows its parameters, so that they can be listed, varied and fitted.
+//! A source reads its sections of the machine file into effects. An [`Effect`] contributes to the location and motion errors of the axes, depending on the
+//! condition of the machine. It also exposes its parameters, so that they can be listed, varied and fitted.
 
 mod coupling;
 mod drift;
@@ -24,31 +24,31 @@ use super::ErrorModel;
 use super::accumulator::Accumulator;
 use super::motion::MotionKinds;
 
-/// What a source is called and where it stands in the machine file: one static for each source, to which its effects point.
+/// Name and sections of a source: one static for each source, to which its effects refer.
 #[derive(Debug)]
 pub struct SourceInfo {
-    /// Its name in tables: `load`. No other source of a register has it.
+    /// Name in tables: `load`. It is unique in a register.
     pub name: &'static str,
-    /// A few words for people: `workpiece weight`.
+    /// Short description for people: `workpiece weight`.
     pub title: &'static str,
-    /// The top-level sections of the machine file that are its own: `load` for `[[load]]` or `[load]`. The parameters that its effects show
-    /// ([`Written`]) stand in the first.
+    /// Top-level sections of the machine file that belong to it: `load` for `[[load]]` or `[load]`. The parameters of its effects ([`Written`]) are in the
+    /// first section.
     pub sections: &'static [&'static str],
-    /// Sections as they may stand in the file of a machine with X, Y and Z, for help and tests.
+    /// Example sections in the file of a machine with X, Y and Z, for help and tests.
     pub example: &'static str,
 }
 
-/// A source of error: reads its sections of the machine file into effects.
+/// Error source: reads its sections of the machine file into effects.
 ///
-/// A caller adds one with [`Sources::with`](ncfix_base::register::Register::with) and reads the machine file with [`file::load_with`](crate::file::load_with).
-/// A section of a source that is not in the register is an unknown one.
+/// A caller adds one with [`Sources::with`](ncfix_base::register::Register::with) and reads the machine file with
+/// [`file::load_with`](crate::file::load_with). A section of a source that is not in the register is unknown.
 pub trait ErrorSource: Send + Sync {
-    /// What it is called: the same static at every call, and that of its effects.
+    /// Returns its description: always the same static, which its effects return, too.
     fn info(&self) -> &'static SourceInfo;
 
-    /// Reads its sections from [`Reading::root`] and pushes an [`Effect`] for each into [`ErrorModel::effects`], mm and rad. It is called
-    /// once for every machine file, whether or not its sections are there, and does not fail: what is wrong is reported at its place
-    /// ([`Section::report`], [`Section::finish`] for each section that was taken), and an entry that is not sound is left out.
+    /// Reads its sections from [`Reading::root`] and pushes an [`Effect`] for each into [`ErrorModel::effects`], mm and rad. It is called once for every
+    /// machine file, with or without its sections, and does not fail. Faults are reported at their place ([`Section::report`], [`Section::finish`] for each
+    /// section that was taken); an invalid entry is omitted.
     fn read(&self, reading: &mut Reading<'_, '_>, errors: &mut ErrorModel);
 }
 
@@ -58,8 +58,8 @@ impl<S: ErrorSource + 'static> From<S> for Box<dyn ErrorSource> {
     }
 }
 
-/// The sources of error that a machine file may have: [`Register::default`](ncfix_base::register::Register::default) are those that are built in, in the order
-/// in which tables show them.
+/// Error sources that a machine file may have. [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones, in the order in
+/// which tables show them.
 pub type Sources = Register<dyn ErrorSource>;
 
 impl Registered for dyn ErrorSource {
@@ -80,7 +80,7 @@ impl Registered for dyn ErrorSource {
     }
 }
 
-/// A source of error that is built in.
+/// Built-in error source.
 #[derive(Clone, Copy)]
 struct BuiltIn {
     info: &'static SourceInfo,
@@ -97,7 +97,7 @@ impl ErrorSource for BuiltIn {
     }
 }
 
-/// Those that are built in. Coupling and reversal are read with the motion errors of the geometry.
+/// Built-in sources. Coupling and reversal are read with the motion errors of the geometry.
 const BUILT_IN: &[BuiltIn] = &[
     BuiltIn { info: &geometry::SOURCE, read: geometry::read },
     BuiltIn { info: &coupling::SOURCE, read: |_, _| {} },
@@ -109,51 +109,51 @@ const BUILT_IN: &[BuiltIn] = &[
     BuiltIn { info: &expansion::SOURCE, read: expansion::read },
 ];
 
-/// The place of a source among those that are built in; behind them for another.
+/// Returns the rank of a source among the built-in ones; others come after them.
 pub(super) fn rank(info: &SourceInfo) -> usize {
     BUILT_IN.iter().position(|source| source.info.name == info.name).unwrap_or(BUILT_IN.len())
 }
 
-/// One effect of a source: what one entry of the machine file says. It is `Clone`, and shows all of itself by `Debug`: effects are equal where that is.
+/// Effect of a source: one entry of the machine file. It must implement `Clone`, and its `Debug` output must contain all of its state: effects are equal if
+/// these outputs are.
 pub trait Effect: BoxedEffect + Debug + Send + Sync {
-    /// The source that it belongs to.
+    /// Returns the source to which it belongs.
     fn source(&self) -> &'static SourceInfo;
 
-    /// The component of the error that it makes, for tables: `EXX`.
+    /// Returns the error component that it affects, for tables: `EXX`.
     fn label(&self) -> String {
         self.source().title.to_owned()
     }
 
-    /// Adds what it does in a condition to the location and motion errors of the axes: mm and rad along and about the directions of F
-    /// at the zero pose, as deviation of the body that the axis moves, also on the workpiece side. It depends on the condition (loads,
-    /// temperatures, time) alone; what depends on the position of an axis or on its last motion goes in as a
-    /// [`Function`](crate::motion::Function). It is called whenever the condition changes, not for every position. Where the condition does not say what
-    /// it needs, it adds nothing.
+    /// Adds its effect in a condition to the location and motion errors of the axes: mm and rad along and about the directions of F at the zero pose, as
+    /// deviation of the body that the axis moves, also on the workpiece side. The effect depends only on the condition (loads, temperatures, time).
+    /// Dependence on the position of an axis or on its last motion is expressed by a [`Function`](crate::motion::Function). It is called whenever the
+    /// condition changes, not for every position. If the condition lacks the required data, it adds nothing.
     fn contribute(&self, condition: &Condition, sum: &mut Accumulator<'_>);
 
-    /// Shows every parameter with its name and unit, always in the same order: `name.of.it`, in mm, rad, s or K. What is
-    /// shown is listed, varied, fitted (`ncfix calibrate` by the name) and written back to the machine file.
+    /// Visits every parameter with its name and unit, always in the same order: `name.of.it`, in mm, rad, s or K. These parameters are listed, varied, fitted
+    /// (`ncfix calibrate` by the name) and written back to the machine file.
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64));
 
-    /// The sensors that it needs.
+    /// Returns the sensors that it needs.
     fn sensors(&self) -> Vec<&str> {
         Vec::new()
     }
 
-    /// Whether it depends on the workpieces on the table.
+    /// True if it depends on the workpieces on the table.
     fn needs_load(&self) -> bool {
         false
     }
 
-    /// Whether it is an offset in time that ends when the zero point of the workpiece is set.
+    /// True if it is an offset over time that ends when the zero point of the workpiece is set.
     fn drifts(&self) -> bool {
         false
     }
 }
 
-/// Copies an effect: what is an [`Effect`] and `Clone` does it by itself.
+/// Copies an effect. It is implemented for every [`Effect`] that is `Clone`.
 pub trait BoxedEffect {
-    /// A copy.
+    /// Returns a boxed copy.
     fn boxed(&self) -> Box<dyn Effect>;
 }
 
@@ -171,45 +171,45 @@ impl Clone for Box<dyn Effect> {
 
 impl PartialEq for dyn Effect {
     fn eq(&self, other: &Self) -> bool {
-        // A name is that of one source of a register, and every value shows itself in full.
+        // A name is unique in a register, and every `Debug` output is complete.
         self.source().name == other.source().name && format!("{self:?}") == format!("{other:?}")
     }
 }
 
-/// A parameter of an effect.
+/// Parameter of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter<'a> {
-    /// Its name: `EC0Y`, `EXX.coefficients[1]`.
+    /// Name: `EC0Y`, `EXX.coefficients[1]`.
     pub name: &'a str,
-    /// Whether the error is proportional to it (with all others of the effect that are).
+    /// True if the error is proportional to it (together with all other linear parameters of the effect).
     pub is_linear: bool,
-    /// Where it stands in the machine file; `None` for location and motion errors, which have names of their own there.
+    /// Place in the machine file; `None` for location and motion errors, which have their own names there.
     pub written: Option<Written<'a>>,
 }
 
-/// Where a parameter stands in the machine file: in the first section of its source.
+/// Place of a parameter in the machine file: in the first section of its source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Written<'a> {
-    /// Number of the entry in the list `[[section]]`; 0 for a single `[section]`.
+    /// Index of the entry in the list `[[section]]`; 0 for a single `[section]`.
     pub entry: usize,
-    /// The key in it: `knots[0].coefficients[2]`, `sensors[1].um_per_K`.
+    /// Key in the entry: `knots[0].coefficients[2]`, `sensors[1].um_per_K`.
     pub key: &'a str,
-    /// What its value is multiplied with to give that of the file.
+    /// Factor from its value to that of the file.
     pub factor: f64,
 }
 
-/// A machine file while sources read their sections.
+/// Machine file while sources read their sections.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Reading<'a, 'f> {
     /// All sections: a source takes its own with [`Section::section`] (`[name]`) or [`Section::sections`] (`[[name]]`).
     pub root: &'a mut Section<'f>,
-    /// Axes that have a section, whether or not it is sound.
+    /// Axes that have a section, valid or not.
     pub axes: AxisSet,
-    /// The machine, where it is sound.
+    /// Machine, if it is valid.
     pub machine: Option<&'a Machine>,
-    /// The kinds of functions that an entry may have.
+    /// Kinds of functions that an entry may have.
     pub kinds: &'a MotionKinds,
-    /// What was found: the place to which [`Section::finish`] hands over.
+    /// Diagnostics: [`Section::finish`] appends to them.
     pub findings: &'a mut Vec<Diagnostic>,
 }

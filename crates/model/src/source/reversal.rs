@@ -1,10 +1,10 @@
-//! Reversal: backlash, lateral play and turning play, which depend on the sense of the last motion of the axis.
+//! Reversal: backlash, lateral play and angular play, which depend on the direction of the last motion of the axis.
 //!
-//! They stand in `[[motion]]` with `kind = "backlash"`.
+//! They are entries of `[[motion]]` with `kind = "backlash"`.
 
 use super::SourceInfo;
 
-/// The source.
+/// Name, title and sections of the source.
 pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "reversal",
     title: "backlash and lateral play",

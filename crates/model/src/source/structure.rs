@@ -1,8 +1,8 @@
-//! Temperature, analytically: the structure as segments between workpiece and tool that expand, bend and twist (Spaan 1995, ch. 5).
+//! Analytical temperature model: the structure as segments between workpiece and tool that expand, bend and twist (Spaan 1995, ch. 5).
 //!
-//! A segment is a beam from its clamped end, nearer to F, along `s`, with sensors at the corners of its section, across along `g` and
-//! `n = s × g`. Temperatures are linear between its ends. With the rise ΔT of the mean, the gradient G along g (warmer on the side +g), its
-//! difference D between the walls at +n and −n, and the distance l from the clamped end,
+//! A segment is a beam from its clamped end, nearer to F, along `s`. Sensors are at the corners of its section, across along `g` and `n = s × g`.
+//! Temperatures are linear between its ends. ΔT is the rise of the mean, G the gradient along g (warmer on the side +g), D its difference between the walls
+//! at +n and −n, and l the distance from the clamped end:
 //!
 //! ```text
 //! expansion    α ∫ ΔT ds                      along s
@@ -11,9 +11,9 @@
 //! torsion      φ = α/(h w) ∫ (l − s) D ds     walls at ±n that bend differently turn the end about s
 //! ```
 //!
-//! A uniform gradient gives the circular arc of a bimetal. The twist assumes two walls that are free to bend along g; a closed box
-//! twists less, which `torsion_share` says. What the end does is done to the axis (or spindle) behind the segment and all that it carries: location
-//! errors, and so zero-point drift and squareness; where an axis slides along the segment, motion errors of that axis: its scale, straightness and
+//! A uniform gradient gives the circular arc of a bimetal. The twist assumes two walls that are free to bend along g; a closed box twists less, which
+//! `torsion_share` describes. The axis (or spindle) after the segment and everything that it carries follow the end of the segment. The effects are location
+//! errors, and thus zero-point drift and squareness. If an axis slides along the segment, they are motion errors of that axis: its scale, straightness and
 //! angles.
 
 use super::{Effect, Parameter, Reading, SourceInfo, Written};
@@ -26,12 +26,12 @@ use ncfix_base::geometry::{Axis, Vector};
 use ncfix_machine::machine::file::Section;
 use ncfix_machine::machine::{Condition, Lever, Machine};
 
-/// How far directions may be off a right angle or from each other.
+/// Tolerance of directions from a right angle or from each other.
 const DIRECTION_LIMIT: f64 = 1e-6;
-/// Coefficients of a polynomial of the distance from the clamped end.
+/// Number of coefficients of a polynomial of the distance from the clamped end.
 const POWERS: usize = 5;
 
-/// The source.
+/// Name, title and sections of the source.
 pub(super) static SOURCE: SourceInfo = SourceInfo {
     name: "structure",
     title: "heat in the structure",
@@ -63,24 +63,24 @@ sensors_from = [\"T_b1\", \"T_b2\"]
 ",
 };
 
-/// A beam.
+/// Beam of the structure.
 #[derive(Clone, Debug, PartialEq)]
 struct Segment {
     /// Number of its section.
     entry: usize,
     name: String,
-    /// What its end carries.
+    /// Body that its end carries.
     before: Carrier,
-    /// Whether `before` slides along it: the distance of the slide from the clamped end at command 0, mm.
+    /// Distance of the slide from the clamped end at command 0, mm, if `before` slides along the beam; otherwise `None`.
     slide_mm: Option<f64>,
     /// Clamped end, in F at the zero pose, mm.
     from_mm: Vector,
-    /// Along the beam, across, and g × … so that n = s × g.
+    /// Directions s along the beam, g across, and n = s × g.
     directions: [Vector; 3],
     length_mm: f64,
-    /// h and w, mm.
+    /// Section dimensions h and w, mm.
     section_mm: [f64; 2],
-    /// α, 1/K.
+    /// Coefficient of thermal expansion α, 1/K.
     expansion: f64,
     torsion_share: f64,
     /// Time constant with which the beam follows its sensors, s.
@@ -89,11 +89,11 @@ struct Segment {
     sensors: [Vec<String>; 2],
 }
 
-/// What the corners of a section say, K.
+/// Temperatures of a section from its corners, K.
 #[derive(Clone, Copy, Debug, Default)]
 struct Warmth {
     mean: f64,
-    /// Along g and n, +side minus −side.
+    /// Gradients along g and n, + side minus − side.
     gradients: [f64; 2],
     /// Gradient along g at +n minus that at −n.
     difference: f64,
@@ -115,11 +115,11 @@ impl Segment {
         })
     }
 
-    /// Translation and rotation vector of the beam's section at a distance l from its clamped end, as polynomials of l: mm, rad.
+    /// Returns translation and rotation vector of a section of the beam at a distance l from its clamped end, as polynomials of l: mm, rad.
     fn deformation(&self, [low, high]: [Warmth; 2]) -> [[Vector; POWERS]; 2] {
         let [s, g, n] = self.directions;
         let [h, w] = self.section_mm;
-        // ∫ and ∬ of a value that is linear from one end to the other.
+        // Single and double integral of a value that is linear from one end to the other.
         let once = |from: f64, to: f64| [0.0, from, 0.5 * (to - from) / self.length_mm, 0.0, 0.0];
         let twice = |from: f64, to: f64| [0.0, 0.0, 0.5 * from, (to - from) / (6.0 * self.length_mm), 0.0];
         let mut shift = [Vector::zeros(); POWERS];
@@ -165,7 +165,7 @@ impl Effect for Segment {
                 None => return,
             },
         };
-        // The error acts at the pivot of the axis; where the axis slides along the beam, its place at the end of the arm goes along.
+        // The error acts at the pivot of the axis. If the axis slides along the beam, the end of the lever arm moves along.
         let s = self.directions[0];
         let (arm_mm, grows) = match self.slide_mm {
             None => (pivot_mm - self.from_mm - s * self.length_mm, false),
@@ -217,11 +217,11 @@ impl Effect for Segment {
     }
 }
 
-/// Σ aₖ (l₀ ± q)ᵏ as a polynomial of q.
+/// Returns Σ aₖ (l₀ ± q)ᵏ as a polynomial of q.
 fn substituted(powers: &[f64; POWERS], offset: f64, sense: f64) -> Vec<f64> {
     let mut result = vec![0.0; POWERS];
     for &power in powers.iter().rev() {
-        // Horner's rule with polynomials.
+        // Horner's rule for polynomials.
         let mut carry = 0.0;
         for value in &mut result {
             let next = *value * sense;
@@ -338,7 +338,7 @@ fn axis_of(carrier: Carrier) -> Option<Axis> {
     }
 }
 
-/// An axis of the machine, or S.
+/// Reads an axis of the machine, or S.
 fn carrier(section: &mut Section<'_>, key: &str, text: &str, reading: &Reading<'_, '_>) -> Option<Carrier> {
     let axis = match text.as_bytes() {
         [b'S'] => return Some(Carrier::Spindle),

@@ -7,7 +7,7 @@
 //! - `chord`: lines and arcs become straight pieces, with the speed and acceleration limits of the axes along each.
 //! - `plan`: the speed at every corner and the trapezoids between them, over a bounded look-ahead.
 //! - `smoothing`: two box filters in series, a triangular kernel of the length T. A step dv of the velocity of an axis becomes a ramp; the corner is
-//! rounded by dv T/12, with an acceleration of 2 dv/T and a jerk of 4 dv/T².
+//!   rounded by dv T/12, with an acceleration of 2 dv/T and a jerk of 4 dv/T².
 //! - `response`: the position loop of each axis, x′ = K (s − x) + f s′ after a dead time.
 //! - `contour`: the distance of the tool from its path in the workpiece, at right angles.
 //!

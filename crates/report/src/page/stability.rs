@@ -4,47 +4,11 @@
 use super::{figure, page, pictures};
 use crate::markup::Markup;
 use crate::plot::{Chart, Series, Shape};
-
-/// An axis over time.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trace {
-    /// Step of the table at the grid point, µm.
-    pub step_um: f64,
-    /// How far it goes to and fro at the end, from peak to peak, µm.
-    pub unrest_um: f64,
-    /// Time, s, and measured position, µm from the grid point.
-    pub points: Vec<(f64, f64)>,
-}
-
-/// Where an axis comes to rest.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Rest {
-    /// Step of the table at the grid point, µm.
-    pub step_um: f64,
-    /// Set-point and position, µm from the grid point, with set-points that rise.
-    pub up: Vec<(f64, f64)>,
-    /// The same with set-points that fall.
-    pub down: Vec<(f64, f64)>,
-}
-
-/// What is drawn.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Stability {
-    /// Under scale compensation.
-    pub scale: [Trace; 2],
-    /// Under set-point compensation.
-    pub set_point: [Trace; 2],
-    /// Scale compensation, a step up.
-    pub hysteresis: Rest,
-    /// Set-point compensation, a step down.
-    pub ambiguity: Rest,
-    /// Set-point compensation, a step up.
-    pub forbidden: Rest,
-}
+use ncfix_tables::realtime::stability::{AxisTrace, RestCurve, StabilityResult};
 
 /// The page.
 #[must_use]
-pub fn stability(data: &Stability) -> String {
+pub fn stability(data: &StabilityResult) -> String {
     page("Scale compensation and set-point compensation", |out| {
         out.leaf(
             "p",
@@ -62,7 +26,7 @@ pub fn stability(data: &Stability) -> String {
     })
 }
 
-fn draw(out: &mut Markup, data: &Stability) {
+fn draw(out: &mut Markup, data: &StabilityResult) {
     let [scale, steady] = [&data.scale, &data.set_point];
     over_time(out, "Scale compensation: limit cycle", scale);
     over_set_point(
@@ -86,8 +50,8 @@ fn draw(out: &mut Markup, data: &Stability) {
     );
 }
 
-fn over_time(out: &mut Markup, title: &str, traces: &[Trace; 2]) {
-    let series = |trace: &Trace| Series {
+fn over_time(out: &mut Markup, title: &str, traces: &[AxisTrace; 2]) {
+    let series = |trace: &AxisTrace| Series {
         label: format!("step {} µm", trace.step_um),
         points: trace.points.clone(),
         shape: Shape::Line,
@@ -104,7 +68,7 @@ fn over_time(out: &mut Markup, title: &str, traces: &[Trace; 2]) {
     figure(out, &chart, format!("From peak to peak at the end: {}.", unrest.collect::<Vec<_>>().join(", ")));
 }
 
-fn over_set_point(out: &mut Markup, title: &str, rest: &Rest, caption: &str) {
+fn over_set_point(out: &mut Markup, title: &str, rest: &RestCurve, caption: &str) {
     let series = |label: &str, points: &[(f64, f64)]| Series {
         label: label.to_owned(),
         points: points.to_vec(),

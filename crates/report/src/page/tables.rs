@@ -6,22 +6,23 @@ use crate::inputs::Input;
 use crate::markup::Markup;
 use crate::number::{grouped, micrometers, significant};
 use crate::plot::{Chart, Histogram};
-use crate::tables::{CheckReport, TablesReport};
+use crate::tables::TablesReport;
+use ncfix_tables::results::result::TablesCheck;
 
 /// The page; `charts` are the pictures of the tables.
 #[must_use]
 pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[Input]) -> String {
-    let machine = if report.machine.is_empty() { "a control" } else { &report.machine };
+    let machine = if report.found.machine.is_empty() { "a control" } else { &report.found.machine };
     page(&format!("Compensation tables of {machine}"), |out| {
         let mut entries = vec![
-            ("format", report.format.clone()),
-            ("tables", grouped(report.tables as u64)),
-            ("values", grouped(report.entries as u64)),
+            ("format", report.found.format.clone()),
+            ("tables", grouped(report.found.tables as u64)),
+            ("values", grouped(report.found.entries as u64)),
         ];
-        if !report.scheme.is_empty() {
-            entries.push(("scheme", report.scheme.clone()));
+        if !report.found.scheme.is_empty() {
+            entries.push(("scheme", report.found.scheme.clone()));
         }
-        if let Some(check) = &report.check {
+        if let Some(check) = &report.found.check {
             let [before, after] = [check.before.rms_um, check.tables.rms_um].map(micrometers);
             let (class, what) =
                 if check.tables.rms_um > check.before.rms_um { ("banner bad", "grows") } else { ("banner", "goes") };
@@ -29,11 +30,11 @@ pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[Input]) -> Stri
             out.leaf("p", &[("class", &class)], text);
         }
         strip(out, &entries);
-        if !report.ranges.is_empty() {
-            out.leaf("p", &[], format_args!("For a part of the travel: {}", report.ranges.join(", ")));
+        if !report.found.ranges.is_empty() {
+            out.leaf("p", &[], format_args!("For a part of the travel: {}", report.found.ranges.join(", ")));
         }
         diagnostics(out, &report.diagnostics);
-        if let Some(check) = &report.check {
+        if let Some(check) = &report.found.check {
             left(out, check);
         }
         differences(out, report);
@@ -47,7 +48,7 @@ pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[Input]) -> Stri
     })
 }
 
-fn left(out: &mut Markup, check: &CheckReport) {
+fn left(out: &mut Markup, check: &TablesCheck) {
     out.leaf("h2", &[], "What is left over the volume");
     let kinds = [("without", check.before), ("with the tables", check.tables), ("corrected exactly", check.exact)];
     let rows: Vec<Row> = kinds
@@ -86,27 +87,29 @@ fn left(out: &mut Markup, check: &CheckReport) {
 }
 
 fn differences(out: &mut Markup, report: &TablesReport) {
-    if report.difference.is_empty() {
+    if report.found.difference.is_empty() {
         return;
     }
     out.leaf("h2", &[], "What the two add differs by");
     let rows: Vec<Row> = report
+        .found
         .difference
         .iter()
         .map(|one| {
             let [rms, max] = [one.rms, one.max].map(significant);
-            Row { class: "", cells: vec![one.axis.clone(), rms, max, one.unit.to_owned()] }
+            Row { class: "", cells: vec![one.axis.clone(), rms, max, one.unit.word().to_owned()] }
         })
         .collect();
     table(out, &columns(["axis", "#RMS", "#largest", "unit"]), &rows, "", MOST_ROWS);
 }
 
 fn listed(out: &mut Markup, report: &TablesReport) {
-    if report.rows.is_empty() {
+    if report.found.rows.is_empty() {
         return;
     }
     out.leaf("h2", &[], "Tables");
     let rows: Vec<Row> = report
+        .found
         .rows
         .iter()
         .map(|row| {
@@ -122,7 +125,7 @@ fn listed(out: &mut Markup, report: &TablesReport) {
                 format!("{low} … {high}"),
                 format!("{:.6}", row.largest),
                 times,
-                row.sense.to_owned(),
+                row.sense.word().to_owned(),
                 more.join(", "),
             ];
             Row { class: "", cells }
@@ -133,12 +136,13 @@ fn listed(out: &mut Markup, report: &TablesReport) {
 }
 
 fn tried(out: &mut Markup, report: &TablesReport) {
-    if report.tried.is_empty() {
+    if report.found.tried.is_empty() {
         return;
     }
     out.leaf("h2", &[], "What was tried");
     let number = |value: Option<f64>| value.map_or(String::new(), significant);
     let rows: Vec<Row> = report
+        .found
         .tried
         .iter()
         .map(|one| {
@@ -148,7 +152,7 @@ fn tried(out: &mut Markup, report: &TablesReport) {
             Row { class: "wrap", cells: vec![one.scheme.clone(), one.points.to_string(), tables, rms, tilt, why] }
         })
         .collect();
-    let aim = report.aim.as_ref().map_or(String::new(), |aim| format!("Aimed at {aim}."));
+    let aim = report.found.aim.as_ref().map_or(String::new(), |aim| format!("Aimed at {aim}."));
     let titles = ["scheme", "#points", "#tables", "#left, RMS µm", "#tilt, RMS µrad", "why not"];
     table(out, &columns(titles), &rows, &aim, MOST_ROWS);
 }

@@ -21,6 +21,22 @@ impl Signals {
     /// A new kernel was taken over in this cycle.
     pub const RENEWED: Signals = Signals(16);
 
+    /// All of them with their names.
+    pub const NAMED: [(Signals, &str); 5] = [
+        (Signals::HELD, "held"),
+        (Signals::BEYOND, "beyond"),
+        (Signals::DOSED, "dosed"),
+        (Signals::UNSOLVED, "unsolved"),
+        (Signals::RENEWED, "renewed"),
+    ];
+
+    /// `beyond dosed`: the names of those that are set.
+    #[must_use]
+    pub fn words(self) -> String {
+        let set = Signals::NAMED.into_iter().filter(|&(signal, _)| self.has(signal));
+        set.map(|(_, word)| word).collect::<Vec<_>>().join(" ")
+    }
+
     /// Whether all bits of the other are set.
     #[must_use]
     pub fn has(self, other: Signals) -> bool {

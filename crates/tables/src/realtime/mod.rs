@@ -40,17 +40,24 @@
 //! # drop(updater);
 //! ```
 
+mod counted;
 mod cycle;
 mod dosing;
 mod histogram;
 mod kernel;
+mod recipe;
 pub mod ring;
 mod sense;
+mod served;
+pub mod set_points;
 pub mod stability;
 mod update;
 
+pub use counted::CycleCounts;
 pub use cycle::{Answer, Cycle, Signals};
 pub use dosing::Dosing;
 pub use histogram::LatencyHistogram;
 pub use kernel::{Agreement, INTERVALS, Kernel};
+pub use recipe::KernelRecipe;
+pub use served::{ServingEnd, serve};
 pub use update::{Publisher, Subscriber, Updater, handover};

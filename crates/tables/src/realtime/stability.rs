@@ -11,6 +11,8 @@
 //! effect [`DELAY`] cycles after what it was looked up at. The drive of the Maho 700S is not published, so that sizes of cycles are those
 //! of this loop; where there is one and where not depends on increment and step alone.
 
+use serde::Serialize;
+
 /// A cycle of the control, s (Spaan 1995, ch. 6).
 pub const CYCLE_S: f64 = 0.015;
 /// An increment of the measuring system, µm (Spaan 1995, ch. 6).
@@ -115,4 +117,74 @@ pub fn there_and_back_um(compensation: Compensation, step_um: f64, reach_um: f64
         .collect();
     let (up, down) = at_rest.split_at(at_rest.len() / 2);
     [up.to_vec(), down.to_vec()]
+}
+
+/// Steps of the table in the pictures over time, µm: that of the limit cycle, and the one of an increment, both as measured by Spaan.
+const STEPS_UM: [f64; 2] = [-2.0, -1.0];
+/// Where the axis is sent, µm from the grid point: where the step of 2 µm leaves no rest.
+const PLACE_UM: f64 = 0.25;
+/// How far from the grid point the axis is looked at, µm.
+const REACH_UM: f64 = 6.0;
+
+/// An axis over time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct AxisTrace {
+    /// Step of the table at the grid point, µm.
+    pub step_um: f64,
+    /// How far it goes to and fro at the end, from peak to peak, µm.
+    pub unrest_um: f64,
+    /// Time, s, and measured position, µm from the grid point.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Where an axis comes to rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RestCurve {
+    /// Step of the table at the grid point, µm.
+    pub step_um: f64,
+    /// Set-point and position, µm from the grid point, with set-points that rise.
+    pub up: Vec<(f64, f64)>,
+    /// The same with set-points that fall.
+    pub down: Vec<(f64, f64)>,
+}
+
+/// Scale compensation against set-point compensation, simulated.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StabilityResult {
+    /// Under scale compensation.
+    pub scale: [AxisTrace; 2],
+    /// Under set-point compensation.
+    pub set_point: [AxisTrace; 2],
+    /// Scale compensation, a step up.
+    pub hysteresis: RestCurve,
+    /// Set-point compensation, a step down.
+    pub ambiguity: RestCurve,
+    /// Set-point compensation, a step up.
+    pub forbidden: RestCurve,
+}
+
+impl StabilityResult {
+    /// Simulates both.
+    #[must_use]
+    pub fn simulated() -> StabilityResult {
+        let trace = |compensation: Compensation, step_um: f64| {
+            let moments = run(compensation, step_um, &approach_um(PLACE_UM));
+            let points = moments.iter().map(|moment| (moment.time_s, moment.measured_um)).collect();
+            AxisTrace { step_um, unrest_um: unrest_um(&moments), points }
+        };
+        let rest = |compensation: Compensation, step_um: f64| {
+            let [up, down] = there_and_back_um(compensation, step_um, REACH_UM);
+            RestCurve { step_um, up, down }
+        };
+        StabilityResult {
+            scale: STEPS_UM.map(|step_um| trace(Compensation::Scale, step_um)),
+            set_point: STEPS_UM.map(|step_um| trace(Compensation::SetPoint, step_um)),
+            hysteresis: rest(Compensation::Scale, 2.0),
+            ambiguity: rest(Compensation::SetPoint, -2.0),
+            forbidden: rest(Compensation::SetPoint, 2.0),
+        }
+    }
 }

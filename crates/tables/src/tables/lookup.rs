@@ -1,5 +1,7 @@
 //! A compensation table of one axis: linear between its points, the end values outside (SINUMERIK 840D sl, Extended Functions K3 4.4).
 
+use serde::Serialize;
+
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::machine::State;
 
@@ -43,18 +45,32 @@ pub enum Nodes {
 }
 
 /// Senses of motion in which a table holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Sense {
     /// Both.
     #[default]
+    #[serde(rename = "both")]
     Both,
     /// Towards larger positions.
+    #[serde(rename = "+")]
     Positive,
     /// Towards smaller positions.
+    #[serde(rename = "-")]
     Negative,
 }
 
 impl Sense {
+    /// `both`, `+` or `-`.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Sense::Both => "both",
+            Sense::Positive => "+",
+            Sense::Negative => "-",
+        }
+    }
+
     /// What a table counts in a sense of motion; half of both where it is not known.
     fn share(self, direction: i8) -> f64 {
         match (self, direction) {

@@ -1,29 +1,29 @@
-//! Steps down one criterion: enter, leave, exchange, the largest fall first.
+//! Descent of one criterion by steps: enter, remove, exchange; the largest decrease first.
 
 use super::Change;
 use super::sweep::Swept;
 
-/// What must fall strictly: ν ln(squares that are left) + Σ prices of the columns that are in.
+/// Criterion that must decrease strictly: ν ln(residual sum of squares) + Σ penalties of the selected columns.
 #[derive(Clone, Debug)]
 pub(super) struct Criterion {
-    /// The first candidate's column.
+    /// Column of the first candidate.
     pub(super) first: usize,
-    /// ν.
+    /// Degrees of freedom ν.
     pub(super) freedom: f64,
-    /// What each candidate costs.
+    /// Penalty of each candidate.
     pub(super) prices: Vec<f64>,
-    /// How many may be in.
+    /// Maximum number of selected candidates.
     pub(super) most: usize,
 }
 
-/// A fall by less is the arithmetic's.
+/// Decreases below this are numerical noise.
 const LEAST_FALL: f64 = 1e-6;
-/// Squares below this share of the first ones are nothing.
+/// Residual sums of squares below this share of the initial one count as zero.
 const NOTHING: f64 = 1e-20;
-/// No descent that falls strictly takes so many steps.
+/// Maximum number of steps; a strict descent never needs more.
 const MOST_STEPS: usize = 5000;
 
-/// Goes down as long as there is a way, and tells each step. `chosen` are the columns that are in.
+/// Descends while a step decreases the criterion, and reports each step. `chosen` are the selected columns.
 pub(super) fn descend(
     swept: &mut Swept,
     criterion: &Criterion,
@@ -38,7 +38,7 @@ pub(super) fn descend(
         if left <= NOTHING * first {
             return;
         }
-        // By how much the criterion changes where the squares fall by this.
+        // Change of the criterion for a given decrease of the squares.
         let change = |fall: f64| criterion.freedom * ((left - fall).max(NOTHING * first) / left).ln();
         let mut best: Option<(f64, usize, Change)> = None;
         let mut consider = |by: f64, column: usize, how: Change| {
@@ -73,7 +73,7 @@ pub(super) fn descend(
         }
         tell(column, how);
         if !is_done {
-            // The arithmetic contradicts itself: what was told is no more.
+            // Numerical contradiction: the column has become linearly dependent.
             chosen.retain(|&own| swept.is_inside(own));
             return;
         }

@@ -1,7 +1,7 @@
-//! What the terms say of rows that they were not fitted to, block by block.
+//! Cross-validation of the terms on rows to which they were not fitted, block by block.
 //!
-//! The columns that are always in are fitted to all rows with and without the terms, so that what is compared is the terms alone: they say
-//! nothing of a set-up that is not there.
+//! The columns that are always in are fitted to all rows with and without the terms, so only the terms are compared. These columns could not predict a set-up
+//! that is missing from the training rows.
 
 use std::collections::HashMap;
 
@@ -12,17 +12,17 @@ use super::prepared::{PreparedRows, numbers};
 use super::sweep::Swept;
 use super::{Gain, Rows};
 
-/// Runs of a cluster that make folds by themselves, at least.
+/// Minimum number of runs of a cluster that form folds by themselves.
 const ENOUGH_RUNS: usize = 3;
-/// Folds at most.
+/// Maximum number of folds.
 const MOST_FOLDS: usize = 10;
-/// Pieces into which few runs are cut, at least where there are rows for it, and at most.
+/// Minimum number of pieces into which few runs are divided, if there are enough rows, and maximum number.
 const PIECES: (usize, usize) = (5, 10);
-/// Rows of a series in a piece at least, and times of its correlation.
+/// Minimum length of a piece in rows, and in correlation lengths.
 const LEAST_PIECE: f64 = 4.0;
 const LEAST_TIMES: f64 = 2.0;
 
-/// Folds and blocks of the rows as they were given; `None` where a row is never held out.
+/// Folds and blocks of the rows in their original order; `None` if a row is never held out.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Blocks {
     fold: Vec<Option<usize>>,
@@ -32,7 +32,7 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    /// Whole runs are held out where a cluster has three of them, else contiguous pieces of them that are longer than the noise remembers.
+    /// Forms blocks. Whole runs are held out if a cluster has three of them, otherwise contiguous pieces of runs that are longer than the correlation length.
     pub(super) fn new(rows: &Rows, correlation: &HashMap<usize, f64>) -> Blocks {
         let count = rows.values.len();
         let mut runs: HashMap<usize, Vec<usize>> = HashMap::new();
@@ -74,7 +74,7 @@ impl Blocks {
     }
 }
 
-/// Products of the rows that each fold leaves for training.
+/// Products of the training rows of each fold.
 #[derive(Debug)]
 pub(super) struct Folds<'a> {
     prepared: &'a PreparedRows,
@@ -89,7 +89,7 @@ impl<'a> Folds<'a> {
         let mut held = vec![DMatrix::zeros(width, width); blocks.folds];
         let mut total = DMatrix::zeros(width, width);
         let mut counts = vec![0; blocks.folds];
-        // What a row is called that is never held out.
+        // Fold of a row; `None` if it is never held out.
         let fold_of = |place: usize| blocks.fold.get(prepared.order[place]).copied().flatten();
         let dense = numbers(prepared.noise.iter().copied()).0;
         let mut pending: Vec<Vec<usize>> = vec![Vec::new(); blocks.folds + 1];
@@ -122,12 +122,12 @@ impl<'a> Folds<'a> {
         Folds { prepared, blocks, training, rows }
     }
 
-    /// Calls with the products and rows of training of each fold.
+    /// Returns the products and the number of training rows of each fold.
     pub(super) fn training(&self) -> impl Iterator<Item = (&DMatrix<f64>, usize)> {
         self.training.iter().zip(self.rows.iter().copied())
     }
 
-    /// Terms (places among all columns) and their coefficients from the training of a fold.
+    /// Returns terms (indices among all columns) and their coefficients from the training of a fold.
     pub(super) fn coefficients(&self, fold: usize, terms: &[usize]) -> Vec<(usize, f64)> {
         let Some(training) = self.training.get(fold) else { return Vec::new() };
         let mut columns: Vec<usize> = (0..self.prepared.always).chain(terms.iter().copied()).collect();
@@ -141,7 +141,7 @@ impl<'a> Folds<'a> {
         inside.map(|place| (columns[place], swept.coefficient(place))).collect()
     }
 
-    /// Squares that are left of the rows held out, by block, with the terms of each fold.
+    /// Returns the squared residuals of the held-out rows, by block, with the terms of each fold.
     pub(super) fn losses(&self, of_fold: &[Vec<(usize, f64)>]) -> Vec<f64> {
         let value = self.prepared.width() - 1;
         let mut sums = vec![0.0; self.blocks.blocks];
@@ -155,18 +155,18 @@ impl<'a> Folds<'a> {
         sums
     }
 
-    /// The same for the same terms in all folds.
+    /// Returns the squared residuals of the held-out rows for identical terms in all folds.
     pub(super) fn losses_of(&self, terms: &[usize]) -> Vec<f64> {
         let all: Vec<Vec<(usize, f64)>> = (0..self.training.len()).map(|fold| self.coefficients(fold, terms)).collect();
         self.losses(&all)
     }
 
-    /// Rows that are held out once.
+    /// Returns the number of rows that are held out once.
     fn held(&self) -> usize {
         self.blocks.fold.iter().flatten().count()
     }
 
-    /// How much less is left in the second case.
+    /// Returns the reduction of the residuals from the first case to the second.
     pub(super) fn gain(&self, before: &[f64], after: &[f64]) -> Gain {
         let differences: Vec<f64> = before.iter().zip(after).map(|(before, after)| before - after).collect();
         let count = differences.len().max(1) as f64;
@@ -213,7 +213,7 @@ mod tests {
     fn one_run_is_cut_where_the_noise_has_forgotten() {
         let blocks = Blocks::new(&rows(1, 100), &HashMap::new());
         assert_eq!((blocks.folds, blocks.blocks), (5, 10));
-        // Neighbours are never in the same fold.
+        // Neighbors are never in the same fold.
         assert_eq!([0, 10, 49, 50, 99].map(|row| blocks.fold[row]), [0, 1, 4, 0, 4].map(Some));
         // (1 + 0.8) / (1 − 0.8) = 9 rows, twice that: five pieces of 20.
         let blocks = Blocks::new(&rows(1, 100), &HashMap::from([(0, 0.8)]));

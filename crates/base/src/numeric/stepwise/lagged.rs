@@ -1,32 +1,32 @@
-//! Rows whose noise follows that of the row before: products of columns for any correlation, and the correlation that the rows say.
+//! Rows with autocorrelated noise: products of columns for any autocorrelation, and its estimate from the rows.
 //!
-//! First-order autoregression within each series: a row less ρ times the one before it, over √(1 − ρ²), has noise of its own; the first row of
-//! a series stays. The products of rows treated like this are a sum of three matrices with factors of ρ alone, so that a ρ costs no new pass over
-//! the rows. ρ is that of the greatest restricted likelihood (Patterson & Thompson 1971), which does not mistake what the columns use up for
-//! a lack of correlation.
+//! The model is a first-order autoregression within each series. A row minus ρ times the one before it, divided by √(1 − ρ²), has independent noise; the
+//! first row of a series stays. The products of such rows are a sum of three matrices with factors that depend only on ρ, so another ρ needs no new pass over
+//! the rows. ρ maximizes the restricted likelihood (Patterson & Thompson 1971), which does not mistake the degrees of freedom used by the columns for a lack
+//! of autocorrelation.
 
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DMatrixView};
 
 use crate::numeric::peak;
 
-/// Columns (rows of the data) that are multiplied at once.
+/// Number of columns (rows of the data) that are multiplied at once.
 const BLOCK: usize = 512;
-/// No correlation is assumed to be larger, nor one below 0: that would make slow effects look surer than they are.
+/// Maximum autocorrelation. Negative values are not assumed either: they would make slow effects look more significant than they are.
 pub(super) const MOST: f64 = 0.99;
-/// Trials on the way to a correlation.
+/// Maximum number of evaluations for one autocorrelation.
 const TRIALS: usize = 24;
-/// Rounds over the groups of noise.
+/// Iterations over the noise groups.
 const ROUNDS: usize = 2;
-/// How close to the best one they come, of what is left to 1 in logarithms.
+/// Tolerance of the optimum, in the logarithm of 1 − ρ.
 const CLOSE: f64 = 1e-5;
 
-/// Where the rows of one group of noise stand, and which of them begin a series; groups stand one after the other.
+/// Range of the rows of one noise group, and the rows of it that begin a series; groups are stored one after the other.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct NoiseGroup {
     pub(super) from: usize,
     pub(super) until: usize,
-    /// Rows that begin a series, the first one of the group among them.
+    /// Rows that begin a series, including the first one of the group.
     pub(super) begins: Vec<usize>,
 }
 
@@ -35,11 +35,11 @@ struct Products {
     own: DMatrix<f64>,
     inner: DMatrix<f64>,
     lag: DMatrix<f64>,
-    /// Rows that follow another.
+    /// Number of rows that follow another in their series.
     follow: usize,
 }
 
-/// Products of all columns, a group of noise at a time.
+/// Products of all columns, by noise group.
 #[derive(Clone, Debug)]
 pub(super) struct Lagged {
     groups: Vec<Products>,
@@ -57,7 +57,7 @@ pub(super) fn add_products(to: &mut DMatrix<f64>, one: DMatrixView<'_, f64>, oth
 }
 
 impl Lagged {
-    /// `rows` has a row of the data in each column.
+    /// Computes the products. `rows` has one row of the data in each column.
     pub(super) fn new(rows: &DMatrix<f64>, groups: &[NoiseGroup]) -> Lagged {
         let width = rows.nrows();
         let products = |group: &NoiseGroup| {
@@ -77,7 +77,7 @@ impl Lagged {
                 let mut half = DMatrix::zeros(width, width);
                 let (before, behind) = (rows.columns(group.from, count - 1), rows.columns(group.from + 1, count - 1));
                 add_products(&mut half, before.as_view(), behind.as_view(), 1.0);
-                // Where one series ends and another begins.
+                // Borders between one series and the next.
                 let borders = group.begins.len() - 1;
                 add_products(&mut half, last.columns(0, borders).as_view(), first.columns(1, borders).as_view(), -1.0);
                 lag = half.transpose() + &half;
@@ -87,7 +87,7 @@ impl Lagged {
         Lagged { groups: groups.iter().map(products).collect(), rows: rows.ncols() }
     }
 
-    /// Products at these correlations.
+    /// Returns the products at these autocorrelations.
     pub(super) fn gram(&self, correlation: &[f64]) -> DMatrix<f64> {
         let width = self.groups.first().map_or(0, |group| group.own.nrows());
         let mut out = DMatrix::zeros(width, width);
@@ -106,7 +106,7 @@ impl Lagged {
         out
     }
 
-    /// The same of some columns, the last of which is the value.
+    /// Returns the products of some columns, the last of which is the value.
     pub(super) fn only(&self, columns: &[usize]) -> Lagged {
         let part = |matrix: &DMatrix<f64>| {
             if matrix.is_empty() { matrix.clone() } else { matrix.select_columns(columns).select_rows(columns) }
@@ -120,7 +120,7 @@ impl Lagged {
         Lagged { groups: groups.collect(), rows: self.rows }
     }
 
-    /// −2 ln of the restricted likelihood; infinite where the columns are not independent.
+    /// Returns −2 ln of the restricted likelihood; infinite if the columns are not independent.
     fn deviance(&self, correlation: &[f64]) -> f64 {
         let gram = self.gram(correlation);
         let count = gram.nrows().saturating_sub(1);
@@ -133,7 +133,7 @@ impl Lagged {
         freedom * left + volume + noise.map(|(group, rho)| group.follow as f64 * (1.0 - rho * rho).ln()).sum::<f64>()
     }
 
-    /// The correlation of each group at the greatest likelihood, and the variance of each.
+    /// Returns the autocorrelation of each group at the maximum likelihood, and its variance.
     pub(super) fn correlations(&self) -> (Vec<f64>, Vec<f64>) {
         let mut found = vec![0.0; self.groups.len()];
         for _ in 0..ROUNDS.min(self.groups.len()) {
@@ -149,7 +149,7 @@ impl Lagged {
         (found, variances)
     }
 
-    /// From the curvature of the likelihood, which is not trusted beyond what as many rows can say.
+    /// Returns the variance from the curvature of the likelihood, limited to what the number of rows can support.
     fn variance(&self, found: &[f64], number: usize) -> f64 {
         let Some((group, &rho)) = self.groups.get(number).zip(found.get(number)).filter(|(group, _)| group.follow > 0)
         else {
@@ -167,7 +167,7 @@ impl Lagged {
         }
     }
 
-    /// Whether the rows of a group follow each other.
+    /// True if rows of a group follow each other.
     pub(super) fn follows(&self, number: usize) -> bool {
         self.groups.get(number).is_some_and(|group| group.follow > 0)
     }
@@ -177,19 +177,19 @@ impl Lagged {
     }
 }
 
-/// By how much a correlation is changed to see what follows from it.
+/// Returns the change of an autocorrelation for numerical derivatives.
 pub(super) fn step_at(rho: f64) -> f64 {
     0.25 * (1.0 - rho)
 }
 
-/// Correlations with another one in one place.
+/// Returns the autocorrelations with one of them replaced.
 pub(super) fn with(correlation: &[f64], number: usize, rho: f64) -> Vec<f64> {
     correlation.iter().enumerate().map(|(k, &own)| if k == number { rho } else { own }).collect()
 }
 
-/// Where a function of the correlation is least.
+/// Returns the autocorrelation at which a function is minimal.
 fn least(at: impl Fn(f64) -> f64) -> f64 {
-    // In what is left to 1, whose logarithm is what correlations differ by.
+    // In the logarithm of 1 − ρ, which is the natural scale of autocorrelations.
     let rho = |scale: f64| 1.0 - (1.0 - MOST).powf(scale);
     let (scale, most) = peak(0.0, 1.0, CLOSE, TRIALS, &|scale| -at(rho(scale)));
     if at(0.0) <= -most { 0.0 } else { rho(scale) }

@@ -1,10 +1,10 @@
-//! Which of many columns a value needs: stepwise regression that is honest where neighbours have the same noise.
+//! Selection of the columns that a value needs: stepwise regression that stays valid for autocorrelated noise.
 //!
-//! Some columns are always in. Candidates enter, leave and take each other's place as long as one criterion falls strictly: ν ln of the squares that
-//! are left, and for each column what a t value at its limit would win. Rows are made independent first (generalised least squares). What is chosen
-//! is held to Student's t at the freedom that the uncertainty of the correlation leaves (Satterthwaite 1946), by the number of candidates
-//! (Bonferroni), and must say something of blocks that were held out, by more than one standard error: each term alone, and all
-//! together with the choice repeated in every fold. Without all this a t test at 99.99 % finds an effect in noise of correlation 0.95 nearly always.
+//! Some columns are always in. Candidates enter, leave and replace each other as long as one criterion decreases strictly. It is ν ln of the residual sum of
+//! squares plus, for each column, the gain of a t value at its limit. Rows are first made independent (generalised least squares). Selected terms are tested
+//! by Student's t with the degrees of freedom that the uncertainty of the autocorrelation leaves (Satterthwaite 1946), corrected for the number of candidates
+//! (Bonferroni). They must also improve the prediction of held-out blocks by more than one standard error: each term alone, and all together with the
+//! selection repeated in every fold. Without these tests a t test at 99.99 % nearly always finds an effect in noise of autocorrelation 0.95.
 
 mod descent;
 mod held_out;
@@ -25,38 +25,38 @@ use held_out::{Blocks, Folds};
 use prepared::PreparedRows;
 use search::StepwiseSearch;
 
-/// Rounds in which the correlation is found again.
+/// Maximum number of iterations in which the autocorrelation is estimated again.
 const MOST_ROUNDS: usize = 8;
 
-/// Rows to choose from. All lists but `handicaps` have an entry for each row.
+/// Rows for the selection. All lists except `handicaps` have one entry per row.
 #[derive(Clone, Debug)]
 pub struct Rows {
-    /// How many of the first columns are always in.
+    /// Number of leading columns that are always in.
     pub always: usize,
-    /// Factors by column, the candidates behind what is always in; divided by the uncertainty of their row.
+    /// Factors by column: first the columns that are always in, then the candidates; divided by the uncertainty of their row.
     pub factors: DMatrix<f64>,
-    /// Values, divided likewise.
+    /// Values, also divided by the uncertainty of their row.
     pub values: Vec<f64>,
-    /// Rows of one series follow each other in time, in the order in which they are here.
+    /// Series number. Rows of one series follow each other in time, in their order here.
     pub series: Vec<usize>,
-    /// Series of one group have the same correlation; a group has series of its own.
+    /// Noise group. Series of one group have the same autocorrelation; a series belongs to one group only.
     pub noise: Vec<usize>,
-    /// What has runs of its own that may be held out for each other; `None` for a row that is never held out.
+    /// Cluster, whose runs may be held out for each other; `None` for a row that is never held out.
     pub cluster: Vec<Option<usize>>,
-    /// The run.
+    /// Run.
     pub run: Vec<usize>,
-    /// What a candidate has to win beside its limit, in −2 ln of the likelihood: the simpler one of two that say the same comes first.
+    /// Additional gain that a candidate needs beyond its limit, in −2 ln of the likelihood: the simpler of two equivalent candidates comes first.
     pub handicaps: Vec<f64>,
 }
 
-/// When a column is in.
+/// Acceptance rule for columns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
-    /// Chance to accept anything where there is nothing.
+    /// Significance level: probability of accepting any term if there is no effect.
     pub significance: f64,
-    /// Whether rows may have the noise of the row before; without it this is the classical procedure.
+    /// True if rows may have autocorrelated noise; false for the classical procedure.
     pub correlated: bool,
-    /// Whether terms have to say something of blocks that were held out.
+    /// True if terms must improve the prediction of held-out blocks.
     pub held_out: bool,
 }
 
@@ -66,107 +66,107 @@ impl Default for Rule {
     }
 }
 
-/// What happened to a candidate.
+/// Change of a candidate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// It came in.
+    /// It entered.
     Entered,
-    /// It took the place of the candidate of this number.
+    /// It replaced the candidate with this number.
     Replaced(usize),
-    /// It went out because the criterion falls without it.
+    /// It was removed because the criterion decreases without it.
     Left,
-    /// It went out because it is not significant beside the others.
+    /// It was removed because it is not significant beside the others.
     NotSignificant,
-    /// It went out because it does not help with blocks that were held out.
+    /// It was removed because it does not improve the prediction of held-out blocks.
     NoGain,
 }
 
-/// A step.
+/// Step of the selection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// The number of the candidate.
+    /// Number of the candidate.
     pub candidate: usize,
-    /// What happened.
+    /// Change.
     pub change: Change,
-    /// Its t value where it is in (behind the step, or before it where it went out).
+    /// Its t value while it is in (after the step; before it if the candidate was removed).
     pub t: f64,
-    /// The freedom of it.
+    /// Degrees of freedom of the t value.
     pub freedom: f64,
-    /// Chance of such a t, times the number of candidates.
+    /// p-value of the t value, multiplied by the number of candidates.
     pub p: f64,
-    /// The largest correlation of neighbours that was assumed.
+    /// Largest autocorrelation that was assumed.
     pub correlation: f64,
 }
 
-/// What is left of held-out rows before and after.
+/// Residuals of held-out rows before and after.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gain {
-    /// Root of the mean square before, in units of the rows.
+    /// Root mean square before, in units of the rows.
     pub before: f64,
-    /// And after.
+    /// Root mean square after, in units of the rows.
     pub after: f64,
-    /// The share of the squares by which it falls.
+    /// Share by which the squares decrease.
     pub share: f64,
-    /// Its standard error, from the differences of the blocks.
+    /// Standard error of the share, from the differences of the blocks.
     pub uncertainty: f64,
 }
 
 impl Gain {
-    /// Whether it is beyond one standard error.
+    /// True if the decrease exceeds one standard error.
     #[must_use]
     pub fn is_real(&self) -> bool {
         self.share > self.uncertainty
     }
 }
 
-/// A candidate that could stand for one that was chosen.
+/// Candidate that could replace a selected one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rival {
-    /// Its number.
+    /// Number of the candidate.
     pub candidate: usize,
-    /// The correlation of both, less what the others say.
+    /// Partial correlation of both, given the other columns.
     pub correlation: f64,
-    /// By how much −2 ln of the likelihood would rise.
+    /// Increase of −2 ln of the likelihood by the replacement.
     pub worse: f64,
 }
 
-/// A candidate that was chosen.
+/// Selected candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Term {
-    /// Its number.
+    /// Number of the candidate.
     pub candidate: usize,
-    /// Its coefficient.
+    /// Coefficient.
     pub value: f64,
-    /// Its t value, the freedom of it, and its chance times the number of candidates.
+    /// t value.
     pub t: f64,
-    /// The freedom of it.
+    /// Degrees of freedom of the t value.
     pub freedom: f64,
-    /// Chance times the number of candidates.
+    /// p-value, multiplied by the number of candidates.
     pub p: f64,
-    /// What it helps with held-out blocks, beside the other terms.
+    /// Improvement of held-out blocks beside the other terms.
     pub gain: Gain,
-    /// Those that could stand for it, the best one first.
+    /// Candidates that could replace it, the best one first.
     pub rivals: Vec<Rival>,
 }
 
-/// What was chosen.
+/// Result of the selection.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choice {
-    /// The terms, in the order of the candidates.
+    /// Selected terms, in the order of the candidates.
     pub terms: Vec<Term>,
     /// Steps in their order.
     pub steps: Vec<Step>,
-    /// Candidates that the rows tell nothing of beside the columns that are always in.
+    /// Candidates that are not identifiable beside the columns that are always in.
     pub not_told: Vec<usize>,
-    /// Candidates that were tried.
+    /// Number of candidates that were tested.
     pub tried: usize,
-    /// The correlation of neighbours in each group of noise, by its label.
+    /// Autocorrelation in each noise group, by its label.
     pub correlation: Vec<(usize, f64)>,
-    /// All terms against none, with the choice repeated in every fold; `None` where nothing was held out.
+    /// All terms against none, with the selection repeated in every fold; `None` if nothing was held out.
     pub gain: Option<Gain>,
 }
 
-/// Chooses. `None` where numbers are not finite, or there are not more rows than columns that are always in.
+/// Selects the terms. `None` if numbers are not finite, or there are no more rows than columns that are always in.
 #[must_use]
 pub fn choose(rows: &Rows, rule: Rule) -> Option<Choice> {
     let prepared = PreparedRows::new(rows)?;
@@ -197,7 +197,7 @@ pub fn choose(rows: &Rows, rule: Rule) -> Option<Choice> {
     let folds = (rule.held_out && !chosen.is_empty()).then(|| Folds::new(&prepared, blocks, &noise.correlation));
     if let Some(folds) = &folds {
         search.demand_gain(folds, &noise, &mut chosen, &mut choice);
-        // Without a term the others may lose theirs.
+        // Without a removed term, others may lose their significance.
         search.demand_significance(&mut noise, &mut chosen, &mut choice.steps);
     }
     choice.terms = search.terms(&noise, &chosen, folds.as_ref());

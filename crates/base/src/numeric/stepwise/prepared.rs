@@ -1,4 +1,4 @@
-//! Rows as the choice needs them: candidates and value less what the columns that are always in say of them, neighbours beside each other.
+//! Prepared rows for the selection: candidates and value after projection of the columns that are always in; neighbors are adjacent.
 
 use std::collections::HashMap;
 
@@ -7,32 +7,32 @@ use nalgebra::{DMatrix, DVector};
 use super::Rows;
 use super::lagged::NoiseGroup;
 
-/// A column of which less than this share is left by those before it is told by them; as [`crate::numeric::RANK_LIMIT`].
+/// A column is dependent on those before it if less than this share of it remains; as [`crate::numeric::RANK_LIMIT`].
 const LEAST_LEFT: f64 = crate::numeric::RANK_LIMIT;
 
-/// The rows, one in each column: what is always in, the candidates that are told, the value.
+/// Data rows, one per column: columns that are always in, identifiable candidates, value.
 #[derive(Clone, Debug)]
 pub(super) struct PreparedRows {
     pub(super) rows: DMatrix<f64>,
-    /// How many columns are always in.
+    /// Number of columns that are always in.
     pub(super) always: usize,
-    /// The candidates that are told, by their numbers among all candidates.
+    /// Identifiable candidates, by their numbers among all candidates.
     pub(super) told: Vec<usize>,
-    /// The others.
+    /// Candidates that are not identifiable.
     pub(super) not_told: Vec<usize>,
-    /// The length of each candidate that is told before it was made 1.
+    /// Length of each identifiable candidate before normalization.
     pub(super) lengths: Vec<f64>,
     pub(super) groups: Vec<NoiseGroup>,
-    /// Whether a row begins a series.
+    /// True for rows that begin a series.
     pub(super) begins: Vec<bool>,
-    /// The group of noise of each row.
+    /// Noise group of each row.
     pub(super) noise: Vec<usize>,
-    /// Where each row stood.
+    /// Original index of each row.
     pub(super) order: Vec<usize>,
 }
 
 impl PreparedRows {
-    /// `None` where numbers are not finite or counts disagree.
+    /// Prepares the rows; `None` if numbers are not finite or counts disagree.
     pub(super) fn new(rows: &Rows) -> Option<PreparedRows> {
         let (count, width) = rows.factors.shape();
         let agree = [rows.values.len(), rows.series.len(), rows.noise.len(), rows.cluster.len(), rows.run.len()];
@@ -89,14 +89,14 @@ impl PreparedRows {
     }
 }
 
-/// Rows of one group of noise together, in it those of one series, in it as they came.
+/// Orders the rows by noise group, then by series, then by their original order.
 fn order(rows: &Rows) -> Vec<usize> {
     let mut order: Vec<usize> = (0..rows.series.len()).collect();
     order.sort_by_key(|&row| (rows.noise[row], rows.series[row], row));
     order
 }
 
-/// Orthogonal directions of the first columns, without those that are told by others.
+/// Returns orthogonal directions of the first columns, without those that depend on others.
 fn directions(factors: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     let mut found: DMatrix<f64> = DMatrix::zeros(factors.nrows(), count);
     let mut filled = 0;
@@ -119,7 +119,7 @@ fn directions(factors: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     found.columns(0, filled).into_owned()
 }
 
-/// Where groups and series begin.
+/// Returns the noise groups and the rows that begin a series.
 fn grouped(rows: &Rows, order: &[usize]) -> (Vec<NoiseGroup>, Vec<bool>) {
     let mut groups: Vec<NoiseGroup> = Vec::new();
     let mut begins = Vec::with_capacity(order.len());
@@ -143,7 +143,7 @@ fn grouped(rows: &Rows, order: &[usize]) -> (Vec<NoiseGroup>, Vec<bool>) {
     (groups, begins)
 }
 
-/// Dense numbers of labels, in the order in which they come.
+/// Returns consecutive numbers for labels, in order of occurrence.
 pub(super) fn numbers<T: std::hash::Hash + Eq>(labels: impl Iterator<Item = T>) -> (Vec<usize>, usize) {
     let mut known = HashMap::new();
     let found = labels

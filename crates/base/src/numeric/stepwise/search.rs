@@ -1,4 +1,4 @@
-//! The parts of a choice: noise beside columns, t values and their freedom, what has to go out, what could stand for what.
+//! Parts of a selection: noise, t values with their degrees of freedom, removal of terms, replacements.
 
 use super::descent::{Criterion, descend};
 use super::held_out::Folds;
@@ -8,14 +8,14 @@ use super::sweep::Swept;
 use super::{Change, Choice, Rival, Rows, Rule, Step, Term};
 use crate::numeric::student;
 
-/// Correlations that differ by less are the same.
+/// Two autocorrelations are equal if they differ by less than this.
 const SAME: f64 = 1e-3;
-/// Columns whose correlation is larger cannot be told apart.
+/// Correlation above which columns are not distinguishable.
 const ALIKE: f64 = 0.95;
-/// Nor can those whose exchange raises ν ln of the squares by less: two standard deviations.
+/// Increase of ν ln of the squares below which an exchange is not distinguishable: two standard deviations.
 const NOT_APART: f64 = 4.0;
 
-/// A t value.
+/// Tested t value.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tested {
     t: f64,
@@ -23,7 +23,7 @@ struct Tested {
     p: f64,
 }
 
-/// Correlations, and how well they are known.
+/// Autocorrelations with their variances.
 #[derive(Clone, Debug)]
 pub(super) struct CorrelatedNoise {
     pub(super) correlation: Vec<f64>,
@@ -40,12 +40,12 @@ impl CorrelatedNoise {
     }
 }
 
-/// A search in prepared rows.
+/// Search in prepared rows.
 pub(super) struct StepwiseSearch<'a> {
     prepared: &'a PreparedRows,
     lagged: Lagged,
     rule: Rule,
-    /// Of the candidates that are told.
+    /// Handicaps of the identifiable candidates.
     handicaps: Vec<f64>,
 }
 
@@ -56,12 +56,12 @@ impl<'a> StepwiseSearch<'a> {
         StepwiseSearch { prepared, lagged, rule, handicaps }
     }
 
-    /// What is always in, then these columns.
+    /// Returns the columns that are always in, then these columns.
     fn inside(&self, chosen: &[usize]) -> impl Iterator<Item = usize> {
         (0..self.prepared.always).chain(chosen.iter().copied())
     }
 
-    /// The columns of candidates.
+    /// Returns the columns of the candidates.
     fn candidates(&self) -> std::ops::Range<usize> {
         self.prepared.always..self.prepared.width() - 1
     }
@@ -88,7 +88,7 @@ impl<'a> StepwiseSearch<'a> {
         self.swept_at(&noise.correlation, chosen)
     }
 
-    /// The freedom of the t value of each column: that of the noise, less what the uncertainty of the correlation takes.
+    /// Returns the degrees of freedom of the t value of each column: those of the noise, reduced by the uncertainty of the autocorrelation.
     fn freedoms_by(
         &self,
         noise: &CorrelatedNoise,
@@ -104,7 +104,7 @@ impl<'a> StepwiseSearch<'a> {
             let step = step_at(rho);
             let ends = [(rho - step).max(0.0), rho + step];
             let [below, above] = ends.map(|rho| at(&with(&noise.correlation, number, rho)));
-            // The noise that fits best changes with the correlation.
+            // The best-fitting noise changes with the autocorrelation.
             let noise = (above.left() / below.left()).ln();
             for (sum, column) in inverse.iter_mut().zip(columns.clone()) {
                 let factor = (above.variance(column) / below.variance(column)).ln();
@@ -123,8 +123,8 @@ impl<'a> StepwiseSearch<'a> {
         self.prepared.told.len().max(1) as f64
     }
 
-    /// The limit of the descent is that of a known correlation. Before the effects are in, they look like correlation, and the freedom that it leaves
-    /// would be too small for any of them; what is chosen is held to its own freedom afterwards.
+    /// Returns the criterion. Its limit is that of a known autocorrelation. Before the effects are in, they look like autocorrelation, which would leave too
+    /// few degrees of freedom for any of them. Selected terms are tested with their own degrees of freedom afterwards.
     pub(super) fn criterion(&self) -> Criterion {
         let freedom = self.freedom(0);
         let limit = student::limit(self.rule.significance / self.tried(), freedom);
@@ -137,7 +137,7 @@ impl<'a> StepwiseSearch<'a> {
         }
     }
 
-    /// What is tested of each of these columns where they are in.
+    /// Tests each of these columns with all of them in.
     fn tested(&self, noise: &CorrelatedNoise, chosen: &[usize]) -> Vec<Tested> {
         let columns: Vec<usize> = self.inside(chosen).chain([self.prepared.width() - 1]).collect();
         let own = self.lagged.only(&columns);
@@ -154,14 +154,14 @@ impl<'a> StepwiseSearch<'a> {
         let freedoms = self.freedoms_by(noise, first..count, freedom, at);
         let tested = (first..count).zip(freedoms).map(|(column, freedom_of_t)| {
             let t = swept.coefficient(column) / (swept.left() / freedom * swept.variance(column)).sqrt();
-            // What is told by the others is out.
+            // A column that depends on the others is not in.
             let t = if swept.is_inside(column) && !t.is_nan() { t } else { 0.0 };
             Tested { t, freedom: freedom_of_t, p: (student::two_sided(t, freedom_of_t) * self.tried()).min(1.0) }
         });
         tested.collect()
     }
 
-    /// Writes down what happened, step by step.
+    /// Records the changes, step by step.
     pub(super) fn record(
         &self,
         log: &[(usize, Change)],
@@ -169,7 +169,7 @@ impl<'a> StepwiseSearch<'a> {
         chosen: &[usize],
         steps: &mut Vec<Step>,
     ) {
-        // The state before the first step: what the steps did, undone.
+        // State before the first step: the steps undone.
         let mut now: Vec<usize> = chosen.to_vec();
         for &(column, change) in log.iter().rev() {
             match change {
@@ -211,7 +211,7 @@ impl<'a> StepwiseSearch<'a> {
         column.checked_sub(self.prepared.always).and_then(|told| self.prepared.told.get(told)).copied().unwrap_or(0)
     }
 
-    /// Takes out what is not significant beside the others, the worst one first.
+    /// Removes terms that are not significant beside the others, the worst one first.
     pub(super) fn demand_significance(
         &self,
         noise: &mut CorrelatedNoise,
@@ -232,7 +232,7 @@ impl<'a> StepwiseSearch<'a> {
         *noise = self.noise(chosen);
     }
 
-    /// Takes out what does not help with held-out blocks: each term beside the others, then all of them.
+    /// Removes terms that do not improve the prediction of held-out blocks: each term beside the others, then all of them.
     pub(super) fn demand_gain(
         &self,
         folds: &Folds<'_>,
@@ -294,7 +294,7 @@ impl<'a> StepwiseSearch<'a> {
         terms
     }
 
-    /// The candidates that could stand for a column.
+    /// Returns the candidates that could replace a column.
     fn rivals(&self, swept: &mut Swept, column: usize) -> Vec<Rival> {
         let (freedom, left) = (self.freedom(0), swept.left().max(f64::MIN_POSITIVE));
         let outside = self.candidates().filter(|&other| !swept.is_inside(other));

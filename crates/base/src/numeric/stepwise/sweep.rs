@@ -1,14 +1,14 @@
-//! A Gram matrix from which columns are swept in and out: everything that one more, one less or another column would change is read off.
+//! Gram matrix with sweep operations: shows the effect of adding, removing or exchanging a column directly.
 //!
-//! The symmetric sweep operator: with the columns S inside, an element outside is what S leaves of it, one between inside and outside a
-//! coefficient, one inside −(XᵀX)⁻¹ (Lange 2010, ch. 7). The last column is the value.
+//! Symmetric sweep operator with the set S of columns inside. An element outside is its residual after projection on S, an element between inside and outside
+//! is a coefficient, and an element inside is −(XᵀX)⁻¹ (Lange 2010, ch. 7). The last column is the value.
 
 use nalgebra::DMatrix;
 
-/// A column of which the others leave a smaller share (of its square) is told by them.
+/// A column is dependent if a smaller share of its square remains beside the others.
 const LEAST_LEFT: f64 = 1e-8;
 
-/// The matrix.
+/// Swept Gram matrix.
 #[derive(Clone, Debug)]
 pub(super) struct Swept {
     matrix: DMatrix<f64>,
@@ -17,7 +17,7 @@ pub(super) struct Swept {
 }
 
 impl Swept {
-    /// With nothing inside.
+    /// Creates the matrix with no column inside.
     pub(super) fn new(gram: DMatrix<f64>) -> Swept {
         let squares: Vec<f64> = gram.diagonal().iter().copied().collect();
         let inside = vec![false; squares.len()];
@@ -32,13 +32,13 @@ impl Swept {
         self.inside.get(column).copied().unwrap_or(false)
     }
 
-    /// Whether a column outside says something that those inside do not.
+    /// True if a column outside is linearly independent of those inside.
     pub(super) fn is_told(&self, column: usize) -> bool {
         let left = self.matrix[(column, column)];
         left > LEAST_LEFT * self.squares[column] && left > f64::MIN_POSITIVE
     }
 
-    /// Sweeps a column in or out; false where it cannot be told from those inside.
+    /// Sweeps a column in or out; returns false if it depends on those inside.
     pub(super) fn pivot(&mut self, column: usize) -> bool {
         let is_inside = self.is_inside(column);
         if !is_inside && !self.is_told(column) {
@@ -64,33 +64,33 @@ impl Swept {
         true
     }
 
-    /// Sum of the squares that is left of the value.
+    /// Returns the residual sum of squares of the value.
     pub(super) fn left(&self) -> f64 {
         self.matrix[(self.value(), self.value())].max(0.0)
     }
 
-    /// The coefficient of a column inside.
+    /// Returns the coefficient of a column inside.
     pub(super) fn coefficient(&self, column: usize) -> f64 {
         self.matrix[(column, self.value())]
     }
 
-    /// Its variance at unit noise; of a column outside the one that it would have inside.
+    /// Returns its variance at unit noise; for a column outside, the variance it would have inside.
     pub(super) fn variance(&self, column: usize) -> f64 {
         let own = self.matrix[(column, column)];
         if self.is_inside(column) { -own } else { 1.0 / own }
     }
 
-    /// By how much the squares fall when a column enters.
+    /// Returns the decrease of the squares if a column enters.
     pub(super) fn gain(&self, column: usize) -> f64 {
         self.coefficient(column).powi(2) / self.matrix[(column, column)]
     }
 
-    /// By how much they rise when a column leaves.
+    /// Returns the increase of the squares if a column leaves.
     pub(super) fn loss(&self, column: usize) -> f64 {
         self.coefficient(column).powi(2) / self.variance(column)
     }
 
-    /// By how much they fall when `leaves` makes room for `enters`; `None` where the other columns tell that one.
+    /// Returns the decrease of the squares if `enters` replaces `leaves`; `None` if `enters` depends on the other columns.
     pub(super) fn exchange(&self, leaves: usize, enters: usize) -> Option<f64> {
         let (variance, shared) = (self.variance(leaves), self.matrix[(leaves, enters)]);
         let coefficient = self.coefficient(leaves);
@@ -99,7 +99,7 @@ impl Swept {
         (left > LEAST_LEFT * self.squares[enters]).then(|| along * along / left - coefficient * coefficient / variance)
     }
 
-    /// Correlation of two columns outside, less what those inside say of them.
+    /// Returns the partial correlation of two columns outside, given those inside.
     pub(super) fn correlation(&self, one: usize, other: usize) -> f64 {
         self.matrix[(one, other)] / (self.matrix[(one, one)] * self.matrix[(other, other)]).sqrt()
     }
@@ -109,7 +109,7 @@ impl Swept {
 mod tests {
     use super::*;
 
-    /// Four columns and a value of seven rows.
+    /// Returns four columns and a value in seven rows.
     fn rows() -> DMatrix<f64> {
         DMatrix::from_row_slice(
             7,

@@ -1,11 +1,11 @@
-//! What is found in noise, and what is found of effects.
+//! Selection in pure noise, and selection of true effects.
 
 use nalgebra::DMatrix;
 
 use super::lagged::Lagged;
 use super::*;
 
-/// Normal numbers from a seed.
+/// Normally distributed numbers from a seed.
 struct Random(u64);
 
 impl Random {
@@ -34,8 +34,8 @@ impl Random {
     }
 }
 
-/// Runs of a drift with 40 candidates as slow as temperatures behind lags: eight sensors that follow two causes, each with five lags; a
-/// constant for each run is always in.
+/// Returns runs of a drift with 40 candidates that are slow like lagged temperatures: eight sensors that follow two causes, each with five lags. A constant
+/// for each run is always in.
 fn drift(runs: usize, length: usize, random: &mut Random) -> Rows {
     let (count, sensors, lags) = (runs * length, 8, 5);
     let mut factors = DMatrix::zeros(count, runs + sensors * lags);
@@ -72,12 +72,12 @@ fn noise(rows: &mut Rows, rho: f64, runs: usize, random: &mut Random) {
     rows.values = (0..runs).flat_map(|_| random.correlated(rho, length)).collect();
 }
 
-/// The classical procedure at 99.99 % for each test, as if all rows were independent.
+/// Classical procedure at 99.99 % per test, as if all rows were independent.
 fn classical(tried: f64) -> Rule {
     Rule { significance: 1e-4 * tried, correlated: false, held_out: false }
 }
 
-/// Runs, and their lengths.
+/// Numbers of runs, and their lengths.
 const SIZES: [(usize, usize); 2] = [(1, 240), (4, 60)];
 /// A candidate without a lag.
 const HIDDEN: usize = 10;
@@ -174,7 +174,7 @@ fn the_correlation_comes_back() {
         let mut rows = drift(4, 300, &mut random);
         noise(&mut rows, rho, 4, &mut random);
         let found = choose(&rows, Rule::default()).unwrap().correlation;
-        // Standard deviation √((1 − ρ²) / 1200), four of them.
+        // Four standard deviations of √((1 − ρ²) / 1200).
         let limit = 4.0 * ((1.0 - rho * rho) / 1200.0_f64).sqrt();
         assert_eq!(found.len(), 1);
         assert!((found[0].1 - rho).abs() < limit, "{rho}: {found:?}");
@@ -186,7 +186,7 @@ fn products_are_those_of_rows_less_their_neighbours() {
     let mut random = Random(3);
     let mut rows = drift(3, 20, &mut random);
     noise(&mut rows, 0.5, 3, &mut random);
-    // A series of one row, and a group of its own.
+    // A series of one row, and a separate group.
     rows.series[59] = 7;
     (40..60).for_each(|row| rows.noise[row] = 1);
     let prepared = PreparedRows::new(&rows).unwrap();
@@ -217,7 +217,7 @@ fn what_is_not_finite_or_too_little_has_no_choice() {
     bad.always = 31;
     bad.handicaps.truncate(10);
     assert!(choose(&bad, Rule::default()).is_none(), "as many columns as rows");
-    // All zeros: nothing to say.
+    // All zeros: no effect.
     assert_eq!(choose(&good, Rule::default()).unwrap().terms, []);
 }
 

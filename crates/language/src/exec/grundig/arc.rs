@@ -19,24 +19,24 @@ use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
 
-/// Turns of one helix at most.
+/// Maximum number of turns of one helix.
 const MOST_TURNS: f64 = 1000.0;
-/// By how much pitch, depth and sweep of a helix may disagree, turns.
+/// Largest disagreement between pitch, depth and sweep of a helix, turns.
 const TURN_TOLERANCE: f64 = 0.01;
-/// A rest of a turn below this is none.
+/// A remainder of a turn below this is zero.
 const NO_REST: f64 = 1e-9;
 
 /// A circular motion as programmed, in mm.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Circle {
     pub(super) clockwise: bool,
-    /// Abscissa and ordinate of the plane.
+    /// Center in abscissa and ordinate of the plane.
     pub(super) center: [f64; 2],
-    /// All of it, above 0, rad.
+    /// Total sweep, above 0, rad.
     pub(super) sweep_rad: f64,
 }
 
-/// The motion of a block while G2 or G3 is in force.
+/// The motion of a block while G2 or G3 is active.
 pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, target: Target) -> Result<(), Fault> {
     let clockwise = channel.modal.modes.motion == MotionKind::Clockwise;
     let [abscissa, ordinate, applicate] = channel.modal.modes.plane.axes();
@@ -57,7 +57,7 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
     target::check_plane_known(channel.settings.strict, &channel.modal, gathered.span)?;
     let here = target::here(&channel.modal, &channel.standing);
     let start = [here[abscissa], here[ordinate]];
-    // Without end words this is the start.
+    // Without words for the end, this is the start.
     let mut end = [target.to[abscissa], target.to[ordinate]];
     let has_end = !target.named.intersection(plane).is_empty();
     let mut target = target;
@@ -136,7 +136,7 @@ pub(super) fn arc_words(channel: &mut Channel<'_>, gathered: &mut Gathered, targ
     circular(channel, Circle { clockwise, center, sweep_rad }, to, target.named.union(plane))
 }
 
-/// The end of an arc; where the increment of the control makes it one with the start, it is the start.
+/// The end of an arc; if it equals the start within the increment of the control, it is the start.
 fn closed_on_grid(machine: &Machine, start: [f64; 2], end: [f64; 2], span: Span) -> Result<[f64; 2], Fault> {
     match meeting(start, end, 1.0 / machine.control.grid[0]) {
         Meeting::Apart => Ok(end),
@@ -145,7 +145,7 @@ fn closed_on_grid(machine: &Machine, start: [f64; 2], end: [f64; 2], span: Span)
     }
 }
 
-/// The center of an arc of a radius: at most half a turn, for a negative one more.
+/// The center of an arc of a given radius: up to half a turn, for a negative radius more.
 fn center_by_radius(
     machine: &Machine,
     modal: &Modal,
@@ -163,7 +163,7 @@ fn center_by_radius(
     })
 }
 
-/// The center by words of the axes, absolute or in G91 from the start, or by B3 and L3 from the pole.
+/// The center by words of the axes, absolute or, in G91, from the start; or by B3 and L3 from the pole.
 fn center(
     modal: &Modal,
     words: [Option<Found>; 2],
@@ -205,7 +205,7 @@ fn center(
     Ok(center)
 }
 
-/// A circular motion, one move a turn; other axes have their share of each.
+/// A circular motion, one move per turn; other axes have their share of each.
 pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector, named: AxisSet) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
     step::check_feed(
@@ -223,7 +223,7 @@ pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector
     let has_rest = turns - whole > NO_REST;
     let from = target::here(&channel.modal, &channel.standing);
     let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
-    // Between 0 and the limit of turns.
+    // Between 0 and the maximum number of turns.
     for turn in 1..=whole as u32 {
         let mut end = from.lerp(&to, f64::from(turn) / turns);
         end[abscissa] = from[abscissa];
@@ -236,7 +236,7 @@ pub(super) fn circular(channel: &mut Channel<'_>, circle: Circle, to: AxisVector
     if has_rest { one_arc(channel, circle, &to, named) } else { Ok(()) }
 }
 
-/// One arc of at most a turn.
+/// One arc of up to one turn.
 pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector, named: AxisSet) -> Result<(), Fault> {
     let (machine, setup, plane) =
         (channel.settings.machine, std::sync::Arc::clone(&channel.standing.setup), channel.modal.modes.plane);
@@ -246,7 +246,7 @@ pub(super) fn one_arc(channel: &mut Channel<'_>, circle: Circle, to: &AxisVector
     let programmed = target::here(&channel.modal, &channel.standing);
     let to = *to;
     step::elementary(channel, &to, named, false, channel.modal.modes.feed, |[start, target]| {
-        // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit.
+        // If the frame is a pure shift, arcs are computed in base coordinates, exact to the last bit.
         let is_shifted = setup.frame.is_translation();
         let (from, end) = if is_shifted { (*start, *target) } else { (programmed, to) };
         let mut center = circle.center;
@@ -283,7 +283,7 @@ fn center_fault(found: CenterFault, span: Span) -> Fault {
     }
 }
 
-/// The angle from one point to another about a center in the sense of the arc, above 0 and at most a turn.
+/// The angle from one point to another about a center in the direction of the arc, above 0 and at most a turn.
 pub(super) fn sweep_between(start: [f64; 2], end: [f64; 2], center: [f64; 2], clockwise: bool) -> f64 {
     let angle = |point: [f64; 2]| (point[1] - center[1]).atan2(point[0] - center[0]);
     if (start[0] - end[0]).hypot(start[1] - end[1]) < NO_REST {
@@ -294,7 +294,7 @@ pub(super) fn sweep_between(start: [f64; 2], end: [f64; 2], center: [f64; 2], cl
     if sweep > 0.0 { sweep } else { TAU }
 }
 
-/// A point turned about a center.
+/// A point rotated about a center.
 pub(super) fn turned(point: [f64; 2], center: [f64; 2], angle_rad: f64) -> [f64; 2] {
     let (sine, cosine) = angle_rad.sin_cos();
     let across = [point[0] - center[0], point[1] - center[1]];

@@ -12,10 +12,10 @@ use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Dwell, Kind, Word, WordValue};
 
-/// M functions that act behind the motion of their block.
+/// M functions that act after the motion of their block.
 const BEHIND: &[u16] = &[0, 1, 2, 5, 9, 30];
 
-/// F and S; the F of a dwell, a cycle and a block are read there.
+/// Reads F and S; the F words of a dwell, a cycle and a single block are read elsewhere.
 pub(super) fn feed_and_speed(
     modal: &mut Modal,
     block: &mut GrundigAtHand,
@@ -42,7 +42,7 @@ pub(super) fn feed_and_speed(
     Ok(())
 }
 
-/// M functions: pushes those that act before the motion and gives the others.
+/// M functions: emits those that act before the motion and returns the others.
 pub(super) fn functions(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Vec<Word>, Fault> {
     let mut behind = Vec::new();
     for code in std::mem::take(&mut gathered.functions) {
@@ -67,7 +67,7 @@ pub(super) fn functions(channel: &mut Channel<'_>, gathered: &mut Gathered) -> R
     Ok(behind)
 }
 
-/// M53, M54: the head turns. The machine file describes one of its positions.
+/// M53, M54: swivels the head. The machine file describes one of its positions.
 pub(super) fn head(machine: &Machine, number: u16, span: Span) -> Result<(), Fault> {
     if machine.control.grundig.head == Some(number) {
         return Ok(());

@@ -1,4 +1,4 @@
-//! The channel: executes the words of one block in their fixed order and puts elements into the stream.
+//! The channel: executes the words of one block in a fixed order and emits elements.
 
 use super::geometry::Choice;
 use super::geometry::Element;
@@ -19,40 +19,40 @@ use ncfix_machine::snc::{Kind, Word};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
-    /// The machine, and what the caller has chosen.
+    /// The machine and the options of the caller.
     pub(super) settings: RunSettings<'a>,
     pub(super) outlet: Outlet<'a>,
     pub(super) modal: Modal,
     pub(super) parameters: Parameters,
     pub(super) codes: &'static CodeTable,
-    /// Tools that stand beside the program.
+    /// Tool tables outside the program.
     pub(super) tools: ToolTable<ToolSize>,
-    /// Frame, tool length and plane in force.
+    /// Active frame, tool length and plane.
     pub(super) standing: InForce,
-    /// What the block at hand says and does.
+    /// State of the current block.
     pub(super) block: GrundigAtHand,
     /// M3 or M4 while the spindle turns.
     pub(super) spindle: Option<u16>,
     pub(super) feed_warned: bool,
-    /// A motion whose end the next one tells.
+    /// A motion whose end is determined by the next one.
     pub(super) open: Option<Open>,
 }
 
-/// What the block at hand says and does.
+/// State of the current block.
 #[derive(Default)]
 pub(super) struct GrundigAtHand {
-    /// Whether the block has moved already.
+    /// `true` if the block has moved already.
     pub(super) has_moved: bool,
-    /// Whether the block names F.
+    /// `true` if the block names F.
     pub(super) feed_named: bool,
     /// S and M words of the block that act before its motion.
     pub(super) before: Vec<Word>,
-    /// What the motion to come wants of the contour stage.
+    /// Corner request of the next motion for the contour stage.
     pub(super) corner: Option<Corner>,
     pub(super) soft: Option<(Soft, Span)>,
-    /// Whether the motion that is put into the stream is such a one.
+    /// `true` if the emitted motion has an open end.
     pub(super) is_open: bool,
-    /// Steps of the cycles of the block so far.
+    /// Number of cycle steps of the block so far.
     pub(super) cycle_steps: usize,
 }
 
@@ -79,7 +79,7 @@ impl<'a> Channel<'a> {
         }
     }
 
-    /// Puts a comment into the stream.
+    /// Emits a comment.
     pub(super) fn comment(&mut self, comment: Option<Vec<u8>>) {
         if let Some(comment) = comment {
             self.outlet.push(Kind::Comment(comment));
@@ -87,7 +87,7 @@ impl<'a> Channel<'a> {
     }
 }
 
-/// An element that waits for its end.
+/// An element whose end is not known yet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Open {
     pub(super) start: Flat,

@@ -1,4 +1,4 @@
-//! Words of contours: elements whose end the next one tells (G64), roundings and chamfers (R1=, I1=), G11, G61 and G62.
+//! Contour words: elements whose end the next one determines (G64), roundings and chamfers (R1=, I1=), G11, G61 and G62.
 
 use super::arc;
 use super::arc::{Circle, sweep_between};
@@ -23,7 +23,7 @@ use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Machine;
 
-/// Takes R1= and I1= of a motion: what stands between it and the next one.
+/// Takes R1= and I1= of a motion: the transition to the next one.
 pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     channel.block.corner = None;
     if !channel.modal.calculates_geometry() {
@@ -61,7 +61,7 @@ fn transition(
     Ok(Some(Corner { transition, feed: 0.0, is_modal: false }))
 }
 
-/// What a motion block of G64 is in the calculation of intersections; false where it is an ordinary motion.
+/// Handles a motion block under G64 as an element of the intersection calculation; `false` for an ordinary motion.
 pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<bool, Fault> {
     if gathered.is_used_up() {
         return Ok(false);
@@ -87,7 +87,7 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
         return Ok(true);
     }
     let Some(open) = channel.open.take() else {
-        // With its end an element is what it is; only a tangent or an angle too much says nothing.
+        // With an end, the element is fully defined; an additional tangent or angle is an error.
         let message = "angle or tangent and end of an element whose start is known";
         return match element {
             Element::Arc { .. } => Ok(false),
@@ -125,7 +125,7 @@ pub(super) fn open_element(channel: &mut Channel<'_>, gathered: &mut Gathered) -
     Ok(true)
 }
 
-/// The target of a block whose angles are done.
+/// The target of a block whose angles are evaluated.
 fn target_of_plane(channel: &mut Channel<'_>, gathered: &mut Gathered, incremental: bool) -> Result<Target, Fault> {
     let plane = channel.modal.modes.plane.axes();
     if incremental && plane.into_iter().take(2).any(|axis| gathered.peek(axis.letter(), None).is_some()) {
@@ -135,7 +135,7 @@ fn target_of_plane(channel: &mut Channel<'_>, gathered: &mut Gathered, increment
     target::target(channel, gathered, incremental)
 }
 
-/// The element of a block and whether it has its end; `None` where the block needs no calculation.
+/// The element of a block, and `true` if it has an end; `None` if the block needs no calculation.
 fn element_of(
     modal: &Modal,
     open: &Option<Open>,
@@ -173,7 +173,7 @@ fn element_of(
             let ([Some((first, _)), Some((second, _))], None) = (given, gathered.peek(b'B', Some(5))) else {
                 return Ok(None);
             };
-            // With an end and nothing open before, it is an ordinary arc.
+            // With an end and no open element before it, it is an ordinary arc.
             if ends == 1 || is_polar || (has_end && open.is_none()) {
                 return Ok(None);
             }
@@ -219,7 +219,7 @@ fn begin_open(channel: &mut Channel<'_>, element: Element, choice: Choice, span:
     Ok(())
 }
 
-/// How much the frame enlarges the plane.
+/// Scale factor of the frame in the plane.
 fn plane_factor(modal: &Modal, standing: &InForce) -> f64 {
     let frame = &standing.setup.frame;
     if frame.is_translation() {
@@ -237,7 +237,7 @@ fn without_end(outlet: &mut Outlet<'_>, open: &Open) -> Fault {
     )
 }
 
-/// Says what an element that still waits lacks.
+/// Reports an element that is still incomplete.
 pub(super) fn end_open(channel: &mut Channel<'_>) {
     if let Some(open) = channel.open.take() {
         let found = without_end(&mut channel.outlet, &open);
@@ -245,7 +245,7 @@ pub(super) fn end_open(channel: &mut Channel<'_>) {
     }
 }
 
-/// Abscissa and ordinate of the plane of a point of the flat one.
+/// Converts a point of the plane to abscissa and ordinate.
 fn plane_coordinates(modal: &Modal, flat: Flat) -> [f64; 2] {
     let mut place = ncfix_base::geometry::AxisVector::ZERO;
     target::set_flat(modal, &mut place, flat);
@@ -301,7 +301,7 @@ fn leg(modal: &Modal, gathered: &mut Gathered, index: Option<u16>) -> Result<Leg
     })
 }
 
-/// The letters of the axes in which angles count.
+/// The letters of the axes of the plane in the order of angles.
 fn flat_letters(modal: &Modal) -> [u8; 2] {
     match modal.modes.plane.number() {
         17 => *b"XY",
@@ -310,7 +310,7 @@ fn flat_letters(modal: &Modal) -> [u8; 2] {
     }
 }
 
-/// `G61`, `G62`: onto the contour and off it along a tangent.
+/// `G61`, `G62`: tangential approach to the contour and retraction from it.
 pub(super) fn soft_words(
     modal: &Modal,
     block: &mut GrundigAtHand,
@@ -333,7 +333,7 @@ pub(super) fn soft_words(
         let message = "a tangential approach without radius compensation";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G41 or G42 in the block or before it"));
     }
-    // One that still waits for its motion gets none.
+    // A pending one without motion is reported.
     end_soft(block, outlet);
     let soft = Soft {
         form,
@@ -350,7 +350,7 @@ pub(super) fn soft_words(
     Ok(())
 }
 
-/// Says of G61 or G62 that still wait that nothing moves onto the contour or off it.
+/// Reports G61 or G62 without a motion onto the contour or off it.
 pub(super) fn end_soft(block: &mut GrundigAtHand, outlet: &mut Outlet<'_>) {
     if let Some((soft, span)) = block.soft.take() {
         let message = if soft.retracts { "no motion follows this G62" } else { "no motion follows this G61" };
@@ -372,9 +372,9 @@ impl Leg {
         self.place.iter().all(Option::is_some)
     }
 
-    /// The coordinates that are given, the others from where it starts.
+    /// The given coordinates; missing ones are those of the start.
     fn given(&self, from: Flat, scale: f64, channel: &Channel<'_>) -> Flat {
-        // In G18 the second coordinate counts along −Z.
+        // In G18 the second coordinate is −Z.
         let signs = [1.0, if channel.modal.modes.plane.number() == 18 { -1.0 } else { 1.0 }];
         let mut out = from;
         for ((place, word), sign) in out.iter_mut().zip(self.place).zip(signs) {
@@ -385,7 +385,7 @@ impl Leg {
         out
     }
 
-    /// Where it ends; `None` where that is not determined.
+    /// Its end; `None` if not determined.
     fn end(&self, from: Flat, scale: f64, channel: &Channel<'_>) -> Option<Flat> {
         let given = self.given(from, scale, channel);
         let direction = |degrees: f64| {

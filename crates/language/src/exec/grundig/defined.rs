@@ -1,17 +1,17 @@
-//! A cycle that is defined.
+//! A defined cycle.
 
 use super::cycles::Cycle;
 use super::cycles::CycleWords;
-/// A cycle that is defined.
+/// A defined cycle.
 #[derive(Clone)]
 pub(super) struct Defined {
     pub(super) cycle: &'static Cycle,
     pub(super) words: CycleWords,
-    /// Its feed, where its block names one.
+    /// Its feed, if its block names one.
     pub(super) feed: Option<f64>,
     /// Pitch of G84, mm.
     pub(super) pitch: Option<f64>,
-    /// Whether it was defined under G95, in whose unit its feeds are.
+    /// `true` if it was defined under G95; its feeds are then per turn.
     pub(super) per_turn: bool,
 }
 

@@ -22,7 +22,7 @@ use ncfix_base::source::{Source, Span};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Origin};
 
-/// Starts a program. Syntax findings of the main program are the caller's business; faulty blocks do nothing here.
+/// Starts a program. The caller handles syntax diagnostics of the main program; faulty blocks have no effect here.
 pub(in crate::exec) fn start<'a>(
     program: Program,
     machine: &'a Machine,
@@ -59,7 +59,7 @@ pub(in crate::exec) fn start<'a>(
 
 impl Execute for Grundig {
     type Channel<'a> = Channel<'a>;
-    /// The words of the block at hand.
+    /// The words of the current block.
     type Run = Gathered;
 
     fn parse(run: &Interpreter<'_>, source: &Source) -> (Program, Vec<Diagnostic>) {
@@ -105,7 +105,7 @@ impl Execute for Grundig {
 }
 
 impl Interpreter<'_> {
-    /// Executes a block; `index` is its place.
+    /// Executes a block; `index` is its index in the program.
     fn execute(&mut self, block: &Block, index: usize) -> Result<(), Fault> {
         let comment = self
             .levels
@@ -135,7 +135,7 @@ impl Interpreter<'_> {
         self.own.put_on_grid(&self.channel.modal, self.channel.settings.machine);
         let gathered = &mut self.own;
         if gathered.is_empty() {
-            // Nothing but assignments.
+            // Only assignments.
             self.channel.comment(comment);
             return Ok(());
         }
@@ -159,7 +159,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// The finding about further programs of the transfer, where nothing in it calls programs.
+/// The diagnostic for further programs of the transfer that no call reaches.
 fn left_out(program: &Program, main: usize) -> Option<Diagnostic> {
     let is_program = |part: &words::Part| part.kind == PartKind::Program && !part.blocks.is_empty();
     let (_, other) = program.parts.iter().enumerate().find(|(index, part)| *index != main && is_program(part))?;
@@ -174,7 +174,7 @@ fn left_out(program: &Program, main: usize) -> Option<Diagnostic> {
     Some(Diagnostic::at(Code::MORE_PROGRAMS, place, message, "put each program into a file of its own"))
 }
 
-/// The finding about tables of the transfer that the output needs and does not have.
+/// The diagnostic for tables of the transfer that the output needs but does not contain.
 fn tables_left_out(program: &Program) -> Option<Diagnostic> {
     let is_table = |part: &&words::Part| matches!(part.kind, PartKind::Tools | PartKind::ZeroOffsets);
     let table = program.parts.iter().filter(|part| !part.blocks.is_empty()).find(is_table)?;
@@ -188,7 +188,7 @@ fn tables_left_out(program: &Program) -> Option<Diagnostic> {
     ))
 }
 
-/// `E1=…`, from left to right, before everything else in the block.
+/// Executes `E1=…`, from left to right, before everything else in the block.
 fn assignments(program: &Program, block: &Block, channel: &mut Channel<'_>) -> Result<(), Fault> {
     for word in program.words_of(block) {
         let Address::Indexed(b'E', number) = word.address else { continue };

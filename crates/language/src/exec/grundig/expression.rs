@@ -9,17 +9,17 @@ use ncfix_machine::machine::Machine;
 
 /// E parameters: E0 to E1999.
 const PARAMETERS: usize = 2000;
-/// Comparisons of values that differ by no more than this, as a share, find them equal.
+/// Relative difference below which comparisons find values equal.
 const SAME: f64 = 1e-12;
 
-/// The E parameters, which all programs and macros share. What was never assigned counts as 0.
+/// The E parameters, common to all programs and macros. Unassigned parameters are 0.
 #[derive(Debug)]
 pub(super) struct Parameters {
     values: Vec<f64>,
 }
 
 impl Parameters {
-    /// As the machine file knows them.
+    /// Parameters with the values of the machine file.
     pub(super) fn new(machine: &Machine) -> Parameters {
         let mut values = vec![0.0; PARAMETERS];
         for (&number, &value) in &machine.parameters {
@@ -45,10 +45,10 @@ fn no_parameter(number: usize, span: Span) -> Fault {
     fault(Code::BAD_INDEX, span, format!("there is no parameter E{number}"), "use E0 to E1999")
 }
 
-/// Operators may join this many operands to one another.
+/// Maximum number of operators in an expression.
 const MAX_DEPTH: u32 = 500;
 
-/// What an expression can see.
+/// Data that an expression can access.
 #[derive(Clone, Copy)]
 pub(super) struct Scope<'a> {
     pub(super) program: &'a Program,

@@ -1,4 +1,4 @@
-//! What a block does to the order of execution: G14, G22, G23, G29, M30.
+//! Flow of execution: G14, G22, G23, G29, M30.
 
 use super::gathered::Gathered;
 use super::level::{Action, Interpreter, Level, LevelKind, MacroCall};
@@ -9,18 +9,18 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
-/// Repetitions within one another.
+/// Maximum nesting of repetitions.
 const MOST_REPEATS: usize = 16;
-/// Macros within one another.
+/// Maximum nesting of macros.
 const MOST_MACROS: usize = 8;
-/// Passes of one repetition at most.
+/// Maximum passes of one repetition.
 const MOST_PASSES: f64 = 1e9;
 
-/// The code of a block that steers the execution.
+/// G codes that control the execution.
 pub(super) const FLOW_CODES: [u16; 4] = [14, 22, 23, 29];
 
 impl Interpreter<'_> {
-    /// Carries out the flow code of a block.
+    /// Executes the flow code of a block.
     pub(super) fn flow(&mut self, code: u16, span: Span, block: &Block, index: usize) -> Result<(), Fault> {
         let mut gathered = std::mem::take(&mut self.own);
         gathered.take_code(code);
@@ -93,14 +93,14 @@ impl Interpreter<'_> {
         Ok(Action::Repeat(RepeatedSection { first, last, passes: left as u64, pass: counter }))
     }
 
-    /// A further pass has begun: its parameter falls.
+    /// Decrements the parameter at the start of a further pass.
     pub(super) fn count_down(&mut self, counter: Option<(usize, f64)>) -> Result<(), Fault> {
         let Some((number, step)) = counter else { return Ok(()) };
         let value = self.channel.parameters.get(number, Span::default())?;
         self.channel.parameters.set(number, value - step, Span::default())
     }
 
-    /// `G22 N=9101`, with a parameter only where that is above 0.
+    /// `G22 N=9101`; with a parameter, only if it is above 0.
     fn call_macro(&self, gathered: &mut Gathered, span: Span) -> Result<Action, Fault> {
         let number = self.called(gathered, span)?;
         if !self.holds(gathered)? {
@@ -114,7 +114,7 @@ impl Interpreter<'_> {
         Ok(Action::Call(MacroCall { kind: LevelKind::Macro, number, span }))
     }
 
-    /// `G23 N=9002`: a whole program, whose M30 leads back.
+    /// `G23 N=9002`: calls a whole program, which returns with M30.
     fn call_program(&self, gathered: &mut Gathered, span: Span) -> Result<Action, Fault> {
         let number = self.called(gathered, span)?;
         if !self.holds(gathered)? {
@@ -138,7 +138,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Whether the parameter of a conditional call or jump is above 0; without one it holds.
+    /// `true` if the parameter of a conditional call or jump is above 0, or without parameter.
     fn holds(&self, gathered: &mut Gathered) -> Result<bool, Fault> {
         match gathered.parameters.pop() {
             None => Ok(true),
@@ -164,11 +164,11 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// `G29 E1 N=30 K1`: jumps where the parameter is above 0, which falls by K then.
+    /// `G29 E1 N=30 K1`: jumps if the parameter is above 0, and then decrements it by K.
     fn jump(&mut self, gathered: &mut Gathered, span: Span) -> Result<Action, Fault> {
         let number = self.called(gathered, span)?;
         let step = gathered.once(b'K', None)?;
-        // Which way the target is looked for: block numbers are unique, so that it is the same block.
+        // The search direction has no effect: block numbers are unique.
         gathered.once(b'I', None)?;
         let parameter = gathered.parameters.last().copied();
         if !self.holds(gathered)? {
@@ -183,7 +183,7 @@ impl Interpreter<'_> {
         Ok(Action::Goto(target))
     }
 
-    /// The block with a number in the program that is being executed.
+    /// The block with a number in the running program.
     fn block_numbered(&self, number: f64, span: Span) -> Result<usize, Fault> {
         let found = self.levels.last().and_then(|level| {
             let program = &self.programs.get(level.program)?.program;
@@ -198,7 +198,7 @@ impl Interpreter<'_> {
         })
     }
 
-    /// M30, M2, or the last block.
+    /// Ends a level at M30, M2, or the last block.
     pub(super) fn end(&mut self, word: Option<u16>) {
         let level = self.levels.pop();
         if level.is_none_or(|level| level.own == LevelKind::Main) {

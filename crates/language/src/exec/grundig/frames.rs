@@ -1,6 +1,6 @@
-//! Zero offsets and what G92, G93, G73 make of them.
+//! Zero offsets, and the frames of G92, G93 and G73.
 //!
-//! `machine = T(G52) · T(G5x) · R(G5x) · T · R(G92, G93) · mirror and scale (G73) · programmed`, the innermost at the right.
+//! `machine = T(G52) · T(G5x) · R(G5x) · T · R(G92, G93) · mirror and scale (G73) · programmed`, the innermost on the right.
 
 use super::modal::Modal;
 use super::setup;
@@ -18,7 +18,7 @@ use ncfix_base::source::Span;
 use ncfix_machine::machine::ScaledAxes;
 use ncfix_machine::snc::FrameWords;
 
-/// Axes that zero offsets and shifts name.
+/// Axes of zero offsets and shifts.
 const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 
 /// G51 to G59, G54 I, G92, G93, G72, G73.
@@ -60,7 +60,7 @@ fn pallet(channel: &mut Channel<'_>, on: bool, span: Span) -> Result<(), Fault> 
     Ok(())
 }
 
-/// G53 to G59, with `I` a place in the long table, with axis words its new value.
+/// G53 to G59; `I` is an index in the long table, axis words set a new value.
 fn settable(channel: &mut Channel<'_>, gathered: &mut Gathered, number: u16, span: Span) -> Result<(), Fault> {
     let mut text = format!("G{number}");
     if number == 54
@@ -109,7 +109,7 @@ fn settable(channel: &mut Channel<'_>, gathered: &mut Gathered, number: u16, spa
     Ok(())
 }
 
-/// Values of axis words that go into a table, mm and rad.
+/// Values of axis words for a table, mm and rad.
 fn stored_words(modal: &Modal, gathered: &mut Gathered) -> Result<(AxisVector, AxisSet), Fault> {
     let (mut values, mut named) = (AxisVector::ZERO, AxisSet::EMPTY);
     for axis in AXES {
@@ -125,7 +125,7 @@ fn push_settable(outlet: &mut Outlet<'_>, text: &str) {
     outlet.push(ncfix_machine::snc::Kind::Frame(FrameWords::Settable(text.to_owned())));
 }
 
-/// Whether a stored offset has a value.
+/// Checks that a stored offset has a value.
 fn check_value(strict: bool, modal: &mut Modal, outlet: &mut Outlet<'_>, name: &str, span: Span) -> Result<(), Fault> {
     let missing = !modal.frames.table.contains_key(name);
     modal.frames.assumed = missing;
@@ -141,7 +141,7 @@ fn check_value(strict: bool, modal: &mut Modal, outlet: &mut Outlet<'_>, name: &
     Ok(())
 }
 
-/// G92 on top of what is there, G93 instead of it.
+/// G92 adds to the active shift, G93 replaces it.
 fn programmed_shift(
     channel: &mut Channel<'_>,
     gathered: &mut Gathered,
@@ -169,7 +169,7 @@ fn programmed_shift(
     let settings = &channel.settings.machine.control.grundig;
     let before = if additive { frames.angle_rad } else { 0.0 };
     let turn = angle.map_or(0.0, |(degrees, _)| degrees.to_radians());
-    // Along the axes as they are turned when the shift acts.
+    // Along the axes in their rotation at the time of the shift.
     let mut along = if additive && settings.shift_is_turned { before } else { 0.0 };
     if settings.turns_first {
         along += turn;
@@ -223,7 +223,7 @@ fn mirror_and_scale(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
     setup::refresh_setup(channel)
 }
 
-/// G149 reads an entry of the table of zero offsets into parameters, G150 writes it.
+/// G149 reads an entry of the zero offset table into parameters, G150 writes it.
 pub(super) fn table_access(
     channel: &mut Channel<'_>,
     gathered: &mut Gathered,
@@ -252,7 +252,7 @@ pub(super) fn table_access(
         if value.fract() != 0.0 || value < 0.0 {
             return Err(bad_value(at, format!("{value} is no number of a parameter"), help));
         }
-        // In the range that the store checks.
+        // Within the range that the store checks.
         channel.parameters.set(value as usize, own, at)?;
     }
     if writes {
@@ -262,7 +262,7 @@ pub(super) fn table_access(
     Ok(())
 }
 
-/// The zero offset of `54.01`, `55`.
+/// The zero offset for `54.01`, `55`.
 pub(super) fn entry_name(entry: f64) -> Option<String> {
     let (number, index) = (entry.trunc(), (entry.fract() * 100.0).round());
     match number {
@@ -272,7 +272,7 @@ pub(super) fn entry_name(entry: f64) -> Option<String> {
     }
 }
 
-/// A value as the program writes it, mm or degrees, without the noise of conversions.
+/// A value in program units, mm or degrees, without rounding noise.
 fn shown_value(axis: Axis, value: f64) -> String {
     let own = if axis.is_rotary() { value.to_degrees() } else { value };
     ((own * 1e9).round() / 1e9).to_string()

@@ -1,4 +1,4 @@
-//! The words of one block with their values, each taken once by what uses it: what is left over nobody understood.
+//! The words of one block with their values. Each word is consumed once; an unconsumed word is an error.
 
 use super::expression::Scope;
 use super::modal::Modal;
@@ -10,7 +10,7 @@ use ncfix_base::source::Span;
 use ncfix_dialect::CodeEntry;
 use ncfix_machine::machine::Machine;
 
-/// Values beyond this are no positions.
+/// Largest accepted magnitude of a value.
 const MOST: f64 = 1e9;
 
 /// A word.
@@ -24,10 +24,10 @@ pub(super) struct Item {
     used: bool,
 }
 
-/// A value and where it stands.
+/// A value and its span.
 pub(super) type Found = (f64, Span);
 
-/// A code and where it stands.
+/// A code and its span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CodeWord {
     pub(super) number: u16,
@@ -38,18 +38,18 @@ pub(super) struct CodeWord {
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
     pub(super) items: Vec<Item>,
-    /// G codes in their order.
+    /// G codes in order.
     pub(super) codes: Vec<CodeWord>,
-    /// M functions in their order.
+    /// M functions in order.
     pub(super) functions: Vec<CodeWord>,
-    /// `E5` without `=`: the parameter that a code works with.
+    /// `E5` without `=`: the parameter of a code.
     pub(super) parameters: Vec<CodeWord>,
-    /// Where the block stands.
+    /// Span of the block.
     pub(super) span: Span,
 }
 
 impl Gathered {
-    /// Reads the words of a block; assignments are done already.
+    /// Reads the words of a block; assignments are already executed.
     pub(super) fn gather(&mut self, program: &Program, block: &Block, scope: Scope<'_>) -> Result<(), Fault> {
         self.items.clear();
         self.codes.clear();
@@ -59,7 +59,7 @@ impl Gathered {
         for word in program.words_of(block) {
             let (letter, index) = match word.address {
                 Address::Letter(letter) => (letter, None),
-                // Done already.
+                // Already executed.
                 Address::Indexed(b'E', _) => continue,
                 Address::Indexed(letter, index) => (letter, Some(index)),
                 Address::Comma(_) | Address::Variable(_) | Address::Name(_) => {
@@ -85,7 +85,7 @@ impl Gathered {
         Ok(())
     }
 
-    /// Puts lengths and angles on the increment of the control, a tenth of as many inches; factors, counts, feeds and times stay.
+    /// Rounds lengths and angles to the increment of the control, in inches to a tenth of it; factors, counts, feeds and times stay.
     pub(super) fn put_on_grid(&mut self, modal: &Modal, machine: &Machine) {
         let has = |number: u16| self.codes.iter().any(|code| code.number == number);
         let inch = if has(70) || has(71) { has(70) } else { modal.modes.inch };
@@ -104,35 +104,35 @@ impl Gathered {
         }
     }
 
-    /// Whether the block has nothing but its number, comments and assignments.
+    /// `true` if the block has only its number, comments and assignments.
     pub(super) fn is_empty(&self) -> bool {
         self.items.is_empty() && self.codes.is_empty() && self.functions.is_empty() && self.parameters.is_empty()
     }
 
-    /// Takes a G code out.
+    /// Consumes a G code.
     pub(super) fn take_code(&mut self, number: u16) -> Option<Span> {
         let at = self.codes.iter().position(|code| code.number == number)?;
         Some(self.codes.remove(at).span)
     }
 
-    /// Takes an M function out.
+    /// Consumes an M function.
     pub(super) fn take_function(&mut self, number: u16) -> Option<Span> {
         let at = self.functions.iter().position(|code| code.number == number)?;
         Some(self.functions.remove(at).span)
     }
 
-    /// Whether every word has been used.
+    /// `true` if every word has been consumed.
     pub(super) fn is_used_up(&self) -> bool {
         self.items.iter().all(|item| item.used)
     }
 
-    /// Whether a word is there that nothing has used.
+    /// The value of an unconsumed word.
     pub(super) fn peek(&self, letter: u8, index: Option<u16>) -> Option<Found> {
         let item = self.items.iter().find(|item| !item.used && item.letter == letter && item.index == index)?;
         Some((item.value, item.span))
     }
 
-    /// Takes a word; the first of several.
+    /// Consumes a word, the first of several.
     pub(super) fn take(&mut self, letter: u8, index: Option<u16>) -> Option<Found> {
         let found = |item: &&mut Item| !item.used && item.letter == letter && item.index == index;
         let item = self.items.iter_mut().find(found)?;
@@ -140,7 +140,7 @@ impl Gathered {
         Some((item.value, item.span))
     }
 
-    /// Takes a word that may stand once.
+    /// Consumes a word that may occur once.
     pub(super) fn once(&mut self, letter: u8, index: Option<u16>) -> Result<Option<Found>, Fault> {
         let found = self.take(letter, index);
         if found.is_some()
@@ -156,7 +156,7 @@ impl Gathered {
         Ok(found)
     }
 
-    /// Takes all words of a letter, whatever their index, in their order.
+    /// Consumes all words of a letter with any index, in order.
     pub(super) fn take_all(&mut self, letter: u8) -> Vec<Item> {
         let all = self.items.iter_mut().filter(|item| !item.used && item.letter == letter);
         all.map(|item| {
@@ -166,7 +166,7 @@ impl Gathered {
         .collect()
     }
 
-    /// Takes all words that belong to a code.
+    /// Consumes all words of a code.
     pub(super) fn take_used_by(&mut self, entry: &CodeEntry) -> Vec<Item> {
         let mut out = Vec::new();
         for item in self.items.iter_mut().filter(|item| !item.used) {
@@ -182,7 +182,7 @@ impl Gathered {
         out
     }
 
-    /// What nothing has used.
+    /// Reports unconsumed words.
     pub(super) fn check_all_used(&self) -> Result<(), Fault> {
         if let Some(item) = self.items.iter().find(|item| !item.used) {
             let message = format!("nothing in this block uses {}", name(item.letter, item.index));
@@ -199,7 +199,7 @@ impl Gathered {
     }
 }
 
-/// A word as it is written.
+/// A word as written.
 pub(super) fn name(letter: u8, index: Option<u16>) -> String {
     match index {
         None => char::from(letter).to_string(),
@@ -207,7 +207,7 @@ pub(super) fn name(letter: u8, index: Option<u16>) -> String {
     }
 }
 
-/// Increments in a unit, whole where they nearly are.
+/// Increments per unit, rounded if nearly whole.
 fn per_unit(increment: f64) -> f64 {
     let count = 1.0 / increment;
     if (count - count.round()).abs() < 1e-6 * count { count.round() } else { count }
@@ -217,6 +217,6 @@ fn code_word(value: f64, span: Span, letter: &str) -> Result<CodeWord, Fault> {
     if value.fract() != 0.0 || !(0.0..=9999.0).contains(&value) {
         return Err(bad_value(span, format!("{letter}{value} is no number from 0 to 9999"), "correct the number"));
     }
-    // In the range of the type.
+    // Within the range of the type.
     Ok(CodeWord { number: value as u16, span })
 }

@@ -1,8 +1,8 @@
-//! G64: where two contour elements meet, when the first one is written without its end.
+//! G64: the intersection of two contour elements if the first one is programmed without its end.
 //!
-//! Elements are straight lines and arcs of the plane. The first begins where the tool is; the second one says how it goes and where it
-//! ends. Lines are given by an angle (B1=) or touch the arc beside them (K1=), arcs by their center. Of two intersections J1= chooses:
-//! 1, the default, is the one that the tool reaches first on the first element, 2 the other.
+//! Elements are straight lines and arcs of the plane. The first begins at the tool position; the second gives its direction and end. A line has an
+//! angle (B1=) or is tangential to the adjacent arc (K1=), an arc has a center. J1= selects one of two intersections: 1, the default, is the one that
+//! the tool reaches first on the first element, 2 the other.
 
 use std::f64::consts::TAU;
 
@@ -10,43 +10,43 @@ use crate::exec::core::contour::crossing;
 
 type Flat = [f64; 2];
 
-/// Circles that miss or touch each other by less than this touch, mm.
+/// Distance below which circles count as touching, mm.
 const TOUCH_MM: f64 = 1e-4;
 
 /// An element of a contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Element {
-    /// Straight, at this angle to the abscissa, rad.
+    /// Straight, at an angle to the abscissa, rad.
     Line { angle_rad: f64 },
-    /// Straight, and touching the arc beside it.
+    /// Straight, and tangential to the adjacent arc.
     Touching,
     /// On a circle about this center, mm.
     Arc { center: Flat, clockwise: bool },
 }
 
-/// Which of two intersections.
+/// Selection of one of two intersections.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Choice {
-    /// The one that is reached first.
+    /// The one reached first.
     #[default]
     First,
     /// The other.
     Second,
 }
 
-/// Why two elements do not meet.
+/// Reason why two elements do not meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MeetFault {
     /// Lines in the same direction, or circles about one center.
     Parallel,
-    /// They pass each other.
+    /// They do not intersect.
     Apart,
-    /// A line that is to touch stands beside another line, or its end lies inside the circle.
+    /// A tangential line next to another line, or a line whose end lies inside the circle.
     NothingToTouch,
 }
 
 impl MeetFault {
-    /// In words.
+    /// The message.
     pub(super) fn message(self) -> &'static str {
         match self {
             MeetFault::Parallel => "this element and the one before never meet: they run in the same direction",
@@ -56,10 +56,10 @@ impl MeetFault {
     }
 }
 
-/// Where the first element, from `start` on, meets the second, which ends at `end`.
+/// The intersection of the first element, starting at `start`, with the second, which ends at `end`.
 ///
 /// # Errors
-/// Where they do not meet.
+/// A reason if they do not meet.
 pub(super) fn meet(start: Flat, first: Element, second: Element, end: Flat, choice: Choice) -> Result<Flat, MeetFault> {
     match (first, second) {
         (Element::Line { angle_rad: a }, Element::Line { angle_rad: b }) => {
@@ -79,11 +79,11 @@ pub(super) fn meet(start: Flat, first: Element, second: Element, end: Flat, choi
             let points = two_circles(center, distance(start, center), other, distance(end, other))?;
             Ok(chosen(points, |point| sweep(start, point, center, clockwise), choice))
         }
-        // The line arrives in the direction in which the arc goes on.
+        // The line arrives in the direction in which the arc continues.
         (Element::Touching, Element::Arc { center, clockwise }) => {
             touching(start, center, distance(end, center), !clockwise)
         }
-        // Seen from its end, the line leaves the arc the other way round.
+        // Seen from its end, the line leaves the arc in the opposite direction.
         (Element::Arc { center, clockwise }, Element::Touching) => {
             touching(end, center, distance(start, center), clockwise)
         }
@@ -95,15 +95,15 @@ fn distance(a: Flat, b: Flat) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// The angle by which an arc goes from one point of its circle to another, rad, above 0.
+/// The angle of an arc from one point of its circle to another, rad, above 0.
 fn sweep(from: Flat, to: Flat, center: Flat, clockwise: bool) -> f64 {
     let angle = |point: Flat| (point[1] - center[1]).atan2(point[0] - center[0]);
     let way = if clockwise { angle(from) - angle(to) } else { angle(to) - angle(from) }.rem_euclid(TAU);
-    // Where it begins it has been already.
+    // The start itself counts as a full turn.
     if way < 1e-9 { way + TAU } else { way }
 }
 
-/// Of two points the one that comes first, of those that come at all; or the other.
+/// The first of two points ahead, or the other.
 fn chosen(points: [Flat; 2], ahead: impl Fn(Flat) -> f64, choice: Choice) -> Flat {
     let [a, b] = points.map(|point| match ahead(point) {
         way if way > 1e-9 => way,
@@ -140,13 +140,13 @@ fn two_circles(a: Flat, radius_a: f64, b: Flat, radius_b: f64) -> Result<[Flat; 
     Ok([-half, half].map(|by| [foot[0] - by * unit[1], foot[1] + by * unit[0]]))
 }
 
-/// Where a line from a point outside touches a circle such that it goes around the center counter-clockwise, or else clockwise.
+/// The tangent point of a line from a point outside a circle, for a counter-clockwise or clockwise direction about the center.
 fn touching(point: Flat, center: Flat, radius: f64, counter_clockwise: bool) -> Result<Flat, MeetFault> {
     let away = distance(point, center);
     if away < radius - TOUCH_MM || radius == 0.0 {
         return Err(MeetFault::NothingToTouch);
     }
-    // The angle at the center between the point and the place where the line touches.
+    // The angle at the center between the point and the tangent point.
     let angle = (radius / away).min(1.0).acos();
     let towards = (point[1] - center[1]).atan2(point[0] - center[0]);
     let (sin, cos) = if counter_clockwise { towards + angle } else { towards - angle }.sin_cos();
@@ -180,7 +180,7 @@ mod tests {
         check(meet([10.0, 0.0], line, arc, [10.0, 8.0], Choice::First), [14.0, 0.0]);
         let far = Element::Arc { center: [10.0, 9.0], clockwise: true };
         assert_eq!(meet([0.0, 0.0], line, far, [10.0, 14.0], Choice::First), Err(MeetFault::Apart));
-        // From the top of the circle clockwise, the abscissa comes on the right side first, counter-clockwise on the left.
+        // Clockwise from the top of the circle, the abscissa is crossed on the right first, counter-clockwise on the left.
         let (cw, ccw) = (arc, Element::Arc { center: [10.0, 3.0], clockwise: false });
         check(meet([10.0, 8.0], cw, line, [50.0, 0.0], Choice::First), [14.0, 0.0]);
         check(meet([10.0, 8.0], ccw, line, [50.0, 0.0], Choice::First), [6.0, 0.0]);
@@ -202,10 +202,10 @@ mod tests {
         // From (-13, 0) to the circle of radius 5 about the origin: at distance 12, touching at (-25/13, ±60/13).
         let (x, y) = (-25.0 / 13.0, 60.0 / 13.0);
         let arc = |clockwise| Element::Arc { center: [0.0, 0.0], clockwise };
-        // Over the top to the right is clockwise.
+        // Passing over the top to the right is clockwise.
         check(meet([-13.0, 0.0], Element::Touching, arc(true), [5.0, 0.0], Choice::First), [x, y]);
         check(meet([-13.0, 0.0], Element::Touching, arc(false), [5.0, 0.0], Choice::First), [x, -y]);
-        // From the arc to (13, 0): clockwise it leaves at the top.
+        // From the arc to (13, 0): clockwise, the line leaves at the top.
         check(meet([-5.0, 0.0], arc(true), Element::Touching, [13.0, 0.0], Choice::First), [-x, y]);
         check(meet([-5.0, 0.0], arc(false), Element::Touching, [13.0, 0.0], Choice::First), [-x, -y]);
         let inside = meet([1.0, 0.0], Element::Touching, arc(true), [5.0, 0.0], Choice::First);

@@ -1,4 +1,4 @@
-//! The family for the core: its types, and what it keeps for each level and call.
+//! The types of this family for the core, and its data per level and call.
 
 use std::convert::Infallible;
 
@@ -15,23 +15,23 @@ pub(super) struct Grundig;
 pub(super) type Interpreter<'a> = core::interpreter::Runner<'a, Grundig>;
 /// A program that is being executed.
 pub(super) type Level = core::level::ProgramLevel<Grundig>;
-/// What comes after a block.
+/// Action after a block.
 pub(super) type Action = core::level::AfterBlock<Grundig>;
-/// A file, ready to run.
+/// A file, ready for execution.
 pub(super) type Loaded = core::family::FileOf<Grundig>;
 
-/// What a level runs.
+/// Kind of a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LevelKind {
     /// The main program.
     Main,
-    /// A program that G23 has called.
+    /// A program called by G23.
     Program,
-    /// A macro that G22 has called.
+    /// A macro called by G22.
     Macro,
 }
 
-/// G22 and G23.
+/// A call by G22 or G23.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MacroCall {
     pub(super) kind: LevelKind,
@@ -42,15 +42,15 @@ pub(super) struct MacroCall {
 impl Family for Grundig {
     type Program = Program;
     type Prepared = ();
-    /// Whether it is a macro, and its number.
+    /// `true` for a macro, and the number.
     type Name = (bool, u32);
-    /// File and part.
+    /// Indices of file and part.
     type Entry = (usize, usize);
     type Call = MacroCall;
     type Return = Infallible;
     /// M30 or M2.
     type End = Option<u16>;
-    /// The parameter of G14 that counts, and by how much it falls with each pass.
+    /// The counting parameter of G14, and its decrement per pass.
     type Pass = Option<(usize, f64)>;
     type Level = LevelKind;
 }

@@ -1,9 +1,9 @@
-//! Where macros and programs are found.
+//! Search of macros and programs.
 
 use super::level::{Interpreter, Loaded};
 use crate::syntax::words::{Block, PartKind};
 
-/// The comments of a block the first time it is executed: a loop does not repeat them.
+/// The comments of a block at its first execution: a loop does not repeat them.
 pub(super) fn take_comment(loaded: &mut Loaded, index: usize, block: &Block) -> Option<Vec<u8>> {
     let comments = loaded.program.comments_of(block);
     let first = *comments.first()?;
@@ -27,7 +27,7 @@ pub(super) fn take_comment(loaded: &mut Loaded, index: usize, block: &Block) -> 
 }
 
 impl Interpreter<'_> {
-    /// The part with a number: in the files that are loaded, else in a file of its name (`9101.MM`).
+    /// The part with a number: in the loaded files, otherwise in a file of its name (`9101.MM`).
     pub(super) fn find(&mut self, kind: PartKind, number: u32) -> Option<(usize, usize)> {
         let key = (kind == PartKind::Macro, number);
         self.find_once(&key, |run| run.find_loaded(kind, number).or_else(|| run.load(kind, number)))
@@ -44,7 +44,7 @@ impl Interpreter<'_> {
             self.library.load(&format!("{number}.{ending}")).or_else(|| self.library.load(&number.to_string()))?;
         let program = self.read(&shown, bytes)?;
         let with_number = program.find_part(kind, number);
-        // A file of this name without headers is what it is called.
+        // A file of this name without headers is the called part.
         let part = with_number.or_else(|| program.parts.iter().position(|part| !part.blocks.is_empty()))?;
         Some((self.keep(Loaded::with(program, ())), part))
     }

@@ -1,4 +1,4 @@
-//! Cycles at work: G81 to G89 define one, G79 and G77 carry it out.
+//! Execution of cycles: G81 to G89 define one, G79 and G77 execute it.
 
 use super::arc;
 use super::arc::Circle;
@@ -20,19 +20,19 @@ use ncfix_machine::snc::{Dwell, Kind, Word, WordValue};
 
 use super::step::STILL;
 
-/// Moves that the cycles of one block may make.
+/// Maximum number of moves of the cycles in one block.
 const MOST_STEPS: usize = 100_000;
 
-/// What a word of a cycle counts in.
+/// Unit of a cycle word.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Unit {
     /// mm or inch.
     Length,
-    /// Anything else, taken as it is.
+    /// Other, used as programmed.
     Plain,
 }
 
-/// A word that a cycle may have: letter, index (0 for none), unit.
+/// A permitted word of a cycle: letter, index (0 for none), unit.
 type Allowed = (u8, u16, Unit);
 
 const DRILL: &[Allowed] =
@@ -50,7 +50,7 @@ const POCKET: &[Allowed] = &[
     (b'F', 2, Unit::Length),
 ];
 
-/// The words of a cycle.
+/// The permitted words of a cycle.
 fn allowed(number: u16) -> Vec<Allowed> {
     if (87..=89).contains(&number) {
         return POCKET.to_vec();
@@ -64,7 +64,7 @@ fn allowed(number: u16) -> Vec<Allowed> {
     [DRILL, own].concat()
 }
 
-/// G77, G79, G81 to G89; false where the block has none of them.
+/// Handles G77, G79, G81 to G89; `false` if the block has none of them.
 pub(super) fn cycle_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<bool, Fault> {
     let defined = gathered.codes.iter().find_map(|code| cycles::find(code.number).map(|cycle| (cycle, code.span)));
     if let Some((cycle, span)) = defined {
@@ -185,14 +185,14 @@ fn on_circle(channel: &mut Channel<'_>, gathered: &mut Gathered, defined: &Defin
     Ok(())
 }
 
-/// B1= turns pockets and slots, rad.
+/// B1= rotates pockets and slots, rad.
 fn pocket_angle(gathered: &mut Gathered, defined: &Defined) -> f64 {
     let is_turn = (87..=89).contains(&defined.cycle.number) && gathered.peek(b'L', Some(1)).is_none();
     let found = if is_turn { gathered.take(b'B', Some(1)) } else { None };
     found.map_or(0.0, |(degrees, _)| degrees.to_radians())
 }
 
-/// The position of G77 and G79; the word of the tool axis is the surface, behind G91 too.
+/// The position of G77 and G79; the word of the tool axis is the surface, also under G91.
 fn position(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Target, Fault> {
     let [.., applicate] = channel.modal.modes.plane.axes();
     let surface = gathered.once(applicate.letter(), None)?;
@@ -205,7 +205,7 @@ fn position(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Target
     Ok(target)
 }
 
-/// A cycle at a position.
+/// Executes a cycle at a position.
 fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotation_rad: f64) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
     let [.., applicate] = channel.modal.modes.plane.axes();
@@ -242,7 +242,7 @@ fn run_cycle(channel: &mut Channel<'_>, defined: &Defined, place: &Target, rotat
     Ok(())
 }
 
-/// The feed of a cycle where it is carried out: that of a pitch belongs to the speed and the feed mode there.
+/// The cutting feed of a cycle at its execution; a feed by pitch depends on the speed and feed mode then.
 fn cutting_feed(modal: &Modal, defined: &Defined, span: Span) -> Result<f64, Fault> {
     let per_turn = modal.is_per_turn();
     if let Some(pitch) = defined.pitch {
@@ -309,18 +309,18 @@ fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(),
             Ok(())
         }
         Step::Spindle(turn) => {
-            // Only where it matters how it turned before.
+            // Needed only if the step depends on the previous rotation.
             let is_relative = matches!(turn, Turn::Reversed | Turn::Again);
             let before = if is_relative { turning(channel.spindle, &channel.outlet)? } else { 0 };
             spindle_word(&mut channel.outlet, turn.m_code(before));
             Ok(())
         }
-        // No cycle of these controls has them.
+        // No cycle of these controls has these steps.
         Step::Stop | Step::Brought(_) => Ok(()),
     }
 }
 
-/// M3 or M4, whichever is in force.
+/// The active M3 or M4.
 fn turning(spindle: Option<u16>, outlet: &Outlet<'_>) -> Result<u16, Fault> {
     spindle.ok_or_else(|| {
         step::block_fault(

@@ -1,8 +1,8 @@
 //! Executes programs of the Grundig, Philips and `MillPlus` controls.
 //!
-//! Each block goes through three steps: its assignments are carried out from left to right, its words are gathered with their values,
-//! and each word is taken by what uses it, in a fixed order (modal codes, zero offsets and frame, tool, compensation, feed and speed,
-//! auxiliary functions, motion or cycle). A word that nothing has taken is a finding.
+//! Each block passes three steps. Its assignments are executed from left to right. Its words are gathered with their values. Then each word is
+//! consumed in a fixed order (modal codes, zero offsets and frame, tool, compensation, feed and speed, auxiliary functions, motion or cycle). An
+//! unconsumed word is an error.
 
 mod arc;
 mod auxiliary;

@@ -1,4 +1,4 @@
-//! What stays in force from block to block.
+//! Modal state, which stays active from block to block.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use ncfix_base::units::sin_deg;
 use ncfix_machine::machine::{Control, Machine};
 use ncfix_machine::snc::FeedUnit;
 
-/// The kind of motion that is in force.
+/// The active motion mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum MotionKind {
     /// G0
@@ -40,29 +40,29 @@ pub(super) struct Point {
 #[derive(Clone, Debug)]
 pub(super) struct Modal {
     pub(super) modes: Modes<MotionKind>,
-    /// Codes of the other groups of the code table.
+    /// Active codes of the other groups of the code table.
     pub(super) codes: CodesInForce<u8, u16>,
-    /// Whether rapid moves go to the tool axis and the plane one behind the other.
+    /// `true` if rapid moves position the tool axis and the plane one after the other.
     pub(super) positioning_logic: bool,
     /// The pole of B2, L2, as programmed.
     pub(super) pole: AxisVector,
     pub(super) points: BTreeMap<u32, Point>,
     pub(super) frames: Frames,
-    /// Tools are T words: the hundredths say which edge.
+    /// Tools are T words: the hundredths select the edge.
     pub(super) tool: ToolState<f64, f64>,
     /// Allowances of G39 on length and radius, mm.
     pub(super) allowance_mm: [f64; 2],
-    /// G66: the tool points the other way.
+    /// G66: the tool direction is reversed.
     pub(super) tool_reversed: bool,
     pub(super) contour: ContourModal,
     pub(super) cycle: Option<Defined>,
     pub(super) position: Position,
 }
 
-/// Groups of the code table that have a meaning here beside [`Modes`].
+/// Groups of the code table with an effect here, in addition to [`Modes`].
 pub(super) const GEOMETRY: u8 = 9;
 pub(super) const SPINDLE: u8 = 15;
-/// Codes in force at the start.
+/// Active codes at the start.
 const START: &[(u8, u16)] = &[(GEOMETRY, 63), (SPINDLE, 97)];
 
 impl Modal {
@@ -89,23 +89,22 @@ impl Modal {
         self.tool.radius_mm + self.allowance_mm[1]
     }
 
-    /// G95: feeds are per turn.
+    /// `true` under G95: feeds are per turn.
     pub(super) fn is_per_turn(&self) -> bool {
         self.modes.feed_unit == FeedUnit::PerTurn
     }
 
-    /// G96: S is the cutting speed.
+    /// `true` under G96: S is the cutting speed.
     pub(super) fn has_cutting_speed(&self) -> bool {
         self.codes.is(SPINDLE, 96)
     }
 
-    /// G64: words for the calculation of intersections.
+    /// `true` under G64: words for the intersection calculation.
     pub(super) fn calculates_geometry(&self) -> bool {
         self.codes.is(GEOMETRY, 64)
     }
 
-    /// The direction of an angle in the working plane: from X (in G19 from Y) counter-clockwise as seen against the tool axis, in G18
-    /// towards −Z.
+    /// The direction of an angle in the working plane: from X (in G19 from Y) counter-clockwise as seen against the tool axis, in G18 towards −Z.
     pub(super) fn direction(&self, degrees: f64) -> AxisVector {
         let (sine, cosine) = (sin_deg(degrees), sin_deg(degrees + 90.0));
         let mut out = AxisVector::ZERO;

@@ -1,4 +1,4 @@
-//! Modal codes: motion, plane, unit, dimensions, positioning; and codes that only pass through.
+//! Modal codes: motion, plane, unit, dimensions, positioning; and codes that are passed through.
 
 use super::channel::Channel;
 use super::gathered::{Gathered, name};
@@ -13,10 +13,10 @@ use ncfix_dialect::CodeTable;
 use ncfix_dialect::{CodeEntry, Effect};
 use ncfix_machine::snc::{FeedUnit, Kind};
 
-/// Modal codes without motion that the control must see.
+/// Modal codes without motion that the control needs.
 const KEPT: &[(u16, &str)] = &[(25, "G25"), (26, "G26"), (27, "G27"), (94, "G94"), (95, "G95")];
 
-/// Codes that no position depends on: those of the screen are left out with their words, others passed on with theirs.
+/// Codes that do not affect positions: display codes are dropped with their words, others passed through with theirs.
 pub(super) fn passed_codes(
     codes: &'static CodeTable,
     modal: &mut Modal,
@@ -46,7 +46,7 @@ pub(super) fn passed_codes(
     }
 }
 
-/// Puts modal codes in force.
+/// Activates modal codes.
 pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     let motions = [MotionKind::Rapid, MotionKind::Line, MotionKind::Clockwise, MotionKind::CounterClockwise];
     for (number, kind) in (0..).zip(motions) {
@@ -101,8 +101,8 @@ pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) ->
     Ok(())
 }
 
-/// G74: axes go at rapid to a place of the machine that only the control knows, or that is none of the program's coordinates. The
-/// block is passed on; where the axes are is unknown behind it.
+/// G74: axes move at rapid to a machine position that only the control knows, or that is not in program coordinates. The block is passed through;
+/// afterwards the position of the axes is unknown.
 pub(super) fn reference(
     codes: &'static CodeTable,
     modal: &mut Modal,
@@ -133,7 +133,7 @@ pub(super) fn reference(
     Ok(())
 }
 
-/// G28: what belongs to positioning, passed on with its values.
+/// G28: positioning settings, passed through with their values.
 fn positioning_words(
     modal: &mut Modal,
     outlet: &mut Outlet<'_>,

@@ -1,4 +1,4 @@
-//! Motions: rapid with or without positioning logic, straight, and what each becomes.
+//! Motions: rapid with or without positioning logic, and straight.
 
 use super::arc;
 use super::contour_words;
@@ -29,7 +29,7 @@ pub(super) fn motion_words(channel: &mut Channel<'_>, gathered: &mut Gathered) -
     done
 }
 
-/// `F6=`: the feed of this block only.
+/// `F6=`: a feed for this block only.
 fn block_feed(modal: &Modal, gathered: &mut Gathered) -> Result<Option<f64>, Fault> {
     let Some((feed, span)) = gathered.once(b'F', Some(6))? else { return Ok(None) };
     if feed <= 0.0 {
@@ -73,7 +73,7 @@ fn motion(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Faul
             to.to[axis] = point.values[axis];
         }
         to.named = to.named.union(point.named);
-        // What the block does not name stays where the motion before has led.
+        // Axes that the block does not name stay at the end of the previous motion.
         let here = target::here(&channel.modal, &channel.standing);
         for axis in [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C] {
             if !to.named.contains(axis) {

@@ -1,4 +1,4 @@
-//! Executes the words of one block in their fixed order.
+//! Executes the words of one block in a fixed order.
 
 use super::auxiliary;
 use super::channel::Channel;
@@ -15,7 +15,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_dialect::CodeTable;
 use ncfix_machine::snc::Kind;
 
-/// G codes that say what a block does with its words, beside the cycles; one of them a block.
+/// G codes that determine the use of a block's words, in addition to the cycles; one per block.
 const ACTIONS: &[u16] = &[4, 9, 11, 61, 62, 74, 77, 78, 79, 149, 150];
 
 /// Executes a block's words.
@@ -29,7 +29,7 @@ pub(super) fn execute(
     channel.block.cycle_steps = 0;
     if gathered.codes.is_empty() && gathered.functions.is_empty() {
         if gathered.peek(b'T', None).is_some() {
-            // A tool that is got ready: its change comes in a block of its own.
+            // A tool that is prepared: it is changed in a separate block.
             tool::tool(channel, gathered)?;
         }
         auxiliary::feed_and_speed(&mut channel.modal, &mut channel.block, &mut channel.outlet, gathered)?;
@@ -86,7 +86,7 @@ pub(super) fn execute(
     gathered.check_all_used()
 }
 
-/// A code that nothing carries out is said before what its words would mean to the motion in force.
+/// Reports an unsupported code before its words are interpreted by the active motion.
 pub(super) fn check_supported(codes: &'static CodeTable, gathered: &Gathered) -> Result<(), Fault> {
     let is_left = |number: u16| !ACTIONS.contains(&number) && super::cycles::find(number).is_none();
     let Some(code) = gathered.codes.iter().find(|code| is_left(code.number)) else { return Ok(()) };
@@ -96,7 +96,7 @@ pub(super) fn check_supported(codes: &'static CodeTable, gathered: &Gathered) ->
     Err(fault(Code::NOT_SUPPORTED, code.span, message, help))
 }
 
-/// Two codes of one group in a block exclude each other.
+/// Reports two codes of one exclusive group in a block.
 pub(super) fn check_codes(codes: &'static CodeTable, gathered: &Gathered) -> Result<(), Fault> {
     if gathered.codes.len() < 2 {
         return Ok(());
@@ -117,7 +117,7 @@ pub(super) fn check_codes(codes: &'static CodeTable, gathered: &Gathered) -> Res
     Ok(())
 }
 
-/// Ends what is held back.
+/// Emits what is held back.
 pub(super) fn finish(channel: &mut Channel<'_>, has_errors: bool) {
     contour_words::end_open(channel);
     contour_words::end_soft(&mut channel.block, &mut channel.outlet);

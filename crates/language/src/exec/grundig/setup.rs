@@ -1,4 +1,4 @@
-//! Puts frame and tool in force.
+//! Activates frame and tool.
 
 use super::channel::Channel;
 use crate::exec::core::fault::{Fault, bad_value};
@@ -12,7 +12,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Setup};
 use std::sync::Arc;
 
-/// Puts frame and tool in force. The place along an axis whose tool length changes counts as not stated any more.
+/// Activates frame and tool. The position along an axis whose tool length changes is no longer stated.
 pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
     let flat = || bad_value(span, "this frame cannot be undone", "check the factors of the zero offset");
@@ -31,7 +31,7 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     let setup = Setup { frame, tool_mm, plane, transform: None, assumed };
     let lost = lengthened(&channel.standing.setup, &setup);
     if !lost.is_empty() {
-        // The length that the control has may differ: nothing must lead to where the tip would be by this one.
+        // The length in the control may differ: no move may rely on the tip position for this length.
         channel.modal.position.known = channel.modal.position.known.difference(lost);
         channel.outlet.push(Kind::Lost(lost));
     }
@@ -50,14 +50,14 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Tells the output what holds from here on, where that has changed.
+/// Emits the active setup, if it has changed.
 pub(super) fn show_setup(standing: &mut InForce, outlet: &mut Outlet<'_>) {
     if std::mem::take(&mut standing.changed) {
         outlet.push(Kind::Setup(Arc::clone(&standing.shown)));
     }
 }
 
-/// Axes of the program as axes of the output.
+/// Converts axes of the program to axes of the output.
 pub(super) fn shown_axes(standing: &InForce, axes: AxisSet, moving: bool) -> AxisSet {
     let (own, shown): (&Frame, &Frame) = (&standing.setup.frame, &standing.shown.frame);
     if own.is_translation() && shown.is_translation() {
@@ -69,10 +69,10 @@ pub(super) fn shown_axes(standing: &InForce, axes: AxisSet, moving: bool) -> Axi
     shown.known_across(own.known_across(axes, false), true)
 }
 
-/// A channel as it is when a program starts.
+/// A channel in its state at the start of a program.
 pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Channel<'a> {
     let mut channel = Channel::new(machine, options, codes);
-    // The machine file has refused offsets that cannot be undone.
+    // The machine file rejects offsets without inverse.
     let refreshed = refresh_setup(&mut channel);
     channel.outlet.warnings.extend(refreshed.err());
     channel

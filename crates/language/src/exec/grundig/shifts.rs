@@ -1,4 +1,4 @@
-//! Zero offsets and shifts in force.
+//! Active zero offsets and shifts.
 
 use ncfix_base::geometry::Axis;
 use ncfix_base::geometry::AxisSet;
@@ -15,28 +15,28 @@ use std::collections::BTreeMap;
 /// The pallet offset in the table of zero offsets.
 pub(super) const PALLET: &str = "G52";
 
-/// The frames in force and the tables behind them.
+/// The active frames and their tables.
 #[derive(Clone, Debug)]
 pub(super) struct Frames {
     /// Zero offsets by name: `G52`, `G54`, `G54 I3`.
     pub(super) table: BTreeMap<String, FrameParts>,
-    /// The settable one, `None` for G53.
+    /// The settable offset; `None` for G53.
     pub(super) settable: Option<String>,
-    /// Whether G52 is on.
+    /// `true` if G52 is active.
     pub(super) pallet: bool,
     /// Shift of G92 and G93, mm and rad.
     pub(super) shift: AxisVector,
-    /// Their rotation.
+    /// Rotation of G92 and G93.
     pub(super) angle_rad: f64,
-    /// The plane whose tool axis they turn about.
+    /// The plane about whose tool axis they rotate.
     pub(super) turned_in: Plane,
-    /// Axes that G73 mirrors, rotary ones among them.
+    /// Axes that G73 mirrors, including rotary axes.
     pub(super) mirrored: AxisSet,
     /// Factor of G73.
     pub(super) factor: f64,
-    /// Axes of the factor.
+    /// Axes of the scale factor.
     pub(super) scaled: AxisSet,
-    /// Whether an offset in force has no value.
+    /// `true` if an active offset has no value.
     pub(super) assumed: bool,
 }
 
@@ -56,7 +56,7 @@ impl Frames {
         }
     }
 
-    /// What the output sees: the stored offsets.
+    /// The frame of the output: the stored offsets.
     pub(super) fn shown(&self, control: &Control) -> Option<Frame> {
         let order = control.rotation_order;
         let stored = |name: &str| self.table.get(name).map_or(Some(Frame::identity()), |parts| parts.frame(order));
@@ -65,7 +65,7 @@ impl Frames {
         Some(pallet.compose(&settable))
     }
 
-    /// What the program adds, without stored offsets.
+    /// The frame of the program without stored offsets.
     pub(super) fn programmed(&self, settings: &GrundigControl) -> Option<Frame> {
         let turned = Frame::translation(self.shift).compose(&Frame::rotation(self.rotation()));
         let factors = [Axis::X, Axis::Y, Axis::Z].map(|axis| {
@@ -84,12 +84,12 @@ impl Frames {
         turned_about(self.turned_in, self.angle_rad)
     }
 
-    /// How a rotary word counts.
+    /// Sign of a rotary word.
     pub(super) fn sign(&self, axis: Axis) -> f64 {
         if axis.is_rotary() && self.mirrored.contains(axis) { -1.0 } else { 1.0 }
     }
 
-    /// Takes G92 and G93 back.
+    /// Cancels G92 and G93.
     pub(super) fn cancel_programmed(&mut self) {
         self.shift = AxisVector::ZERO;
         self.angle_rad = 0.0;

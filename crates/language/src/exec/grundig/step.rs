@@ -1,4 +1,4 @@
-//! Straight motions, and what each becomes on its way to the outlet.
+//! Straight motions, and their path to the outlet.
 
 use super::channel::Channel;
 use super::modal::Modal;
@@ -31,14 +31,14 @@ use ncfix_machine::snc::Manner;
 use ncfix_machine::snc::Move;
 use ncfix_machine::snc::Way;
 use std::sync::Arc as Shared;
-/// Nearer than this, mm or rad, nothing moves.
+/// Distance below which there is no motion, mm or rad.
 pub(super) const STILL: f64 = 1e-9;
 
-/// Positioning logic: ways shorter than this, mm or rad, go along with the others. A correction adds some micrometers to every axis of
-/// a move that is in order already.
+/// Positioning logic: travel below this, mm or rad, is moved with the other axes. A correction adds some micrometers to every axis of an already
+/// ordered move.
 pub(super) const ALONG: f64 = 0.2;
 
-/// A straight motion of the kind in force.
+/// A straight motion in the active motion mode.
 pub(super) fn straight(channel: &mut Channel<'_>, target: Target) -> Result<(), Fault> {
     match channel.modal.modes.motion {
         MotionKind::Rapid => rapid(channel, target),
@@ -46,7 +46,7 @@ pub(super) fn straight(channel: &mut Channel<'_>, target: Target) -> Result<(), 
     }
 }
 
-/// A rapid motion: with positioning logic first the tool axis where it leads off the work, else it comes last.
+/// A rapid motion; with positioning logic the tool axis moves first when it retracts, and last otherwise.
 pub(super) fn rapid(channel: &mut Channel<'_>, target: Target) -> Result<(), Fault> {
     let Target { to, named } = target;
     let [.., applicate] = channel.modal.modes.plane.axes();
@@ -69,19 +69,19 @@ pub(super) fn rapid(channel: &mut Channel<'_>, target: Target) -> Result<(), Fau
     rapid_line(channel, &to, second)
 }
 
-/// One straight line at rapid.
+/// One straight rapid line.
 pub(super) fn rapid_line(channel: &mut Channel<'_>, to: &AxisVector, named: AxisSet) -> Result<(), Fault> {
     elementary(channel, to, named, true, channel.modal.modes.feed, |_| Ok(Shape::Line))
 }
 
-/// One straight line with feed.
+/// One straight feed line.
 pub(super) fn feed_line(channel: &mut Channel<'_>, to: &AxisVector, named: AxisSet, feed: f64) -> Result<(), Fault> {
     let span = channel.outlet.origin.span;
     check_feed(channel.settings.strict, &mut channel.feed_warned, &mut channel.outlet, feed, span)?;
     elementary(channel, to, named, false, feed, |_| Ok(Shape::Line))
 }
 
-/// One elementary motion. `shape` gets its ends in base coordinates, and the working plane behind the frame.
+/// One elementary motion. `shape` receives its ends in base coordinates, and the working plane after the frame.
 pub(super) fn elementary(
     channel: &mut Channel<'_>,
     to: &AxisVector,
@@ -99,7 +99,7 @@ pub(super) fn elementary(
     let basis = PlaneBasis::behind(&channel.standing.setup.frame, channel.modal.modes.plane)
         .ok_or_else(|| bad_value(span, "the frame squeezes the working plane flat", "check G73"))?;
     let start_known = setup::shown_axes(&channel.standing, channel.modal.position.known, false);
-    // What follows begins where the block leads, also where its way is faulty.
+    // The next motion begins at the end of the block, even if its path is faulty.
     let found = shape([&start, &target]);
     channel.modal.position.command = target;
     channel.modal.position.known = channel.modal.position.known.union(named);
@@ -108,7 +108,7 @@ pub(super) fn elementary(
         setup::shown_axes(&channel.standing, named, true),
         setup::shown_axes(&channel.standing, channel.modal.position.known, false),
     );
-    // A turned axis moves two of the output: where the other one stands decides where both end.
+    // A rotated axis moves two output axes: the position of the other one affects the end of both.
     if let Some(axis) = moving.difference(stated).iter().next().filter(|_| channel.settings.strict) {
         let message = format!("where {axis} goes depends on an axis that the program has not stated yet");
         let help = "begin with a block that names all axes of the rotation, or give --start";
@@ -137,7 +137,7 @@ pub(super) fn elementary(
     Ok(())
 }
 
-/// Puts a motion into the stream, through the contour stage where it must.
+/// Emits a motion, through the contour stage if required.
 pub(super) fn put(channel: &mut Channel<'_>, path: Path) {
     let (mut contour, corner, soft) =
         (channel.modal.contour, channel.block.corner.take(), channel.block.soft.take().map(|(soft, _)| soft));
@@ -169,7 +169,7 @@ pub(super) fn put(channel: &mut Channel<'_>, path: Path) {
     }
 }
 
-/// Axis commands of programmed positions; those of axes that nothing names keep their last bit where the frame only shifts.
+/// Axis commands of programmed positions; if the frame is a pure shift, axes that are not named keep their last bit.
 pub(super) fn reach(modal: &Modal, standing: &InForce, to: &AxisVector, named: AxisSet) -> AxisVector {
     let frame = &standing.setup.frame;
     if !frame.is_translation() {
@@ -183,7 +183,7 @@ pub(super) fn reach(modal: &Modal, standing: &InForce, to: &AxisVector, named: A
     target
 }
 
-/// A finding at the block.
+/// An error at the block.
 pub(super) fn block_fault(outlet: &Outlet<'_>, code: Code, message: impl Into<String>, help: &str) -> Fault {
     let span: Span = outlet.origin.span;
     fault(code, span, message, help)
@@ -192,19 +192,18 @@ pub(super) fn block_fault(outlet: &Outlet<'_>, code: Code, message: impl Into<St
 /// Axes whose positions are checked.
 pub(super) const AXES_OF_MOTION: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 
-/// Whether it is stated, or may be assumed, where these axes stand.
+/// `true` if the position of these axes is stated, or may be assumed.
 pub(super) fn has_place(strict: bool, rapid_order: RapidOrder, modal: &Modal, axes: AxisSet) -> bool {
     let may_assume = !strict && rapid_order != RapidOrder::Stated;
     may_assume || axes.difference(modal.position.known).is_empty()
 }
 
-/// Whether a rapid move of these axes may be taken apart. Where it does not know where it starts, the control itself puts the motions
-/// of the block in order.
+/// `true` if a rapid move of these axes may be split. If its start is unknown, the control itself orders the motions of the block.
 pub(super) fn may_split(strict: bool, rapid_order: RapidOrder, modal: &Modal, axes: AxisSet) -> bool {
     modal.positioning_logic && rapid_order != RapidOrder::None && has_place(strict, rapid_order, modal, axes)
 }
 
-/// Whether a motion needs a feed and has none.
+/// Checks that a feed motion has a feed.
 pub(super) fn check_feed(
     strict: bool,
     feed_warned: &mut bool,
@@ -225,7 +224,7 @@ pub(super) fn check_feed(
     Ok(())
 }
 
-/// The radius that G41 and G42 work with, mm.
+/// The radius for G41 and G42, mm.
 pub(super) fn radius_mm(settings: &RunSettings<'_>, modal: &Modal, tools: &ToolTable<ToolSize>) -> f64 {
     let wear_mm = || {
         let (number, edge) = place(modal.tool.active?);

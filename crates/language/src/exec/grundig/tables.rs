@@ -1,7 +1,7 @@
-//! Tables of the control: tool memory, zero offsets, parameters and points, in the transfer of the program or in files of their own.
+//! Tables of the control: tool memory, zero offsets, parameters and points, in the transfer of the program or in separate files.
 //!
 //! Each line holds one entry as words: `T5 L120.5 R6 L4=0 R4=-0.02`, `G54 X100 Y50 Z0` or `G54 I3 …` or `N54 …`, `E10=5`, `P1 X20 Y30`.
-//! Words that say nothing of positions are passed over. Lengths are mm.
+//! Words that do not concern positions are skipped. Lengths are mm.
 
 use super::expression::Parameters;
 use super::frames::entry_name;
@@ -19,16 +19,16 @@ use ncfix_machine::machine::{Machine, Tool};
 /// Axes of entries.
 const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 
-/// What the tables of a file say.
+/// Content of the tables of a file.
 #[derive(Debug, Default)]
 pub(super) struct Tables {
     pub(super) offsets: Vec<(String, FrameParts)>,
     pub(super) tools: Vec<Tool>,
-    /// Wear in the radius of each by number and edge, mm.
+    /// Radius wear by number and edge, mm.
     pub(super) radius_wear: Vec<((u32, u32), f64)>,
     pub(super) parameters: Vec<(usize, f64)>,
     pub(super) points: Vec<(u32, Point)>,
-    /// Lines that say nothing.
+    /// Lines without recognized content.
     pub(super) unread: Vec<Block>,
 }
 
@@ -97,7 +97,7 @@ impl Line {
     fn point(&self) -> Option<(u32, Point)> {
         let number = self.get(b'P', None).filter(|number| (0.0..1e4).contains(number))?;
         let (values, named) = self.position();
-        // In range.
+        // Within range.
         Some((number as u32, Point { values, named }))
     }
 }
@@ -137,7 +137,7 @@ pub(super) fn read(program: &Program) -> Tables {
     tables
 }
 
-/// Puts the tables of a file of the control into the machine; what it does not understand it says.
+/// Applies the tables of a control file to the machine, and reports unrecognized content.
 pub(in crate::exec) fn apply(
     source: &Source,
     dialect: &'static ncfix_dialect::Dialect,
@@ -164,7 +164,7 @@ pub(in crate::exec) fn apply(
     findings
 }
 
-/// Takes tables of the control that stand beside the program.
+/// Applies control tables that accompany the program.
 pub(super) fn take_tables(
     modal: &mut Modal,
     tools: &mut ToolTable<ToolSize>,
@@ -177,7 +177,7 @@ pub(super) fn take_tables(
         tools.write(number, edge, ToolSize { length_mm, radius_mm, radius_wear_mm });
     }
     for (number, value) in tables.parameters {
-        // A number that is none is said where the program uses it.
+        // An invalid number is reported where the program uses it.
         let _ = parameters.set(number, value, Span::default());
     }
     modal.points.extend(tables.points);

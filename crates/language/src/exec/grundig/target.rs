@@ -1,4 +1,4 @@
-//! Where a block leads: Cartesian, incremental, polar and mixed words, points, the pole.
+//! Target of a block: Cartesian, incremental, polar and mixed words, points, the pole.
 
 use super::channel::Channel;
 use super::gathered::{Found, Gathered};
@@ -17,27 +17,27 @@ use ncfix_base::source::Span;
 pub(super) const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 /// Highest number of a point.
 const MOST_POINTS: f64 = 9999.0;
-/// A direction that moves an axis by less than this share never gets anywhere.
+/// Share of the motion below which a direction cannot reach a coordinate.
 const ACROSS: f64 = 1e-9;
 
-/// Where a block leads, as programmed.
+/// Target of a block, as programmed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
     pub(super) to: AxisVector,
     pub(super) named: AxisSet,
 }
 
-/// The present position as programmed.
+/// The current position as programmed.
 pub(super) fn here(modal: &Modal, standing: &InForce) -> AxisVector {
     standing.setup.programmed(&modal.position.command)
 }
 
-/// mm or rad of a word of an axis.
+/// Value of an axis word, mm or rad.
 fn value_of(modal: &Modal, axis: Axis, value: f64) -> f64 {
     if axis.is_rotary() { modal.frames.sign(axis) * value.to_radians() } else { value * modal.modes.scale() }
 }
 
-/// The words of a target. `incremental` stands for G91.
+/// The target from the words of a block. `incremental` is G91.
 pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, incremental: bool) -> Result<Target, Fault> {
     let here = here(&channel.modal, &channel.standing);
     let mut out = Target { to: here, named: AxisSet::EMPTY };
@@ -73,7 +73,7 @@ pub(super) fn target(channel: &mut Channel<'_>, gathered: &mut Gathered, increme
     Ok(out)
 }
 
-/// What is relative needs a place to start from.
+/// Checks that a relative word has a known start.
 pub(super) fn check_known(strict: bool, modal: &Modal, axis: Axis, span: Span) -> Result<(), Fault> {
     if !strict || modal.position.known.contains(axis) {
         return Ok(());
@@ -83,7 +83,7 @@ pub(super) fn check_known(strict: bool, modal: &Modal, axis: Axis, span: Span) -
     Err(fault(Code::UNKNOWN_START, span, message, help))
 }
 
-/// Both axes of the plane.
+/// Checks both axes of the plane.
 pub(super) fn check_plane_known(strict: bool, modal: &Modal, span: Span) -> Result<(), Fault> {
     let [abscissa, ordinate, _] = modal.modes.plane.axes();
     check_known(strict, modal, abscissa, span)?;
@@ -130,7 +130,7 @@ fn polar(
     Ok(())
 }
 
-/// One coordinate of the plane and the direction of the way there.
+/// One coordinate of the plane and the direction towards the target.
 fn mixed(modal: &Modal, (degrees, span): Found, here: &AxisVector, out: &Target) -> Result<AxisVector, Fault> {
     let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let given = match [abscissa, ordinate].map(|axis| out.named.contains(axis)) {
@@ -152,7 +152,7 @@ fn mixed(modal: &Modal, (degrees, span): Found, here: &AxisVector, out: &Target)
     Ok(place)
 }
 
-/// The points that a block names, in their order.
+/// The points that a block names, in order.
 pub(super) fn points(modal: &Modal, gathered: &mut Gathered) -> Result<Vec<Point>, Fault> {
     let mut points = Vec::new();
     for item in gathered.take_all(b'P') {
@@ -204,11 +204,11 @@ fn point_number((value, span): Found) -> Result<u32, Fault> {
     if value.fract() != 0.0 || !(0.0..=MOST_POINTS).contains(&value) {
         return Err(bad_value(span, format!("P{value} is no point"), "write a whole number from 0 to 9999"));
     }
-    // In range.
+    // Within range.
     Ok(value as u32)
 }
 
-/// Coordinates of the plane as angles count in it: in G18 X and −Z.
+/// Plane coordinates in the order of angles: in G18 X and −Z.
 pub(super) fn flat(modal: &Modal, position: &AxisVector) -> Flat {
     match modal.modes.plane {
         Plane::XY => [position[Axis::X], position[Axis::Y]],
@@ -217,7 +217,7 @@ pub(super) fn flat(modal: &Modal, position: &AxisVector) -> Flat {
     }
 }
 
-/// Sets them.
+/// Sets plane coordinates, the inverse of [`flat`].
 pub(super) fn set_flat(modal: &Modal, position: &mut AxisVector, [first, second]: Flat) {
     match modal.modes.plane {
         Plane::XY => (position[Axis::X], position[Axis::Y]) = (first, second),

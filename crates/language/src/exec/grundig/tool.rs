@@ -12,7 +12,7 @@ use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Kind, WordValue};
 
-/// M functions that put the selected tool in force, and whether the machine moves to change it.
+/// M functions that activate the selected tool, and `true` if the machine moves to change it.
 const CHANGES: &[(u16, bool)] = &[(6, true), (66, true), (67, false)];
 
 pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
@@ -41,7 +41,7 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
     for (number, word, reversed) in [(66, "G66", true), (67, "G67", false)] {
         if gathered.take_code(number).is_some() {
             channel.modal.tool_reversed = reversed;
-            // The control adds the length itself, and must know in which direction.
+            // The control itself adds the length, and must know its direction.
             channel.outlet.push(Kind::Keep(word));
             setup::refresh_setup(channel)?;
         }
@@ -49,7 +49,7 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
     Ok(())
 }
 
-/// Puts the selected tool in force.
+/// Activates the selected tool.
 fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let help = "add a [[tool]] entry there, or give the tool memory of the control with --setup";
     let Some(selected) = channel.modal.tool.selected else {
@@ -63,7 +63,7 @@ fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     channel.modal.tool.change();
     let (number, edge) = place(selected);
     let size = channel.tools.size(channel.settings.machine, number, edge);
-    // With T0 there is no tool in the spindle, and nothing to know.
+    // With T0 the spindle has no tool, and no data are needed.
     let size = size.or_else(|| (number == 0).then(ToolSize::default));
     channel.modal.tool.put_size(size.map(|size| (size.length_mm[0], size.radius_mm)));
     setup::refresh_setup(channel)?;
@@ -74,7 +74,7 @@ fn activate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     without_value(channel.settings.strict, &mut channel.outlet.warnings, span, &message, "length 0", help)
 }
 
-/// `G39 L R`: allowances on length and radius until others are programmed.
+/// `G39 L R`: allowances on length and radius until changed.
 fn allowances(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
     let scale = channel.modal.modes.scale();
     let words = [gathered.once(b'L', None)?, gathered.once(b'R', None)?];
@@ -87,14 +87,14 @@ fn allowances(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) ->
         }
     }
     if words[0].is_some() {
-        // The control adds the length itself; the radius goes into the path.
+        // The control itself adds the length; the radius affects the path.
         let length = (channel.modal.allowance_mm[0] * 1e9).round() / 1e9;
         channel.outlet.push(Kind::Verbatim(format!("G39 L{length}").into_bytes()));
     }
     setup::refresh_setup(channel)
 }
 
-/// G40 to G44, and F1= for the feed on arcs beside them.
+/// G40 to G44, and F1= for their feed on arcs.
 pub(super) fn compensation_codes(strict: bool, modal: &mut Modal, gathered: &mut Gathered) -> Result<(), Fault> {
     for (number, side) in [(40, Side::Off), (41, Side::Left), (42, Side::Right)] {
         let Some(span) = gathered.take_code(number) else { continue };
@@ -144,6 +144,6 @@ fn no_tool(code: u16, span: Span) -> Fault {
 /// Number and edge of a T word: the hundredths of `T5.01` are a further edge.
 pub(super) fn place(word: f64) -> (u32, u32) {
     let further = (word.fract() * 100.0).round();
-    // Both in range: the caller has checked the number.
+    // Both within range: the caller has checked the number.
     (word.trunc() as u32, 1 + further as u32)
 }

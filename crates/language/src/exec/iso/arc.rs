@@ -22,15 +22,15 @@ use ncfix_base::geometry::{Arc, AxisSet, AxisVector, CenterFault};
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
 
-/// Largest number of turns of a helix.
+/// Maximum number of turns of a helix.
 const MAX_TURNS: f64 = 999.0;
-/// How far start and end radius may differ in LinuxCNC before the share counts, mm: 2√2 hundredths in mm, thousandths in inch.
+/// Largest difference of start and end radius in LinuxCNC without the relative limit, mm: 2√2 hundredths in mm, thousandths in inch.
 const SPIRAL_MM: f64 = 0.02 * std::f64::consts::SQRT_2;
 const SPIRAL_INCH_MM: f64 = 0.002 * std::f64::consts::SQRT_2 * MM_PER_INCH;
-/// The share of the radius by which they may differ, and never by more than so many times the length above.
+/// Relative limit of this difference, and its cap as a multiple of the length above.
 const SPIRAL_SHARE: f64 = 0.001;
 const SPIRAL_MOST: f64 = 100.0;
-/// By how much half the chord may exceed a radius in LinuxCNC, mm.
+/// Largest excess of half the chord over a radius in LinuxCNC, mm.
 const RADIUS_MM: f64 = 0.00005 * MM_PER_INCH;
 
 /// Moves along an arc; G2 and G3 in tenths.
@@ -57,7 +57,7 @@ pub(super) fn arc(
     };
     let target = step::reach(&channel.modal, &setup, named, &end, gathered.span)?;
     let turns = turns(channel.language, gathered)?;
-    // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit; else as programmed.
+    // If the frame is a pure shift, arcs are computed in base coordinates, exact to the last bit; otherwise as programmed.
     let is_shifted = setup.frame.is_translation();
     let (from, to) = if is_shifted {
         (channel.modal.position.command, target)
@@ -84,7 +84,7 @@ pub(super) fn arc(
     }
     let tolerance = arc_tolerance(channel.settings.machine, channel.language, &channel.modal);
     let center = if let Some(radius) = radius {
-        // On a Fanuc R goes before the center words.
+        // On a Fanuc R has priority over the center words.
         gathered.use_up(&center_letters);
         if !channel.is_rs274() && is_one_place(s, e) {
             let message = "an arc with R whose end is its start moves nothing";
@@ -138,7 +138,7 @@ pub(super) fn arc(
             CenterFault::NotFinite => bad_value(span, "the arc is not finite", "check the values"),
         })
     });
-    // What follows begins where the block leads, so that one fault is not found again in every arc behind it.
+    // The next motion begins at the end of the block, so that one error is not repeated in every following arc.
     let arc = arc.inspect_err(|_| {
         channel.modal.position.command = target;
         channel.modal.position.known = channel.modal.position.known.union(named);
@@ -153,7 +153,7 @@ pub(super) fn arc(
     step::send(channel, step, target, shape, setup)
 }
 
-/// The end of an arc of a Fanuc; where its increment makes it one with the start, it is the start.
+/// The end of an arc of a Fanuc; if it equals the start within the increment, it is the start.
 fn closed_on_grid(
     machine: &Machine,
     modal: &Modal,
@@ -172,7 +172,7 @@ fn closed_on_grid(
     Ok(end)
 }
 
-/// Center by I, J, K, in base coordinates where the frame only shifts.
+/// Center by I, J, K, in base coordinates if the frame is a pure shift.
 fn center(
     channel: &mut Channel<'_>,
     gathered: &Gathered,
@@ -198,7 +198,7 @@ fn center(
     Ok(center)
 }
 
-/// Full turns beyond the arc itself: one less than P (RS274/NGC).
+/// Full turns beyond the arc itself: P minus one (RS274/NGC).
 fn turns(language: Language, gathered: &Gathered) -> Result<u32, Fault> {
     if language != Language::Rs274 {
         return Ok(0);
@@ -215,7 +215,7 @@ fn turns(language: Language, gathered: &Gathered) -> Result<u32, Fault> {
     }
 }
 
-/// How far an arc's end may be off its circle, by its radius.
+/// Largest distance of an arc's end from its circle, as a function of the radius.
 fn arc_tolerance(machine: &Machine, language: Language, modal: &Modal) -> impl Fn(f64) -> f64 + use<> {
     let control = &machine.control;
     let (length, share, most) = if language == Language::Rs274 {

@@ -1,4 +1,4 @@
-//! Arguments of macro calls: which variable each word of the block of G65 or G66 sets.
+//! Arguments of macro calls: the variable for each word of the block of G65 or G66.
 
 use super::call::Arguments;
 use super::expression::Scope;
@@ -8,7 +8,7 @@ use ncfix_base::diagnostic::Code;
 
 /// First variable of the groups of I, J, K.
 const FIRST_IJK: u32 = 4;
-/// So many groups of I, J, K there are.
+/// Number of groups of I, J, K.
 const GROUPS: u32 = 10;
 
 /// The variable of a letter of argument specification I; I, J and K are those of the first group of specification II.
@@ -36,7 +36,7 @@ fn variable_of(letter: u8) -> Option<u32> {
     })
 }
 
-/// The letter that sets a variable on its own.
+/// The letter that alone sets a variable.
 pub(super) fn letter_of(number: u32) -> Option<u8> {
     match number {
         4..=6 => Some(b'I' + (number - FIRST_IJK) as u8),
@@ -44,14 +44,14 @@ pub(super) fn letter_of(number: u32) -> Option<u8> {
     }
 }
 
-/// What an argument without a decimal point counts where such numbers count increments: lengths and angles, or whole numbers.
+/// `true` if an argument without decimal point counts increments in that mode (lengths and angles), `false` for whole numbers.
 fn is_measured(letter: u8) -> bool {
     !matches!(letter, b'D' | b'E' | b'F' | b'H' | b'M' | b'S' | b'T')
 }
 
-/// Follows the groups of I, J, K.
+/// Position in the groups of I, J, K.
 ///
-/// Within a group they come in the order of the alphabet; a letter that does not continue the group begins the next one.
+/// Within a group the letters are in alphabetical order; a letter out of order begins the next group.
 #[derive(Default)]
 struct Groups {
     group: u32,
@@ -59,7 +59,7 @@ struct Groups {
 }
 
 impl Groups {
-    /// The variable of the next I (0), J (1) or K (2); `None` behind the tenth group.
+    /// The variable of the next I (0), J (1) or K (2); `None` after the tenth group.
     fn next(&mut self, place: u32) -> Option<u32> {
         if self.last > place {
             self.group += 1;
@@ -69,7 +69,7 @@ impl Groups {
     }
 }
 
-/// Evaluates the arguments. The letters in `taken` belong to the call itself; `increment` is what a length without a point counts, mm.
+/// Evaluates the arguments. The letters in `taken` belong to the call itself; `increment` is the length unit of numbers without point, mm.
 pub(super) fn read(
     scope: &Scope<'_, '_>,
     words: &[Word],
@@ -112,7 +112,7 @@ pub(super) fn read(
             Value::Number { has_point: false, .. } if is_measured(letter) => increment.unwrap_or(1.0),
             _ => 1.0,
         };
-        // Of two words of one variable the later one counts.
+        // Of two words for one variable the later one is used.
         out.retain(|(known, _)| *known != number);
         if let Some(value) = scope.word(word)? {
             out.push((number, value * scale));

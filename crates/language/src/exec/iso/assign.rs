@@ -1,7 +1,7 @@
 //! Assignments to variables.
 //!
-//! A Fanuc carries the assignments of a block out one after the other. In RS274/NGC all values of a block, those of its words too, are
-//! computed before the first of its assignments takes effect, and these come before anything else that the block does.
+//! A Fanuc executes the assignments of a block one after the other. In RS274/NGC all values of a block, including those of its words, are computed
+//! before its first assignment takes effect. The assignments take effect before all other words of the block.
 
 use super::channel::Channel;
 use super::expression::{Scope, name_of, no_variable};
@@ -15,14 +15,14 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
-/// What an assignment changes.
+/// Target of an assignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Target {
     Number(i64),
     Named(Symbol),
 }
 
-/// An assignment that is evaluated.
+/// An evaluated assignment.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Assignment {
     target: Target,
@@ -30,7 +30,7 @@ pub(super) struct Assignment {
     span: Span,
 }
 
-/// Whether a word is an assignment.
+/// `true` if a word is an assignment.
 pub(super) fn is_assignment(word: &Word) -> bool {
     matches!(word.address, Address::Variable(_))
 }
@@ -40,7 +40,7 @@ pub(super) fn evaluate(scope: &Scope<'_, '_>, words: &[Word]) -> Result<Vec<Assi
     words.iter().filter(|word| is_assignment(word)).map(|word| one(scope, word)).collect()
 }
 
-/// The finding of a block whose assignments are not carried out.
+/// The error for a block whose assignments are not executed.
 pub(super) fn leaves_unset(program: &Program, words: &[Word], found: Fault) -> Fault {
     let names = words.iter().filter_map(|word| match word.address {
         Address::Variable(target) => match program.expr(target).node {
@@ -74,7 +74,7 @@ fn one(scope: &Scope<'_, '_>, word: &Word) -> Result<Assignment, Fault> {
     Ok(Assignment { target, value: scope.word(word)?, span: word.span })
 }
 
-/// Carries assignments out.
+/// Executes assignments.
 pub(super) fn assign(
     channel: &mut Channel<'_>,
     assignments: &[Assignment],
@@ -118,13 +118,12 @@ fn assign_number(
     }
 }
 
-/// Parameters of RS274/NGC that stand for the tool and the position.
+/// `true` for parameters of RS274/NGC that contain tool data or positions.
 fn is_read_only(number: u32) -> bool {
     matches!(number, 5021..=5029 | 5400..=5413 | 5420..=5428)
 }
 
-/// Refuses assignments beside words of Fanuc whose values change with them: whether the words see the old values or the new ones is not
-/// laid down.
+/// Rejects Fanuc assignments next to words that depend on them: whether these words use the old or the new values is not specified.
 pub(super) fn check_beside(words: &[Word], language: Language) -> Result<(), Fault> {
     let depends = |word: &&Word| !is_assignment(word) && matches!(word.value, Value::Expr(_));
     match words.iter().find(depends) {

@@ -37,7 +37,7 @@ const RS274_WORDS: &[(u32, &[u8])] = &[
     (68, b"EQ"),
 ];
 
-/// The modal group of an M code of LinuxCNC; of each a block has one.
+/// The modal group of an M code of LinuxCNC; a block may have one of each group.
 fn rs274_group(number: u32) -> Option<u8> {
     Some(match number {
         0 | 1 | 2 | 30 | 60 | 98 | 99 => 4,
@@ -51,7 +51,7 @@ fn rs274_group(number: u32) -> Option<u8> {
     })
 }
 
-/// Whether an M code names one input or output, by P or, where it is an analog one, by E.
+/// `true` if an M code names one input or output by P or, for an analog one, by E.
 fn has_address(gathered: &Gathered, number: u32) -> bool {
     let names = |letter| gathered.raw(letter).is_some();
     match number {
@@ -66,7 +66,8 @@ fn word(number: u32) -> Word {
     Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) }
 }
 
-/// Most M codes are the machine builder's and are passed on; some call programs or lead elsewhere, which the code table knows.
+/// Rejects M codes that call programs or change the flow, according to the code table; most others belong to the machine builder and are passed
+/// through.
 fn refused(number: u32, span: Span) -> Result<(), Fault> {
     let codes = ncfix_dialect::find("fanuc").map(ncfix_dialect::Dialect::codes);
     match codes.and_then(|codes| codes.m(number as usize)).filter(|entry| entry.effect == Effect::Refuse) {
@@ -78,7 +79,7 @@ fn refused(number: u32, span: Span) -> Result<(), Fault> {
     }
 }
 
-/// Executes the M codes of a block as far as they act before the motion, and keeps the others for later.
+/// Executes the M codes of a block that act before the motion, and keeps the others for later.
 pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     if gathered.m_codes.is_empty() {
         return Ok(());
@@ -95,7 +96,7 @@ pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<
         let Some(group) = rs274_group(number) else {
             return Err(bad_value(span, format!("M{number} is unknown"), "check the number"));
         };
-        // M7 and M8 may stand together.
+        // M7 and M8 are compatible.
         let is_double = groups & 1 << group != 0 && group != 8;
         groups |= 1 << group;
         if is_double {
@@ -113,7 +114,7 @@ pub(super) fn m_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<
 
 fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fault> {
     match number {
-        // Calls and returns are the business of the flow.
+        // The flow handles calls and returns.
         98 | 99 => {}
         2 | 30 => {
             channel.block.ends_program = true;
@@ -140,7 +141,7 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
     Ok(())
 }
 
-/// Where axes are behind M functions that move them by what the machine file says is unknown.
+/// Makes the axes unknown that M functions move according to the machine file.
 pub(super) fn lose_by_functions(channel: &mut Channel<'_>, gathered: &Gathered) {
     if gathered.m_codes.iter().any(|&(number, _)| channel.outlet.function_moves(f64::from(number))) {
         let lost = channel.modal.forget(AxisSet::ALL);
@@ -148,7 +149,7 @@ pub(super) fn lose_by_functions(channel: &mut Channel<'_>, gathered: &Gathered) 
     }
 }
 
-/// The tool that was selected comes into the spindle; a tool change may have moved the axes.
+/// Puts the selected tool into the spindle; a tool change may have moved the axes.
 fn change_tool(language: Language, modal: &mut Modal) {
     modal.tool.change();
     modal.forget(AxisSet::ALL);
@@ -157,8 +158,8 @@ fn change_tool(language: Language, modal: &mut Modal) {
     }
 }
 
-/// LinuxCNC asks where the machine is behind M6 and M61. Behind G40 that is beside the contour until a motion has
-/// left it, and then axes which that motion does not name stay there.
+/// LinuxCNC reads the machine position after M6 and M61. After G40 the tool is beside the contour until a motion has left it, and axes that this
+/// motion does not name then stay there.
 fn look_where_axes_are(modal: &mut Modal, outlet: &mut Outlet<'_>, gathered: &Gathered) {
     if modal.contour.compensates() || gathered.has_any(b"XYZABC") {
         return;
@@ -181,7 +182,7 @@ fn note_spindle(modal: &mut Modal, cycles: &mut Cycles, number: u32) {
     }
 }
 
-/// M48 to M53, which a saved state brings back.
+/// Records M48 to M53, which a restored state includes.
 fn note_override(modal: &mut Modal, gathered: &Gathered, number: u32) {
     let [feed, speed, adaptive, stop] = &mut modal.overrides;
     let is_on = gathered.raw(b'P').is_none_or(|value| value != 0.0);
@@ -262,7 +263,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
     Ok(())
 }
 
-/// An M code with words of its own.
+/// An M code with its own words.
 fn m_with_words(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, letters: &[u8]) {
     if !gathered.has_any(letters) {
         channel.block.before.push(word(number));
@@ -278,7 +279,7 @@ fn m_with_words(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, let
     channel.push(Kind::Verbatim(text.into_bytes()));
 }
 
-/// Appends a word as it was written.
+/// Appends a word as written.
 pub(super) fn append_plain(language: Language, text: &mut String, letter: u8, value: f64, is_unpointed: bool) {
     if is_unpointed {
         let _ = write!(text, " {}{value}", char::from(letter));

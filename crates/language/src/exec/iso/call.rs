@@ -1,11 +1,11 @@
-//! A call that is evaluated: what is called, how, and with what.
+//! An evaluated call: the program, the kind of call, and the arguments.
 
 use ncfix_base::source::Span;
 
-/// Variables and their values, in the order of the words; null ones are left out.
+/// Variables and their values, in the order of the words, without null values.
 pub(super) type Arguments = Vec<(u32, f64)>;
 
-/// What is called.
+/// The called program.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Callee {
     /// `P1234`
@@ -18,12 +18,12 @@ pub(super) enum Callee {
     Sub(String),
 }
 
-/// How it is called.
+/// Kind of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CallKind {
-    /// M98: sees the variables of its caller.
+    /// M98: uses the variables of its caller.
     Subprogram,
-    /// G65, G66 and mapped codes: has variables of its own.
+    /// G65, G66 and mapped codes: has its own variables.
     Macro,
     /// A mapped T: the tool number.
     Tool(f64),
@@ -31,7 +31,7 @@ pub(super) enum CallKind {
     Sub,
 }
 
-/// A call that is evaluated.
+/// An evaluated call.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Call {
     pub(super) callee: Callee,
@@ -39,6 +39,6 @@ pub(super) struct Call {
     pub(super) repeats: u32,
     pub(super) arguments: Arguments,
     pub(super) span: Span,
-    /// Whether a mapped code calls: such codes mean what they always mean within.
+    /// `true` for a call by a mapped code: within it, such codes have their standard meaning.
     pub(super) is_of_code: bool,
 }

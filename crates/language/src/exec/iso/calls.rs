@@ -1,4 +1,4 @@
-//! Calls: begins the level of a program, and comes back from it.
+//! Calls: begins the level of a program, and returns from it.
 
 use super::state;
 use std::rc::Rc;
@@ -11,13 +11,13 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
-/// Program levels of RS274/NGC.
+/// Maximum number of program levels of RS274/NGC.
 const RS274_LEVELS: u32 = 10;
-/// Where a program that T calls finds its number.
+/// Variable in which a program called by T finds the tool number.
 const TOOL_VARIABLE: u32 = 149;
 
 impl Interpreter<'_> {
-    /// Begins a call; `modal` is the place of the modal call that it is.
+    /// Begins a call; `modal` is its index among the modal calls, if it is one.
     pub(super) fn call(&mut self, mut call: Box<Call>, line: u32, modal: Option<usize>) -> Result<(), Fault> {
         if self.pass_on(&call)? {
             return Ok(());
@@ -53,7 +53,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// Variables of a level that begins.
+    /// Begins the variables of a level.
     fn enter(&mut self, call: &Call) {
         if self.channel.language == Language::Rs274 {
             state::enter_level(&mut self.channel.saved);
@@ -67,7 +67,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Variables of a level that ends.
+    /// Ends the variables of a level.
     fn leave(&mut self, kind: CallKind) {
         let is_rs274 = self.channel.language == Language::Rs274;
         if is_rs274 {
@@ -81,11 +81,11 @@ impl Interpreter<'_> {
         }
     }
 
-    /// M99, `endsub`, `return` and the end of a subprogram.
+    /// Executes M99, `endsub`, `return` and the end of a subprogram.
     pub(super) fn return_to(&mut self, target: Option<u32>, span: Span) -> Result<(), Fault> {
         let Some(level) = self.levels.last_mut() else { return Ok(()) };
         let Some(call) = level.own.call.clone() else {
-            // The main program would begin anew, without end; once is enough to see all that it does.
+            // The main program would restart endlessly; one pass suffices to see all of it.
             match target {
                 None => self.ledger.end(),
                 Some(_) => self.go_to(target, span)?,
@@ -110,7 +110,7 @@ impl Interpreter<'_> {
         self.go_to(target, span)
     }
 
-    /// M99 P of a subprogram whose number both the caller and the subprogram have: a Haas goes on in the subprogram.
+    /// Checks M99 P for a number that both caller and subprogram have: a Haas continues in the subprogram.
     fn check_return(&self, number: u32, (program, part): (usize, usize), span: Span) -> Result<(), Fault> {
         let Some(caller) = self.levels.last() else { return Ok(()) };
         let has = |program: usize, part: usize| self.programs[program].program.find_block(part, number, 0).is_some();
@@ -126,24 +126,24 @@ impl Interpreter<'_> {
         Err(at(span, Code::TWO_MEANINGS, message, help))
     }
 
-    /// The end of the blocks of a program.
+    /// Handles the end of a program's blocks.
     pub(super) fn end_of_part(&mut self) {
         let is_main = self.levels.last().is_none_or(|level| level.own.call.is_none());
         if let Some(level) =
             self.levels.last_mut().filter(|level| is_main && level.program == 0 && level.part < self.own.main)
         {
-            // Behind what stands before the first program number comes that program.
+            // The first numbered program follows the blocks before its number.
             level.part = self.own.main;
             level.next = self.programs[0].program.parts.get(self.own.main).map_or(0, |part| part.blocks.start);
         } else if is_main {
             self.ledger.end();
         } else {
-            // Where M99 or endsub is missing the program ends nevertheless.
+            // Without M99 or endsub the program ends nevertheless.
             let _ = self.return_to(None, Span::default());
         }
     }
 
-    /// The modal call behind a block that moved; whether there is one.
+    /// Begins the modal call after a block with motion. Returns `false` if there is none.
     pub(super) fn trigger(&mut self, line: u32) -> Result<bool, Fault> {
         let bound = self.levels.last().and_then(|level| level.own.modal).unwrap_or(self.channel.modal_calls.len());
         let Some(place) = bound.checked_sub(1) else { return Ok(false) };
@@ -152,7 +152,7 @@ impl Interpreter<'_> {
         Ok(true)
     }
 
-    /// The block of M99 P in the program that goes on.
+    /// Jumps to the block of M99 P in the program that continues.
     fn go_to(&mut self, target: Option<u32>, span: Span) -> Result<(), Fault> {
         let (Some(number), Some(level)) = (target, self.levels.last_mut()) else { return Ok(()) };
         let loaded = &self.programs[level.program];

@@ -1,4 +1,4 @@
-//! The channel: executes the gathered words of one block in their fixed order and puts elements into the stream.
+//! The channel: executes the gathered words of one block in a fixed order and emits elements.
 
 use super::drill::Drill;
 use super::nurbs::Curve;
@@ -27,66 +27,66 @@ use ncfix_machine::snc::{BlockNumber, Kind, Origin, Word};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
-    /// The machine, and what the caller has chosen.
+    /// The machine and the options of the caller.
     pub(super) settings: RunSettings<'a>,
     pub(super) language: Language,
     pub(super) axes: AxisSet,
     pub(super) outlet: Outlet<'a>,
     pub(super) modal: Modal,
-    /// What the program has set in the control.
+    /// Control data set by the program.
     pub(super) written: WrittenData,
-    /// States that M70 and M73 have saved, one place per program level.
+    /// States saved by M70 and M73, one slot per program level.
     pub(super) saved: Vec<Option<Box<SavedState>>>,
-    /// What the block at hand says and does.
+    /// State of the current block.
     pub(super) block: IsoAtHand,
     pub(super) variables: Variables,
     pub(super) loops: Passes,
-    /// Calls of G66 in force, the last one the innermost.
+    /// Active G66 calls; the last one is the innermost.
     pub(super) modal_calls: Vec<Call>,
-    /// Frame, tool length and plane in force.
+    /// Active frame, tool length and plane.
     pub(super) standing: InForce,
-    /// What was said already.
+    /// Warnings that were reported.
     pub(super) warned: Warned,
     pub(super) cycles: Cycles,
     pub(super) special: Special,
     pub(super) gathered: Option<Box<Gathered>>,
 }
 
-/// What the program has set in the control.
+/// Control data set by the program.
 #[derive(Default)]
 pub(super) struct WrittenData {
-    /// Zero offsets that the program has set.
+    /// Zero offsets set by the program.
     pub(super) offsets: BTreeMap<System, FrameParts>,
-    /// Tool offsets that the program has set.
+    /// Tool offsets set by the program.
     pub(super) tools: ToolTable<ToolOffset>,
-    /// The point by way of which G28 and G30 went.
+    /// The intermediate point of the last G28 or G30.
     pub(super) via: Via,
 }
 
-/// What the block at hand says and does.
+/// State of the current block.
 #[derive(Default)]
 pub(super) struct IsoAtHand {
-    /// Whether the block has moved an axis.
+    /// `true` if the block has moved an axis.
     pub(super) has_moved: bool,
-    /// Whether the block ends the program.
+    /// `true` if the block ends the program.
     pub(super) ends_program: bool,
     /// S, M and H words of the block that act before its motion.
     pub(super) before: Vec<Word>,
-    /// M words that act behind it.
+    /// M words that act after its motion.
     pub(super) after: Vec<Word>,
-    /// What the motion to come wants of the contour stage.
+    /// Corner request of the next motion for the contour stage.
     pub(super) corner: Option<Corner>,
-    /// The direction of the tool at the end of the motion at hand, and where it stands.
+    /// The tool direction at the end of the current motion, and its span.
     pub(super) direction: Option<(Vector, Span)>,
 }
 
-/// What was said already.
+/// Warnings that were reported.
 #[derive(Default)]
 pub(super) struct Warned {
     pub(super) feed: bool,
     /// The zero offset whose missing value was reported.
     pub(super) offset: Option<System>,
-    /// Whether it was reported that numbers lack a decimal point and what they mean is not stated.
+    /// `true` if numbers without decimal point were reported as ambiguous.
     pub(super) point: bool,
 }
 
@@ -123,23 +123,23 @@ impl<'a> Channel<'a> {
         self.language == Language::Rs274
     }
 
-    /// A new block: its elements carry this origin and number.
+    /// Begins a block: its elements carry this origin and number.
     pub(super) fn begin_block(&mut self, origin: Origin, number: Option<BlockNumber>) {
         self.outlet.begin_block(origin, number);
         self.block.has_moved = false;
     }
 
-    /// Puts an element into the stream.
+    /// Emits an element.
     pub(super) fn push(&mut self, kind: Kind) {
         self.outlet.push(kind);
     }
 
-    /// A block that only has a number.
+    /// Emits a block that only has a number.
     pub(super) fn empty(&mut self) {
         self.push(Kind::Empty);
     }
 
-    /// Words to gather a block into; give them back with [`Self::put_back`].
+    /// Storage for the words of a block; return it with [`Self::put_back`].
     pub(super) fn take_gathered(&mut self, span: Span) -> Box<Gathered> {
         let mut gathered = self.gathered.take().unwrap_or_default();
         gathered.clear(span);
@@ -150,7 +150,7 @@ impl<'a> Channel<'a> {
         self.gathered = Some(gathered);
     }
 
-    /// Puts the S, M and H words of the block into the stream.
+    /// Emits the S, M and H words of the block.
     pub(super) fn flush_before(&mut self) {
         if !self.block.before.is_empty() {
             let before = std::mem::take(&mut self.block.before);
@@ -159,42 +159,42 @@ impl<'a> Channel<'a> {
     }
 }
 
-/// What cycles keep from block to block.
+/// State of cycles between blocks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cycles {
     pub(super) drill: Drill,
-    /// The kind of motion, in tenths, to which a Fanuc returns with G80.
+    /// The motion mode, in tenths, to which a Fanuc returns at G80.
     pub(super) line: u16,
-    /// The output is in G61, the program is not.
+    /// `true` if the output is in G61 while the program is not.
     pub(super) is_exact: bool,
-    /// M29 announced rigid tapping.
+    /// `true` after M29, which announces rigid tapping.
     pub(super) is_rigid: bool,
 }
 
-/// What M70 or M73 saved at a program level.
+/// State saved by M70 or M73 at a program level.
 #[derive(Debug)]
 pub(super) struct SavedState {
     pub(super) modal: Modal,
-    /// M73: it comes back by itself when the level ends.
+    /// `true` for M73: restored automatically when the level ends.
     pub(super) returns: bool,
 }
 
 /// Offsets of one number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ToolOffset {
-    /// Along X, Y, Z; of a Fanuc the length is that along Z.
+    /// Along X, Y, Z; on a Fanuc the length is along Z.
     pub(super) length_mm: Vector,
     pub(super) length_wear_mm: f64,
     pub(super) radius_mm: f64,
     pub(super) radius_wear_mm: f64,
-    /// Whether the program has set it.
+    /// `true` if the program has set it.
     pub(super) is_stated: bool,
 }
 
 impl ToolEntry for ToolOffset {
     fn of(tool: &Tool, _: &Machine) -> Self {
         let [first, second, third] = tool.length_mm;
-        // Lengths 1, 2, 3 lie along Z, Y, X.
+        // Lengths 1, 2, 3 are along Z, Y, X.
         let length_mm = Vector::new(third, second, first);
         ToolOffset { length_mm, radius_mm: tool.radius_mm, ..ToolOffset::default() }
     }
@@ -209,26 +209,26 @@ impl ToolEntry for ToolOffset {
     }
 }
 
-/// What the kinds of motion here keep from block to block.
+/// State of special motion modes between blocks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Special {
     /// G16
     pub(super) polar: Option<Polar>,
     pub(super) curve: Curve,
-    /// Blocks of G68.2 that have come so far.
+    /// Blocks of G68.2 so far.
     pub(super) tilt_parts: Collected,
-    /// Where a rotation, scaling or mirror has begun or ended, and the program has not stated all axes of the plane since.
+    /// Set after a start or end of rotation, scaling or mirroring, until the program has stated all axes of the plane.
     pub(super) doubt: Option<Doubt>,
 }
 
 /// Axes whose value depends on the parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Doubt {
-    /// What the program gave them, mm.
+    /// Values that the program gave, mm.
     pub(super) values: AxisVector,
     pub(super) open: AxisSet,
-    /// Axes that turn together.
+    /// Axes that rotate together.
     pub(super) group: AxisSet,
-    /// Nothing is in force any more.
+    /// `true` if no transformation is active any more.
     pub(super) has_ended: bool,
 }

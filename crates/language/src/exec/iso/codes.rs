@@ -1,15 +1,15 @@
-//! Which group a G code belongs to, in tenths: `G54.1` is 541.
+//! The groups of G codes, which are given in tenths: `G54.1` is 541.
 //!
-//! The groups are those of the execution, the same for both flavours; what a group does not hold is looked up in the code table.
+//! The groups are those of the execution, common to both flavours; other codes are looked up in the code table.
 
 use ncfix_dialect::Language;
 
-/// Groups of G codes. Of each group a block has one code.
+/// Groups of G codes. A block has one code of each group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Group {
-    /// What is done once: G4, G10, G28, G52, G92 …
+    /// Non-modal actions: G4, G10, G28, G52, G92 …
     Action,
-    /// Kinds of motion; of RS274/NGC canned cycles are among them.
+    /// Motion modes; for RS274/NGC including canned cycles.
     Motion,
     /// G17, G18, G19
     Plane,
@@ -53,13 +53,13 @@ pub(super) enum Group {
     Cycle,
 }
 
-/// How many groups there are.
+/// Number of groups.
 pub(super) const GROUPS: usize = 22;
 
-/// No kind of motion is in force.
+/// No motion mode is active.
 pub(super) const G80: u16 = 800;
 
-/// The group of a code in tenths; `None` for codes that the code table alone knows.
+/// The group of a code in tenths; `None` for codes that only the code table contains.
 pub(super) fn group_of(tenths: u16, language: Language) -> Option<Group> {
     let is_rs274 = language == Language::Rs274;
     Some(match tenths {
@@ -104,7 +104,7 @@ pub(super) fn group_of(tenths: u16, language: Language) -> Option<Group> {
     })
 }
 
-/// A code in tenths as it is written: `G54.1`.
+/// A code in tenths as written: `G54.1`.
 pub(super) fn name_of(tenths: u16) -> String {
     match tenths % 10 {
         0 => format!("G{}", tenths / 10),

@@ -1,4 +1,4 @@
-//! Radius compensation: G40, G41, G42 and their kin, and what a motion asks of the contour stage.
+//! Radius compensation: G40, G41, G42 and related codes, and requests of a motion to the contour stage.
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
@@ -85,7 +85,7 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
     Ok(())
 }
 
-/// G40 with I, J, K in the plane: where the contour seems to lead behind its end, in the plane as the frame places it.
+/// G40 with I, J, K in the plane: the direction in which the contour virtually continues after its end, in the plane as placed by the frame.
 fn leaving_direction(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<Option<[f64; 2]>, Fault> {
     let [abscissa, ordinate, _] = channel.modal.modes.plane.axes();
     let letters = [abscissa, ordinate].map(|axis| b"IJK"[axis.slot()]);
@@ -105,7 +105,7 @@ fn leaving_direction(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<O
     Ok(basis.map(|basis| basis.flat(&direction)).filter(|[x, y]| x.hypot(*y) > 0.0))
 }
 
-/// D of a Fanuc.
+/// Handles D of a Fanuc.
 fn offset_number(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     if let Some(value) = gathered.raw(b'D') {
         let number = whole(value, gathered.span_of(b'D'), "D")?;
@@ -132,7 +132,7 @@ fn radius_of(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<f64, 
     Ok(0.0)
 }
 
-/// Puts a motion into the stream, through the contour stage where it must.
+/// Emits a motion, through the contour stage if required.
 #[inline]
 pub(super) fn pass(channel: &mut Channel<'_>, path: Path) {
     let mut modal = channel.modal.contour;

@@ -1,4 +1,4 @@
-//! A block in a canned cycle: collects its words, asks [`super::drill`] what is to be done, and puts that into the stream.
+//! A block in a canned cycle: collects its words, gets the steps from [`super::drill`], and emits them.
 
 use super::channel::Cycles;
 use super::feed;
@@ -28,7 +28,7 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Manner, Word, WordValue};
 
-/// Whether a code in tenths is a canned cycle of holes.
+/// `true` if a code in tenths is a canned cycle for holes.
 fn is_cycle(code: u16, is_rs274: bool) -> bool {
     match code {
         760 => !is_rs274,
@@ -41,7 +41,7 @@ fn is_tapping(code: u16) -> bool {
     matches!(code, 740 | 840 | 842 | 843)
 }
 
-/// Notes the kind of motion that comes into force.
+/// Records the motion mode that becomes active.
 pub(super) fn note_motion(channel: &mut Channel<'_>, code: u16) {
     let before = std::mem::replace(&mut channel.modal.modes.motion, code);
     if before == code || is_cycle(code, channel.is_rs274()) {
@@ -57,7 +57,7 @@ pub(super) fn note_motion(channel: &mut Channel<'_>, code: u16) {
     }
 }
 
-/// Does a block in a cycle.
+/// Executes a block in a cycle.
 pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let span = gathered.code_span(if channel.is_rs274() { Group::Motion } else { Group::Cycle });
     let span = if span == Span::default() { gathered.span } else { span };
@@ -183,7 +183,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
     Ok(())
 }
 
-/// The operator has moved an axis: where it is now is an assumption.
+/// Handles an axis that the operator has moved: its position is an assumption.
 fn brought(channel: &mut Channel<'_>, axis: Axis, place: &AxisVector, span: Span) -> Result<(), Fault> {
     let setup = Shared::clone(&channel.standing.setup);
     let named: AxisSet = [axis].into_iter().collect();
@@ -195,7 +195,7 @@ fn brought(channel: &mut Channel<'_>, axis: Axis, place: &AxisVector, span: Span
     Ok(())
 }
 
-/// What a cycle does beside moving.
+/// Emits an action of a cycle other than motion.
 fn aside(channel: &mut Channel<'_>, action: CycleStep) {
     let word = |number: u16| Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) };
     let before = channel.modal.spindle;
@@ -208,7 +208,7 @@ fn aside(channel: &mut Channel<'_>, action: CycleStep) {
     }
 }
 
-/// The words of a block and what else matters to its cycle.
+/// The words of a block and the other inputs of its cycle.
 fn call(
     channel: &mut Channel<'_>,
     gathered: &Gathered,
@@ -233,14 +233,14 @@ fn call(
             repeats = Some(whole(value, gathered.span_of(*letter), &name)?);
         }
     }
-    // Only a block that says where or how deep drills.
+    // Only a block with a position or depth drills.
     if !is_rs274 && gathered.axes.is_empty() && !gathered.has(b'R') {
         repeats = Some(0);
     }
     if is_rs274 {
         gathered.use_up(b"$");
     }
-    // Scaling holds for places alone: pecks and clearances are those of the machine.
+    // Scaling applies to positions only: pecks and clearances are those of the machine.
     let growth = channel.modal.transforms.growth(if matches!(code, 760 | 870) { abscissa } else { applicate });
     let iso = &channel.settings.machine.control.iso;
     let clearance = match code {
@@ -271,7 +271,7 @@ fn call(
     })
 }
 
-/// A direction of the machine in the program's plane.
+/// A machine direction in the plane of the program.
 fn direction_of(modal: &Modal, standing: &InForce, axis: Axis, sign: f64) -> [f64; 2] {
     let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let direction = standing.setup.frame.unapply_direction(Vector::ith(axis.dimension(), sign));
@@ -282,7 +282,7 @@ fn word_of(channel: &mut Channel<'_>, gathered: &Gathered, axis: Axis) -> Result
     Ok(if gathered.axes.contains(axis) { Some(target::axis_value(channel, gathered, axis)?) } else { None })
 }
 
-/// Refuses what does not go together with a cycle.
+/// Rejects state that is incompatible with a cycle.
 fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
     let name = name_of(code);
     let refused = if channel.modal.contour.compensates() {
@@ -312,7 +312,7 @@ fn check_cycle(channel: &Channel<'_>, gathered: &Gathered, code: u16, span: Span
     Ok(())
 }
 
-/// K of a peck cycle is a depth on a Haas, with G91 too.
+/// K of a peck cycle is a depth on a Haas, also under G91.
 fn check_count(machine: &Machine, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     if !matches!(code, 730 | 830) || machine.control.iso.reads_as_fanuc {
         return Ok(());
@@ -323,7 +323,7 @@ fn check_count(machine: &Machine, gathered: &Gathered, code: u16) -> Result<(), 
     Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'K'), message, help))
 }
 
-/// Refuses tapping that keeps spindle and axis in step, or may do so.
+/// Rejects tapping that synchronizes, or may synchronize, spindle and axis.
 fn check_rigid(machine: &Machine, cycles: &Cycles, code: u16, name: &str, span: Span) -> Result<(), Fault> {
     let rigid = machine.control.iso.rigid_tapping;
     let is_rigid = cycles.is_rigid || matches!(code, 842 | 843) || rigid == Some(true);
@@ -340,7 +340,7 @@ fn check_rigid(machine: &Machine, cycles: &Cycles, code: u16, name: &str, span: 
     Ok(())
 }
 
-/// LinuxCNC stops exactly within cycles; the motions that stand for them must not be blended.
+/// LinuxCNC stops exactly within cycles; the equivalent motions must not be blended.
 fn stop_exactly(channel: &mut Channel<'_>) {
     if channel.is_rs274()
         && !channel.modal.codes.is(Group::Control, 610)

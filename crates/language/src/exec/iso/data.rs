@@ -1,4 +1,4 @@
-//! G10: zero offsets and tool offsets that the program sets. The control has them for good, so the output sets them too.
+//! G10: zero offsets and tool offsets set by the program. The control stores them permanently, so the output sets them too.
 
 use super::forbidden;
 use super::measure;
@@ -46,11 +46,11 @@ pub(super) fn set_data(channel: &mut Channel<'_>, gathered: &Gathered) -> Result
     }
 }
 
-/// The system that P of G10 L2 means.
+/// The system for P of G10 L2.
 fn system_number(language: Language, modal: &Modal, number: Option<u32>, span: Span) -> Result<u16, Fault> {
     let most = if language == Language::Rs274 { 9 } else { 6 };
     match number {
-        // 0 is the system in force, of a Fanuc the offset of all systems.
+        // 0 is the active system, on a Fanuc the offset of all systems.
         Some(0) if language == Language::Rs274 => Ok(modal.system.0),
         Some(number) if number <= most => Ok(number as u16),
         None if language != Language::Rs274 => Ok(modal.system.0),
@@ -73,7 +73,7 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
     } else {
         for axis in gathered.axes.iter() {
             let value = target::axis_value(channel, gathered, axis)?;
-            // Of a Fanuc, G91 adds to what is there.
+            // On a Fanuc, G91 adds to the existing value.
             let adds = channel.modal.modes.incremental && !channel.is_rs274();
             if adds && known.is_none() && channel.settings.strict {
                 let message = format!("{} is changed by a step, and has no value in the machine file", system.words());
@@ -88,7 +88,7 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
         named = named.union([Axis::X, Axis::Y].into_iter().collect());
     }
     say_offset(channel, system, &parts, named, gathered.has(b'R'));
-    // Without a value in the machine file an offset is known where the program sets X, Y and Z. That of all systems counts as zero.
+    // Without a value in the machine file an offset is known once the program sets X, Y and Z. The offset of all systems counts as zero.
     let is_external = system == System::EXTERNAL;
     if known.is_some() || is_external || !channel.settings.strict || AxisSet::XYZ.difference(gathered.axes).is_empty() {
         channel.written.offsets.insert(system, parts);
@@ -99,7 +99,7 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
     Ok(())
 }
 
-/// `G10 L20`: shifts a system so that the present position has the values named.
+/// `G10 L20`: shifts a system so that the current position has the given values.
 fn place_here(
     channel: &mut Channel<'_>,
     gathered: &Gathered,
@@ -115,7 +115,7 @@ fn place_here(
         target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span_of(axis.letter()))?;
         wanted[axis] = target::axis_value(channel, gathered, axis)?;
     }
-    // What the rotation makes of the wanted position, taken off where the tip is.
+    // The rotated target position, subtracted from the tip position.
     let turned = FrameParts { translation: AxisVector::ZERO, ..*parts };
     let Some(turned) = turned.frame(order) else { return Ok(()) };
     let place = target::tip(&channel.modal, &channel.standing) - turned.apply(&(wanted + shift));
@@ -147,7 +147,7 @@ fn say_offset(channel: &mut Channel<'_>, system: System, parts: &FrameParts, nam
 fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32, span: Span) -> Result<(), Fault> {
     let mut offset = channel.written.tools.find(channel.settings.machine, number, 1).unwrap_or_default();
     let mut text = format!("G10 L1 P{number}");
-    // Where the tip would be without length, in the coordinates that L10 and L11 mean.
+    // The tip position without tool length, in the coordinates of L10 and L11.
     let mut bare = channel.modal.position.command;
     if l == 10 {
         bare = channel.modal.frame().unapply(&bare);
@@ -186,8 +186,7 @@ fn set_tool(channel: &mut Channel<'_>, gathered: &Gathered, l: i64, number: u32,
     Ok(())
 }
 
-/// `G10 L10` to `L13` of Fanuc: geometry and wear of length and radius, one value with R. Programs for older controls have L1
-/// instead of L11.
+/// `G10 L10` to `L13` of Fanuc: geometry and wear of length and radius, one value with R. Programs for older controls have L1 instead of L11.
 fn set_tool_value(
     channel: &mut Channel<'_>,
     gathered: &Gathered,

@@ -1,4 +1,4 @@
-//! Directions of the tool of G43.5: I J K at the end of a block become positions of the rotary axes.
+//! Tool directions of G43.5: I J K at the end of a block become positions of the rotary axes.
 
 use super::modal::Modal;
 use ncfix_machine::machine::Machine;
@@ -15,18 +15,18 @@ use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
 
-/// Angles nearer than this are the same, rad.
+/// Angles nearer to each other than this are equal, rad.
 const SAME_ANGLE_RAD: f64 = 1e-9;
-/// The code in force, in tenths.
+/// The code, in tenths.
 const BY_DIRECTION: u16 = 435;
 const LETTERS: &[u8; 3] = b"IJK";
 
-/// Whether blocks give the direction of the tool.
+/// `true` if blocks give the tool direction.
 pub(super) fn has_directions(modal: &Modal) -> bool {
     modal.turning.is_some() && modal.codes.is(Group::Length, BY_DIRECTION)
 }
 
-/// The direction at the end of a motion of the code `motion`, in tenths; components that it does not name are zero.
+/// The tool direction at the end of a motion of the code `motion`, in tenths; missing components are zero.
 pub(super) fn tool_direction(
     machine: &Machine,
     modal: &Modal,
@@ -65,7 +65,7 @@ pub(super) fn tool_direction(
         let message = "a direction of the tool in the block of G43.5, on a machine with a rotary axis in its table";
         return Err(fault(Code::BAD_WORD_VALUE, span, message, "give it in a block behind that"));
     }
-    // The letters are components here, not lengths.
+    // The letters are vector components here, not lengths.
     let values = LETTERS.map(|letter| gathered.raw(letter).unwrap_or_default());
     Ok(Some((Vector::from(values), span)))
 }
@@ -77,7 +77,7 @@ pub(super) fn orient(channel: &mut Channel<'_>, path: &mut Path, direction: Vect
     let Some(direction) = direction.try_normalize(1e-9).filter(|unit| unit.iter().all(|part| part.is_finite())) else {
         return Err(bad_value(span, "a direction of the tool without length", "give I, J, K values"));
     };
-    // Two ways of the axes lead to a direction: which one the control takes follows from where they stand.
+    // Two axis positions give the same direction; the selected one depends on the current position.
     if let Some(axis) =
         kinematics.rotary_axes().find(|&axis| !path.start_known.contains(axis) && channel.settings.strict)
     {
@@ -105,8 +105,8 @@ pub(super) fn orient(channel: &mut Channel<'_>, path: &mut Path, direction: Vect
     Ok(())
 }
 
-/// Of the ways to a direction the one that turns the first of the axes least, then the next; where both turn them alike, the one that
-/// ends nearer to zero (Fanuc, tool center point control type 2 without ranges of motion: master before slave, table before head).
+/// Selects from the two solutions for a direction: the one that turns the first axis least, then the next. If both turn equally, the one nearer to
+/// zero (Fanuc, tool center point control type 2 without motion ranges: master before slave, table before head).
 fn choice(kinematics: &Kinematics, axes: &[Axis], direction: &Vector, start: &AxisVector) -> Option<AxisVector> {
     let [first, second] = kinematics.orientations(direction, start);
     let (Some(one), Some(other)) = (first, second) else { return first.or(second) };

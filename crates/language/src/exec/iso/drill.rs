@@ -1,40 +1,40 @@
-//! Where the holes of a canned cycle are, how the tool gets from one to the next, and which words stay in force.
+//! Positions of the holes of a canned cycle, the path between them, and the modal words.
 //!
-//! Fanuc (operator's manual, "canned cycle for drilling"): the tool goes to the hole at the level where it is, then to R; all words of the
-//! cycle stay in force until it ends. LinuxCNC (user manual, "canned cycles"): it first goes up to R where it is below, words stay in force
-//! as long as the code is the same. Behind G91, R counts from the level at which the cycles began and Z from R.
+//! Fanuc (operator's manual, "canned cycle for drilling"): the tool moves to the hole at its current level, then to R; all words of the cycle are
+//! modal until it ends. LinuxCNC (user manual, "canned cycles"): the tool first rises to R if it is below; words are modal as long as the code is
+//! unchanged. Under G91, R is relative to the level at the start of the cycles and Z is relative to R.
 
 use super::cycles::{Hole, HoleFault, HoleStep, fanuc, rs274};
 use super::trip::Trip;
 use crate::exec::core::step::{Place, Step, Turn};
 use ncfix_dialect::Language;
 
-/// Steps of one block at most.
+/// Maximum number of steps of one block.
 const MOST_STEPS: usize = 1_000_000;
-/// Heights nearer than this are one, mm: a length in force leaves a last bit.
+/// Heights nearer to each other than this are equal, mm: an active length leaves a rounding error.
 const SAME_MM: f64 = 1e-9;
 
-/// A number as it was programmed.
+/// A programmed number with its distance mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Level {
     /// mm
     pub(super) value: f64,
-    /// Whether G91 was in force.
+    /// `true` if G91 was active.
     pub(super) is_incremental: bool,
 }
 
-/// A block in a canned cycle: its words, mm and s, and what else matters.
+/// A block in a canned cycle: its words, mm and s, and other inputs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Call {
-    /// The cycle in force.
+    /// The active cycle.
     pub(super) code: u16,
-    /// Where the tool is.
+    /// Position of the tool.
     pub(super) from: Place,
-    /// Where it is in the plane is an assumption: it moves there whatever it looks like.
+    /// `true` if the position in the plane is an assumption: the tool then moves in any case.
     pub(super) is_lost: bool,
     /// R.
     pub(super) r: Option<f64>,
-    /// The word of the tool axis.
+    /// Word of the tool axis.
     pub(super) bottom: Option<f64>,
     /// Q.
     pub(super) q: Option<f64>,
@@ -42,35 +42,35 @@ pub(super) struct Call {
     pub(super) dwell_s: Option<f64>,
     /// K or L.
     pub(super) repeats: Option<u32>,
-    /// G91.
+    /// `true` under G91.
     pub(super) incremental: bool,
-    /// G99 instead of G98.
+    /// `true` for G99, `false` for G98.
     pub(super) to_r: bool,
-    /// How the spindle turns.
+    /// Rotation of the spindle.
     pub(super) spindle: Turn,
-    /// How far pecks keep away, mm.
+    /// Clearance of pecks, mm.
     pub(super) clearance: f64,
-    /// Where an oriented tool steps aside to, as a direction of the plane.
+    /// Direction in the plane in which an oriented tool shifts.
     pub(super) aside: Option<[f64; 2]>,
 }
 
-/// The words in force.
+/// The modal words.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Drill {
-    /// The last cycle.
+    /// The previous cycle.
     code: Option<u16>,
-    /// The level at which the cycles began.
+    /// The level at the start of the cycles.
     initial: Option<f64>,
     r: Option<Level>,
     bottom: Option<Level>,
     q: Option<f64>,
     dwell_s: Option<f64>,
-    /// The operator has drawn the tool out of the last hole.
+    /// `true` if the operator has withdrawn the tool from the last hole.
     is_drawn_out: bool,
 }
 
 impl Drill {
-    /// Ends the cycles. In RS274/NGC a later one knows P and Q of earlier ones.
+    /// Ends the cycles. In RS274/NGC a later cycle inherits P and Q.
     pub(super) fn end(&mut self, language: Language) {
         *self = match language {
             Language::Rs274 => Drill { code: None, initial: None, ..*self },
@@ -78,17 +78,17 @@ impl Drill {
         };
     }
 
-    /// Another motion has stated where the tool is.
+    /// Records that another motion has stated the tool position.
     pub(super) fn moved(&mut self) {
         self.is_drawn_out = false;
     }
 
-    /// Where the tool is along its axis is what the operator made of it.
+    /// `true` if the operator has determined the tool position along its axis.
     pub(super) fn is_drawn_out(&self) -> bool {
         self.is_drawn_out
     }
 
-    /// Does a block: puts what is to be done into `out`, `next` gives each hole from the one before. Gives the place behind.
+    /// Executes a block: appends its steps to `out`; `next` returns each hole from the previous one. Returns the final place.
     pub(super) fn run(
         &mut self,
         language: Language,
@@ -116,7 +116,7 @@ impl Drill {
         self.q = call.q.or(self.q);
         let repeats = call.repeats.unwrap_or(1);
         if repeats == 0 {
-            // The words are noted and nothing is drilled.
+            // The words are stored and nothing is drilled.
             self.dwell_s = call.dwell_s.or(self.dwell_s);
             return Ok(call.from);
         }
@@ -260,7 +260,7 @@ mod tests {
     };
     const WORDLESS: Call = Call { r: None, bottom: None, ..CALL };
 
-    /// Holes at X10 and X20 from Z2 to Z-10, the way there from Z50.
+    /// Holes at X10 and X20 from Z2 to Z-10, approached from Z50.
     fn two_holes() -> [Step; 7] {
         [
             Step::rapid(at(10.0, 0.0, 50.0)),
@@ -303,7 +303,7 @@ mod tests {
         let further = |plane: [f64; 2]| Ok([plane[0] + 10.0, plane[1]]);
         drill.run(Language::Fanuc, &call, further, &mut out).unwrap();
         assert_eq!(out, two_holes());
-        // K0 notes the words alone.
+        // K0 only stores the words.
         let (mut drill, mut out) = (Drill::default(), Vec::new());
         let noted = drill.run(Language::Fanuc, &Call { repeats: Some(0), ..CALL }, to(9.0, 9.0), &mut out).unwrap();
         assert_eq!((noted, out.len()), (CALL.from, 0));
@@ -323,7 +323,7 @@ mod tests {
             Step::rapid(at(5.0, 0.0, 3.0)),
         ];
         assert_eq!(out, wanted);
-        // Another code needs its words anew; the same one does not.
+        // Another code needs its words again; the same code does not.
         assert!(drill.run(Language::Rs274, &Call { code: 850, ..WORDLESS }, to(0.0, 0.0), &mut Vec::new()).is_err());
         out.clear();
         drill.run(Language::Rs274, &Call { from: here, ..WORDLESS }, to(6.0, 0.0), &mut out).unwrap();

@@ -24,15 +24,15 @@ use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Origin};
 
-/// What a run keeps beside the channel.
+/// State of a run in addition to the channel.
 pub(super) struct IsoRun {
     /// The part of the first file that is the main program.
     pub(super) main: usize,
-    /// Which parts of the first file were entered.
+    /// Parts of the first file that were entered.
     pub(super) entered: Vec<bool>,
 }
 
-/// Starts a program. Syntax findings of the main program are the caller's business; faulty blocks do nothing here.
+/// Starts a program. The caller handles syntax diagnostics of the main program; faulty blocks have no effect here.
 pub(in crate::exec) fn start<'a>(
     program: Program,
     machine: &'a Machine,
@@ -83,7 +83,7 @@ impl Execute for Iso {
         words::parse(source, run.programs[0].program.dialect)
     }
 
-    /// In RS274/NGC a bare O number only marks a place.
+    /// In RS274/NGC a bare O number only marks a position.
     fn end_of(channel: &Channel<'_>, file: &Loaded, level: &Level) -> usize {
         match (channel.language, file.program.parts.get(level.part)) {
             (Language::Fanuc, part) => part.map_or(0, |part| part.blocks.end),
@@ -100,7 +100,7 @@ impl Execute for Iso {
         let Some(level) = levels.last() else { return Ok(Action::Next) };
         let Some(loaded) = programs.get_mut(level.program) else { return Ok(Action::Next) };
         let takes_all = !loaded.program.comments_of(block).is_empty() && loaded.takes_comments_of(index);
-        // What shows or writes something does so with each pass of a loop, with the values of that pass.
+        // Comments that display or write something act in each pass of a loop, with the values of that pass.
         let acts = |comment: &&Comment| comment.kind != CommentKind::Plain;
         for comment in loaded.program.comments_of(block).iter().filter(|comment| takes_all || acts(comment)) {
             let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
@@ -141,7 +141,7 @@ impl Execute for Iso {
 }
 
 impl Interpreter<'_> {
-    /// The finding about a program of a Fanuc's file that nothing has called: the output is that of the first one alone.
+    /// Reports a program of a Fanuc file that nothing calls: the output contains the first one only.
     fn report_uncalled(&mut self) {
         let Some(program) = self.programs.first().map(|loaded| &loaded.program) else { return };
         if self.channel.language != Language::Fanuc || program.outside().is_some() {
@@ -158,14 +158,14 @@ impl Interpreter<'_> {
         self.ledger.report(Diagnostic::at(Code::MORE_PROGRAMS, place, message, help));
     }
 
-    /// What was found at the very end.
+    /// Reports diagnostics at the end of the run.
     fn report_rest(&mut self) {
         self.report_uncalled();
         let file = self.channel.outlet.file();
         for warning in std::mem::take(&mut self.channel.outlet.warnings) {
             self.ledger.report(warning.in_file(file));
         }
-        // By the other rules the contour stage says so itself.
+        // For other rules the contour stage reports it.
         if self.channel.modal.contour.compensates() && self.channel.is_rs274() {
             let place = Place { file, span: self.channel.outlet.origin.span };
             let message = "radius compensation is still on at the end of the program";
@@ -179,10 +179,10 @@ impl Interpreter<'_> {
     }
 }
 
-/// A channel as it is when a program starts.
+/// A channel in its state at the start of a program.
 pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, dialect: &'static Dialect) -> Channel<'a> {
     let mut channel = Channel::new(machine, options, dialect);
-    // G54 is in force when a program starts.
+    // G54 is active at the start of a program.
     if let Err(found) = offsets::load_offset(&mut channel, Span::default()) {
         channel.outlet.warnings.push(found);
     }

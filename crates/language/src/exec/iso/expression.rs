@@ -15,19 +15,19 @@ use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::DecimalPoint;
 
-/// Operators may join this many operands to one another.
+/// Maximum number of operators in an expression.
 const MAX_DEPTH: u32 = 500;
-/// How far a value that has to be whole may be above or below a whole number.
+/// Tolerance of a value that must be a whole number.
 const WHOLE: f64 = 1e-4;
 
-/// What an expression may look at.
+/// Data that an expression can access.
 #[derive(Clone, Copy)]
 pub(super) struct Scope<'s, 'a> {
     pub(super) program: &'s Program,
-    /// The number of the program, in the order of loading.
+    /// Index of the program, in the order of loading.
     pub(super) index: usize,
     pub(super) channel: &'s Channel<'a>,
-    /// Increments in a unit of the address whose value is computed, to which its ROUND goes; `None` for whole numbers.
+    /// Increments per unit of the current address, for ROUND; `None` rounds to whole numbers.
     pub(super) grid: Option<f64>,
 }
 
@@ -39,7 +39,7 @@ impl Scope<'_, '_> {
         }
     }
 
-    /// What a length without a decimal point counts, in units of the program, where such numbers count increments.
+    /// The length of a number without decimal point, in program units, if such numbers count increments.
     pub(super) fn increment(&self) -> Option<f64> {
         let counts = self.channel.settings.machine.control.iso.decimal_point == Some(DecimalPoint::Increment);
         counts.then(|| 1.0 / measure::increments_per_length(self.channel.settings.machine, &self.channel.modal))
@@ -59,17 +59,17 @@ impl Scope<'_, '_> {
         }
     }
 
-    /// The value with null as 0.
+    /// The value, with 0 for null.
     pub(super) fn number(&self, id: ExprId) -> Result<f64, Fault> {
         Ok(self.value(id)?.unwrap_or(0.0))
     }
 
-    /// Whether a condition holds.
+    /// `true` if a condition is true.
     pub(super) fn truth(&self, id: ExprId) -> Result<bool, Fault> {
         Ok(self.number(id)? != 0.0)
     }
 
-    /// The value as a whole number, where it is one.
+    /// The value as a whole number; an error if it is not whole.
     pub(super) fn whole(&self, id: ExprId) -> Result<i64, Fault> {
         let value = self.number(id)?;
         let nearest = value.round();
@@ -123,7 +123,7 @@ impl Scope<'_, '_> {
         computed.map(Some).map_err(wrong)
     }
 
-    /// Fanuc: null equals nothing but null; everywhere else it counts as 0.
+    /// Fanuc: null equals only null; elsewhere it counts as 0.
     fn binary(&self, operator: Operator, left: Option<f64>, right: Option<f64>) -> Result<f64, NoValue> {
         if left.is_none() || right.is_none() {
             let is_same = left.is_none() && right.is_none();
@@ -152,7 +152,7 @@ impl Scope<'_, '_> {
         Ok(nearest as i64)
     }
 
-    /// The number that `#n` or `#[…]` names as the target of an assignment.
+    /// The variable number of `#n` or `#[…]` as the target of an assignment.
     pub(super) fn target_number(&self, id: ExprId) -> Result<Option<i64>, Fault> {
         match self.program.expr(id).node {
             Node::Parameter(number) => Ok(Some(i64::from(number))),
@@ -214,7 +214,7 @@ impl Scope<'_, '_> {
         Err(fault(Code::UNDEFINED_VARIABLE, span, message, help).of_variable(name_of(text)))
     }
 
-    /// The value of a name, upper case, where it has one.
+    /// The value of a name, upper case, if it has one.
     pub(super) fn value_of_name(&self, name: &str) -> Option<f64> {
         let value = self.channel.variables.of_name(name).or_else(|| self.in_machine_file(&format!("#<{name}>")));
         value.or_else(|| self.predefined(name)?.ok())
@@ -224,7 +224,7 @@ impl Scope<'_, '_> {
         if self.channel.language == Language::Rs274 { predefined::predefined_name(self.channel, name) } else { None }
     }
 
-    /// Whether a name, upper case, is one of the control's own.
+    /// `true` if a name, upper case, is predefined by the control.
     pub(super) fn is_predefined(&self, name: &str) -> bool {
         self.predefined(name).is_some()
     }
@@ -248,7 +248,7 @@ impl Scope<'_, '_> {
         Ok(f64::from(u8::from(exists)))
     }
 
-    /// Whether an assignment to a name begins further left in the block of an expression: LinuxCNC's interpreter knows a name from there on
+    /// `true` if an assignment to a name begins further left in the block of an expression: LinuxCNC's interpreter knows the name from there on
     /// (`#<a> = [EXISTS[#<a>]]` is 1).
     fn is_set_before(&self, expr: ExprId, name: NameId) -> bool {
         let start = self.span(expr).start;
@@ -262,7 +262,7 @@ impl Scope<'_, '_> {
         block.is_some_and(|block| self.program.words_of(block).iter().any(sets))
     }
 
-    /// `ADP[…]` adds a decimal point to what was passed without one; where numbers without a point are whole units there is nothing to add.
+    /// `ADP[…]` adds a decimal point to an argument without one; if numbers without a point are whole units, it has no effect.
     fn with_point(&self, inner: ExprId, span: Span, depth: u32) -> Result<Option<f64>, Fault> {
         if self.increment().is_some() {
             let message = "ADP[ ] is not supported where numbers without a point count increments";
@@ -271,7 +271,7 @@ impl Scope<'_, '_> {
         self.value_at(inner, depth)
     }
 
-    /// What only the machine file can say, by the way it is written in the program.
+    /// A value that only the machine file contains, under its notation in the program.
     fn of_machine_file(&self, span: Span) -> Result<f64, Fault> {
         let shown: String = String::from_utf8_lossy(self.program.source.slice(span)).to_ascii_uppercase();
         let key: String = shown.chars().filter(|letter| !letter.is_whitespace()).collect();
@@ -305,12 +305,12 @@ fn no_value(key: &str, span: Span) -> Fault {
     fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(key)
 }
 
-/// A named variable as findings know it.
+/// The name of a named variable in messages.
 pub(super) fn name_of(text: &str) -> String {
     format!("#<{text}>")
 }
 
-/// A number that is no variable.
+/// The error for a number that is not a variable.
 pub(super) fn no_variable(number: i64, span: Span) -> Fault {
     let message = format!("#{number} is no variable of this control");
     at(span, Code::BAD_INDEX, message, "check the number, and how it is computed")

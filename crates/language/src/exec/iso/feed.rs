@@ -20,10 +20,10 @@ use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Word, WordValue};
 
 const METERS_PER_FOOT: f64 = 0.3048;
-/// Letters whose values are lengths in codes that are passed on.
+/// Letters whose values are lengths in codes that are passed through.
 const LENGTHS: &[u8] = b"XYZIJKUVW";
 
-/// A value to six decimals, without the noise of a conversion.
+/// Rounds to six decimals to remove conversion noise.
 fn to_places(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
@@ -64,7 +64,7 @@ pub(super) fn feed_mode(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     };
     channel.modal.modes.select_feed_unit(mode);
     if channel.is_rs274() {
-        // LinuxCNC forgets F at each of these codes.
+        // LinuxCNC resets F at each of these codes.
         channel.modal.modes.feed = 0.0;
     }
     channel.push(Kind::Keep(word));
@@ -93,7 +93,7 @@ pub(super) fn speed(
         let message = "a speed must not be negative";
         return Err(bad_value(gathered.span_of(b'S'), message, "program S with a positive value"));
     }
-    // A cutting speed is in feet per minute where lengths are in inches.
+    // A cutting speed is in feet per minute if lengths are in inches.
     let in_meters = |inch: bool| if inch { METERS_PER_FOOT } else { 1.0 };
     let (own, output) = (modal.modes.inch, machine.control.output_inch == Some(true));
     let is_other = own != output && modal.has_cutting_speed();
@@ -112,7 +112,7 @@ pub(super) fn tool_word(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     Ok(())
 }
 
-/// P of a dwell or of a cycle, s: RS274/NGC counts seconds and a Fanuc milliseconds, wherever the number comes from.
+/// P of a dwell or cycle, s: RS274/NGC counts seconds and a Fanuc milliseconds, for literals and computed values.
 pub(super) fn dwell_of_p(language: Language, gathered: &Gathered, name: &str) -> Result<Option<f64>, Fault> {
     let Some(value) = gathered.raw(b'P') else { return Ok(None) };
     if language == Language::Rs274 {
@@ -140,7 +140,7 @@ pub(super) fn dwell(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<()
         (Some(_), None) => dwell_of_p(channel.language, gathered, "G4")?.unwrap_or_default(),
         (None, Some(letter)) => {
             let value = gathered.raw(letter).unwrap_or_default();
-            // Without a point the value counts milliseconds, whatever the unit of lengths.
+            // Without a point the value counts milliseconds, in any length unit.
             let counts = gathered.is_unpointed(letter)
                 && measure::length(channel, gathered, letter)? != Some(value * channel.modal.modes.scale());
             if counts { value / 1000.0 } else { value }
@@ -200,7 +200,7 @@ pub(super) fn path_control(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
     Ok(())
 }
 
-/// Codes that move nothing, with their words. Whether they took the axis words.
+/// Emits codes without motion, with their words. Returns `true` if they consumed the axis words.
 pub(super) fn passed_on(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
     for &word in &gathered.keep {
         channel.push(Kind::Keep(word));

@@ -1,4 +1,4 @@
-//! Control flow: what a block does to the order of execution.
+//! Control flow: the effect of a block on the order of execution.
 
 use super::assign;
 use super::assign::{check_beside, evaluate, is_assignment, leaves_unset};
@@ -17,10 +17,10 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
-/// Arguments of an O-word call.
+/// Maximum number of arguments of an O-word call.
 const MAX_ARGUMENTS: usize = 30;
 
-/// Executes a block; `index` is its place.
+/// Executes a block; `index` is its index in the program.
 pub(super) fn block(
     loaded: &Loaded,
     level: &Level,
@@ -31,7 +31,7 @@ pub(super) fn block(
 ) -> Result<Action, Fault> {
     let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
     let behind = |at: usize| Action::Jump(at + 1);
-    // Without its other side the structure is faulty, which was said already; going on finds more.
+    // A structure without its other end was already reported; continuing finds further errors.
     let partner = block.partner();
     let behind_partner = || partner.map_or(Action::Next, behind);
     Ok(match block.body {
@@ -67,16 +67,16 @@ pub(super) fn block(
             }
         }
         Body::Repeat(count) => {
-            // Beyond what is counted the limit of blocks ends it.
+            // A larger count is ended by the limit of blocks.
             let count = scope.number(count)?.round().clamp(0.0, f64::from(u32::MAX)) as u32;
             if channel.loops.repeat((level.program, index), count) { Action::Next } else { behind_partner() }
         }
         Body::If(condition) if scope.truth(condition)? => Action::Next,
         Body::If(_) => next_branch(&scope, block)?,
-        // Reached from above: the branch before was taken.
+        // Reached from above: the previous branch was taken.
         Body::ElseIf(_) | Body::Else => Action::Jump(end_of_if(loaded, index)),
         Body::Break | Body::Continue => leave_pass(loaded, &mut channel.loops, block, index)?,
-        // A definition does nothing where it stands.
+        // A definition has no effect where it stands.
         Body::Sub => behind_partner(),
         Body::EndSub(value) | Body::Return(value) => {
             if !level.own.is_sub() {
@@ -101,7 +101,7 @@ pub(super) fn block(
     })
 }
 
-/// The words of a block: assignments, calls, and whatever the channel does.
+/// Executes the words of a block: assignments, calls, and the words for the channel.
 fn execute(
     loaded: &Loaded,
     level: &Level,
@@ -133,7 +133,7 @@ fn execute(
     let mut gathered = channel.take_gathered(block.span);
     let done = run(loaded, level, channel, block, words, &mut gathered, has_assignments, is_silent);
     channel.put_back(gathered);
-    // Even where the block has a fault, the program ends where it says so.
+    // The program ends as commanded, even if the block has an error.
     let ends = std::mem::take(&mut channel.block.ends_program);
     match done {
         Err(found) if !ends => return Err(found),
@@ -193,7 +193,7 @@ fn call_of_sub(scope: &Scope<'_, '_>, name: String, arguments: &[ExprId], span: 
     Ok(Call { callee, kind: CallKind::Sub, repeats: 1, arguments, span, is_of_code: false })
 }
 
-/// `GOTO n`: the block with this number behind this one, else the first one of the program.
+/// `GOTO n`: the next block with this number, otherwise the first one of the program.
 fn jump(loaded: &Loaded, scope: &Scope<'_, '_>, level: &Level, index: usize, target: ExprId) -> Result<Action, Fault> {
     let span = scope.span(target);
     let number = scope.whole(target)?;
@@ -206,7 +206,7 @@ fn jump(loaded: &Loaded, scope: &Scope<'_, '_>, level: &Level, index: usize, tar
     Ok(Action::Jump(found))
 }
 
-/// Refuses a jump into a loop.
+/// Rejects a jump into a loop.
 pub(super) fn check_loops(loaded: &Loaded, from: usize, to: usize, span: Span) -> Result<(), Fault> {
     let enters = |&(start, end): &(usize, usize)| (start + 1..=end).contains(&to) && !(start..=end).contains(&from);
     if loaded.own.spans.iter().any(enters) {
@@ -216,7 +216,7 @@ pub(super) fn check_loops(loaded: &Loaded, from: usize, to: usize, span: Span) -
     Ok(())
 }
 
-/// The branch of an IF whose condition does not hold.
+/// The next branch of an IF whose condition is false.
 fn next_branch(scope: &Scope<'_, '_>, block: &Block) -> Result<Action, Fault> {
     let mut next = block.partner();
     while let Some(at) = next {
@@ -229,7 +229,7 @@ fn next_branch(scope: &Scope<'_, '_>, block: &Block) -> Result<Action, Fault> {
     Ok(Action::Next)
 }
 
-/// The end of the IF that an ELSE or ELSEIF belongs to; the block behind it where there is none.
+/// The block after the IF of an ELSE or ELSEIF; without an IF, the next block.
 fn end_of_if(loaded: &Loaded, index: usize) -> usize {
     let mut at = index;
     while let Some(block) = loaded.program.blocks.get(at)
@@ -247,7 +247,7 @@ fn end_of_if(loaded: &Loaded, index: usize) -> usize {
 fn leave_pass(loaded: &Loaded, loops: &mut Passes, block: &Block, index: usize) -> Result<Action, Fault> {
     let at_index = |index: usize| loaded.program.blocks.get(index);
     let Some(partner) = block.partner() else { return Ok(Action::Next) };
-    // The partner is one side of the loop; whichever it is, its partner is the other one.
+    // The partner is one end of the loop, and its own partner is the other end.
     let Some(other) = at_index(partner).and_then(Block::partner) else { return Ok(Action::Next) };
     let (start, end) = (partner.min(other), partner.max(other));
     let body = at_index(start).map(|block| block.body);
@@ -262,7 +262,7 @@ fn leave_pass(loaded: &Loaded, loops: &mut Passes, block: &Block, index: usize) 
         return Ok(Action::Jump(end));
     }
     loops.breaks = true;
-    // The end of a `do` loop is where its condition is asked.
+    // The end of a `do` loop evaluates its condition.
     let again = !is_do && std::mem::take(&mut loops.continues);
     Ok(Action::Jump(if is_do || again { end } else { end + 1 }))
 }

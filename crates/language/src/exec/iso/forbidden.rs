@@ -1,5 +1,5 @@
-//! Codes that a Fanuc does not take in the state that it is in: within rotation, scaling and mirror, under radius compensation, under
-//! tool center point control, in polar coordinates. `docs/states.md` has the table.
+//! Codes that a Fanuc rejects in its current state: within rotation, scaling and mirroring, under radius compensation, under tool center point
+//! control, in polar coordinates. `docs/states.md` has the table.
 
 use super::channel::Channel;
 use super::channel::Special;
@@ -15,7 +15,7 @@ use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 
-/// What a code of a block does that a state may forbid.
+/// Kinds of codes that a state may forbid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// G17, G18, G19
@@ -26,14 +26,14 @@ enum Kind {
     Machine,
 }
 
-/// A code of a block, its name and its place.
+/// A code of a block: its kind, name and span.
 type Found = (Kind, String, Span);
 
-/// What the machine file says where a maker allows it.
+/// The machine file setting for makers who allow it.
 const SETTING: &str =
     "or, where the maker of the control allows it, set control.codes_within_rotation = \"allowed\" in the machine file";
 
-/// Refuses what the state before the block does not allow. What ends a state in its own block ends it for the whole block.
+/// Rejects codes that the state before the block does not allow. A code that ends a state ends it for its whole block.
 pub(super) fn check_state(channel: &Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let is_plain = channel.modal.transforms.is_empty()
         && !channel.modal.contour.compensates()
@@ -70,8 +70,8 @@ fn found(gathered: &Gathered) -> Vec<Found> {
     out
 }
 
-/// Operator's manual, "coordinate system rotation", "scaling" and "programmable mirror image": neither the plane nor G27 to G30, nor
-/// G52 to G59 and G92 (alarm 144 where the plane is another one).
+/// Operator's manual, "coordinate system rotation", "scaling" and "programmable mirror image": no plane selection, G27 to G30, G52 to G59 or G92
+/// (alarm 144 for another plane).
 fn within_transforms(
     machine: &Machine,
     modal: &Modal,
@@ -80,9 +80,9 @@ fn within_transforms(
 ) -> Result<(), Fault> {
     let Some((what, end, group)) = transform_within(modal, gathered) else { return Ok(()) };
     let is_tilted = modal.transforms.tilt().is_some();
-    // The machine's own places do not turn with a tilted plane, and its plane is chosen within it.
+    // Machine positions do not rotate with a tilted plane, and its working plane is selected within it.
     let is_free = is_tilted && *kind != Kind::Origin;
-    // `G17 G68 X0 Y0 R30.`: the plane of the turn that begins here.
+    // `G17 G68 X0 Y0 R30.`: the plane of the rotation that begins here.
     let begins =
         *kind == Kind::Plane && gathered.code(group).is_some() && plane_of(modal, gathered) == modal.modes.plane;
     if is_free || begins || machine.control.iso.codes_within_rotation {
@@ -93,7 +93,7 @@ fn within_transforms(
     Err(fault(Code::FORBIDDEN_STATE, *span, message, help))
 }
 
-/// The rotation, scaling or mirror in force that the block does not end, what ends it, and its group.
+/// The active rotation, scaling or mirroring that the block does not end, the code that ends it, and its group.
 fn transform_within(modal: &Modal, gathered: &Gathered) -> Option<(&'static str, &'static str, Group)> {
     let transforms = &modal.transforms;
     let ends = |group: Group, code: u16| gathered.code(group) == Some(code);
@@ -108,8 +108,8 @@ fn transform_within(modal: &Modal, gathered: &Gathered) -> Option<(&'static str,
     .map(|(_, group, _, what, end)| (what, end, group))
 }
 
-/// Operator's manual, "cutter compensation": another plane is alarm 037; what the other codes do with the offset vector is a
-/// matter of parameters (5003, 5008), and the tool moves by the radius in any case.
+/// Operator's manual, "cutter compensation": another plane is alarm 037. The effect of the other codes on the offset vector depends on parameters
+/// (5003, 5008), and the tool moves by the radius in any case.
 fn within_compensation(modal: &Modal, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
     if !modal.contour.compensates() || *kind == Kind::Plane && plane_of(modal, gathered) == modal.modes.plane {
         return Ok(());
@@ -124,7 +124,7 @@ fn within_compensation(modal: &Modal, gathered: &Gathered, (kind, name, span): &
     Err(fault(Code::BAD_COMPENSATION, *span, message, help))
 }
 
-/// Places of the machine are none of the tip: whether the control follows the tool on the way there is its own matter.
+/// Machine positions are not tip positions: whether the control tracks the tool on the path there is not specified.
 fn within_tip_control(modal: &Modal, gathered: &Gathered, (kind, name, span): &Found) -> Result<(), Fault> {
     let ends = gathered.code(Group::Length) == Some(490);
     if modal.turning.is_none() || ends || *kind != Kind::Machine {
@@ -134,8 +134,7 @@ fn within_tip_control(modal: &Modal, gathered: &Gathered, (kind, name, span): &F
     Err(fault(Code::FORBIDDEN_STATE, *span, message, "end it with G49 first"))
 }
 
-/// Which axis has the radius and which the angle follows the plane. Words of G52, G53, G92 and G10 are no polar words; of G27 to G30
-/// no manual says it.
+/// The plane determines the radius axis and the angle axis. Words of G52, G53, G92 and G10 are not polar; for G27 to G30 no manual specifies it.
 fn within_polar(
     modal: &Modal,
     special: &Special,
@@ -166,7 +165,7 @@ fn plane_of(modal: &Modal, gathered: &Gathered) -> Plane {
     number.and_then(Plane::from_number).unwrap_or(modal.modes.plane)
 }
 
-/// The same for a zero offset in force that is written as a variable.
+/// Applies the same check to an active zero offset that is written as a variable.
 pub(super) fn check_offset_write(
     machine: &Machine,
     language: Language,
@@ -183,7 +182,7 @@ pub(super) fn check_offset_write(
     within_compensation(modal, &gathered, &found)
 }
 
-/// Refuses motions in a tilted plane that are not what the control would do.
+/// Rejects motions in a tilted plane that would differ from those of the control.
 pub(super) fn check_tilt(channel: &Channel<'_>, named: AxisSet, span: Span) -> Result<(), Fault> {
     let Some(stand) = channel.modal.transforms.stand() else {
         let has_rotary = channel.settings.machine.axis_set().iter().any(Axis::is_rotary);
@@ -212,7 +211,7 @@ pub(super) fn refused_with(span: Span, message: &str, help: &str) -> Fault {
     fault(Code::NOT_SUPPORTED, span, message, help)
 }
 
-/// Refuses what does not go together with radius compensation.
+/// Rejects functions that are incompatible with radius compensation.
 pub(super) fn no_compensation(language: Language, modal: &Modal, span: Span, what: &str) -> Result<(), Fault> {
     if !modal.contour.compensates() || language != Language::Rs274 {
         return Ok(());

@@ -1,33 +1,32 @@
-//! Programmable mirror, scaling, rotation and tilted plane of Fanuc: what stands between a programmed point and the local zero.
+//! Programmable mirror, scaling, rotation and tilted plane of Fanuc: the transformations between programmed and local coordinates.
 //!
-//! A point is mirrored first (G51.1), then scaled (G51), then turned (G68), each about a center of its own (operator's manual,
-//! "programmable mirror image": the control goes from mirror to scaling to rotation). What is commanded within a mirror or a scaling
-//! is mirrored and scaled with it: the center of a rotation, and its sense where the plane is mirrored. A mirror must therefore not
-//! change within a scaling, nor one of both within a rotation.
+//! A point is mirrored first (G51.1), then scaled (G51), then rotated (G68), each about its own center (operator's manual, "programmable mirror
+//! image": the order is mirror, scaling, rotation). Data commanded within a mirror or scaling are mirrored and scaled too: the center of a rotation,
+//! and its direction if the plane is mirrored. A mirror must therefore not change within a scaling, nor either of them within a rotation.
 
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Frame, Matrix, Plane, Vector, about};
 
-/// What is in force.
+/// The active transformations.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Transforms {
     /// X, Y, Z of the mirrors.
     mirror: [Option<f64>; 3],
     scale: Option<Scale>,
     rotation: Option<Frame>,
-    /// Of how many rotations about lines in space it consists; 0 where it is one of the plane.
+    /// Number of rotations about lines in space; 0 for a rotation in the plane.
     in_space: u8,
     /// G68.2: the feature coordinate system.
     tilt: Option<Frame>,
-    /// How the tool stands on it behind G53.1.
+    /// Alignment of the tool after G53.1.
     stand: Option<Box<Stand>>,
 }
 
-/// The tool stands across a tilted plane.
+/// Alignment of the tool normal to a tilted plane.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stand {
-    /// From the plane to what is below it.
+    /// Frame from the plane to the coordinates below it.
     frame: Frame,
-    /// The zero offset and the tool for which it holds.
+    /// The zero offset and tool for which it is valid.
     pub(super) below: Frame,
     pub(super) tool_mm: Vector,
 }
@@ -38,16 +37,16 @@ struct Scale {
     factors: Vector,
 }
 
-/// What is in force in which a change is not allowed.
+/// Name of an active transformation in which a change is not allowed.
 pub(super) type Within = &'static str;
 
 impl Transforms {
-    /// Whether there is nothing.
+    /// `true` if nothing is active.
     pub(super) fn is_empty(&self) -> bool {
         self.mirror == [None; 3] && self.scale.is_none() && self.rotation.is_none() && self.tilt.is_none()
     }
 
-    /// The whole: programmed to local coordinates; `None` where there is nothing.
+    /// The product: programmed to local coordinates; `None` if nothing is active.
     pub(super) fn frame(&self) -> Option<Frame> {
         if self.is_empty() {
             return None;
@@ -57,52 +56,52 @@ impl Transforms {
         Some(turned.map_or_else(|| self.inner(), |turned| turned.compose(&self.inner())))
     }
 
-    /// Whether a rotation is in force.
+    /// `true` if a rotation is active.
     pub(super) fn is_turned(&self) -> bool {
         self.rotation.is_some()
     }
 
-    /// Whether a rotation about a line in space is in force.
+    /// `true` if a rotation about a line in space is active.
     pub(super) fn is_in_space(&self) -> bool {
         self.in_space > 0
     }
 
-    /// Whether a scaling is in force.
+    /// `true` if a scaling is active.
     pub(super) fn is_scaled(&self) -> bool {
         self.scale.is_some()
     }
 
-    /// Whether a mirror is in force.
+    /// `true` if a mirror is active.
     pub(super) fn is_mirrored(&self) -> bool {
         self.mirror != [None; 3]
     }
 
-    /// The tilted plane in force.
+    /// The active tilted plane.
     pub(super) fn tilt(&self) -> Option<&Frame> {
         self.tilt.as_ref()
     }
 
-    /// How the tool stands on it.
+    /// The alignment of the tool with it.
     pub(super) fn stand(&self) -> Option<&Stand> {
         self.stand.as_deref()
     }
 
-    /// G53.1: the tool stands across the tilted plane.
+    /// G53.1: aligns the tool normal to the tilted plane.
     pub(super) fn stand_on_tilt(&mut self, frame: Frame, below: Frame, tool_mm: Vector) {
         self.stand = Some(Box::new(Stand { frame, below, tool_mm }));
     }
 
-    /// The tool is about to stand another way.
+    /// Ends the alignment of the tool.
     pub(super) fn leave_stand(&mut self) {
         self.stand = None;
     }
 
-    /// How much longer a way along an axis gets, without sign.
+    /// Scale factor of lengths along an axis, without sign.
     pub(super) fn growth(&self, axis: Axis) -> f64 {
         self.scale.and_then(|scale| scale.factors.get(axis.slot()).copied()).map_or(1.0, f64::abs)
     }
 
-    /// Mirror and scaling.
+    /// Product of mirror and scaling.
     fn inner(&self) -> Frame {
         let mirror = self.mirroring();
         self.scale.as_ref().and_then(Scale::frame).map_or(mirror, |scale| scale.compose(&mirror))
@@ -121,7 +120,7 @@ impl Transforms {
         Frame::mirror(axes).with_offset(shift)
     }
 
-    /// G51.1: mirrors about the places that are given.
+    /// G51.1: mirrors about the given positions.
     pub(super) fn set_mirror(&mut self, words: [Option<f64>; 3]) -> Result<(), Within> {
         self.within(true)?;
         for (place, word) in self.mirror.iter_mut().zip(words) {
@@ -130,7 +129,7 @@ impl Transforms {
         Ok(())
     }
 
-    /// G50.1: ends the mirrors of the axes that are named, all where none is.
+    /// G50.1: ends the mirrors of the named axes, or all if none is named.
     pub(super) fn end_mirror(&mut self, named: [bool; 3]) -> Result<(), Within> {
         let all = named == [false; 3];
         let ends = |place: &Option<f64>, is_named: bool| place.is_some() && (all || is_named);
@@ -145,7 +144,7 @@ impl Transforms {
         Ok(())
     }
 
-    /// G51 about a center; a coordinate that is not given is that of `here`. `Ok(false)` where a factor cannot be.
+    /// G51 about a center; missing coordinates are those of `here`. `Ok(false)` for an invalid factor.
     pub(super) fn set_scale(
         &mut self,
         center: [Option<f64>; 3],
@@ -157,7 +156,7 @@ impl Transforms {
         if Frame::scale(factors).is_none() {
             return Ok(false);
         }
-        // Where the tool is stays its place, whatever scaled it before.
+        // The tool position is the center, independent of the previous scaling.
         let mirror = self.mirroring();
         let here = mirror.unapply(&self.inner().apply(here));
         let center = mirror.apply(&filled(center, &here)).xyz();
@@ -174,7 +173,7 @@ impl Transforms {
         Ok(())
     }
 
-    /// G68: turns the plane about a center; a coordinate that is not given is that of `here`, where the tool is.
+    /// G68: rotates the plane about a center; missing coordinates are those of the tool position `here`.
     pub(super) fn set_rotation(
         &mut self,
         plane: Plane,
@@ -198,8 +197,8 @@ impl Transforms {
         self.set_turn(words, &unit(across), sense * angle_rad, here)
     }
 
-    /// G68 with a direction: turns about a line in space, the second time in the coordinates that the first one makes. `Ok(false)`
-    /// where the direction is none.
+    /// G68 with a direction: rotates about a line in space, a second time in the coordinates of the first rotation. `Ok(false)` for an invalid
+    /// direction.
     pub(super) fn set_rotation_about(
         &mut self,
         center: [Option<f64>; 3],
@@ -216,7 +215,7 @@ impl Transforms {
             (1, Some(first)) => first,
             _ => return Err("a rotation (G68)"),
         };
-        // What `here` is programmed as now stays the center that is not given.
+        // The current coordinates of `here` replace missing center coordinates.
         self.rotation = None;
         self.set_turn(center, &direction, angle_rad, here)?;
         self.rotation = self.rotation.map(|second| first.compose(&second));
@@ -234,7 +233,7 @@ impl Transforms {
         if self.tilt.is_some() {
             return Err("a tilted plane (G68.2)");
         }
-        // Where the tool is stays its place, whatever turned it before.
+        // The tool position is the center, independent of the previous rotation.
         let inner = self.inner();
         let before = self.rotation.as_ref().map_or(inner, |rotation| rotation.compose(&inner));
         let here = inner.unapply(&before.apply(here));
@@ -243,7 +242,7 @@ impl Transforms {
         Ok(())
     }
 
-    /// Whether a rotation in space turns a vector.
+    /// `true` if a rotation in space changes the direction of a vector.
     pub(super) fn turns(&self, vector: &Vector) -> bool {
         let turned = self.rotation.filter(|_| self.in_space > 0).map(|rotation| rotation.linear() * vector);
         turned.is_some_and(|turned| (turned - vector).norm() > 1e-9)
@@ -298,7 +297,7 @@ fn unit(axis: Axis) -> Vector {
     Vector::ith(axis.dimension(), 1.0)
 }
 
-/// Words, and where there is none the value of a place.
+/// The words, with missing ones from a position.
 fn filled(words: [Option<f64>; 3], here: &AxisVector) -> AxisVector {
     let mut out = *here;
     for (axis, word) in AXES.into_iter().zip(words) {
@@ -346,7 +345,7 @@ mod tests {
 
     #[test]
     fn a_rotation_within_mirror_and_scaling_is_mirrored_and_scaled_with_them() {
-        // Whatever is programmed within them, the outer ones act on all of it: outer(turned(p)).
+        // The outer transformation acts on everything programmed within: outer(turned(p)).
         let (center, angle) = ([3.0, -2.0], 0.7);
         let mut alone = Transforms::default();
         alone.set_rotation(Plane::XY, some(center), angle, &AxisVector::ZERO).unwrap();

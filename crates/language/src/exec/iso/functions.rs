@@ -1,26 +1,26 @@
-//! Arithmetic of the macro languages: what functions and operators give, and where they give nothing.
+//! Arithmetic of the macro languages: results of functions and operators, and undefined cases.
 
 use crate::syntax::words::{Function, Operator};
 use ncfix_base::units::sin_deg;
 use ncfix_dialect::Language;
 
-/// Values that differ by less are equal for EQ and NE of RS274/NGC, as LinuxCNC has them; its other comparisons allow for nothing.
+/// Tolerance of EQ and NE in RS274/NGC, as in LinuxCNC; its other comparisons have no tolerance.
 const EQUAL: f64 = 1e-4;
-/// Bits of the integers that Fanuc's logic works on.
+/// Range of the integers in Fanuc's bitwise logic.
 const BITS: f64 = 2_147_483_647.0;
 /// The largest number of eight binary-coded decimal digits.
 const MOST_DECIMAL: f64 = 99_999_999.0;
 
-/// Switches of the arithmetic.
+/// Settings of the arithmetic.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arithmetic {
-    /// Whose rules.
+    /// Language of the rules.
     pub(super) language: Language,
-    /// Whether Fanuc's angles of ATAN and ASIN lie between −180° and 180° (parameter 6004#0), else from 0° on.
+    /// `true` if Fanuc's angles of ATAN and ASIN are between −180° and 180° (parameter 6004#0), otherwise from 0°.
     pub(super) signed_angles: bool,
 }
 
-/// Why there is no value.
+/// Reason of an undefined value.
 pub(super) type NoValue = &'static str;
 
 const NO_DIVISOR: NoValue = "division by zero";
@@ -39,7 +39,7 @@ impl Arithmetic {
         if self.is_fanuc() && !self.signed_angles && degrees < 0.0 { degrees + 360.0 } else { degrees }
     }
 
-    /// The value of a function of one or two values.
+    /// The value of a function with one or two arguments.
     pub(super) fn call(self, function: Function, a: f64, b: Option<f64>) -> Result<f64, NoValue> {
         let value = match (function, b) {
             (Function::Sin, _) => sin_deg(a),
@@ -80,7 +80,7 @@ impl Arithmetic {
         finite(value)
     }
 
-    /// The value of an operator; comparisons give 1 and 0.
+    /// The value of an operator; comparisons return 1 or 0.
     pub(super) fn binary(self, operator: Operator, a: f64, b: f64) -> Result<f64, NoValue> {
         let value = match operator {
             Operator::Power => return power(a, b),
@@ -88,7 +88,7 @@ impl Arithmetic {
             Operator::Divide | Operator::Mod if b == 0.0 => return Err(NO_DIVISOR),
             Operator::Divide => a / b,
             Operator::Mod if self.is_fanuc() => return modulo(a.round(), b.round()),
-            // Never negative, whatever the signs.
+            // Never negative, for any signs.
             Operator::Mod => {
                 let rest = a % b;
                 if rest < 0.0 { rest + b.abs() } else { rest }
@@ -112,7 +112,7 @@ impl Arithmetic {
         if self.is_fanuc() { a == b } else { (a - b).abs() < EQUAL }
     }
 
-    /// Fanuc's logic works on the bits of integers, that of RS274/NGC on truths.
+    /// Fanuc's logic is bitwise on integers, that of RS274/NGC is logical.
     fn logic(self, a: f64, b: f64, on_bits: fn(i64, i64) -> i64) -> Result<f64, NoValue> {
         if !self.is_fanuc() {
             return Ok(on_bits(i64::from(a != 0.0), i64::from(b != 0.0)) as f64);

@@ -1,4 +1,4 @@
-//! Gathers the words of one block before anything is executed: gather, check, execute.
+//! Gathers the words of one block before its execution: gather, check, execute.
 
 use super::codes::{G80, Group, group_of, name_of};
 use super::expression::Scope;
@@ -11,12 +11,12 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::{Effect, Language};
 
-/// Largest value that a word may have.
+/// Largest accepted value of a word.
 const MAX_VALUE: f64 = 1e9;
 
-/// Reads words of a block; assignments and names among them are not its business.
+/// Reads words of a block; assignments and names are handled elsewhere.
 pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) -> Result<(), Fault> {
-    // The unit of the block holds for all its words.
+    // The unit of the block applies to all its words.
     let mut inch = scope.channel.modal.modes.inch;
     for word in words.iter().filter(|word| word.address == Address::Letter(b'G')) {
         match word.value {
@@ -39,7 +39,7 @@ pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) 
             Value::Number { value, has_point, .. } => (value, has_point),
             Value::Expr(id) => match grid_scope(scope, letter, inch).value(id)? {
                 Some(value) => (value, true),
-                // An address with an undefined variable is as good as not programmed.
+                // An address with an undefined variable counts as not programmed.
                 None => continue,
             },
         };
@@ -62,7 +62,7 @@ pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) 
     Ok(())
 }
 
-/// What the expression of an address sees: ROUND goes to the increment of a Fanuc's lengths and angles.
+/// The scope of an address value: ROUND uses the increment of a Fanuc's lengths and angles.
 fn grid_scope<'s, 'a>(scope: &Scope<'s, 'a>, letter: u8, inch: bool) -> Scope<'s, 'a> {
     let grid = match letter {
         _ if scope.channel.is_rs274() => None,
@@ -75,7 +75,7 @@ fn grid_scope<'s, 'a>(scope: &Scope<'s, 'a>, letter: u8, inch: bool) -> Scope<'s
     Scope { grid, ..*scope }
 }
 
-/// A word or a group twice: an alarm, or the last one counts.
+/// Handles a repeated word or group: an error, or the last one is used.
 fn double(span: Span) -> Result<(), Fault> {
     Err(fault(Code::DOUBLE_WORD, span, "a word of this kind stands in the block already", "take one of them out"))
 }
@@ -96,7 +96,7 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
     }
     if let Some(group) = group_of(tenths, dialect.language) {
         if group == Group::Motion && dialect.language == Language::Rs274 {
-            // Of G80 and another kind of motion the other one counts.
+            // Of G80 and another motion code the other one is used.
             match out.code(group) {
                 Some(_) if tenths == G80 => return Ok(()),
                 Some(G80) => {
@@ -106,7 +106,7 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
                 _ => {}
             }
         }
-        // The same code once more changes nothing on a Fanuc.
+        // A repetition of the same code has no effect on a Fanuc.
         let old = out.set_code(group, tenths, span);
         if old.is_some_and(|old| old != tenths || dialect.language == Language::Rs274) {
             double(span)?;

@@ -1,7 +1,6 @@
-//! All that one block says: a G code per group, a value per letter, M codes.
+//! The gathered words of one block: a G code per group, a value per letter, M codes.
 //!
-//! Values are taken with [`Gathered::raw`], which notes that something used them: what is left over at the end of a block belongs to
-//! no code, and is a finding.
+//! Values are taken with [`Gathered::raw`], which marks them as used. Unused words at the end of a block belong to no code and are reported.
 
 use std::cell::Cell;
 
@@ -28,15 +27,15 @@ pub(super) struct Gathered {
     /// Plain numbers with one.
     pointed: u32,
     used: Cell<u32>,
-    /// `G53`
+    /// Span of `G53`.
     pub(super) machine_frame: Option<Span>,
-    /// G codes that are passed on as they are.
+    /// G codes that are passed through unchanged.
     pub(super) keep: Vec<&'static str>,
-    /// A G code that is passed on with its words.
+    /// A G code that is passed through with its words.
     pub(super) passed: Option<&'static CodeEntry>,
-    /// M codes in the order in which they are written.
+    /// M codes in the order of the block.
     pub(super) m_codes: Vec<(u32, Span)>,
-    /// Axes named.
+    /// Named axes.
     pub(super) axes: AxisSet,
     /// The whole block.
     pub(super) span: Span,
@@ -77,7 +76,7 @@ fn slot_of(letter: u8) -> Option<usize> {
     })
 }
 
-/// The letter of a slot as it is written.
+/// The letter of a slot as written.
 fn letter_of(slot: usize) -> String {
     match b"ABCDEFGHIJKLMNOPQRSTUVWXYZ@^$".get(slot) {
         Some(&letter) => char::from(letter).to_string(),
@@ -86,7 +85,7 @@ fn letter_of(slot: usize) -> String {
 }
 
 impl Gathered {
-    /// Empties it for the next block; what was allocated stays.
+    /// Clears it for the next block; allocated storage is kept.
     pub(super) fn clear(&mut self, span: Span) {
         self.codes = [NONE; GROUPS];
         self.present = 0;
@@ -101,7 +100,7 @@ impl Gathered {
         self.span = span;
     }
 
-    /// Notes a G code, in tenths; gives the one of the group that it replaces.
+    /// Sets a G code, in tenths; returns the code of the group that it replaces.
     pub(super) fn set_code(&mut self, group: Group, tenths: u16, span: Span) -> Option<u16> {
         let index = group as usize;
         self.code_spans[index] = span;
@@ -115,12 +114,12 @@ impl Gathered {
         (code != NONE).then_some(code)
     }
 
-    /// Where the G code of a group stands.
+    /// The span of the G code of a group.
     pub(super) fn code_span(&self, group: Group) -> Span {
         self.code_spans[group as usize]
     }
 
-    /// Notes a value; whether the letter had one already.
+    /// Sets a value. Returns `true` if the letter already had one.
     pub(super) fn set_value(&mut self, letter: u8, value: f64, has_point: bool, span: Span) -> bool {
         let Some(slot) = slot_of(letter) else { return false };
         let bit = 1_u32 << slot;
@@ -139,56 +138,56 @@ impl Gathered {
         is_double
     }
 
-    /// Whether the block has a letter.
+    /// `true` if the block has a letter.
     pub(super) fn has(&self, letter: u8) -> bool {
         slot_of(letter).is_some_and(|slot| self.present & (1 << slot) != 0)
     }
 
-    /// Whether the block has one of these letters.
+    /// `true` if the block has one of these letters.
     pub(super) fn has_any(&self, letters: &[u8]) -> bool {
         letters.iter().any(|&letter| self.has(letter))
     }
 
-    /// The value of a letter as written; it counts as used.
+    /// The value of a letter as written; marks it as used.
     pub(super) fn raw(&self, letter: u8) -> Option<f64> {
         let slot = slot_of(letter).filter(|slot| self.present & (1 << slot) != 0)?;
         self.used.set(self.used.get() | 1 << slot);
         Some(self.values[slot])
     }
 
-    /// The value of a letter as written; it does not count as used.
+    /// The value of a letter as written, without marking it as used.
     pub(super) fn raw_quietly(&self, letter: u8) -> Option<f64> {
         slot_of(letter).filter(|_| self.has(letter)).map(|slot| self.values[slot])
     }
 
-    /// Whether the value of a letter is a plain number without a decimal point.
+    /// `true` if the value of a letter is a plain number without decimal point.
     pub(super) fn is_unpointed(&self, letter: u8) -> bool {
         slot_of(letter).is_some_and(|slot| self.unpointed & (1 << slot) != 0)
     }
 
-    /// Notes that the value of a letter is a plain number with a decimal point.
+    /// Records that the value of a letter is a plain number with a decimal point.
     pub(super) fn note_point(&mut self, letter: u8) {
         self.pointed |= slot_of(letter).map_or(0, |slot| 1 << slot);
     }
 
-    /// Whether it is.
+    /// `true` if the value of a letter is a plain number with a decimal point.
     pub(super) fn is_pointed(&self, letter: u8) -> bool {
         slot_of(letter).is_some_and(|slot| self.pointed & (1 << slot) != 0)
     }
 
-    /// Where a letter stands.
+    /// The span of a letter.
     pub(super) fn span_of(&self, letter: u8) -> Span {
         slot_of(letter).map_or(self.span, |slot| if self.has(letter) { self.spans[slot] } else { self.span })
     }
 
-    /// Letters count as used.
+    /// Marks letters as used.
     pub(super) fn use_up(&self, letters: &[u8]) {
         for slot in letters.iter().filter_map(|&letter| slot_of(letter)) {
             self.used.set(self.used.get() | 1 << slot);
         }
     }
 
-    /// A word that nothing has used: its letter as written, and its place.
+    /// An unused word: its letter as written, and its span.
     pub(super) fn unused(&self) -> Option<(String, Span)> {
         let left = self.present & !self.used.get();
         if left == 0 {

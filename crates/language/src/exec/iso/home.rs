@@ -1,4 +1,4 @@
-//! Reference points: G28, G30 and where they are.
+//! Reference points: G28, G30 and their positions.
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
@@ -20,7 +20,7 @@ use ncfix_machine::snc::{Kind, Manner};
 /// First parameter of the position of G28, then of G30; one for each axis X Y Z A B C U V W.
 const PARAMETERS: [u32; 2] = [5161, 5181];
 
-/// `G28`, `G30`: rapid by way of the point named to the reference point, the axes named or all of them.
+/// `G28`, `G30`: rapid through the named intermediate point to the reference point, with the named axes or all of them.
 pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Action);
     forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
@@ -30,7 +30,7 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
         Some(number) if (2.0..=4.0).contains(&number) => number.round() as u8,
         Some(_) => return Err(bad_value(gathered.span_of(b'P'), "G30 has the points 2, 3 and 4", "write P2")),
     };
-    // By way of where the axes stand, wherever that is: `G91 G28 Z0` at the start of a program.
+    // Through the current axis position, wherever it is: `G91 G28 Z0` at the start of a program.
     let mut stays = channel.modal.modes.incremental;
     for axis in gathered.axes.iter() {
         stays &= target::axis_value(channel, gathered, axis)? == 0.0;
@@ -40,7 +40,7 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     } else {
         step::end(channel, gathered)?
     };
-    // Directly after G40 the tool of LinuxCNC is beside the place where the program is, and goes there first.
+    // Directly after G40 the tool of LinuxCNC is beside the programmed position, and goes there first.
     let is_beside = channel.is_rs274() && channel.outlet.is_holding();
     if !named.is_empty() && (through != target::here(&channel.modal, &channel.standing) || is_beside) {
         step::step(channel, Step::straight(gathered, true, through, named))?;
@@ -60,7 +60,7 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     step::machine_step(channel, step)
 }
 
-/// Where a reference point of an axis is, mm or rad.
+/// Position of a reference point of an axis, mm or rad.
 fn reference(
     machine: &Machine,
     language: Language,
@@ -77,7 +77,7 @@ fn reference(
     let points = &machine.control.iso.reference_points;
     match points.get(&(point, axis)) {
         Some(&value) => Ok(value),
-        // The first one is usually where the machine's zero is.
+        // The first reference point is usually the machine zero.
         None if point == 1 => Ok(0.0),
         None => {
             let message = format!("where reference point {point} of {axis} is, the machine file does not say");
@@ -88,7 +88,7 @@ fn reference(
     }
 }
 
-/// `G28.1`, `G30.1`: the present position becomes the reference point.
+/// `G28.1`, `G30.1`: stores the current position as the reference point.
 pub(super) fn save_home(channel: &mut Channel<'_>, code: u16, span: Span) -> Result<(), Fault> {
     forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
     if let Some(axis) =

@@ -1,4 +1,4 @@
-//! Tool length compensation: G43, G44, G49 and what tables of offsets hold.
+//! Tool length compensation: G43, G44, G49 and the offset tables.
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
@@ -21,7 +21,7 @@ use ncfix_machine::machine::LengthAxis;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
-/// Executes the code of length compensation. Whether it took the axis words, so that the block has no motion.
+/// Executes the code of length compensation. Returns `true` if it consumed the axis words, so that the block has no motion.
 pub(super) fn length_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
     let code = gathered.code(Group::Length);
     let Some(code) = code.or_else(|| again(channel.language, &channel.modal, gathered)) else { return Ok(false) };
@@ -36,7 +36,7 @@ pub(super) fn length_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Re
     }
 }
 
-/// H alone changes the offset while compensation is on (Fanuc).
+/// H alone changes the offset while compensation is active (Fanuc).
 fn again(language: Language, modal: &Modal, gathered: &Gathered) -> Option<u16> {
     let code = modal.code(Group::Length);
     (language != Language::Rs274 && code != 490 && gathered.has(b'H') && gathered.code(Group::Action).is_none())
@@ -88,7 +88,7 @@ fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
     Ok(takes_axes)
 }
 
-/// The offset of a number and whether it is assumed.
+/// The offset for a number, and `true` if it is assumed.
 fn table_length(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(Vector, bool), Fault> {
     if number == 0 {
         return Ok((Vector::zeros(), false));
@@ -115,7 +115,7 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
     let (table, assumed) =
         if is_off { (Vector::zeros(), false) } else { table_length(channel, channel.modal.h, span)? };
     let size = if code == 440 { -table[2] } else { table[2] };
-    // Along several axes where several blocks say so; G49 ends them all, H0 that of its axis.
+    // Along several axes if several blocks command it; G49 ends all of them, H0 that of its axis.
     let mut length = Vector::zeros();
     if !is_off {
         if channel.settings.machine.control.iso.length_axis != LengthAxis::Z {
@@ -151,7 +151,7 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
     match code {
         430 => channel.push(Kind::Keep("G43")),
         440 => channel.push(Kind::Keep("G44")),
-        // The output gives positions of the rotary axes, also where the program gives directions.
+        // The output gives positions of the rotary axes, even if the program gives directions.
         434 | 435 => channel.push(Kind::Keep("G43.4")),
         _ => channel.push(Kind::Keep("G49")),
     }

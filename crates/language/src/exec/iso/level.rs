@@ -1,4 +1,4 @@
-//! The family for the core: its types, and what it keeps for each level.
+//! The types of this family for the core, and its data per level.
 
 use std::rc::Rc;
 
@@ -16,26 +16,26 @@ pub(super) struct Iso;
 pub(super) type Interpreter<'a> = core::interpreter::Runner<'a, Iso>;
 /// A program that is being executed.
 pub(super) type Level = core::level::ProgramLevel<Iso>;
-/// What comes after a block.
+/// Action after a block.
 pub(super) type Action = core::level::AfterBlock<Iso>;
-/// A program file, ready to run.
+/// A program file, ready for execution.
 pub(super) type Loaded = core::family::FileOf<Iso>;
 
-/// How a program that runs was called.
+/// Call data of a running program.
 #[derive(Debug, Default)]
 pub(super) struct Called {
-    /// The block that it begins with.
+    /// Its first block.
     pub(super) start: usize,
-    /// How it was called; `None` for the main program.
+    /// The call; `None` for the main program.
     pub(super) call: Option<Rc<Call>>,
-    /// The modal call whose program this is or belongs to: motions here trigger only those before it.
+    /// Index of the modal call that contains this program: motions here trigger only earlier ones.
     pub(super) modal: Option<usize>,
-    /// Whether a mapped code called this program, or one that led here.
+    /// `true` if a mapped code called this program or one of its callers.
     pub(super) is_of_code: bool,
 }
 
 impl Called {
-    /// Whether it is a subroutine of O-words.
+    /// `true` if it is an O-word subroutine.
     pub(super) fn is_sub(&self) -> bool {
         self.call.as_ref().is_some_and(|call| call.kind == CallKind::Sub)
     }
@@ -45,10 +45,10 @@ impl Family for Iso {
     type Program = Program;
     type Prepared = Loops;
     type Name = String;
-    /// The file; where in it a program begins is found with each call.
+    /// The file; the start of a program in it is searched at each call.
     type Entry = usize;
     type Call = Box<Call>;
-    /// The block number in the caller, where there is one.
+    /// The block number in the caller, if any.
     type Return = Option<u32>;
     type End = ();
     type Pass = ();

@@ -1,4 +1,4 @@
-//! Finds programs: in the file that calls, in the main file, in files beside it.
+//! Finds programs: in the calling file, in the main file, in files next to it.
 
 use super::call::{Call, Callee};
 use super::level::{Interpreter, Loaded};
@@ -9,18 +9,18 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 
-/// Endings of the files of programs, in the order in which they are looked for.
+/// Extensions of program files, in search order.
 const ENDINGS: &[&str] = &["", ".NC", ".CNC", ".TAP", ".TXT", ".PRG", ".EIA", ".MIN"];
-/// Those of RS274/NGC.
+/// Extensions for RS274/NGC.
 const RS274_ENDINGS: &[&str] = &[".NGC", ".NC", ""];
-/// A program with a longer number is written with its count by M98.
+/// From this number on, M98 writes a program together with its count.
 const SPLIT: u32 = 10_000;
 
-/// Where a program begins: file, part, block.
+/// Start of a program: file, part, block.
 pub(super) type Entry = (usize, usize, usize);
 
 impl Interpreter<'_> {
-    /// The program of a call. What P means is settled here: a count and a number, or one long number.
+    /// The program of a call. This resolves the ambiguity of P: a count and a number, or one long number.
     pub(super) fn find(&mut self, call: &mut Call) -> Result<Entry, Fault> {
         let (shown, found) = match &call.callee {
             Callee::Number(number) => (format!("O{number:04}"), self.find_number(*number)),
@@ -68,7 +68,7 @@ impl Interpreter<'_> {
         fault(Code::NO_SUBPROGRAM, span, message, help)
     }
 
-    /// The files in which a program may be, the one that calls first.
+    /// The files that may contain a program, the calling file first.
     fn near(&self) -> impl Iterator<Item = usize> + use<> {
         let own = self.levels.last().map_or(0, |level| level.program);
         std::iter::once(own).chain((own != 0).then_some(0))
@@ -109,7 +109,7 @@ impl Interpreter<'_> {
         self.entry(program, part)
     }
 
-    /// A subroutine of O-words: one that was passed or loaded already, then a file, then one further on.
+    /// An O-word subroutine: one that was passed or loaded already, then a file, then one further ahead.
     fn find_sub(&mut self, name: &str) -> Option<Entry> {
         let (own, here) = self.levels.last().map_or((0, 0), |level| (level.program, level.next));
         let others = (0..self.programs.len()).filter(|&program| program != own);
@@ -140,7 +140,7 @@ impl Interpreter<'_> {
         Some((program, loaded.part_of(block)?, block + 1))
     }
 
-    /// Loads a file from the library, once; its number.
+    /// Loads a file from the library, once. Returns its index.
     fn load(&mut self, key: &str, names: &[String]) -> Option<usize> {
         self.find_once(key, |run| {
             let (shown, bytes) = run.library.load_file(names)?;
@@ -152,7 +152,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// Names with all endings.
+/// All combinations of names and extensions.
 fn file_names(stems: &[String], endings: &[&str]) -> Vec<String> {
     stems.iter().flat_map(|stem| endings.iter().map(move |ending| format!("{stem}{ending}"))).collect()
 }

@@ -1,4 +1,4 @@
-//! The loops of a file: where they begin and end, and where they are left.
+//! The loops of a file: their start, end and exits.
 
 use std::collections::HashMap;
 
@@ -8,9 +8,9 @@ use ncfix_dialect::Language;
 
 /// The loops of a file.
 pub(super) struct Loops {
-    /// First and last blocks of the loops that a jump could lead into.
+    /// First and last blocks of the loops into which a jump could lead.
     pub(super) spans: Vec<(usize, usize)>,
-    /// The last `break` of the loops that have one, by the block where the loop begins.
+    /// The last `break` of each loop that has one, by the first block of the loop.
     breaks: HashMap<usize, usize>,
 }
 
@@ -19,13 +19,13 @@ impl Loops {
         Loops { spans: loops_of(program), breaks: breaks_of(program, ledger) }
     }
 
-    /// Whether a `break` of the loop that begins at `start` stands behind a block of it.
+    /// `true` if the loop that begins at `start` has a `break` after a block.
     pub(super) fn has_break_behind(&self, start: usize, index: usize) -> bool {
         self.breaks.get(&start).is_some_and(|&last| last > index)
     }
 }
 
-/// First and last blocks of the loops that a jump could lead into.
+/// First and last blocks of the loops into which a jump could lead.
 fn loops_of(program: &Program) -> Vec<(usize, usize)> {
     if program.dialect.language != Language::Fanuc {
         return Vec::new();
@@ -37,7 +37,7 @@ fn loops_of(program: &Program) -> Vec<(usize, usize)> {
     program.blocks.iter().enumerate().filter_map(is_loop).collect()
 }
 
-/// The last `break` of each loop that is not left out, by the block where the loop begins.
+/// The last `break` of each loop that is not skipped, by the first block of the loop.
 fn breaks_of(program: &Program, ledger: &Ledger) -> HashMap<usize, usize> {
     let is_left_out = |block: &Block| block.skip.is_some_and(|level| ledger.leaves_out(level));
     let breaks =

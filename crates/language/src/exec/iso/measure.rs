@@ -1,4 +1,4 @@
-//! Lengths and angles of words: what a number counts, and the grid on which it lies.
+//! Lengths and angles of words: the unit of a number, and its rounding grid.
 
 use super::channel::Channel;
 use super::channel::Warned;
@@ -25,7 +25,7 @@ pub(super) fn length(channel: &mut Channel<'_>, gathered: &Gathered, letter: u8)
     {
         return Ok(Some(value / per_unit * scale));
     }
-    // Leads of threads are finer.
+    // Leads of threads have a finer resolution.
     let value = if matches!(letter, b'E' | b'F') { value } else { on_grid(value, per_unit) };
     Ok(Some(value * scale))
 }
@@ -49,23 +49,23 @@ pub(super) fn angle(
     Ok(Some(on_grid(value, per_degree).to_radians()))
 }
 
-/// Increments of a Fanuc in a length unit of the program.
+/// Increments of a Fanuc per length unit of the program.
 pub(super) fn increments_per_length(machine: &Machine, modal: &Modal) -> f64 {
     increments_per(machine, modal.modes.inch)
 }
 
-/// Increments of a Fanuc in a degree.
+/// Increments of a Fanuc per degree.
 pub(super) fn increments_per_degree(machine: &Machine) -> f64 {
     machine.control.iso.increment_system.per_unit()
 }
 
-/// Increments of a Fanuc in an inch or a millimeter.
+/// Increments of a Fanuc per inch or millimeter.
 pub(super) fn increments_per(machine: &Machine, inch: bool) -> f64 {
     machine.control.iso.increment_system.per_unit() * if inch { 10.0 } else { 1.0 }
 }
 
-/// Whether a number without a decimal point counts increments. Where the machine file does not say it, this is a finding: a
-/// factor of a thousand is not guessed.
+/// `true` if a number without decimal point counts increments. If the machine file does not define it, this is reported: a factor of a thousand is
+/// not guessed.
 fn has_increments(machine: &Machine, warned: &mut Warned, gathered: &Gathered, letter: u8) -> Result<bool, Fault> {
     if let Some(point) = machine.control.iso.decimal_point {
         return Ok(point == DecimalPoint::Increment);
@@ -79,10 +79,10 @@ fn has_increments(machine: &Machine, warned: &mut Warned, gathered: &Gathered, l
     Err(fault(Code::UNITS_DOUBT, gathered.span_of(letter), message, help))
 }
 
-/// How near to a whole number a computed code must be.
+/// Tolerance of a computed code that must be a whole number.
 pub(super) const NEAR: f64 = 1e-3;
 
-/// The whole number that a code must be.
+/// Converts the value of a code to a whole number.
 pub(super) fn whole(value: f64, span: Span, what: &str) -> Result<u32, Fault> {
     let rounded = value.round();
     if (value - rounded).abs() > NEAR || !(0.0..=f64::from(u32::MAX)).contains(&rounded) {

@@ -1,15 +1,15 @@
-//! Texts of `(DEBUG,…)`, `(PRINT,…)` and `(LOG,…)` of RS274/NGC: they show values, and the output has none of the variables.
+//! Texts of `(DEBUG,…)`, `(PRINT,…)` and `(LOG,…)` of RS274/NGC: they show values, as the output has none of the variables.
 
 use super::expression::Scope;
 use crate::syntax::words::{Comment, CommentKind};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
 
-/// Bytes of a text behind which it is cut off, as LinuxCNC does for want of space; values may be long, and a line has an end.
+/// Length at which a text is cut off, bytes, similar to LinuxCNC; values may be long.
 const LONGEST: usize = 240;
 
 impl Scope<'_, '_> {
-    /// What a comment becomes.
+    /// The element of a comment.
     pub(super) fn comment(&self, comment: &Comment) -> Kind {
         let source = &self.program.source;
         let opening = match comment.kind {
@@ -25,7 +25,7 @@ impl Scope<'_, '_> {
         Kind::Comment(text)
     }
 
-    /// Puts values in the place of `#1` and `#<name>`, as LinuxCNC shows them: with six decimals, `%d` none, `%f` four, `%.2f` two.
+    /// Replaces `#1` and `#<name>` by values in LinuxCNC's format: six decimals, `%d` none, `%f` four, `%.2f` two.
     fn show(&self, mut text: &[u8], span: Span, out: &mut Vec<u8>) {
         let mut decimals = 6;
         while let Some((&first, rest)) = text.split_first().filter(|_| out.len() < LONGEST) {
@@ -43,7 +43,7 @@ impl Scope<'_, '_> {
                 }
                 text = rest.get(length..).unwrap_or_default();
             } else {
-                // A lone # would name a variable again.
+                // A single # would name a variable again.
                 if first != b'#' {
                     out.push(first);
                 }
@@ -52,14 +52,14 @@ impl Scope<'_, '_> {
         }
     }
 
-    /// The value behind a #, where there is one, and the length of what names it.
+    /// The value after a #, if any, and the length of its name.
     fn shown(&self, text: &[u8], span: Span) -> Option<(Option<f64>, usize)> {
         let digits = text.iter().take_while(|byte| byte.is_ascii_digit()).count();
         if digits > 0 {
             let number = std::str::from_utf8(text.get(..digits)?).ok()?.parse().ok();
             return Some((number.and_then(|number| self.parameter(number, span).ok().flatten()), digits));
         }
-        // Up to the next bracket of either kind: a text full of opening ones shall not be searched to its end from each.
+        // Up to the next bracket of either kind: a text full of opening brackets must not be searched to its end from each.
         let inner = text.strip_prefix(b"<")?;
         let length = inner.iter().position(|byte| matches!(byte, b'<' | b'>'))?;
         let (name, behind) = inner.split_at_checked(length)?;
@@ -70,13 +70,13 @@ impl Scope<'_, '_> {
     }
 }
 
-/// Whether a comment writes a text into the file, rather than opening or closing it.
+/// `true` if a comment writes a text into the file, not opens or closes it.
 fn is_log_text(comment: &[u8]) -> bool {
     let mut bytes = comment.iter().filter(|byte| !byte.is_ascii_whitespace()).map(u8::to_ascii_uppercase);
     bytes.by_ref().take(5).eq(*b"(LOG,")
 }
 
-/// Decimals that `%d`, `%f` and `%.2f` ask for, and their length.
+/// Number of decimals for `%d`, `%f` and `%.2f`, and the length of the specifier.
 fn places(text: &[u8]) -> Option<(usize, usize)> {
     match text {
         [b'd', ..] => Some((0, 1)),

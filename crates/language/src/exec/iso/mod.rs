@@ -1,7 +1,7 @@
 //! Executes programs of Fanuc controls and of RS274/NGC (LinuxCNC).
 //!
-//! Each block goes through three steps: its words are gathered, its values worked out, and executed in the order of the dialect. What
-//! differs between the two is asked of [`ncfix_dialect::Language`].
+//! Each block passes three steps: its words are gathered, its values evaluated, and executed in the order of the dialect. Differences between the
+//! dialects depend on [`ncfix_dialect::Language`].
 
 mod arc;
 mod arguments;

@@ -1,4 +1,4 @@
-//! What stays in force from block to block: modal codes, offsets, tool, position.
+//! Modal state, which stays active from block to block: modal codes, offsets, tool, position.
 
 use super::codes::{G80, Group};
 use super::frames::Transforms;
@@ -15,11 +15,11 @@ use ncfix_machine::snc::{Setup, Turning};
 /// Modal state of the channel.
 #[derive(Clone, Debug)]
 pub(super) struct Modal {
-    /// The kind of motion is a G code in tenths; G80 for none.
+    /// The motion mode is a G code in tenths; G80 for none.
     pub(super) modes: Modes<u16>,
     /// Codes of the other groups, in tenths.
     pub(super) codes: CodesInForce<Group, u16>,
-    /// The speed as the output has it: of G96, m/min.
+    /// The speed as written in the output; under G96, m/min.
     pub(super) speed_word: f64,
     /// M3, M4 or M5.
     pub(super) spindle: u8,
@@ -29,23 +29,23 @@ pub(super) struct Modal {
     pub(super) overrides: [bool; 4],
     /// P and Q of G64, mm.
     pub(super) path_tolerance_mm: [Option<f64>; 2],
-    /// G54 and its kin.
+    /// G54 and related codes.
     pub(super) system: System,
-    /// The frame of the zero offset in force, that of all systems (EXT) included.
+    /// The frame of the active zero offset, including that of all systems (EXT).
     pub(super) settable: Frame,
-    /// Where the zero offset has no value in the machine file.
+    /// `true` if the zero offset has no value in the machine file.
     pub(super) offset_assumed: bool,
-    /// G92; of RS274/NGC G52 too.
+    /// G92; on RS274/NGC including G52.
     pub(super) shift: AxisVector,
-    /// What G92.3 brings back.
+    /// The shift that G92.3 restores.
     pub(super) stored_shift: AxisVector,
     /// G52 of Fanuc.
     pub(super) local: AxisVector,
     /// Rotation, scale, mirror, tilted plane.
     pub(super) transforms: Transforms,
-    /// The length lies along X, Y, Z; it may be assumed, the radius not.
+    /// The length is along X, Y, Z; it may be assumed, the radius may not.
     pub(super) tool: ToolState<u32, Vector>,
-    /// H and D in force.
+    /// Active H and D.
     pub(super) h: u32,
     pub(super) d: Option<u32>,
     pub(super) contour: ContourModal,
@@ -54,10 +54,10 @@ pub(super) struct Modal {
     pub(super) position: Position,
 }
 
-/// Codes that are in force at the start, of RS274/NGC and of a Fanuc: LinuxCNC starts with G99.
+/// Codes that are active at the start, of RS274/NGC and of a Fanuc: LinuxCNC starts with G99.
 const RS274_START: &[(Group, u16)] = &[(Group::Retract, 990), START[0], START[1], START[2], START[3]];
 const FANUC_START: &[(Group, u16)] = &[(Group::Retract, 980), START[0], START[1], START[2], START[3]];
-/// Of both.
+/// Common to both.
 const START: [(Group, u16); 4] =
     [(Group::ArcDistance, 911), (Group::Control, 640), (Group::SpindleMode, 970), (Group::Length, 490)];
 
@@ -65,7 +65,7 @@ impl Modal {
     pub(super) fn new(start: Option<AxisVector>, machine: &Machine, language: Language) -> Self {
         let is_fanuc = language == Language::Fanuc;
         Modal {
-            // LinuxCNC starts with G80, a Fanuc with G0 or G1 by parameter.
+            // LinuxCNC starts with G80, a Fanuc with G0 or G1 depending on a parameter.
             modes: Modes::new(if is_fanuc { 0 } else { G80 }, machine.control.initial_plane),
             codes: CodesInForce::new(if is_fanuc { FANUC_START } else { RS274_START }),
             speed_word: 0.0,
@@ -89,27 +89,27 @@ impl Modal {
         }
     }
 
-    /// The code in force of a group that has one from the start, in tenths.
+    /// The active code of a group with an initial code, in tenths.
     pub(super) fn code(&self, group: Group) -> u16 {
         self.codes.code(group).unwrap_or_default()
     }
 
-    /// G99: cycles end at R.
+    /// `true` under G99: cycles end at R.
     pub(super) fn ends_at_r(&self) -> bool {
         self.codes.is(Group::Retract, 990)
     }
 
-    /// G96: S is the cutting speed.
+    /// `true` under G96: S is the cutting speed.
     pub(super) fn has_cutting_speed(&self) -> bool {
         self.codes.is(Group::SpindleMode, 960)
     }
 
-    /// G90.1
+    /// `true` under G90.1.
     pub(super) fn has_absolute_centers(&self) -> bool {
         self.codes.is(Group::ArcDistance, 901)
     }
 
-    /// Total frame: zero offset, shifts, then what is nearest to the programmed value.
+    /// Total frame: zero offset, shifts, then the transformations nearest to the programmed value.
     pub(super) fn frame(&self) -> Frame {
         let shifted = self.below_transforms();
         match self.transforms.frame() {
@@ -123,12 +123,12 @@ impl Modal {
         self.settable.compose(&Frame::translation(self.shift + self.local))
     }
 
-    /// How programmed positions relate to axis commands now.
+    /// The current relation between programmed positions and axis commands.
     pub(super) fn setup(&self) -> Setup {
         Setup { frame: self.frame(), ..self.shown() }
     }
 
-    /// What the control that runs the output knows of it: zero offset and tool.
+    /// The part of it that the control knows when it runs the output: zero offset and tool.
     pub(super) fn shown(&self) -> Setup {
         Setup {
             frame: self.settable,
@@ -139,8 +139,7 @@ impl Modal {
         }
     }
 
-    /// Where some axes are is unknown from here on. Those that a frame or a transformation mixes are unknown together; gives all that
-    /// are.
+    /// Makes the position of axes unknown. Axes that a frame or transformation mixes become unknown together. Returns all unknown axes.
     pub(super) fn forget(&mut self, axes: AxisSet) -> AxisSet {
         let frame = self.frame();
         self.position.forget(axes, self.turning.is_some(), &frame)

@@ -73,8 +73,7 @@ pub(super) fn retract(modal: &mut Modal, gathered: &Gathered) {
     }
 }
 
-/// The code of motion of a block, in tenths. A Fanuc ends its cycles with any other motion, and G80 brings back what was in force
-/// before them.
+/// The motion code of a block, in tenths. A Fanuc ends its cycles with any other motion, and G80 restores the motion mode before them.
 pub(super) fn code_of_motion(language: Language, cycles: &Cycles, gathered: &Gathered) -> Option<u16> {
     let code = gathered.code(Group::Motion);
     if language == Language::Rs274 {
@@ -86,7 +85,7 @@ pub(super) fn code_of_motion(language: Language, cycles: &Cycles, gathered: &Gat
     })
 }
 
-/// Brings back the path control of the program behind a cycle, or forgets it where the block names one.
+/// Restores the path control of the program after a cycle, or drops it if the block names one.
 pub(super) fn leave_exact_stops(channel: &mut Channel<'_>, is_named: bool) {
     if !std::mem::take(&mut channel.cycles.is_exact) || is_named {
         return;
@@ -112,7 +111,7 @@ pub(super) fn blending(machine: &Machine, language: Language, tolerance_mm: [Opt
     text
 }
 
-/// The kind of motion of a block that names a code of motion or has words for the one in force.
+/// The motion mode of a block that names a motion code or has words for the active one.
 pub(super) fn motion_of(language: Language, modal: &Modal, cycles: &Cycles, gathered: &Gathered) -> Option<u16> {
     if let Some(code) = code_of_motion(language, cycles, gathered) {
         return Some(code);

@@ -1,4 +1,4 @@
-//! Turns the gathered words of a block into motions: targets, ways, and what the stream is told of them.
+//! Converts the gathered words of a block into motions: targets, shapes, and their emission.
 
 use super::arc;
 use super::codes::name_of;
@@ -21,7 +21,7 @@ use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
-/// The motion of a block with axis words or a center, by a kind in tenths.
+/// Executes the motion of a block with axis words or a center, by a motion mode in tenths.
 pub(super) fn motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     if let Some(span) = gathered.machine_frame {
         return machine_motion(channel, gathered, code, span);
@@ -48,14 +48,14 @@ fn way(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), 
     }
 }
 
-/// `G53`: positions of the machine, for this block.
+/// `G53`: machine positions, for this block.
 fn machine_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
     if !matches!(code, 0 | 10) {
         let message = "G53 stands with G0 or G1";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G0 or G1 in the block of G53"));
     }
     if channel.modal.modes.incremental {
-        // A Fanuc ignores it; a motion that somebody has programmed does not vanish.
+        // A Fanuc ignores it, but a programmed motion must not vanish.
         return Err(fault(Code::BAD_WORD_VALUE, span, "G53 under G91", "program G90 in the block"));
     }
     forbidden::no_compensation(channel.language, &channel.modal, span, "G53")?;
@@ -68,7 +68,7 @@ fn machine_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, spa
     step::machine_step(channel, Step::straight(gathered, code == 0, end, gathered.axes))
 }
 
-/// A block under a kind of motion that is neither line nor arc; its words may be missing.
+/// A block in a motion mode other than line and arc; its words may be missing.
 pub(super) fn special_motion(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     match code {
         50 | 51 => spline::spline(channel, gathered, code),

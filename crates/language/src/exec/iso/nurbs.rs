@@ -1,16 +1,15 @@
 //! Curves of RS274/NGC: G5, G5.1 and G5.2/G5.3 are NURBS of the XY plane, cut into straight pieces.
 //!
-//! LinuxCNC's own interpreter prints them in equal steps of the parameter, 15 for every control point; here every such step is cut
-//! into as many equal ones as keep the pieces within the tolerance. The knots are at equal distances, as many times at both ends as
-//! the order says.
+//! LinuxCNC's own interpreter emits them in equal parameter steps, 15 for each control point. Here every such step is divided into as many equal
+//! steps as keep the pieces within the tolerance. The knots are equidistant, repeated at both ends according to the order.
 
-/// Pieces of a curve at most.
+/// Maximum number of pieces of a curve.
 const MOST_PIECES: usize = 1_000_000;
-/// Steps for every control point.
+/// Number of steps for each control point.
 const STEPS: usize = 15;
-/// Control points and order at most.
+/// Maximum number of control points, and maximum order.
 const MOST_POINTS: usize = 2_000;
-/// Where within a piece its distance from the curve is looked at.
+/// Positions within a piece at which its distance from the curve is measured.
 const SAMPLES: [f64; 3] = [0.25, 0.5, 0.75];
 
 /// A control point, mm, and its weight.
@@ -26,18 +25,18 @@ pub(super) struct Control {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Nurbs {
     control: Vec<Control>,
-    /// Degree and 1.
+    /// Degree plus 1.
     order: usize,
 }
 
-/// Why there is no curve.
+/// Reason why there is no curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NurbsFault {
     /// Fewer control points than the order.
     TooFew,
-    /// More than are taken.
+    /// Too many control points.
     TooMany,
-    /// A weight is not above 0, or a number is none.
+    /// A weight is not above 0, or a number is invalid.
     BadValue,
     /// The tolerance needs too many pieces.
     TooFine,
@@ -61,12 +60,12 @@ impl Nurbs {
         Ok(Nurbs { control, order })
     }
 
-    /// A curve whose points weigh alike, of the degree that they have.
+    /// A curve with equal weights, of the highest possible degree.
     pub(super) fn bezier(points: &[[f64; 2]]) -> Result<Nurbs, NurbsFault> {
         Nurbs::new(points.iter().map(|&at| Control { at, weight: 1.0 }).collect(), points.len())
     }
 
-    /// Where the parameter ends that starts at 0.
+    /// End of the parameter, which starts at 0.
     fn end(&self) -> f64 {
         (self.control.len() + 1 - self.order) as f64
     }
@@ -75,10 +74,10 @@ impl Nurbs {
         (index + 1).saturating_sub(self.order).min(self.control.len() + 1 - self.order) as f64
     }
 
-    /// The point at a parameter (de Boor); `work` is space for it.
+    /// The point at a parameter (de Boor); `work` is scratch space.
     fn at(&self, parameter: f64, work: &mut Vec<[f64; 3]>) -> [f64; 2] {
         let degree = self.order - 1;
-        // Within range by construction; the last piece holds its end too.
+        // Within range by construction; the last piece includes its end.
         let piece = (parameter.max(0.0).floor() as usize).min(self.control.len() - self.order);
         work.clear();
         work.extend(
@@ -103,11 +102,11 @@ impl Nurbs {
         [x / weight, y / weight]
     }
 
-    /// Ends of straight pieces that are no farther than a tolerance from the curve, the last control point last.
+    /// Ends of straight pieces within a tolerance from the curve; the last control point is last.
     pub(super) fn pieces(&self, tolerance_mm: f64) -> Result<Vec<[f64; 2]>, NurbsFault> {
         let steps = self.control.len() * STEPS;
         let mut work = Vec::with_capacity(self.order);
-        // The distance of a chord goes with the square of its step.
+        // The distance of a chord is proportional to the square of its step.
         let off = self.farthest(steps, &mut work);
         let mut finer = (off / tolerance_mm).sqrt().ceil().max(1.0);
         for _ in 0..8 {
@@ -131,7 +130,7 @@ impl Nurbs {
         out
     }
 
-    /// How far the curve is off the chords of so many equal steps.
+    /// Largest distance of the curve from the chords of `count` equal steps.
     fn farthest(&self, count: usize, work: &mut Vec<[f64; 3]>) -> f64 {
         let step = self.end() / count as f64;
         let mut from = self.at(0.0, work);
@@ -148,7 +147,7 @@ impl Nurbs {
     }
 }
 
-/// Of a point from a piece of a line.
+/// Distance of a point from a line segment.
 fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
     let way = [to[0] - from[0], to[1] - from[1]];
     let off = [point[0] - from[0], point[1] - from[1]];
@@ -157,7 +156,7 @@ fn distance(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
     (off[0] - way[0] * share).hypot(off[1] - way[1] * share)
 }
 
-/// The curve that is not complete yet, and where the last one points.
+/// The incomplete curve, and the end tangent of the last one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Curve {
     pub(super) control: Vec<Control>,
@@ -201,7 +200,7 @@ mod tests {
             let piece = pieces[k as usize * finer - 1];
             assert!((piece[0] - wanted[0]).hypot(piece[1] - wanted[1]) < 1e-10, "{k}");
         }
-        // Nowhere is the curve farther off than asked for.
+        // The curve is nowhere farther off than permitted.
         let mut from = points[0];
         for (k, to) in pieces.iter().enumerate() {
             for sample in 1..10 {
@@ -222,7 +221,7 @@ mod tests {
         }
     }
 
-    /// Cox and de Boor's recursion, written out.
+    /// Cox and de Boor's recursion, explicitly.
     fn basis(knots: &[f64], i: usize, order: usize, t: f64) -> f64 {
         if order == 1 {
             let last = knots[knots.len() - 1];
@@ -266,7 +265,7 @@ mod tests {
         assert_eq!(Nurbs::new(vec![point; 5000], 3), Err(NurbsFault::TooMany));
         let huge = [[0.0, 0.0], [1e300, 1e300], [0.0, 1.0]];
         assert_eq!(Nurbs::bezier(&huge).and_then(|curve| curve.pieces(1e-3)), Err(NurbsFault::TooFine));
-        // All points in one place.
+        // All points are coincident.
         assert_eq!(Nurbs::new(vec![point; 3], 3).unwrap().pieces(1e-3).unwrap().len(), 45);
     }
 }

@@ -1,4 +1,4 @@
-//! Zero offsets: G54 and its kin, G52 and G92.
+//! Zero offsets: G54 and related codes, G52 and G92.
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
@@ -14,7 +14,7 @@ use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{FrameWords, Kind};
 
-/// Puts the zero offset in force, without a word to the output.
+/// Activates the zero offset without output.
 pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let (system, order) = (channel.modal.system, channel.settings.machine.control.rotation_order);
     let parts = target::offset_of(channel.settings.machine, &channel.written, system);
@@ -32,7 +32,7 @@ pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), F
     Ok(())
 }
 
-/// Says that the zero offset in force has no value: an error where it must not be assumed.
+/// Reports an active zero offset without value: an error if it must not be assumed.
 pub(super) fn check_offset(channel: &mut Channel<'_>, span: Span) {
     if !channel.modal.offset_assumed || channel.warned.offset == Some(channel.modal.system) {
         return;
@@ -40,7 +40,7 @@ pub(super) fn check_offset(channel: &mut Channel<'_>, span: Span) {
     channel.warned.offset = Some(channel.modal.system);
     let words = channel.modal.system.words();
     let help = format!("add [zero_offset.\"{words}\"] there");
-    // The motion goes on from here all the same, so that one fault is not found again in every block.
+    // The motion continues nevertheless, so that one error is not repeated in every block.
     let (code, end) =
         if channel.settings.strict { (Code::NO_OFFSET, "") } else { (Code::OFFSET_ASSUMED, "; zero is used") };
     let message = format!("{words} has no value in the machine file{end}");
@@ -71,12 +71,12 @@ pub(super) fn coordinates(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
     Ok(())
 }
 
-/// Whether the P of a block with G54 belongs to it: `G54 P3` is `G54.1 P3`.
+/// `true` if the P of a block with G54 belongs to it: `G54 P3` is `G54.1 P3`.
 fn p_is_of_offset(gathered: &Gathered) -> bool {
     gathered.has(b'P') && gathered.code(Group::Action).is_none()
 }
 
-/// G52, G92 and what takes it back.
+/// G52, G92 and the codes that cancel them.
 pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Action);
     forbidden::no_compensation(channel.language, &channel.modal, span, &name_of(code))?;
@@ -107,7 +107,7 @@ pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code:
             }
             channel.modal.stored_shift = channel.modal.shift;
         }
-        // The preset of Fanuc: each axis named is again what the zero offset alone makes of it, whatever the value.
+        // The preset of Fanuc: each named axis returns to the coordinates of the zero offset alone, for any value.
         _ => {
             for axis in gathered.axes.iter() {
                 target::axis_value(channel, gathered, axis)?;
@@ -121,7 +121,7 @@ pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code:
     Ok(())
 }
 
-/// What ends a shift reaches the control, where an earlier program may have left one in force: G52 with zeros, G92.1 of Fanuc.
+/// Emits codes that end a shift, as an earlier program may have left one active in the control: G52 with zeros, G92.1 of Fanuc.
 fn say_end(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) {
     let named = gathered.axes;
     if code == 920 || code == 520 && named.iter().any(|axis| gathered.raw(axis.letter()) != Some(0.0)) {
@@ -142,7 +142,7 @@ pub(super) fn shift_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
         channel.modal.shift = channel.modal.stored_shift;
     } else {
         channel.modal.shift = AxisVector::ZERO;
-        // As with a shift that an earlier program left.
+        // As for a shift of an earlier program.
         channel.push(Kind::Keep(if code == 921 { "G92.1" } else { "G92.2" }));
         if code == 921 {
             channel.modal.stored_shift = AxisVector::ZERO;

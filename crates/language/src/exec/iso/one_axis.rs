@@ -1,7 +1,7 @@
-//! Blocks that name one axis of the plane directly behind the beginning or the end of a rotation, a scaling or a mirror.
+//! Blocks that name one axis of the plane directly after the beginning or end of a rotation, scaling or mirror.
 //!
-//! Where the other axis goes is a parameter of the control (Fanuc 11600, bit 5): to the value that the program gave it before, in the new
-//! coordinates, or nowhere. Once the program has stated both axes the two are one.
+//! The motion of the other axis depends on a parameter of the control (Fanuc 11600, bit 5): to its previously programmed value in the new
+//! coordinates, or none. Once the program has stated both axes, both cases are equal.
 
 use super::channel::Channel;
 use super::channel::Doubt;
@@ -17,10 +17,10 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::OneAxis;
 
-/// Values nearer than this are the same, mm.
+/// Values nearer to each other than this are equal, mm.
 const SAME_MM: f64 = 1e-6;
 
-/// Rotation, scaling or mirror have changed; `before` is what was in force, `here` where the tool was by it.
+/// Records a change of rotation, scaling or mirroring; `before` is the previous state, `here` the tool position in it.
 pub(super) fn note_turn(
     modal: &Modal,
     special: &mut Special,
@@ -45,7 +45,7 @@ pub(super) fn note_turn(
     special.doubt = (!is_tilted && !open.is_empty()).then_some(Doubt { values, open, group, has_ended });
 }
 
-/// The machine has gone to places of its own.
+/// Records motion to positions outside program coordinates.
 pub(super) fn settle_axes(special: &mut Special, named: AxisSet) {
     if let Some(doubt) = &mut special.doubt {
         doubt.open = doubt.open.difference(named);
@@ -55,7 +55,7 @@ pub(super) fn settle_axes(special: &mut Special, named: AxisSet) {
     }
 }
 
-/// A block moves `named`: values of axes that it does not name and that move all the same.
+/// Values of axes that a block with the axes `named` moves without naming them.
 pub(super) fn other_axes(
     channel: &mut Channel<'_>,
     gathered: &Gathered,
@@ -69,7 +69,7 @@ pub(super) fn other_axes(
     let setting = channel.settings.machine.control.iso.one_axis_in_rotation;
     if channel.modal.modes.incremental {
         if !doubt.has_ended {
-            // The way is the same by either rule: the tool turns about where it stands.
+            // The path is identical under both rules: the tool rotates about its current position.
             for axis in moved.iter() {
                 doubt.values[axis] += target::axis_value(channel, gathered, axis)?;
             }

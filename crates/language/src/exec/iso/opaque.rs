@@ -1,4 +1,4 @@
-//! Calls of programs that the control runs by itself: they are passed on, their values evaluated.
+//! Calls of programs that the control runs by itself: they are passed through with evaluated values.
 
 use super::text;
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ use ncfix_base::geometry::AxisSet;
 use ncfix_machine::snc::{FeedUnit, Kind};
 
 impl Interpreter<'_> {
-    /// Passes a call on where the machine file names the program; whether it does.
+    /// Passes a call through if the machine file names the program. Returns `true` if it did.
     pub(super) fn pass_on(&mut self, call: &Call) -> Result<bool, Fault> {
         let names = match &call.callee {
             Callee::Number(number) | Callee::Counted(number) => vec![format!("O{number:04}"), format!("O{number}")],
@@ -47,7 +47,7 @@ impl Interpreter<'_> {
         Ok(true)
     }
 
-    /// The call as the output writes it.
+    /// The call in the notation of the output.
     fn text_of(&self, call: &Call) -> Result<String, Fault> {
         if call.is_of_code {
             let message = "a code that calls a program of the control itself cannot be passed on";

@@ -1,4 +1,4 @@
-//! Executes the words of one block in their fixed order.
+//! Executes the words of one block in a fixed order.
 
 use super::auxiliary;
 use super::channel::Channel;
@@ -31,10 +31,10 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
     channel.block.corner = None;
     target::check_axes(channel.language, channel.axes, gathered)?;
     let done = if channel.is_rs274() { execute_rs274(channel, gathered) } else { execute_fanuc(channel, gathered) };
-    // Even where the block has a fault, the program ends where it says so.
+    // The program ends as commanded, even if the block has an error.
     done?;
     if !channel.is_rs274() && channel.modal.codes.is(Group::Length, 490) && gathered.raw_quietly(b'H') == Some(0.0) {
-        // No offset, where none is in force.
+        // H0 has no effect if no offset is active.
         gathered.use_up(b"H");
     }
     match gathered.unused() {
@@ -46,7 +46,7 @@ pub(super) fn execute(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Res
     }
 }
 
-/// The order of RS274/NGC as LinuxCNC executes it.
+/// The order of RS274/NGC in LinuxCNC.
 pub(super) fn execute_rs274(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     feed::feed_mode(channel, gathered)?;
     feed::feed(&mut channel.modal, gathered)?;
@@ -77,7 +77,7 @@ pub(super) fn execute_rs274(channel: &mut Channel<'_>, gathered: &mut Gathered) 
     move_axes(channel, gathered, takes_axes)
 }
 
-/// The order of a Fanuc: the modal codes of a block hold for all its words.
+/// The order of a Fanuc: the modal codes of a block apply to all its words.
 pub(super) fn execute_fanuc(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<(), Fault> {
     forbidden::check_state(channel, gathered)?;
     modes::units(channel.settings.machine, channel.language, &mut channel.modal, gathered)?;
@@ -103,7 +103,7 @@ pub(super) fn execute_fanuc(channel: &mut Channel<'_>, gathered: &mut Gathered) 
     move_axes(channel, gathered, takes_axes)
 }
 
-/// The motion of a block, and what acts behind it.
+/// Executes the motion of a block, and the words that act after it.
 pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_axes: bool) -> Result<(), Fault> {
     let code = if takes_axes {
         modes::code_of_motion(channel.language, &channel.cycles, gathered)
@@ -137,20 +137,20 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
     done
 }
 
-/// Whether a block has words for a line or an arc.
+/// `true` if a block has words for a line or an arc.
 pub(super) fn has_way(modal: &Modal, gathered: &Gathered, code: u16) -> bool {
     let is_arc = matches!(code, 20 | 30) || direction::has_directions(modal);
     !gathered.axes.is_empty() || gathered.has_any(b"@^") || is_arc && gathered.has_any(b"IJKR")
 }
 
-/// F of a block without a motion.
+/// Handles F of a block without motion.
 pub(super) fn feed_alone(channel: &mut Channel<'_>, gathered: &Gathered) {
     if gathered.has(b'F') && gathered.code(Group::Action) != Some(40) {
         channel.push(Kind::Feed(channel.modal.modes.feed));
     }
 }
 
-/// What is done once: G4, G10, G28, G52, G92 … Whether it took the axis words.
+/// Executes non-modal actions: G4, G10, G28, G52, G92 … Returns `true` if one consumed the axis words.
 pub(super) fn action(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
     let Some(code) = gathered.code(Group::Action) else { return Ok(false) };
     match code {

@@ -1,10 +1,10 @@
 //! Polar coordinates: radius and angle of the plane instead of its two axes.
 //!
-//! Fanuc (G16, operator's manual "polar coordinate command"): a radius behind G90 counts from the zero of the program, behind G91 from
-//! where the tool is; an angle behind G91 adds to the last one. Where the radius is missing the distance from the zero stays. LinuxCNC
-//! (`@` and `^`, user manual "polar coordinates"): about the zero of the program, behind G91 as increments of both.
+//! Fanuc (G16, operator's manual "polar coordinate command"): under G90 a radius is measured from the program zero, under G91 from the tool position;
+//! an angle under G91 adds to the last one. Without a radius the distance from the zero stays. LinuxCNC (`@` and `^`, user manual "polar
+//! coordinates"): about the program zero, under G91 as increments of both.
 
-/// G16 is in force.
+/// State while G16 is active.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Polar {
     /// The last angle, rad.
@@ -12,7 +12,7 @@ pub(super) struct Polar {
 }
 
 impl Polar {
-    /// Where a block leads; lengths mm, angles rad.
+    /// Target of a block; lengths mm, angles rad.
     pub(super) fn target(
         &mut self,
         here: [f64; 2],
@@ -35,7 +35,7 @@ impl Polar {
     }
 }
 
-/// Where `@` and `^` lead; lengths mm, angles rad. `None` where the direction of the zero from itself is asked for.
+/// Target of `@` and `^`; lengths mm, angles rad. `None` if the direction from the zero to itself is needed.
 pub(super) fn rs274(
     here: [f64; 2],
     radius: Option<f64>,

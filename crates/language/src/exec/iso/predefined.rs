@@ -1,4 +1,4 @@
-//! Parameters of RS274/NGC that stand for the state of the control: numbers from 5161 on, and the names that begin with an underscore.
+//! Parameters of RS274/NGC with control state: numbers from 5161 on, and names with a leading underscore.
 
 use super::channel::Channel;
 use super::modal::Modal;
@@ -13,14 +13,14 @@ use ncfix_machine::snc::{FeedUnit, Kind};
 
 /// The axes in the order of the parameters.
 const ORDER: [Axis; 9] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C, Axis::U, Axis::V, Axis::W];
-/// The version of LinuxCNC whose rules are followed.
+/// The LinuxCNC version of the implemented rules.
 const VERSION: f64 = 2.9;
-/// Zero offsets lie this far apart.
+/// Number of parameters per zero offset.
 const APART: u32 = 20;
-/// The place of the rotation of a zero offset.
+/// Index of the rotation of a zero offset.
 const ROTATION: u32 = 9;
 
-/// What a parameter of the zero offsets stands for: the system, and the place of the axis or [`ROTATION`].
+/// Meaning of a zero offset parameter: the system, and the index of the axis or [`ROTATION`].
 fn offset_place(number: u32) -> Option<(System, u32)> {
     let from = number.checked_sub(5221)?;
     let (system, place) = (from / APART + 1, from % APART);
@@ -31,7 +31,7 @@ fn truth(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }
 
-/// The value of a numbered parameter that stands for something; `None` for plain ones. Persistent ones are in mm and degrees.
+/// The value of a numbered parameter with control state; `None` for plain ones. Persistent ones are in mm and degrees.
 pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Result<f64, Missing>> {
     let axis_of = |start: u32| ORDER.get((number - start) as usize).copied().unwrap_or(Axis::X);
     let in_mm = |axis: Axis, value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
@@ -60,7 +60,7 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
         5399 => Err(Missing::OnlyMachine),
         5400 => tool_in_spindle(channel.settings.strict, &channel.modal),
         5404..=5409 | 5411..=5413 => Ok(0.0),
-        // What the table says of the tool in the spindle, whether it is in force or not.
+        // Table values of the tool in the spindle, whether active or not.
         5401..=5403 | 5410 => match channel
             .modal
             .tool
@@ -78,7 +78,7 @@ pub(super) fn special_parameter(channel: &Channel<'_>, number: u32) -> Option<Re
     })
 }
 
-/// A probe has come to the end of its way without touching: that is what is taken where nothing must be known for certain.
+/// Records the programmed end of a probing motion without contact as its result; used if assumptions are permitted.
 pub(super) fn note_probe(channel: &mut Channel<'_>) {
     let end = if channel.is_rs274() {
         target::here(&channel.modal, &channel.standing)
@@ -96,7 +96,7 @@ pub(super) fn note_probe(channel: &mut Channel<'_>) {
     }
 }
 
-/// Which tool is in the spindle before the first M6, only the machine knows.
+/// The tool in the spindle before the first M6, which only the machine knows.
 fn tool_in_spindle(strict: bool, modal: &Modal) -> Result<f64, Missing> {
     match modal.tool.active {
         Some(tool) => Ok(f64::from(tool)),
@@ -105,7 +105,7 @@ fn tool_in_spindle(strict: bool, modal: &Modal) -> Result<f64, Missing> {
     }
 }
 
-/// Where an axis is, as the program would say it.
+/// Position of an axis in program coordinates.
 fn here_of(strict: bool, modal: &Modal, standing: &InForce, axis: Axis) -> Result<f64, Missing> {
     if strict && !modal.position.known.contains(axis) {
         return Err(Missing::Unstated);
@@ -113,7 +113,7 @@ fn here_of(strict: bool, modal: &Modal, standing: &InForce, axis: Axis) -> Resul
     Ok(system::shown_value(modal, axis, target::here(modal, standing)[axis]))
 }
 
-/// A value that an assignment to a parameter of a zero offset changes. It takes effect when the program selects the offset.
+/// Assigns to a parameter of a zero offset. It takes effect when the program selects the offset.
 pub(super) fn write_parameter(channel: &mut Channel<'_>, number: u32, value: f64) -> bool {
     let Some((system, place)) = offset_place(number) else { return false };
     let mut parts = target::offset_of(channel.settings.machine, &channel.written, system).unwrap_or_default();
@@ -185,7 +185,7 @@ pub(super) fn predefined_name(channel: &Channel<'_>, name: &str) -> Option<Resul
     })
 }
 
-/// Where an axis of the machine is.
+/// Machine position of an axis.
 fn machine_of(strict: bool, modal: &Modal, standing: &InForce, axis: Axis) -> Result<f64, Missing> {
     if strict && !modal.position.known.contains(axis) {
         return Err(Missing::Unstated);

@@ -1,4 +1,4 @@
-//! G38.2 to G38.5 and G31: motions that a probe or a signal ends. Where they end shows on the machine only.
+//! G38.2 to G38.5 and G31: motions that a probe or signal ends. Their end is known only to the machine.
 
 use super::channel::Channel;
 use super::codes::name_of;
@@ -10,7 +10,7 @@ use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::{FeedUnit, Kind, Manner};
 
-/// Moves to the end that is programmed; behind it the position is not known.
+/// Moves to the programmed end; afterwards the position is unknown.
 pub(super) fn probe(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let (name, span) = (name_of(code), gathered.span);
     if channel.modal.contour.compensates() || channel.modal.turning.is_some() {

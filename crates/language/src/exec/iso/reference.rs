@@ -1,4 +1,4 @@
-//! G27 and G29 of Fanuc: to the reference point to check it, and from it back to work.
+//! G27 and G29 of Fanuc: to the reference point for a check, and back from it.
 
 use super::step;
 use std::sync::Arc as Shared;
@@ -10,7 +10,7 @@ use super::step::Step;
 use crate::exec::core::fault::{Fault, bad_value};
 use crate::exec::core::path::Shape;
 
-/// `G27` goes to its point, which should be the reference point; `G29` by way of the point of the last G28 or G30.
+/// `G27` moves to its point, which should be the reference point; `G29` moves through the intermediate point of the last G28 or G30.
 pub(super) fn back_to_work(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Action);
     if gathered.axes.is_empty() {

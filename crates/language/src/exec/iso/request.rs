@@ -11,12 +11,12 @@ use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 
-/// Upper digits of P count the repetitions from here on.
+/// From this value on, the upper digits of P are the number of repetitions.
 const SPLIT: u32 = 10_000;
-/// Most repetitions of a call.
+/// Maximum number of repetitions of a call.
 const MAX_REPEATS: i64 = 99_999_999;
 
-/// What a word asks for.
+/// Request of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Request {
     /// M98, M198
@@ -33,11 +33,11 @@ pub(super) enum Request {
     EachBlock,
     /// A G or M code that the machine file maps to a macro: its program.
     Mapped(u8, u32),
-    /// T, where the machine file maps it to a program.
+    /// T, if the machine file maps it to a program.
     Tool(u32),
 }
 
-/// What the words of a block ask for; the first that asks for something counts.
+/// The request of a block; the first one is used.
 pub(super) fn request(machine: &Machine, language: Language, level: &Level, words: &[Word]) -> Option<Request> {
     let is_fanuc = language == Language::Fanuc;
     let codes = &machine.control.macros.codes;
@@ -69,7 +69,7 @@ pub(super) fn request(machine: &Machine, language: Language, level: &Level, word
 }
 
 impl Request {
-    /// Whether a word belongs to what is asked for, and not to the rest of the block.
+    /// `true` if a word belongs to the request, and not to the rest of the block.
     pub(super) fn takes(self, program: &Program, word: &Word) -> bool {
         let is_fanuc = program.dialect.language == Language::Fanuc;
         let (letter, code) = match (word.address, word.value) {
@@ -85,7 +85,7 @@ impl Request {
                 _ => false,
             },
             Request::Return => letter == b'P' || (letter == b'M' && code == Some(99.0)),
-            // Codes before the call are done; all other words are arguments.
+            // Codes before the call are executed; all other words are arguments.
             Request::Macro | Request::Modal | Request::EachBlock => {
                 letter != b'G' || matches!(code, Some(65.0 | 66.0 | 66.1))
             }
@@ -95,7 +95,7 @@ impl Request {
         }
     }
 
-    /// What is to be done behind the block.
+    /// The action after the block.
     pub(super) fn read(self, scope: &Scope<'_, '_>, words: &[Word], block: Span) -> Result<Action, Fault> {
         let value = |letter: u8| {
             let is_letter = |word: &&Word| word.address == Address::Letter(letter);
@@ -119,7 +119,7 @@ impl Request {
                 let repeats = repeats(scope, value(b'L')?, block)?;
                 let callee = callee(scope, words, value(b'P')?, block, "M98")?;
                 let callee = match (callee, repeats) {
-                    // Without L the digits before the last four count the repetitions.
+                    // Without L, the digits before the last four are the number of repetitions.
                     (Callee::Number(number), None)
                         if number >= SPLIT && scope.program.dialect.language == Language::Fanuc =>
                     {
@@ -184,7 +184,7 @@ fn repeats(scope: &Scope<'_, '_>, written: Option<i64>, block: Span) -> Result<O
     }
 }
 
-/// The program that P or a name in < > names.
+/// The program named by P or in < >.
 fn callee(
     scope: &Scope<'_, '_>,
     words: &[Word],

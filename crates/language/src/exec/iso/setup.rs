@@ -1,4 +1,4 @@
-//! Puts frame and tool in force.
+//! Activates frame and tool.
 
 use super::channel::Channel;
 use crate::exec::core::fault::Fault;
@@ -9,8 +9,8 @@ use ncfix_base::geometry::Vector;
 use ncfix_base::source::Span;
 use std::sync::Arc;
 
-/// Puts frame and tool in force. Of a Fanuc an axis along which the tool length changes is taken as unknown until the program
-/// states it again: whether the control moves it at once is a parameter.
+/// Activates frame and tool. On a Fanuc, an axis along which the tool length changes is unknown until the program states it again: whether the
+/// control moves it immediately is a parameter.
 pub(super) fn refresh_setup(channel: &mut Channel<'_>) {
     let (setup, shown) = (channel.modal.setup(), channel.modal.shown());
     keep_pose(
@@ -35,14 +35,14 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) {
         if setup == *channel.standing.shown { Arc::clone(&channel.standing.shown) } else { Arc::new(setup) };
 }
 
-/// Puts a length in force.
+/// Activates a length.
 pub(super) fn put_length(channel: &mut Channel<'_>, length_mm: Vector, assumed: bool) {
     channel.modal.tool.length_mm = length_mm;
     channel.modal.tool.assumed = assumed;
     refresh_setup(channel);
 }
 
-/// The control turns the length with the coordinates, while the tool stays as it is.
+/// The control rotates the length with the coordinates, while the tool keeps its orientation.
 pub(super) fn turned_length(span: Span) -> Fault {
     let message = "tool length compensation and a rotation in space (G68 I J K) together";
     fault(Code::NOT_SUPPORTED, span, message, "use G68.2 and G53.1, or program without G43")

@@ -1,4 +1,4 @@
-//! Kinds of motion beyond lines and arcs: cycles, threads, probing, splines; and words of the plane that are no coordinates.
+//! Motions other than lines and arcs: cycles, threads, probing, splines; and plane words that are not coordinates.
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
@@ -21,7 +21,7 @@ pub(super) fn lathe(gathered: &Gathered) -> Result<(), Fault> {
     Err(fault(Code::NOT_SUPPORTED, gathered.code_span(Group::Lathe), message, help))
 }
 
-/// Lets polar words replace those of the plane: changes the programmed end and the axes named.
+/// Replaces plane words by polar words: changes the programmed end and the named axes.
 pub(super) fn polar_end(
     channel: &mut Channel<'_>,
     gathered: &Gathered,
@@ -91,7 +91,7 @@ fn polar_axes(
     Ok(())
 }
 
-/// `,A`: the direction of the line instead of the second coordinate of its end.
+/// `,A`: the direction of the line in place of the second coordinate of its end.
 fn angle_word(
     channel: &mut Channel<'_>,
     gathered: &Gathered,
@@ -122,12 +122,12 @@ fn angle_word(
     Ok(())
 }
 
-/// What depends on where the plane's axes stand must not be corrected where the program has not stated it.
+/// Rejects motions that depend on plane axes at positions the program has not stated.
 pub(super) fn check_plane_stated(strict: bool, modal: &Modal, plane: AxisSet, span: Span) -> Result<(), Fault> {
     plane.iter().try_for_each(|axis| target::check_stated(strict, modal, axis, span))
 }
 
-/// What `,C` and `,R` ask of the end of the motion to come.
+/// The request of `,C` and `,R` for the end of the next motion.
 pub(super) fn corner_words(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     if !gathered.has_any(b"cr") {
         return Ok(());

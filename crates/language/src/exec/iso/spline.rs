@@ -22,9 +22,9 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Manner;
 
-/// Control points of one curve at most.
+/// Maximum number of control points of one curve.
 const MOST_POINTS: usize = 2_000;
-/// Largest order.
+/// Maximum order.
 const MOST_ORDER: f64 = 2_000.0;
 
 /// `G5`, `G5.1`
@@ -64,7 +64,7 @@ pub(super) fn spline(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
     along(channel, &curve, gathered)
 }
 
-/// `G5.2` and the blocks behind it: a control point.
+/// `G5.2` and the following blocks: a control point.
 pub(super) fn nurbs_point(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     check_curve(channel.settings.strict, channel.language, &channel.modal, gathered, 52)?;
     let weight = gathered.raw(b'P');
@@ -116,7 +116,7 @@ pub(super) fn nurbs_end(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     along(channel, &curve, gathered)
 }
 
-/// A curve that another kind of motion comes into is none.
+/// Drops a curve that another motion mode interrupts.
 pub(super) fn drop_curve(special: &mut Special, code: u16) {
     if code != 52 {
         special.curve.control.clear();

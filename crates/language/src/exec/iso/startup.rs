@@ -1,4 +1,4 @@
-//! Codes that the control executes when it starts, before the first block.
+//! Codes that the control executes at its start, before the first block.
 
 use super::channel::Channel;
 use super::expression::Scope;
@@ -8,7 +8,7 @@ use crate::syntax::words::{self, Program};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 
-/// Executes `control.startup_code`, of which the output says nothing.
+/// Executes `control.startup_code`, without output.
 pub(super) fn start_up(channel: &mut Channel<'_>, program: &Program) -> Option<Diagnostic> {
     let code = &channel.settings.machine.control.iso.startup_code;
     if code.is_empty() {

@@ -28,12 +28,12 @@ pub(super) fn drop_state(saved: &mut [Option<Box<SavedState>>]) {
     }
 }
 
-/// A subroutine begins.
+/// Begins a subroutine.
 pub(super) fn enter_level(saved: &mut Vec<Option<Box<SavedState>>>) {
     saved.push(None);
 }
 
-/// A subroutine ends.
+/// Ends a subroutine.
 pub(super) fn leave_level(channel: &mut Channel<'_>) {
     if channel.saved.len() < 2 {
         return;
@@ -58,7 +58,7 @@ pub(super) fn restore_state(channel: &mut Channel<'_>, span: Span) -> Result<(),
     Ok(())
 }
 
-/// Puts the modal codes of a saved state in force and says so to the output.
+/// Activates the modal codes of a saved state and emits them.
 fn bring_back(channel: &mut Channel<'_>, saved: &Modal) {
     let modal = &mut channel.modal;
     modal.modes.inch = saved.modes.inch;
@@ -97,7 +97,7 @@ fn bring_back(channel: &mut Channel<'_>, saved: &Modal) {
             _ => texts.push(modes::blending(channel.settings.machine, channel.language, saved.path_tolerance_mm)),
         }
     }
-    // Compensation that was off comes back off; that it was on is not brought back by LinuxCNC without its tool either.
+    // Compensation that was off is switched off again; LinuxCNC does not switch it on again without its tool.
     if saved.contour.side == Side::Off {
         channel.modal.contour.side = Side::Off;
     }
@@ -160,7 +160,7 @@ fn bring_back_auxiliaries(channel: &mut Channel<'_>, saved: &Modal) {
     channel.block.before.extend(aux.into_iter().map(word));
 }
 
-/// Puts an M code on a line of its own: LinuxCNC takes one code of a group and one P in a block.
+/// Emits an M code in a separate line: LinuxCNC accepts one code of a group and one P in a block.
 fn on_its_own(channel: &mut Channel<'_>, kind: Kind) {
     channel.outlet.begin_line();
     channel.push(kind);

@@ -29,18 +29,18 @@ use ncfix_machine::snc::Manner;
 use ncfix_machine::snc::Move;
 use ncfix_machine::snc::Setup;
 use std::sync::Arc as Shared;
-/// Positions beyond this are no positions, mm or rad.
+/// Largest accepted position, mm or rad.
 pub(super) const FARTHEST: f64 = 1e9;
 
 /// One motion to a position.
 #[derive(Debug)]
 pub(super) struct Step {
     pub(super) rapid: bool,
-    /// Where it ends, as programmed.
+    /// Its programmed end.
     pub(super) end: AxisVector,
-    /// Axes that it names.
+    /// Named axes.
     pub(super) named: AxisSet,
-    /// Whether its block has F.
+    /// `true` if its block has F.
     pub(super) feed_named: bool,
     pub(super) manner: Manner,
     pub(super) span: Span,
@@ -54,7 +54,7 @@ impl Step {
     }
 }
 
-/// The programmed end of a block, and the axes that it names.
+/// The programmed end of a block, and the named axes.
 pub(super) fn end(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(AxisVector, AxisSet), Fault> {
     let here = target::here(&channel.modal, &channel.standing);
     let (mut end, mut named) = (here, gathered.axes);
@@ -82,9 +82,9 @@ pub(super) fn step(channel: &mut Channel<'_>, step: Step) -> Result<(), Fault> {
     send(channel, step, target, Shape::Line, setup)
 }
 
-/// A straight motion to a position of the machine.
+/// A straight motion to a machine position.
 pub(super) fn machine_step(channel: &mut Channel<'_>, step: Step) -> Result<(), Fault> {
-    // Positions of the axes: what the tool takes off is added before, so that the place of the tip stays known.
+    // Axis positions: the tool vector is added first, so that the tip position stays known.
     let tool_mm = channel.standing.setup.tool_mm;
     let mut shift = AxisVector::ZERO;
     shift.set_xyz(tool_mm);
@@ -112,7 +112,7 @@ pub(super) fn reach(
 ) -> Result<AxisVector, Fault> {
     let mut target = modal.position.command;
     if setup.frame.is_translation() {
-        // Axis by axis, so that the command of an axis that the block does not name keeps its last bit.
+        // Axis by axis, so that the command of an unnamed axis keeps its last bit.
         for axis in named.iter() {
             let tool = if axis.slot() < 3 { setup.tool_mm[axis.slot()] } else { 0.0 };
             target[axis] = end[axis] + setup.frame.shift(axis) - tool;
@@ -126,7 +126,7 @@ pub(super) fn reach(
     }
 }
 
-/// Puts a motion into the stream.
+/// Emits a motion.
 pub(super) fn send(
     channel: &mut Channel<'_>,
     step: Step,
@@ -159,12 +159,12 @@ pub(super) fn send(
         named = inner.inverse().mixed_with(setup.frame.mixed_with(named));
         known = known_behind(known, &setup.frame, inner);
         begun = known_behind(begun, &setup.frame, inner);
-        // A turned axis moves two of the output: where the other one stands decides where both end.
+        // A rotated axis moves two output axes: the position of the other one affects the end of both.
         if let Some(axis) = named.difference(known).iter().next().filter(|_| channel.settings.strict) {
             return Err(unknown_mixed(step.span, axis));
         }
     }
-    // What the spindle drives has no feed of its own.
+    // A spindle-driven motion has no feed.
     let is_driven = matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven());
     let motion = Move {
         rapid: step.rapid,

@@ -1,4 +1,4 @@
-//! System variables of Fanuc: the state of the control behind the numbers from #1000 on.
+//! System variables of Fanuc: the control state in variables from #1000 on.
 
 use super::channel::Channel;
 use super::channel::ToolOffset;
@@ -21,22 +21,22 @@ use ncfix_machine::snc::{FeedUnit, Kind};
 use super::level::Loaded;
 use crate::syntax::words::Block;
 
-/// What a system variable stands for.
+/// Meaning of a system variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Meaning {
-    /// A value of a zero offset: the system and the number of the axis.
+    /// A value of a zero offset: the system and the axis number.
     Offset(System, u32),
-    /// A value of the table of tools.
+    /// A value of the tool table.
     Tool(u32, Part),
-    /// A position: which, and the number of the axis.
+    /// A position: its kind and the axis number.
     Position(Position, u32),
-    /// The G code of a group, or the value of an address, of the block before.
+    /// The G code of a group, or the value of an address, of the preceding block.
     Modal(u32),
     /// #3000
     Alarm,
-    /// What is written to tell the control something, and moves nothing.
+    /// A written value for the control that moves nothing.
     Told,
-    /// Only the machine knows it.
+    /// Known only to the machine.
     Machine,
 }
 
@@ -51,12 +51,12 @@ enum Part {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Position {
-    /// Where the program is.
+    /// Position of the program.
     Programmed,
     Machine,
-    /// As [`Position::Programmed`], of the gauge point of the spindle.
+    /// As [`Position::Programmed`], for the gauge point of the spindle.
     Gauge,
-    /// Where G31 was skipped.
+    /// Position at which G31 was skipped.
     Skip,
     /// Length compensation.
     Length,
@@ -64,10 +64,10 @@ enum Position {
 
 const TOOL_PARTS: [Part; 4] = [Part::LengthWear, Part::Length, Part::RadiusWear, Part::Radius];
 
-/// The meaning of a number; `None` where it has none here.
+/// The meaning of a number; `None` if not supported.
 fn meaning(number: u32) -> Option<Meaning> {
     let position = |kind: Position, start: u32| Some(Meaning::Position(kind, number - start));
-    // Zero offsets lie 20 apart.
+    // Zero offsets are 20 numbers apart.
     let offset = |first: u16, start: u32| {
         let (system, axis) = ((number - start) / 20, (number - start) % 20);
         u16::try_from(system).ok().map(|system| Meaning::Offset(System(first + system), axis))
@@ -127,7 +127,7 @@ pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Opti
     }
 }
 
-/// The axis of a place in the order of the control: X, Y, Z, then what else the machine has.
+/// The axis of an index in the order of the control: X, Y, Z, then the other axes of the machine.
 fn axis_at(axes: AxisSet, place: u32) -> Option<Axis> {
     let place = place as usize;
     if place < 3 {
@@ -137,7 +137,7 @@ fn axis_at(axes: AxisSet, place: u32) -> Option<Axis> {
     rotary_first.into_iter().filter(|&axis| axes.contains(axis)).nth(place - 3)
 }
 
-/// A value of an axis in the units of the program.
+/// A value of an axis in program units.
 pub(super) fn shown_value(modal: &Modal, axis: Axis, value: f64) -> f64 {
     if axis.is_rotary() { value.to_degrees() } else { value / modal.modes.scale() }
 }
@@ -148,7 +148,7 @@ fn position(channel: &Channel<'_>, position: Position, axis: Axis) -> Result<f64
         return Ok(if place < 3 { channel.modal.tool.length_mm[place] / channel.modal.modes.scale() } else { 0.0 });
     }
     if position == Position::Skip {
-        // Where the skip came only the machine knows; without strictness it is taken for the end of the motion.
+        // Only the machine knows the skip position; if not strict, the end of the motion is used.
         let probed = channel.variables.probed.filter(|_| !channel.settings.strict);
         return probed.map(|values| values[axis]).ok_or(Missing::OnlyMachine);
     }
@@ -167,7 +167,7 @@ fn position(channel: &Channel<'_>, position: Position, axis: Axis) -> Result<f64
     Ok(shown_value(&channel.modal, axis, values[axis]))
 }
 
-/// The workpiece coordinate system: zero offset and shifts, without what is nearer to the programmed values.
+/// The workpiece coordinate system: zero offset and shifts, without the transformations nearest to the programmed values.
 pub(super) fn work_frame(modal: &Modal) -> Frame {
     modal.settable.compose(&Frame::translation(modal.shift + modal.local))
 }
@@ -213,7 +213,7 @@ fn modal_value(channel: &Channel<'_>, place: u32) -> Option<f64> {
     })
 }
 
-/// Carries out the assignment to a system variable of Fanuc.
+/// Executes the assignment to a system variable of Fanuc.
 pub(super) fn write_system(
     channel: &mut Channel<'_>,
     number: u32,
@@ -247,7 +247,7 @@ pub(super) fn write_system(
     }
 }
 
-/// Passes the assignment of a system variable on, its value evaluated.
+/// Passes the assignment to a system variable through, with its evaluated value.
 fn tell(channel: &mut Channel<'_>, number: u32, value: f64, behind: &str) {
     let mut shown = format!("{value:.6}");
     shown.truncate(shown.trim_end_matches('0').trim_end_matches('.').len());

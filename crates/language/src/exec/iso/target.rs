@@ -1,4 +1,4 @@
-//! Where the channel is, and where the words of a block lead.
+//! The current position of the channel, and the target of a block.
 
 use super::channel::Channel;
 use super::channel::WrittenData;
@@ -22,7 +22,7 @@ use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 
-/// The tip of the tool as the control sees it, machine coordinates.
+/// The tool tip as in the control, in machine coordinates.
 pub(super) fn tip(modal: &Modal, standing: &InForce) -> AxisVector {
     let mut tip = modal.position.command;
     tip.set_xyz(tip.xyz() + standing.setup.tool_mm);
@@ -39,7 +39,7 @@ pub(super) fn axis_value(channel: &mut Channel<'_>, gathered: &Gathered, axis: A
     Ok(value.unwrap_or_default())
 }
 
-/// The position that an absolute word means, with its turns.
+/// The position for an absolute word, including its turns.
 pub(super) fn absolute(
     machine: &Machine,
     modal: &Modal,
@@ -52,10 +52,10 @@ pub(super) fn absolute(
     rollover::position(machine, axis, value, here, gathered.span_of(axis.letter()))
 }
 
-/// Refuses axes that the machine lacks.
+/// Rejects axes that the machine lacks.
 pub(super) fn check_axes(language: Language, axes: AxisSet, gathered: &Gathered) -> Result<(), Fault> {
     if gathered.code(Group::Action) == Some(40) && language != Language::Rs274 {
-        // The time of a dwell is no position.
+        // The time of a dwell is not a position.
         return Ok(());
     }
     match gathered.axes.difference(axes).iter().next() {
@@ -68,13 +68,13 @@ pub(super) fn check_axes(language: Language, axes: AxisSet, gathered: &Gathered)
     }
 }
 
-/// The value of a zero offset; `None` where neither program nor machine file give one.
+/// The value of a zero offset; `None` if neither program nor machine file gives one.
 pub(super) fn offset_of(machine: &Machine, written: &WrittenData, system: System) -> Option<FrameParts> {
     let own = written.offsets.get(&system).copied();
     own.or_else(|| machine.zero_offsets.get(&system.words()).copied())
 }
 
-/// What depends on where an axis stands must not be corrected where the program has not stated it.
+/// Rejects motions that depend on an axis at a position the program has not stated.
 pub(super) fn check_stated(strict: bool, modal: &Modal, axis: Axis, span: Span) -> Result<(), Fault> {
     if strict && !modal.position.known.contains(axis) {
         return Err(unknown_start(span, axis));
@@ -82,12 +82,12 @@ pub(super) fn check_stated(strict: bool, modal: &Modal, axis: Axis, span: Span) 
     Ok(())
 }
 
-/// Where the channel is, as the program would say it.
+/// The current position in program coordinates.
 pub(super) fn here(modal: &Modal, standing: &InForce) -> AxisVector {
     standing.setup.programmed(&modal.position.command)
 }
 
-/// The frame of a zero offset alone, that of all systems included.
+/// The frame of a zero offset alone, including that of all systems.
 pub(super) fn frame_of(machine: &Machine, written: &WrittenData, system: System) -> Frame {
     let order = machine.control.rotation_order;
     let frame =

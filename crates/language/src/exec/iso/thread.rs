@@ -1,4 +1,4 @@
-//! Motions in step with the spindle: G33, and of RS274/NGC G33.1 and G76.
+//! Motions synchronized with the spindle: G33, and of RS274/NGC G33.1 and G76.
 
 use super::channel::Channel;
 use super::codes::name_of;
@@ -44,7 +44,7 @@ pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
     if code == 330 {
         return step::step(channel, step(ThreadCode::G33, end));
     }
-    // The spindle turns back, and the tool is where it was.
+    // The spindle reverses, and the tool returns to its start.
     named
         .iter()
         .try_for_each(|axis| target::check_stated(channel.settings.strict, &channel.modal, axis, gathered.span))?;
@@ -94,7 +94,7 @@ pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
         degression: gathered.raw(b'R').unwrap_or(1.0),
         slide_rad: measure::angle(channel.settings.machine, channel.language, &mut channel.warned, gathered, b'Q')?
             .unwrap_or(0.0),
-        // A conversion that keeps within its type.
+        // The value is within its type.
         springs: springs.max(0.0) as u32,
         taper: measure::length(channel, gathered, b'E')?.unwrap_or(0.0),
         // 0 to 3.

@@ -1,7 +1,7 @@
 //! Tilted working planes of Fanuc: G68.2, G68.4 and G53.1.
 //!
-//! The feature coordinate system stands in the workpiece while the rotary axes are at the zero of the zero offset. Behind G53.1 the tool
-//! stands across the plane and the frame is whatever brings its tip to the same points of the workpiece.
+//! The feature coordinate system is fixed to the workpiece with the rotary axes at the zero of the zero offset. After G53.1 the tool is normal to the
+//! plane, and the frame brings its tip to the same points of the workpiece.
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
@@ -80,7 +80,7 @@ pub(super) fn tilt(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, sp
     done.map_err(|within| refused(span, format!("{} within {within}", name_of(code))))
 }
 
-/// `G68.4`: upon the plane in force.
+/// `G68.4`: relative to the active plane.
 fn upon_tilt(modal: &Modal, origin: Vector, rotation: Matrix, span: Span) -> Result<(Vector, Matrix), Fault> {
     let Some(below) = modal.transforms.tilt() else {
         let message = "G68.4 without a tilted plane";
@@ -89,7 +89,7 @@ fn upon_tilt(modal: &Modal, origin: Vector, rotation: Matrix, span: Span) -> Res
     Ok((below.linear() * origin + below.offset().xyz(), below.linear() * rotation))
 }
 
-/// `G53.1`: turns the rotary axes until the tool stands across the plane.
+/// `G53.1`: turns the rotary axes until the tool is normal to the plane.
 pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let span = gathered.code_span(Group::Action);
     let choice = gathered.raw(b'P');
@@ -107,7 +107,7 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
         |axis: &Axis| channel.settings.machine.axis(*axis).is_some() && !channel.modal.position.known.contains(*axis);
     let unknown: AxisSet = AxisSet::XYZ.iter().chain(kinematics.rotary_axes()).filter(unstated).collect();
     if channel.settings.strict && !unknown.is_empty() {
-        // The plane comes into force all the same, so that what follows is not refused for its lack.
+        // The plane is activated nevertheless, so that the following blocks are not rejected for its absence.
         channel.outlet.warnings.push(unknown_places(span, unknown, "G90 G53 G0"));
         channel.modal.position.known = channel.modal.position.known.union(unknown);
     }
@@ -140,9 +140,8 @@ pub(super) fn tool_on_plane(channel: &mut Channel<'_>, gathered: &Gathered) -> R
     Ok(())
 }
 
-/// The tool length has changed while the tool stands across the plane. It acts along the tool, which is along the Z of the plane: the tip
-/// of the new length goes to the same points of the plane, and the rotary axes stay (B-63944EN, tilted working plane command: G43 comes
-/// behind G53.1).
+/// Handles a change of the tool length while the tool is normal to the plane. The length acts along the tool, which is along Z of the plane: the tip
+/// of the new length goes to the same points of the plane, and the rotary axes stay (B-63944EN, tilted working plane command: G43 comes after G53.1).
 pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let tool_mm = channel.standing.setup.tool_mm;
     let Some(tilt) = channel.modal.transforms.tilt().copied() else { return Ok(()) };
@@ -158,7 +157,7 @@ pub(super) fn stand_anew(channel: &mut Channel<'_>, span: Span) -> Result<(), Fa
     Ok(())
 }
 
-/// Turns the rotary axes at rapid; the linear ones stay.
+/// Turns the rotary axes at rapid; the linear axes stay.
 fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector, span: Span) -> Result<(), Fault> {
     let mut end = target::here(&channel.modal, &channel.standing);
     let frame = channel.standing.setup.frame;

@@ -1,20 +1,19 @@
-//! G68.2: how the feature coordinate system stands, from the words of its forms (Fanuc 30i operator's manual, "tilted working plane
-//! command").
+//! G68.2: the orientation of the feature coordinate system from the words of its forms (Fanuc 30i operator's manual, "tilted working plane command").
 //!
-//! Without P by Euler angles; P1 by roll, pitch and yaw about the axes of the workpiece in the order of Q; P2 by three points and P3 by
-//! two vectors, in several blocks that Q numbers.
+//! Without P by Euler angles; with P1 by roll, pitch and yaw about the workpiece axes in the order of Q; with P2 by three points and with P3 by two
+//! vectors, in several blocks numbered by Q.
 
 use ncfix_base::geometry::{Matrix, RotationOrder, Vector, about};
 
-/// Directions nearer than this share are parallel.
+/// Relative tolerance of parallel directions.
 const PARALLEL: f64 = 1e-9;
 
-/// I about Z, then J about the new X, then K about the new Z; rad.
+/// Rotation by I about Z, then J about the new X, then K about the new Z; rad.
 pub(super) fn by_euler([i, j, k]: [f64; 3]) -> Matrix {
     RotationOrder::Euler.matrix([j, k, i])
 }
 
-/// Angles about X, Y and Z of the workpiece, rad, in an order such as 123; `None` where the order is none.
+/// Rotation by angles about X, Y and Z of the workpiece, rad, in an order such as 123; `None` for an invalid order.
 pub(super) fn by_roll_pitch_yaw(angles_rad: [f64; 3], order: u32) -> Option<Matrix> {
     let digits = [order / 100, order / 10 % 10, order % 10];
     let mut sorted = digits;
@@ -26,18 +25,18 @@ pub(super) fn by_roll_pitch_yaw(angles_rad: [f64; 3], order: u32) -> Option<Matr
         let index = if digit == 1 { 0 } else { digit as usize - 1 };
         about(&Vector::ith(index, 1.0), angles_rad.get(index).copied().unwrap_or(0.0))
     });
-    // The axes stay those of the workpiece: what turns later stands to the left.
+    // The axes are those of the workpiece: later rotations are factors on the left.
     Some(turns[2] * turns[1] * turns[0])
 }
 
-/// From the origin, a point on +X and a point on the side of +Y; `None` where they lie on one line.
+/// Rotation from the origin, a point on +X and a point on the side of +Y; `None` if they are collinear.
 pub(super) fn by_points(points: [Vector; 3]) -> Option<Matrix> {
     let abscissa = (points[1] - points[0]).try_normalize(PARALLEL)?;
     let side = (points[2] - points[0]).try_normalize(PARALLEL)?;
     by_abscissa_and_normal(&abscissa, &abscissa.cross(&side))
 }
 
-/// From the direction of +X and that of +Z; `None` where they are parallel. +Z is kept where they are not at right angles.
+/// Rotation from the directions of +X and +Z; `None` if they are parallel. If they are not perpendicular, +Z is kept.
 pub(super) fn by_vectors(abscissa: &Vector, normal: &Vector) -> Option<Matrix> {
     let normal = normal.try_normalize(PARALLEL)?;
     let abscissa = abscissa.try_normalize(PARALLEL)?;
@@ -50,7 +49,7 @@ fn by_abscissa_and_normal(abscissa: &Vector, normal: &Vector) -> Option<Matrix> 
     Some(Matrix::from_columns(&[abscissa, normal.cross(&abscissa), normal]))
 }
 
-/// The blocks of P2 and P3 that have come so far.
+/// The blocks of P2 and P3 so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Collected {
     form: u32,
@@ -76,7 +75,7 @@ pub(super) struct Part {
     pub(super) turn_rad: f64,
 }
 
-/// What came of a block.
+/// Result of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Plane {
     /// More blocks must follow.

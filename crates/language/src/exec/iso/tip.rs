@@ -1,7 +1,7 @@
 //! Tool center point control: G43.4 and G43.5.
 //!
-//! Under it the positions of the channel are those of the tip, fixed to the workpiece; [`crate::exec::core::five_axis`] makes axis commands
-//! of them.
+//! Under it the positions of the channel are those of the tip, fixed to the workpiece; [`crate::exec::core::five_axis`] converts them to axis
+//! commands.
 
 use super::modal::Modal;
 use super::target;
@@ -18,14 +18,14 @@ use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::Turning;
 
-/// Angles nearer than this are the same, rad.
+/// Angles nearer to each other than this are equal, rad.
 const SAME_ANGLE_RAD: f64 = 1e-9;
-/// Corrections of a rotary axis are smaller, rad.
+/// Upper bound of rotary axis corrections, rad.
 const CORRECTED_ANGLE_RAD: f64 = 1e-3;
-/// Places nearer than this are the same, mm.
+/// Positions nearer to each other than this are equal, mm.
 const SAME_PLACE_MM: f64 = 1e-9;
 
-/// Switches it by the code of length compensation, in tenths.
+/// Switches tip control by the code of length compensation, in tenths.
 pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gathered, span: Span) -> Result<(), Fault> {
     let turning = match code {
         434 | 435 => Some(Turning::Axes),
@@ -76,8 +76,8 @@ pub(super) fn switch_tip(channel: &mut Channel<'_>, code: u16, gathered: &Gather
     Ok(())
 }
 
-/// The coordinates of the tip are those that the work coordinate system has on the table when the control begins with them, be
-/// it in that block: they are the zero offset's where the table stands at zero (Fanuc parameter 19696, bit 5, as delivered).
+/// Checks the table at the start of tip control. The tip coordinates are those of the work coordinate system on the table at that moment, even within
+/// that block. They equal those of the zero offset if the table is at zero (Fanuc parameter 19696, bit 5, default).
 fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
     for &axis in channel.settings.machine.topology.workpiece.iter().filter(|axis| axis.is_rotary()) {
         let (here, is_known) = (channel.modal.position.command[axis], channel.modal.position.known.contains(axis));
@@ -90,7 +90,7 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
         } else {
             target::check_stated(channel.settings.strict, &channel.modal, axis, span)?;
         }
-        // What is corrected already has the table where a correction put it.
+        // In a corrected program the table is at its corrected position.
         let most = if channel.settings.strict { SAME_ANGLE_RAD } else { CORRECTED_ANGLE_RAD };
         let is_zero = |place: &f64| (place - (place / TAU).round() * TAU).abs() < most;
         if !places.iter().all(is_zero) {
@@ -102,7 +102,7 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
     Ok(())
 }
 
-/// Where the axes stand.
+/// Current axis commands.
 pub(super) fn axis_command(modal: &Modal, standing: &InForce, outlet: &Outlet<'_>) -> AxisVector {
     let turning = modal.turning.and(outlet.kinematics.as_deref());
     let command =
@@ -110,8 +110,8 @@ pub(super) fn axis_command(modal: &Modal, standing: &InForce, outlet: &Outlet<'_
     command.unwrap_or(modal.position.command)
 }
 
-/// The tool length has changed while the axes stood at `axes`, before that `tool_mm`. Along a tool that is tilted this concerns
-/// other axes too: where the control has them is unknown until the program states it.
+/// Records a change of the tool length from `tool_mm` with the axes at `axes`. Along a tilted tool it affects other axes too: their position in the
+/// control is unknown until the program states it.
 pub(super) fn forget_moved_tip(
     modal: &mut Modal,
     standing: &InForce,

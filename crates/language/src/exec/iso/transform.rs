@@ -1,4 +1,4 @@
-//! Rotation, scale, mirror, polar coordinates and tilted planes of Fanuc: the codes that change what is nearest to the programmed values.
+//! Rotation, scale, mirror, polar coordinates and tilted planes of Fanuc: the codes that change the transformations nearest to the programmed values.
 
 use super::channel::Channel;
 use super::codes::{Group, name_of};
@@ -19,11 +19,11 @@ use ncfix_base::geometry::{AXES, Axis, AxisSet};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
 
-/// A factor without a decimal point counts these (Fanuc parameter 5400, bit 7).
+/// Unit of a factor without decimal point (Fanuc parameter 5400, bit 7).
 const FACTOR: f64 = 1e-3;
 const LETTERS: [u8; 3] = *b"XYZ";
 
-/// Executes the codes of a block that concern them. Whether they took the axis words, so that the block has no motion.
+/// Executes these codes of a block. Returns `true` if they consumed the axis words, so that the block has no motion.
 pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
     let groups = [Group::Interpolation, Group::Rotation, Group::Scale, Group::Mirror, Group::Polar];
     if groups.iter().all(|&group| gathered.code(group).is_none()) {
@@ -40,7 +40,7 @@ pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) ->
         let help = "end it with G49 first";
         return Err(fault(Code::NOT_SUPPORTED, span.unwrap_or(gathered.span), message, help));
     }
-    // What ends them reaches the control, where an earlier program may have left one in force.
+    // Codes that end them are emitted, as an earlier program may have left one active in the control.
     for (group, off, word) in [(Group::Rotation, 690, "G69"), (Group::Scale, 500, "G50"), (Group::Polar, 150, "G15")] {
         if gathered.code(group) == Some(off) {
             channel.push(Kind::Keep(word));
@@ -48,7 +48,7 @@ pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) ->
     }
     let before = channel.modal.transforms.clone();
     let mut took = false;
-    // What is within ends before what it is within, and begins behind it.
+    // An inner transformation ends before the outer one, and begins after it.
     if gathered.code(Group::Rotation) == Some(690) {
         channel.modal.transforms.end_rotation();
         channel.special.tilt_parts = Default::default();
@@ -132,7 +132,7 @@ fn mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
     allowed(done, 511, span)
 }
 
-/// `G50.1 X Y Z`: whether it took the axis words.
+/// `G50.1 X Y Z`. Returns `true` if it consumed the axis words.
 fn end_mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
     let has_motion = gathered.code(Group::Motion).is_some();
     let named = LETTERS.map(|letter| !has_motion && gathered.has(letter));

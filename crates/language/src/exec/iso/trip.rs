@@ -1,18 +1,18 @@
-//! The way of the tool from hole to hole: places, and what is to be done at them.
+//! The path of the tool from hole to hole: positions and actions.
 
 use super::cycles::HoleStep;
 use crate::exec::core::step::{Place, Step};
 
-/// The way of the tool.
+/// The path of the tool.
 pub(super) struct Trip<'a> {
     pub(super) here: Place,
-    /// Whether that is an assumption.
+    /// `true` if the position is an assumption.
     pub(super) is_lost: bool,
     pub(super) out: &'a mut Vec<Step>,
 }
 
 impl Trip<'_> {
-    /// To a hole.
+    /// Moves to a hole.
     pub(super) fn approach(&mut self, to: Place) {
         if std::mem::take(&mut self.is_lost) {
             self.state(to);
@@ -21,13 +21,13 @@ impl Trip<'_> {
         }
     }
 
-    /// At rapid, whether that looks like a way or not.
+    /// Moves at rapid, even over zero distance.
     pub(super) fn state(&mut self, to: Place) {
         self.out.push(Step::rapid(to));
         self.here = to;
     }
 
-    /// At rapid, where that is a way.
+    /// Moves at rapid, if the distance is not zero.
     pub(super) fn rapid(&mut self, to: Place) {
         if to != self.here {
             self.out.push(Step::rapid(to));
@@ -35,7 +35,7 @@ impl Trip<'_> {
         }
     }
 
-    /// The steps of a hole.
+    /// Appends the steps of a hole.
     pub(super) fn hole(&mut self, plane: [f64; 2], steps: &[HoleStep]) {
         for step in steps {
             match *step {

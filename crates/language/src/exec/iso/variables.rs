@@ -1,6 +1,6 @@
 //! Variables of the macro languages: numbered and named, local and common.
 //!
-//! A value is an `Option`: Fanuc knows null, the value of what was never assigned. In RS274/NGC every numbered parameter has a value.
+//! A value is an `Option`: Fanuc has null, the value of an unassigned variable. In RS274/NGC every numbered parameter has a value.
 
 use std::collections::HashMap;
 
@@ -17,12 +17,12 @@ const RS274_LOCALS: usize = 30;
 pub(super) const RS274_END: u32 = 5602;
 /// Numbers of Fanuc's common variables.
 const FANUC_COMMON: std::ops::RangeInclusive<u32> = 100..=999;
-/// From here on the numbers of Fanuc stand for the state of the control.
+/// From this number on, Fanuc variables contain the state of the control.
 pub(super) const FANUC_SYSTEM: u32 = 1000;
-/// Common variables of Fanuc from here on keep their values when the power is off.
+/// Fanuc common variables from this number on are retained at power off.
 const FANUC_KEPT: u32 = 500;
 
-/// Stands in a variable that another program may have left a value in.
+/// Marks a variable that may contain a value of another program.
 const LEFT_OVER: Option<f64> = Some(f64::NAN);
 
 /// A value of the machine file's tables as a number.
@@ -35,11 +35,11 @@ pub(super) fn number_of(setting: &Setting) -> Option<f64> {
     }
 }
 
-/// A name of all programs of a run.
+/// A name, common to all programs of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Symbol(u32);
 
-/// Where a number leads.
+/// Meaning of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Place {
     /// A variable.
@@ -48,17 +48,17 @@ pub(super) enum Place {
     Null,
     /// The state of the control.
     System,
-    /// Nowhere.
+    /// Not a variable.
     Nowhere,
 }
 
 /// Variables of one program level.
 #[derive(Clone, Debug, Default)]
 struct Locals {
-    /// By number; those of the level that called this one, where it shares them.
+    /// By number; those of the calling level, if it shares them.
     numbered: Vec<Option<f64>>,
     named: Vec<(Symbol, f64)>,
-    /// Whether the numbered ones are the caller's.
+    /// `true` if the numbered variables are those of the caller.
     shares: bool,
 }
 
@@ -73,16 +73,16 @@ pub(super) struct Variables {
     global: Vec<Option<f64>>,
     symbols: HashMap<Box<str>, u32>,
     texts: Vec<Box<str>>,
-    /// What the last subroutine gave back (RS274/NGC).
+    /// Return value of the last subroutine (RS274/NGC).
     pub(super) returned: Option<f64>,
-    /// Where the last probe ended, mm or inches and degrees as the program says it.
+    /// Result of the last probing motion, mm or inches and degrees, in program units.
     pub(super) probed: Option<AxisVector>,
-    /// The symbols of the names of each program, by the order in which they were loaded.
+    /// The symbols of the names of each program, in loading order.
     programs: Vec<Vec<Symbol>>,
 }
 
 impl Variables {
-    /// At the start of a run; the table of the machine file may hold values that the control remembers: `"#500" = 1.5`.
+    /// Variables at the start of a run; the machine file's table may contain values retained by the control: `"#500" = 1.5`.
     pub(super) fn new(language: Language, machine: &Machine) -> Variables {
         let common = match language {
             Language::Rs274 => vec![Some(0.0); RS274_END as usize],
@@ -125,7 +125,7 @@ impl Variables {
         }
     }
 
-    /// Takes note of the names of a program that was loaded; programs count in the order of these calls.
+    /// Registers the names of a loaded program; program indices are in the order of these calls.
     pub(super) fn add_program(&mut self, program: &Program) {
         let names = program.names.iter().map(|name| self.symbol(name)).collect();
         self.programs.push(names);
@@ -158,7 +158,7 @@ impl Variables {
         self.texts.get(symbol.0 as usize).map_or("", |text| text)
     }
 
-    /// Where a number leads.
+    /// Meaning of a number.
     pub(super) fn place(&self, number: u32) -> Place {
         match self.language {
             Language::Rs274 if (1..RS274_END).contains(&number) => Place::Variable,
@@ -174,7 +174,7 @@ impl Variables {
         if self.language == Language::Rs274 { RS274_LOCALS } else { FANUC_LOCALS }
     }
 
-    /// The value of a number that leads to a variable.
+    /// The value of a variable by number.
     pub(super) fn get(&self, number: u32) -> Option<f64> {
         let index = number as usize;
         if index <= self.locals() {
@@ -183,12 +183,12 @@ impl Variables {
         self.common.get(index).copied().flatten().filter(|value| !value.is_nan())
     }
 
-    /// Whether a common variable still has what some other program left in it.
+    /// `true` if a common variable still has a value of another program.
     pub(super) fn is_left_over(&self, number: u32) -> bool {
         self.common.get(number as usize).copied().flatten().is_some_and(f64::is_nan)
     }
 
-    /// Gives a number that leads to a variable a value.
+    /// Sets a variable by number.
     pub(super) fn set(&mut self, number: u32, value: Option<f64>) {
         let index = number as usize;
         let cell = if index <= self.locals() {
@@ -201,12 +201,12 @@ impl Variables {
         }
     }
 
-    /// Whether a name is one of all levels.
+    /// `true` if a name is common to all levels.
     fn is_global(&self, symbol: Symbol) -> bool {
         self.language != Language::Rs274 || self.text(symbol).starts_with('_')
     }
 
-    /// The value of a name; `None` where it has none.
+    /// The value of a name; `None` if it has none.
     pub(super) fn named(&self, symbol: Symbol) -> Option<f64> {
         if self.is_global(symbol) {
             return self.global.get(symbol.0 as usize).copied().flatten();
@@ -214,7 +214,7 @@ impl Variables {
         self.levels.last()?.named.iter().find(|(known, _)| *known == symbol).map(|&(_, value)| value)
     }
 
-    /// Gives a name a value.
+    /// Sets a named variable.
     pub(super) fn set_named(&mut self, symbol: Symbol, value: Option<f64>) {
         if self.is_global(symbol) {
             if let Some(cell) = self.global.get_mut(symbol.0 as usize) {
@@ -228,7 +228,7 @@ impl Variables {
         }
     }
 
-    /// Begins a program level with local variables of its own, the first of which have these values.
+    /// Begins a program level with its own local variables, the first of which have these values.
     pub(super) fn enter(&mut self, arguments: &[(u32, f64)]) {
         let numbered = self.no_locals();
         self.levels.push(Locals { numbered, ..Locals::default() });
@@ -237,7 +237,7 @@ impl Variables {
         }
     }
 
-    /// Begins a program level that shares the numbered variables of its caller.
+    /// Begins a program level that shares its caller's numbered variables.
     pub(super) fn enter_shared(&mut self) {
         let numbered = self.levels.last_mut().map(|level| std::mem::take(&mut level.numbered)).unwrap_or_default();
         self.levels.push(Locals { numbered, named: Vec::new(), shares: true });
@@ -255,21 +255,21 @@ impl Variables {
         }
     }
 
-    /// Levels beside the outermost one.
+    /// Number of levels above the outermost one.
     pub(super) fn depth(&self) -> usize {
         self.levels.len() - 1
     }
 }
 
-/// Why the state of the control gives no value.
+/// Reason why the control state has no value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Missing {
     /// There is no such variable.
     Unknown,
-    /// Only the machine knows it.
+    /// Known only to the machine.
     OnlyMachine,
     /// The program has not stated the position.
     Unstated,
-    /// Positions cannot be read while the radius compensation is on.
+    /// Positions cannot be read under radius compensation.
     Compensated,
 }

@@ -1,18 +1,18 @@
-//! Zero offsets: which there are, and their names.
+//! The zero offsets and their names.
 
 /// A settable zero offset: 1 to 9 are G54 to G59.3, from [`System::ADDITIONAL`] on G54.1 P1 and so on; 0 is the offset of all systems.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct System(pub(super) u16);
 
-/// What stands before [`System`] 1 to 9.
+/// Names of the zero offsets 0 to 9.
 pub(super) const NAMES: [&str; 10] = ["EXT", "G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
 
 impl System {
     /// G54
     pub(super) const FIRST: System = System(1);
-    /// The offset that all systems of a Fanuc share.
+    /// The offset of all systems of a Fanuc.
     pub(super) const EXTERNAL: System = System(0);
-    /// G54.1 P0, which there is not.
+    /// G54.1 P0, which does not exist.
     pub(super) const ADDITIONAL: u16 = 100;
 
     /// The system of a code in tenths.
@@ -32,7 +32,7 @@ impl System {
         })
     }
 
-    /// As a program selects it and the machine file names it.
+    /// Its name in programs and in the machine file.
     pub(super) fn words(self) -> String {
         match NAMES.get(usize::from(self.0)) {
             Some(name) => (*name).to_owned(),

@@ -1,9 +1,9 @@
-//! The register of addresses that are names: `CR=`, `TURN=`, `RND=`, `AX[…]=` and their kin.
+//! The register of named addresses: `CR=`, `TURN=`, `RND=`, `AX[…]=` and similar.
 //!
-//! An address with a value is gathered here and found again by [`super::gathered::Gathered::named`]; whoever executes it
-//! takes it from there. To add one, add a row to `grammars/sinumerik-words.tsv`, a variant, and the code that takes it.
+//! An address with a value is gathered here and retrieved with [`super::gathered::Gathered::named`] where it is executed. To add one, add a row to
+//! `grammars/sinumerik-words.tsv`, a variant, and the code that uses it.
 
-/// An address that is a name.
+/// A named address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Named {
     /// Radius of an arc.
@@ -27,12 +27,12 @@ pub(super) enum Named {
     Pw,
     /// Degree of a B-spline.
     Sd,
-    /// A part of a direction of the tool or surface: `A2=` (angles), `A3=` (tool), by its number and slot.
+    /// A component of a direction of tool or surface: `A2=` (angles), `A3=` (tool), by its number and slot.
     Orientation(u8, u8),
-    /// Angles of the tool to the path and the surface.
+    /// Angles of the tool relative to path and surface.
     Lead,
     Tilt,
-    /// Roundings and chamfers behind the block, and their feed.
+    /// Roundings and chamfers after the block, and their feed.
     Rnd,
     Rndm,
     Chf,
@@ -41,7 +41,7 @@ pub(super) enum Named {
     Frcm,
     /// Angle of a straight contour element.
     Ang,
-    /// Radius compensation: bulge of corners, allowance, change of the radius.
+    /// Radius compensation: corner bulge, allowance, change of the radius.
     Disc,
     Offn,
     Toffr,
@@ -97,7 +97,7 @@ impl Named {
         })
     }
 
-    /// Whether a block moves because it has this address.
+    /// `true` if a block with this address moves.
     pub(super) fn moves(self) -> bool {
         matches!(
             self,
@@ -115,7 +115,7 @@ impl Named {
     }
 }
 
-/// The address of `A2` to `C7`; `None` where it is none of a direction.
+/// The address of `A2` to `C7`; `None` if it is not a direction.
 pub(super) fn address(letter: u8, extension: u32) -> Option<Named> {
     let slot = letter.checked_sub(b'A').filter(|slot| *slot < 3)?;
     let number = u8::try_from(extension).ok().filter(|number| (2..=7).contains(number))?;

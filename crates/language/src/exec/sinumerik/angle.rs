@@ -1,7 +1,7 @@
 //! ANG: straight contour elements by their angle to the abscissa.
 //!
-//! With one coordinate of the end the other follows. Without any, the end is the intersection with the next element, which gives its own
-//! end and angle; until then the motion waits.
+//! With one end coordinate, the other is computed. Without any, the end is the intersection with the next element, which has an end and an angle;
+//! until then the motion is pending.
 
 use super::address::Named;
 use super::channel;
@@ -18,7 +18,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
 use ncfix_base::source::Span;
 
-/// Carries out ANG, and demands it behind a motion without end.
+/// Executes ANG, and requires it after a motion without end.
 pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
     let angle = gathered.named(Named::Ang).copied();
     let open = channel.open_angle.take();
@@ -79,7 +79,7 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
     Ok(())
 }
 
-/// The element behind a motion without end: both meet at the intersection.
+/// The element after a motion without end: both meet at the intersection.
 fn close_angle(
     modal: &mut Modal,
     standing: &InForce,

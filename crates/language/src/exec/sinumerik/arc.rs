@@ -1,4 +1,4 @@
-//! Arcs of the working plane: their centers, however they are programmed, and what a frame makes of them.
+//! Arcs of the working plane: all forms of their centers, and their transformation by a frame.
 
 use super::gathered;
 use std::f64::consts::TAU;
@@ -19,7 +19,7 @@ use ncfix_machine::machine::Control;
 /// Largest number of extra turns of a helix.
 const MAX_TURNS: f64 = 999.0;
 
-/// Refuses words of arcs in blocks that have no use for them.
+/// Rejects arc words in blocks without an arc.
 pub(super) fn check_words(gathered: &Gathered, kind: MotionKind) -> Result<(), Fault> {
     let is_plane_arc = matches!(kind, MotionKind::Clockwise | MotionKind::CounterClockwise);
     if gathered.addresses.is_empty() && (is_plane_arc || !gathered.center.iter().any(Option::is_some)) {
@@ -42,7 +42,7 @@ pub(super) fn check_words(gathered: &Gathered, kind: MotionKind) -> Result<(), F
     }
 }
 
-/// The programmed end of an arc that is given by center and opening angle; `None` where the block is no such one.
+/// The programmed end of an arc given by center and opening angle; `None` for other blocks.
 pub(super) fn end_by_angle(
     gathered: &Gathered,
     modal: &Modal,
@@ -66,7 +66,7 @@ pub(super) fn end_by_angle(
     let across = [start[0] - center[0], start[1] - center[1]];
     end[abscissa] = center[0] + across[0] * cosine - across[1] * sine;
     end[ordinate] = center[1] + across[0] * sine + across[1] * cosine;
-    // Words of the applicate and of other axes hold.
+    // Words of the applicate and of other axes are used as programmed.
     for axis in gathered.named.iter() {
         end[axis] = modal.programmed[axis];
     }
@@ -81,14 +81,14 @@ fn opening_rad(value: f64, span: Span) -> Result<f64, Fault> {
     Err(bad_value(span, format!("AR={value} is no angle between 0 and 360"), "a full circle needs I, J, K"))
 }
 
-/// Increments of a Sinumerik in a millimeter as delivered (MD10200).
+/// Increments per millimeter of a Sinumerik in its delivered state (MD10200).
 const DELIVERED_PER_MM: f64 = 1000.0;
 
-/// Whether two points of the plane are one at the resolution of the control.
+/// Compares two points of the plane at the resolution of the control.
 pub(super) fn on_control(a: [f64; 2], b: [f64; 2], control: &Control) -> Meeting {
     match control.increments_per_mm {
         Some(count) => meeting(a, b, count),
-        // The file does not say it: both the resolution of the output and the one of a control as delivered must agree.
+        // Not given in the file: the resolution of the output and that of the delivered control must agree.
         None => match (meeting(a, b, 1.0 / control.grid[0]), meeting(a, b, DELIVERED_PER_MM)) {
             (one, other) if one == other => one,
             _ => Meeting::Unsure,
@@ -96,8 +96,8 @@ pub(super) fn on_control(a: [f64; 2], b: [f64; 2], control: &Control) -> Meeting
     }
 }
 
-/// The end of an arc in base coordinates; where the resolution of the control makes it one with the start, it is the start. An arc that is
-/// given `by_angle` turns by that.
+/// The end of an arc in base coordinates; if it equals the start at the resolution of the control, it is the start. An arc given `by_angle` turns by
+/// that angle.
 pub(super) fn closed_on_grid(
     plane: Plane,
     context: MotionContext<'_>,
@@ -154,7 +154,7 @@ fn programmed_center(
     Ok(center)
 }
 
-/// The way of an arc in the working plane.
+/// The shape of an arc in the working plane.
 pub(super) fn arc(
     gathered: &Gathered,
     modal: &Modal,
@@ -184,7 +184,7 @@ pub(super) fn arc(
         }
     };
     let has_center = gathered.center.iter().any(Option::is_some);
-    // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit; else as programmed.
+    // If the frame is a pure shift, arcs are computed in base coordinates, exact to the last bit; otherwise as programmed.
     let (frame, is_shifted) = (&context.setup.frame, context.setup.frame.is_translation());
     let (from, to) = if is_shifted {
         (*start, *target)
@@ -247,14 +247,14 @@ fn radius_fault(found: &RadiusFault, span: Span) -> Fault {
     fault(Code::RADIUS_TOO_SMALL, span, found.message("CR"), "correct CR or the end point; a full circle needs I, J, K")
 }
 
-/// Center of an arc of an opening angle.
+/// Center of an arc with an opening angle.
 fn center_of_angle(angle: f64, span: Span, s: [f64; 2], e: [f64; 2], clockwise: bool) -> Result<[f64; 2], Fault> {
     let chord = [e[0] - s[0], e[1] - s[1]];
     if chord[0].hypot(chord[1]) == 0.0 {
         let help = "name another end point, or give the center with I, J, K";
         return Err(fault(Code::BAD_ARC, span, "start and end of an arc with AR coincide", help));
     }
-    // Half the chord over the tangent of half the angle: below a half turn the center lies left of the chord of a counter-clockwise arc.
+    // Half the chord divided by the tangent of half the angle: below a half turn the center lies left of the chord of a counter-clockwise arc.
     let height = if angle == TAU / 2.0 { 0.0 } else { 0.5 / (angle / 2.0).tan() };
     let side = if clockwise { -height } else { height };
     Ok([s[0].midpoint(e[0]) - side * chord[1], s[1].midpoint(e[1]) + side * chord[0]])

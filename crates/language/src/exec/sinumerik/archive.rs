@@ -1,5 +1,5 @@
-//! Data that a control saves as assignments: tools (`_TOA`), zero offsets (`_UFR`), R parameters (`_RPA`), global variables (`_GUD`),
-//! machine data (`_TEA`, `_INI`). They are read into the machine with the same code that executes programs.
+//! Data that a control saves as assignments: tools (`_TOA`), zero offsets (`_UFR`), R parameters (`_RPA`), global variables (`_GUD`), machine data
+//! (`_TEA`, `_INI`). They are read into the machine with the code that executes programs.
 
 use super::startup;
 use std::collections::BTreeMap;
@@ -20,17 +20,17 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;
 use ncfix_machine::machine::{Machine, Setting};
 
-/// Words that stand in archives and assign nothing.
+/// Archive words without an assignment.
 const WITHOUT_EFFECT: &[&str] = &["CHANDATA", "METRIC", "COMPLETE", "NEWCONF", "STOPRE", "RET"];
-/// Files of an archive that are programs, and not executed here.
+/// Archive files that are programs and not executed here.
 const PROGRAMS: &[&str] = &["MPF", "SPF", "CYC", "COM", "DEF"];
-/// Elements of one global variable.
+/// Maximum number of elements of one global variable.
 const MAX_ELEMENTS: usize = 100_000;
 
 /// Values of a global variable by their indices.
 type Elements = BTreeMap<Vec<i64>, Setting>;
 
-/// Lays saved data over a machine. It is left as it is where an error is found.
+/// Applies saved data to a machine. The machine stays unchanged on an error.
 #[must_use]
 pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     let (mut program, mut findings) = sinumerik::parse(source, ncfix_dialect::sinumerik());
@@ -87,7 +87,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
     findings
 }
 
-/// What was read and is no frame and no tool.
+/// Data other than frames and tools.
 #[derive(Default)]
 struct Data {
     system: BTreeMap<String, Setting>,
@@ -144,7 +144,7 @@ impl Reader<'_> {
         let list = assigned(self.loaded, &self.channel, word)?;
         let takes_effect = is_frame_or_tool(name);
         if !takes_effect {
-            // Indices may name axes that only the control knows, so they are taken as written.
+            // Indices may name axes that only the control knows, so they are kept as written.
             let program = &self.loaded.program;
             let mut key = name.to_owned();
             if let Some(range) = range {
@@ -168,7 +168,7 @@ impl Reader<'_> {
         };
         let target = SystemName { name, range, span: word.span };
         match assign_system(self.loaded, &mut self.channel, target, list) {
-            // The shift of an axis that the machine file does not have: a spindle, a tool changer.
+            // Shift of an axis that is not in the machine file: a spindle, a tool changer.
             Err(found) if is_nothing && matches!(found.code, Code::NO_AXIS | Code::UNDEFINED_VARIABLE) => Ok(()),
             other => other,
         }
@@ -216,7 +216,7 @@ fn no_assignment(word: &Word) -> Fault {
     at(word.span, Code::UNEXPECTED, "saved data are assignments, and this is none", "take it out of the file")
 }
 
-/// Whether a variable is read into zero offsets or tools, not into the table.
+/// `true` if a variable is a zero offset or tool datum.
 fn is_frame_or_tool(name: &str) -> bool {
     const FRAMES: &[&str] = &["$P_UIFR", "$P_CHBFR", "$P_NCBFR", "$P_UBFR"];
     let is_edge = name.strip_prefix("$TC_DP").is_some_and(|rest| rest.bytes().all(|byte| byte.is_ascii_digit()));
@@ -243,7 +243,7 @@ fn setting_of(value: &ExecValue) -> Option<Setting> {
     })
 }
 
-/// A variable as nested lists; elements that were not saved are 0.
+/// A variable as nested lists; missing elements are 0.
 fn nested(elements: &Elements) -> Setting {
     let dimensions = elements.keys().next().map_or(0, Vec::len);
     let length = |level: usize| elements.keys().filter_map(|place| place.get(level)).max().map_or(0, |last| last + 1);

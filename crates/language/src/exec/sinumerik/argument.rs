@@ -1,4 +1,4 @@
-//! An argument of a call, evaluated.
+//! An evaluated argument of a call.
 
 use super::cells::Cells;
 use crate::syntax::sinumerik::NameId;
@@ -6,7 +6,7 @@ use crate::syntax::sinumerik::NameId;
 /// An argument of a call.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Argument {
-    /// What the caller gave, as the parameter holds it; `None` for an empty slot.
+    /// The value as the parameter stores it; `None` for an empty slot.
     pub(super) cells: Option<Cells>,
     /// The caller's variable, for VAR.
     pub(super) reference: Option<Reference>,

@@ -1,4 +1,4 @@
-//! Assignments: R parameters, variables, arrays, and whatever else may stand left of an equals sign.
+//! Assignments: R parameters, variables, arrays, and other left sides.
 
 use super::beside;
 use super::channel::Channel;
@@ -14,7 +14,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_dialect::Treatment;
 
-/// Carries out the assignments of a block, from left to right. Words whose values they could change do not stand beside them.
+/// Executes the assignments of a block from left to right. Words that depend on them are rejected in the block.
 pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Block) -> Result<(), Fault> {
     super::beside::check(loaded, channel, block)?;
     for word in loaded.program.words_of(block) {
@@ -45,7 +45,7 @@ pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Bl
     Ok(())
 }
 
-/// What stands right of the equals sign.
+/// The right side of an assignment.
 pub(super) fn assigned(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> Result<List, Fault> {
     let scope = scope_of(loaded, channel);
     match word.value {
@@ -139,7 +139,7 @@ pub(super) fn assign(
     }
 }
 
-/// Carries out one definition of a DEF block.
+/// Executes one definition of a DEF block.
 pub(super) fn define(loaded: &Loaded, channel: &mut Channel<'_>, definition: &Definition) -> Result<(), Fault> {
     let scope = scope_of(loaded, channel);
     let text = loaded.program.names.text(definition.name);
@@ -161,7 +161,7 @@ pub(super) fn define(loaded: &Loaded, channel: &mut Channel<'_>, definition: &De
     }
 }
 
-/// The result variable of a file access, which takes place on the control only: no error.
+/// The result variable of a file access, which happens on the control only: no error.
 pub(super) fn file_result(loaded: &Loaded, channel: &mut Channel<'_>, word: &Word) -> Result<(), Fault> {
     let (Address::Name(name), Value::Arguments(range)) = (word.address, word.value) else { return Ok(()) };
     let Meaning::Kept(row) = loaded.own.meanings[name.index()] else { return Ok(()) };

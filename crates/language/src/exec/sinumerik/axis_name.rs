@@ -1,4 +1,4 @@
-//! Words of axes by the names that the machine file gives them: `X1=10`.
+//! Axis words with the names of the machine file: `X1=10`.
 
 use super::gatherer::Gatherer;
 use crate::exec::core::fault::{Fault, fault};
@@ -7,7 +7,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 
 impl Gatherer<'_> {
-    /// The axis that a letter with a number names.
+    /// The axis for a letter with a number.
     pub(super) fn numbered_axis(&self, letter: u8, extension: u32) -> Option<Axis> {
         let machine = self.scope.machine;
         if machine.axes.iter().flatten().all(|data| data.name.is_none()) {
@@ -16,7 +16,7 @@ impl Gatherer<'_> {
         machine.axis_named(&format!("{}{extension}", char::from(letter)))
     }
 
-    /// The finding for a letter with a number that names nothing.
+    /// The error for a letter with a number that names no axis.
     pub(super) fn unnamed_axis(&self, letter: u8, extension: u32, word: &Word) -> Fault {
         let letter = char::from(letter);
         if !"XYZUVWABC".contains(letter) {

@@ -1,7 +1,7 @@
-//! Assignments beside other words: refused where these depend on them.
+//! Rejects assignments next to words that depend on them.
 //!
-//! The programming manual gives assignments to variables a block of their own where axes are programmed: whether `X=R1 R1=20` moves to
-//! the old or the new value is laid down nowhere. The same holds for frames and tool data beside the words that use them.
+//! The programming manual requires a separate block for assignments to variables if axes are programmed. Whether `X=R1 R1=20` moves to the old or the
+//! new value is not specified. The same applies to frames and tool data next to words that use them.
 
 use super::channel::Channel;
 use super::level::Loaded;
@@ -10,10 +10,10 @@ use crate::exec::core::fault::{Fault, at};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, ExprId, NameId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
 
-/// Starts of the names of system variables whose assignment changes what other words mean: frames, zero offsets, tools.
+/// Prefixes of system variables whose assignment changes the meaning of other words: frames, zero offsets, tools.
 const IN_FORCE: &[&str] = &["$P_", "$TC_"];
 
-/// What a word is to the other words of its block.
+/// Role of a word in its block.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Part {
     /// An assignment to a variable or an R parameter.
@@ -25,7 +25,7 @@ enum Part {
     Other,
 }
 
-/// Refuses a block whose words depend on its assignments.
+/// Rejects a block whose words depend on its assignments.
 pub(super) fn check(loaded: &Loaded, channel: &Channel<'_>, block: &Block) -> Result<(), Fault> {
     let words = loaded.program.words_of(block);
     let (mut assigns, mut writes_data) = (false, false);
@@ -77,7 +77,7 @@ fn part(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> Part {
     }
 }
 
-/// Looks for variables in words.
+/// Searches words for variables.
 #[derive(Clone, Copy)]
 struct Look<'a> {
     loaded: &'a Loaded,
@@ -117,7 +117,7 @@ impl Look<'_> {
     }
 }
 
-/// Whether the left side is no address of the language such as `POS[X]=`.
+/// `true` if the left side is not an address of the language such as `POS[X]=`.
 pub(super) fn is_assignable(loaded: &Loaded, channel: &Channel<'_>, left: ExprId) -> bool {
     match loaded.program.expr(left).node {
         Node::Indexed(name, _) => {

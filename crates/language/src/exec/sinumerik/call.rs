@@ -1,4 +1,4 @@
-//! Calls: finds the program, begins its level, and comes back from it.
+//! Calls: finds the program, begins its level, and returns from it.
 
 use super::channel::Channel;
 use super::flow;
@@ -22,7 +22,7 @@ use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
 
 impl Interpreter<'_> {
-    /// The word of a call: `NAME`, `NAME(…)`, `L10 P2`.
+    /// Executes a call by word: `NAME`, `NAME(…)`, `L10 P2`.
     pub(super) fn call(&mut self, call: &Call, block: &Block) -> Result<(), Fault> {
         let caller = self.levels.last().map_or(0, |level| level.program);
         if call.name == "CYCLE800" && self.find("CYCLE800", caller).is_none() {
@@ -53,7 +53,7 @@ impl Interpreter<'_> {
         let name = callee.map(|callee| name_of(&self.programs[caller], &self.channel, callee)).transpose()?;
         if kind == CallKind::Path {
             self.library.add_folder(name.as_deref().unwrap_or_default());
-            // What was not there may be there now.
+            // A missing program may exist now.
             self.forget_missing();
             return Ok(());
         }
@@ -108,7 +108,7 @@ impl Interpreter<'_> {
                 }
             }
         };
-        // Variables may name the labels, so they are the caller's; the blocks are the callee's.
+        // Variables for the labels are those of the caller; the blocks are those of the callee.
         let text = |target| self.label_text(caller, target, span);
         let (first, last) = (text(first)?, text(last)?);
         self.programs[entry.program].program.keep_whole();
@@ -135,7 +135,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// The modal call, behind a block that moved.
+    /// Executes the modal call after a block with motion.
     pub(super) fn trigger(&mut self, block: &Block) -> bool {
         if self.levels.iter().any(|level| level.own.is_modal) {
             return false;
@@ -166,13 +166,13 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Program levels in use; a repetition counts as one.
+    /// Number of program levels in use; a repetition counts as one.
     fn depth(&self) -> usize {
         let counted = |level: &&Level| counts(level, &self.programs);
         self.levels.iter().filter(counted).map(|level| 1 + level.repetitions()).sum()
     }
 
-    /// Refuses one program level too many.
+    /// Reports too many program levels.
     pub(super) fn check_depth(&self, name: &str, span: Span) -> Result<(), Fault> {
         let depth = self.depth();
         if depth as u64 >= u64::from(self.machine.control.max_program_levels) {
@@ -215,7 +215,7 @@ impl Interpreter<'_> {
         Ok(Entry { program, section, arguments, repeats, is_modal: false, part: None, span, file })
     }
 
-    /// Begins the level of a call in a line of the running program.
+    /// Begins the level of a call.
     pub(super) fn begin(&mut self, entry: Entry, line: u32) {
         let Some(level) = self.levels.last() else { return };
         let caller = level.own.cycle.map_or((level.calls, line), |cycle| (cycle.origin.calls, cycle.origin.line));
@@ -256,7 +256,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// Takes the last level away and gives the caller back what is its own.
+    /// Removes the last level and restores the caller's state.
     pub(super) fn leave(&mut self) -> Option<Level> {
         let mut level = self.levels.pop()?;
         let called = &self.programs[level.program];
@@ -277,7 +277,7 @@ impl Interpreter<'_> {
         Some(level)
     }
 
-    /// The end of a program: back to the caller, or the end of the run. `word` is M2, M17 or M30 or none.
+    /// Ends a program: returns to the caller, or ends the run. `word` is M2, M17 or M30, if any.
     pub(super) fn end_of_program(&mut self, word: Option<u32>) {
         if word.is_some() {
             self.leave_texts();
@@ -298,7 +298,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// RET, also to a place in a caller.
+    /// RET, including a return to a place in a caller.
     pub(super) fn return_to(&mut self, target: &ReturnTarget, span: Span) -> Result<(), Fault> {
         self.leave_texts();
         if self.levels.len() == 1 {
@@ -330,7 +330,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// A finding in the program that runs.
+    /// Reports an error in the running program.
     #[expect(clippy::boxed_local, reason = "findings come like this")]
     pub(super) fn report_here(&mut self, found: Fault) {
         let program = self.levels.last().map_or(0, |level| level.program);
@@ -338,8 +338,8 @@ impl Interpreter<'_> {
         self.report(found.in_file(file));
     }
 
-    /// The program and section of a name: in the file of the caller, in that of the main program, among those found before, in the
-    /// library, among the built-in cycles. A path goes to the library first.
+    /// The program and section of a name. The search order is the caller's file, the main program's file, programs found before, the library, the
+    /// built-in cycles. A path is searched in the library first.
     fn find(&mut self, name: &str, caller: usize) -> Option<(usize, usize)> {
         let short = library::program_name(name);
         // A file without header has a section without name.
@@ -363,7 +363,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// Whether a level counts as a program level: a cycle of the control is one, however it is made here.
+/// `true` if a level counts as a program level; a cycle of the control counts as one, however it is implemented here.
 fn counts(level: &Level, programs: &[Loaded]) -> bool {
     let name = programs.get(level.program).and_then(|loaded| loaded.own.built_in);
     !name.is_some_and(|name| name.starts_with('_'))

@@ -1,4 +1,4 @@
-//! What a variable holds: one value, or an array of up to three dimensions, row by row.
+//! Content of a variable: one value, or an array of up to three dimensions, row by row.
 
 use super::value::Value;
 use crate::exec::core::fault::{Fault, fault};
@@ -6,10 +6,10 @@ use crate::syntax::sinumerik::DefinitionType;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
-/// Lengths of the dimensions; 1 where there is none.
+/// Lengths of the dimensions; 1 for unused dimensions.
 pub(super) type Lengths = [usize; 3];
 
-/// Characters of a string variable whose length was not given, and the most that one may have.
+/// Characters of a string variable without given length, and the maximum.
 const MAX_STRING: usize = 400;
 
 /// The value cells of a variable.
@@ -24,7 +24,7 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// Cells with the initial value of their type; at most `limit` of them.
+    /// Cells with the initial value of their type, at most `limit`.
     pub(super) fn new(
         kind: DefinitionType,
         string: Option<i64>,
@@ -52,7 +52,7 @@ impl Cells {
         Ok(Cells { kind, string, dimensions: dimensions.len(), lengths, values: vec![Value::initial(kind); count] })
     }
 
-    /// How many.
+    /// Number of cells.
     pub(super) fn count(&self) -> usize {
         self.values.len()
     }
@@ -67,17 +67,17 @@ impl Cells {
         self.kind
     }
 
-    /// Whether an index belongs to it.
+    /// `true` if it has indices.
     pub(super) fn is_array(&self) -> bool {
         self.dimensions > 0
     }
 
-    /// The first value: that of a variable that is no array.
+    /// The first value, that of a variable that is not an array.
     pub(super) fn first(&self) -> Option<&Value> {
         self.values.first()
     }
 
-    /// The value at an index; one index more than an array of strings has dimensions takes a character.
+    /// The value at an index; an additional index selects a character of a string.
     pub(super) fn get(&self, indices: &[i64], at: (&str, Span)) -> Result<Value, Fault> {
         if self.kind == DefinitionType::String && indices.len() == self.dimensions + 1 {
             let (&last, front) = indices.split_last().ok_or_else(|| self.bad_index(indices, at))?;
@@ -100,7 +100,7 @@ impl Cells {
         self.put(place, value, at)
     }
 
-    /// Sets values one behind the other from an index on; a slot without value keeps the old one.
+    /// Sets consecutive values from an index on; a slot without value keeps the old one.
     pub(super) fn fill(
         &mut self,
         indices: &[i64],
@@ -121,7 +121,7 @@ impl Cells {
         Ok(())
     }
 
-    /// Sets so many elements from an index on to one value; all to the end where there is no number.
+    /// Sets `count` elements from an index on to one value; all to the end without a count.
     pub(super) fn repeat(
         &mut self,
         indices: &[i64],
@@ -146,7 +146,7 @@ impl Cells {
         })?;
         if let Some(cell) = self.values.get_mut(place) {
             *cell = match converted {
-                // What does not fit is cut off.
+                // Excess text is cut off.
                 Value::Text(mut text) => {
                     text.truncate(self.string);
                     Value::Text(text)
@@ -179,7 +179,7 @@ impl Cells {
         Ok(())
     }
 
-    /// Where a list begins: at the index, or at the first element where there is none.
+    /// Start of a list: the index, or the first element without index.
     fn start(&self, indices: &[i64], at: (&str, Span)) -> Result<usize, Fault> {
         if indices.is_empty() { Ok(0) } else { self.place(indices, at) }
     }
@@ -211,7 +211,7 @@ impl Cells {
     }
 }
 
-/// A number that no INT holds: the control has an alarm.
+/// The error for a number beyond INT, for which the control has an alarm.
 fn beyond_int(text: &str, number: f64, span: Span) -> Fault {
     let message = format!("{text} is an INT, which ends at 2147483647, and cannot hold {number}");
     fault(Code::NOT_COMPUTABLE, span, message, "define it as REAL, or check the value")

@@ -1,4 +1,4 @@
-//! The channel: executes the gathered words of one block in their fixed order and puts elements into the stream.
+//! The channel: executes the gathered words of one block in a fixed order and emits elements.
 
 use super::control::System;
 use super::modal::Modal;
@@ -18,34 +18,34 @@ use ncfix_machine::snc::{BlockNumber, Kind, Origin};
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
-    /// The machine, and what the caller has chosen.
+    /// The machine and the options of the caller.
     pub(super) settings: RunSettings<'a>,
     pub(super) outlet: Outlet<'a>,
     pub(super) modal: Modal,
     pub(super) variables: Variables,
     pub(super) system: System,
     pub(super) codes: &'static CodeTable,
-    /// What the block at hand says and does.
+    /// State of the current block.
     pub(super) block: SinumerikAtHand,
     pub(super) splines: Splines,
-    /// A motion whose end the next one tells.
+    /// A motion whose end is determined by the next one.
     pub(super) open_angle: Option<OpenAngle>,
-    /// Frame, tool length and plane in force.
+    /// Active frame, tool length and plane.
     pub(super) standing: InForce,
-    /// Line of the first length or feed that was programmed before any unit code.
+    /// Line of the first length or feed programmed before any unit code.
     pub(super) unitless: Option<u32>,
     pub(super) unit_stated: bool,
     pub(super) feed_warned: bool,
 }
 
-/// What the block at hand says and does.
+/// State of the current block.
 #[derive(Default)]
 pub(super) struct SinumerikAtHand {
-    /// Whether the block has moved a geometry axis.
+    /// `true` if the block has moved a geometry axis.
     pub(super) has_moved: bool,
-    /// What the motion to come wants of the contour stage.
+    /// Corner request of the next motion for the contour stage.
     pub(super) corner: Option<Corner>,
-    /// FRC of a block without a transition of its own.
+    /// FRC of a block without its own transition.
     pub(super) corner_feed: Option<f64>,
     pub(super) soft: Option<Soft>,
 }
@@ -75,13 +75,13 @@ impl<'a> Channel<'a> {
         }
     }
 
-    /// A new block: its elements carry this origin and number.
+    /// Begins a block: its elements carry this origin and number.
     pub(super) fn begin_block(&mut self, origin: Origin, number: Option<BlockNumber>) {
         self.outlet.begin_block(origin, number);
         self.block.has_moved = false;
     }
 
-    /// Puts an element into the stream.
+    /// Emits an element.
     pub(super) fn push(&mut self, kind: Kind) {
         if self.splines.is_holding() {
             let element = self.outlet.element(kind);
@@ -92,7 +92,7 @@ impl<'a> Channel<'a> {
         }
     }
 
-    /// Puts a comment into the stream.
+    /// Emits a comment.
     pub(super) fn comment(&mut self, comment: Option<Vec<u8>>) {
         if let Some(comment) = comment {
             self.push(Kind::Comment(comment));
@@ -100,7 +100,7 @@ impl<'a> Channel<'a> {
     }
 }
 
-/// Where a motion without end begins and leads, programmed coordinates of the plane, mm and rad.
+/// Start and direction of a motion without end, in program coordinates of the plane, mm and rad.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OpenAngle {
     pub(super) start: [f64; 2],
@@ -114,7 +114,7 @@ impl OpenAngle {
     }
 }
 
-/// The finding of a motion whose end never came.
+/// The error for a motion whose end is never given.
 pub(super) fn without_end(span: Span) -> Fault {
     bad_value(
         span,

@@ -1,4 +1,4 @@
-//! The words of contours: what a block changes for good, and what it asks for its own motion.
+//! Contour words: modal changes, and requests for the motion of the block.
 
 use super::address::Named;
 use super::channel::Channel;
@@ -19,11 +19,11 @@ use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::snc::{Element, WordValue};
 
-/// Words that the control may see again in the output, where nothing is compensated any more.
+/// Words that may be passed to the control, as the output contains no compensation.
 pub(super) const PASSED_ON: &[&str] = &["G40", "CFC", "CFTCP", "CFIN", "CUT2D"];
 
 impl ContourModal {
-    /// A modal word.
+    /// Sets a modal word.
     fn set(&mut self, word: &str) {
         match word {
             "G40" => self.side = Side::Off,
@@ -50,7 +50,7 @@ impl ContourModal {
     }
 }
 
-/// The form of a soft approach or retraction, and whether it retracts.
+/// The form of a soft approach or retraction, and `true` if it retracts.
 fn soft_form(word: &str) -> Option<(SoftForm, bool)> {
     Some(match word {
         "G147" => (SoftForm::Line, false),
@@ -63,7 +63,7 @@ fn soft_form(word: &str) -> Option<(SoftForm, bool)> {
     })
 }
 
-/// Carries out what a block says of contours, before its motion and before its G0, G1 and F act.
+/// Executes the contour words of a block, before its motion and before its G0, G1 and F take effect.
 pub(super) fn contour_words(
     modal: &mut Modal,
     block: &mut SinumerikAtHand,
@@ -115,7 +115,7 @@ pub(super) fn contour_words(
     Ok(())
 }
 
-/// The radius of G41 and G42 is that of a cutting edge that the program has named.
+/// Checks that the radius of G41 and G42 is that of a cutting edge named by the program.
 pub(super) fn check_edge(strict: bool, modal: &Modal, outlet: &mut Outlet<'_>, gathered: &Gathered, span: Span) {
     let code = gathered.contour.iter().find(|word| matches!(**word, "G41" | "G42"));
     let Some(code) = code.filter(|_| strict && !modal.edge_stated) else { return };
@@ -164,7 +164,7 @@ fn soft_words(
     })
 }
 
-/// The transition that a block wants behind itself.
+/// The transition requested after a block.
 pub(super) fn corner_words(
     modal: &Modal,
     block: &mut SinumerikAtHand,
@@ -219,7 +219,7 @@ fn even_scale(modal: &Modal, standing: &InForce, value: &NamedValue) -> Result<f
     Ok(frame.linear().column(abscissa.slot()).norm())
 }
 
-/// What the motion of a block asks of the stage; `None` where it is what it is.
+/// The contour request of a block's motion; `None` if it has none.
 pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
     let (corner, soft) = (channel.block.corner.take(), channel.block.soft.take());
     let modal = channel.modal.contour;
@@ -231,7 +231,7 @@ pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
         let frame = &channel.standing.setup.frame;
         let [abscissa, ..] = channel.modal.modes.plane.axes();
         let scale = frame.linear().column(abscissa.slot()).norm();
-        // FRC goes before FRCM, behind RNDM too.
+        // FRC has priority over FRCM, also for RNDM.
         let feed = channel.block.corner_feed.unwrap_or(modal.corner_feed);
         Corner { transition: Transition::Round(modal.round_mm * scale), feed, is_modal: true }
     });
@@ -254,7 +254,7 @@ pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
     Some(Wish { modal, distance_mm, corner, soft, span: path.span, file: channel.outlet.origin.file })
 }
 
-/// Puts a motion into the stream through the contour stage.
+/// Emits a motion through the contour stage.
 pub(super) fn pass_path(channel: &mut Channel<'_>, path: Path, element: Element, wish: Wish) {
     check_known(channel.settings.strict, &channel.modal, &mut channel.outlet, &path, &wish);
     let (tool, edge) = (&channel.modal.tool.active, channel.modal.edge);
@@ -270,7 +270,7 @@ pub(super) fn pass_path(channel: &mut Channel<'_>, path: Path, element: Element,
     }
 }
 
-/// What depends on places that the program has not stated must not be corrected.
+/// Rejects motions that depend on positions the program has not stated.
 fn check_known(strict: bool, modal: &Modal, outlet: &mut Outlet<'_>, path: &Path, wish: &Wish) {
     if path.motion.is_inverse_time() && wish.corner.is_some() {
         let message = "a rounding or chamfer with inverse-time feed (G93)";

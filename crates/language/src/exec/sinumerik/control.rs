@@ -1,4 +1,4 @@
-//! What the control holds beside the variables: frames, tools, what a program has looked at.
+//! State of the control other than variables: frames, tools, and the program's read accesses.
 
 use super::frame_store::FrameStore;
 use super::tool_data::ToolData;
@@ -11,10 +11,10 @@ pub(super) struct System {
     pub(super) values: HashMap<String, Value>,
     pub(super) frames: FrameStore,
     pub(super) tools: ToolData,
-    /// Whether nothing may be assumed.
+    /// `true` if nothing may be assumed.
     pub(super) strict: bool,
-    /// Whether MCALL is in force.
+    /// `true` if MCALL is active.
     pub(super) modal_call: bool,
-    /// A variable of the main run that was read since [`Self::looked`]: the control stops to read it.
+    /// A main-run variable that was read since [`Self::looked`]: the control stops to read it.
     pub(super) looked: Cell<Option<&'static str>>,
 }

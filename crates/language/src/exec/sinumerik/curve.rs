@@ -5,10 +5,10 @@ use ncfix_base::source::Span;
 /// Coefficients a2 to a5.
 pub(super) const COEFFICIENTS: usize = 4;
 
-/// What a block says of curves.
+/// Curve words of a block.
 #[derive(Debug, Default)]
 pub(super) struct CurveWords {
-    /// How splines begin or end from here on.
+    /// End conditions of splines; `true` for the end.
     pub(super) ends: Vec<(bool, End)>,
     pub(super) polynomials: Vec<(Axis, [f64; COEFFICIENTS])>,
     /// End value and coefficients of the denominator.
@@ -16,20 +16,20 @@ pub(super) struct CurveWords {
     pub(super) span: Span,
 }
 
-/// How a spline begins or ends.
+/// End condition of a spline.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum End {
     /// BNAT, ENAT: without curvature.
     #[default]
     Natural,
-    /// BTAN, ETAN: in the direction of the motion before or behind it.
+    /// BTAN, ETAN: in the direction of the preceding or following motion.
     Tangent,
     /// BAUTO, EAUTO.
     Automatic,
 }
 
 impl End {
-    /// Whether a code is about the end rather than the start, and what it says.
+    /// The end condition of a code, with `true` for the end and `false` for the start.
     pub(super) fn of(code: &str) -> Option<(bool, End)> {
         let end = match code.get(1..)? {
             "NAT" => End::Natural,

@@ -1,4 +1,4 @@
-//! Calls of the control's cycles: which level belongs to one, and what is found in it as the user sees it.
+//! Calls of the control's cycles: assignment of levels to cycles, and diagnostics at the user's block.
 
 use super::cycles::{Cycle, alarm};
 use super::gathered::Call;
@@ -10,11 +10,11 @@ use crate::syntax::sinumerik::{Address, ArgumentRange, Block, Body, Word};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{FileId, Span};
 
-/// A word of the cycles only: runs a program as far as its first point.
+/// A word for cycles only: runs a program up to its first point.
 const FIRST: &str = "_CYC_FIRST";
 
 impl Interpreter<'_> {
-    /// The cycle to which a level belongs that is about to begin; `call` is where its call is written.
+    /// The cycle of a level that is about to begin; `call` is the place of its call.
     pub(super) fn cycle_of(&self, program: usize, is_modal: bool, call: (FileId, Span)) -> Option<Cycle> {
         let name = self.programs.get(program)?.own.built_in?;
         let place = Place { file: call.0, span: call.1 };
@@ -26,7 +26,7 @@ impl Interpreter<'_> {
         }
     }
 
-    /// What is wrong with a cycle that begins while the program has radius compensation on.
+    /// The error for a cycle that begins under radius compensation.
     pub(super) fn under_compensation(&self, cycle: Option<Cycle>, span: Span) -> Option<Fault> {
         let name = cycle?.name;
         let is_inside = self.levels.last().is_some_and(|level| level.own.cycle.is_some());
@@ -37,7 +37,7 @@ impl Interpreter<'_> {
         Some(fault(Code::BAD_COMPENSATION, span, message, "end it with G40 and a motion in the plane before the cycle"))
     }
 
-    /// The name that a cycle gives `_CYC_FIRST`, which runs a contour as far as its start point.
+    /// The name in the `_CYC_FIRST` of a cycle, which runs a contour up to its start point.
     pub(super) fn contour_of(&self, call: &Call) -> Result<Option<String>, Fault> {
         let Some(level) = self.levels.last().filter(|level| level.own.cycle.is_some() && call.name == FIRST) else {
             return Ok(None);
@@ -49,7 +49,7 @@ impl Interpreter<'_> {
         Ok(Some(String::from_utf8_lossy(&name).trim().to_ascii_uppercase()))
     }
 
-    /// Only the blocks of a program up to the first that names an axis of the plane.
+    /// Restricts a program to the blocks up to the first one that names an axis of the plane.
     pub(super) fn to_first_point(&self, mut entry: Entry) -> Result<Entry, Fault> {
         let program = &self.programs[entry.program].program;
         let blocks = program.sections.get(entry.section).map_or(0..0, |section| section.blocks.clone());
@@ -65,7 +65,7 @@ impl Interpreter<'_> {
         Ok(entry)
     }
 
-    /// A finding with the place that means something to the user.
+    /// Moves a diagnostic to the place that is meaningful to the user.
     pub(super) fn as_seen_by_user(&self, mut finding: Diagnostic) -> Diagnostic {
         let is_inside = |place: Place| {
             let mut programs = self.programs.iter();
@@ -81,7 +81,7 @@ impl Interpreter<'_> {
         finding
     }
 
-    /// Ends the cycle that runs, if one does: behind a fault nothing in it can be right.
+    /// Ends the running cycle, if any: after an error its further execution is invalid.
     pub(super) fn leave_cycle(&mut self) {
         while self.levels.last().is_some_and(|level| level.own.cycle.is_some()) && self.levels.len() > 1 {
             self.leave();

@@ -1,7 +1,7 @@
-//! The register of the control's cycles: programs of the language itself that are built in.
+//! The register of the control's cycles: built-in programs in the control's own language.
 //!
-//! A program of the same name among the user's files goes before. What a cycle does, and what is found in it, has the place of the block
-//! that calls it: nobody has the text of the cycle at hand.
+//! A program of the same name among the user's files has priority. Elements and diagnostics of a cycle have the place of the calling block, as the
+//! user does not have the text of the cycle.
 
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::{Code, Place};
@@ -10,7 +10,7 @@ use ncfix_machine::snc::Origin;
 
 macro_rules! cycles {
     ($($name:literal)*) => {
-        /// Names, upper case, and texts of the cycles. Those that begin with an underscore are called by the others only.
+        /// Names, upper case, and texts of the cycles. Names with a leading underscore are called by other cycles only.
         const CYCLES: &[(&str, &[u8])] = &[
             $(($name, include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/cycles/sinumerik/", $name, ".spf")))),*
         ];
@@ -24,12 +24,12 @@ cycles! {
     "_CYC_PLUNGE" "_CYC_POCKET" "_CYC_RING" "_CYC_SPIGOT" "_CYC_STROKE" "_CYC_TAP" "_CYC_TOOL" "_CYC_WALL"
 }
 
-/// The text of a built-in cycle and its name.
+/// The name and text of a built-in cycle.
 pub(super) fn source(name: &str) -> Option<(&'static str, &'static [u8])> {
     CYCLES.iter().find(|(known, _)| *known == name).copied()
 }
 
-/// The alarms that cycles raise with SETAL: number, what is wrong, what to do.
+/// The alarms that cycles raise with SETAL: number, message, help.
 const ALARMS: &[(i64, &str, &str)] = &[
     (61000, "no tool radius is in force", "activate a cutting edge with a radius before the cycle"),
     (61001, "the lead of the thread is wrong", "give a size M3 to M48 of the table (MPIT), or the lead (PIT)"),
@@ -46,7 +46,7 @@ const ALARMS: &[(i64, &str, &str)] = &[
     (61107, "the first depth lies on the wrong side of the reference plane", "check FDEP and FDPR"),
 ];
 
-/// The finding of an alarm; number 0 is for what is not executed, which the text names.
+/// The error of an alarm; number 0 is for unsupported functions, which the text names.
 pub(super) fn alarm(number: i64, text: &str, span: Span) -> Fault {
     if number == 0 {
         let help = "write its moves out, or name the cycle in control.opaque of the machine file if the control shall run it by itself";
@@ -57,13 +57,13 @@ pub(super) fn alarm(number: i64, text: &str, span: Span) -> Fault {
     fault(Code::CYCLE_ALARM, span, format!("alarm {number}, {message}"), help)
 }
 
-/// The call of a cycle by a program of the user.
+/// A cycle call by a user program.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cycle {
     pub(super) name: &'static str,
-    /// What its elements carry: the block that calls it or, with MCALL, the block that moved to its place.
+    /// Origin of its elements: the calling block or, with MCALL, the block that moved to its position.
     pub(super) origin: Origin,
-    /// Where the call is written.
+    /// Place of the call.
     pub(super) place: Place,
 }
 

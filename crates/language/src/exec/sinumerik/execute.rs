@@ -24,17 +24,17 @@ use ncfix_base::source::{Source, Span};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Kind, Origin};
 
-/// What a run keeps beside the channel.
+/// State of a run in addition to the channel.
 pub(super) struct SinumerikRun {
-    /// Macros of the definition files, which hold in every program.
+    /// Macros of the definition files, which are valid in every program.
     pub(super) macros: Macros,
-    /// Programs of the texts that EXECSTRING executed.
+    /// Programs of the texts executed by EXECSTRING.
     pub(super) texts: HashMap<Vec<u8>, usize>,
     /// The program of MCALL.
     pub(super) modal_call: Option<Entry>,
 }
 
-/// Starts a program. Syntax findings of the main program are the caller's business; faulty blocks do nothing here.
+/// Starts a program. The caller handles syntax diagnostics of the main program; faulty blocks have no effect here.
 pub(in crate::exec) fn start<'a>(
     program: Program,
     machine: &'a Machine,
@@ -71,7 +71,7 @@ pub(in crate::exec) fn start<'a>(
     }
     let macros = read_definitions(library.as_mut(), &program, &mut channel, &mut ledger.sources);
     let loaded = load(program, &machine.control);
-    // A subprogram that is run by itself has the defaults of its parameters.
+    // A subprogram that is run directly has the defaults of its parameters.
     if let Err(found) = parameters::bind(&loaded, &mut channel, loaded.parameters(main), &[]) {
         ledger.findings.push_back(found.in_file(loaded.program.source.id()));
     }

@@ -10,7 +10,7 @@ use crate::syntax::sinumerik::{ExprId, Node, Operator, Program, UnaryOperator};
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::Machine;
 
-/// What an expression may look at.
+/// Data that an expression can access.
 #[derive(Clone, Copy)]
 pub(super) struct Scope<'a> {
     pub(super) program: &'a Program,
@@ -76,7 +76,7 @@ impl Scope<'_> {
         self.value(id)?.number().ok_or_else(|| self.type_fault(id))
     }
 
-    /// The value as a truth.
+    /// The value as a truth value.
     pub(super) fn truth(&self, id: ExprId) -> Result<bool, Fault> {
         self.value(id)?.truth().ok_or_else(|| self.type_fault(id))
     }
@@ -87,7 +87,7 @@ impl Scope<'_> {
         value.whole().ok_or_else(|| self.no_int(&[(&value, id)], id))
     }
 
-    /// The first of these values that is no INT, in words; where it is no number at all its type is wrong.
+    /// The error for the first of these values that is not an INT; if it is not a number, its type is wrong.
     fn no_int(&self, values: &[(&Value, ExprId)], whole: ExprId) -> Fault {
         let is_int = |value: &Value| value.whole().is_some_and(is_int);
         let found = values.iter().find(|(value, _)| !is_int(value));
@@ -112,7 +112,7 @@ impl Scope<'_> {
         )
     }
 
-    /// A result that the type INT cannot hold.
+    /// The error for a result beyond the type INT.
     fn overflow(&self, id: ExprId) -> Fault {
         fault(
             Code::NOT_COMPUTABLE,
@@ -126,7 +126,7 @@ impl Scope<'_> {
         let (a, b) = (self.value(left)?, self.value(right)?);
         let span = self.program.expr(id).span;
         let numbers = || Some((a.number()?, b.number()?));
-        // Operands of INT; a REAL that no INT can hold is none.
+        // Operands of INT; a REAL beyond INT is not one.
         let wholes = || Some((a.whole().filter(|a| is_int(*a))?, b.whole().filter(|b| is_int(*b))?));
         let truths = || Some((a.truth()?, b.truth()?));
         let int = |value: Option<i64>| Value::int(value).ok_or_else(|| self.overflow(id));
@@ -151,7 +151,7 @@ impl Scope<'_> {
                     return Err(fault(Code::NOT_COMPUTABLE, span, "division by zero", "check the divisor"));
                 }
                 Some((a, b)) if operator == Operator::Div => Some(int(a.checked_div(b))?),
-                // The sign of the remainder follows the dividend.
+                // The sign of the remainder is that of the dividend.
                 Some((a, b)) => Some(int(a.checked_rem(b))?),
                 None => None,
             },

@@ -8,7 +8,7 @@ use crate::exec::core::outlet::Outlet;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::snc::{FeedUnit, Word, WordValue};
 
-/// Before the call of a program of the control, which finds the feed of this one.
+/// Emits the feed before the call of a program of the control, which relies on it.
 pub(super) fn feed_for_call(modal: &Modal, splines: &Splines, outlet: &mut Outlet<'_>) {
     if modal.modes.feed_unit != FeedUnit::InverseTime && !splines.is_holding() {
         outlet.feed_for_call(modal.modes.feed);
@@ -24,7 +24,7 @@ pub(super) fn feed_and_speed(modal: &mut Modal, gathered: &mut Gathered) {
     if let Some((speed, _)) = gathered.speed {
         modal.modes.speed = Some(speed);
         let word = Word { letter: b'S', extension: None, value: WordValue::Number(speed) };
-        // Behind D, before M.
+        // After D, before M.
         let place = gathered.before.iter().take_while(|word| word.letter == b'D').count();
         gathered.before.insert(place, word);
     }

@@ -1,4 +1,4 @@
-//! Control flow: what a block does to the order of execution.
+//! Control flow: the effect of a block on the order of execution.
 
 use super::control::System;
 use super::order;
@@ -46,23 +46,23 @@ pub(super) fn block(
     Ok(match block.body {
         Body::Empty | Body::Words | Body::Faulty | Body::EndIf | Body::Loop | Body::Repeat => Action::Next,
         Body::If(condition) if scope.truth(condition)? => Action::Next,
-        // The partner of IF is its ELSE or ENDIF; both are left behind.
+        // The partner of IF is its ELSE or ENDIF; execution continues after both.
         Body::If(_) => Action::Jump(partner + 1),
         Body::Else => Action::Jump(partner + 1),
         Body::EndLoop => Action::Jump(partner + 1),
         Body::While(condition) if scope.truth(condition)? => Action::Next,
         Body::While(_) => Action::Jump(partner + 1),
-        // Without its WHILE the program is faulty; going on finds more, jumping to itself would not.
+        // Without its WHILE the program is faulty; continuing finds further errors, a jump to itself would not.
         Body::EndWhile => Action::Jump(block.partner().unwrap_or(index + 1)),
         Body::Until(condition) if scope.truth(condition)? => Action::Next,
         Body::Until(_) => Action::Jump(partner + 1),
         Body::For { variable, from, to } => {
-            // Where the values cannot be had, the loop ends with its first pass and says no more.
+            // If its values are not available, the loop ends with its first pass, without further diagnostics.
             level.own.for_ends.insert(index, f64::NAN);
             let (from, to) = (scope.value(from)?, scope.number(to)?);
             level.own.for_ends.insert(index, to);
             assign_value(loaded, channel, variable, from, block.span)?;
-            // What the variable holds: INT has rounded it.
+            // The stored value of the variable: INT has rounded it.
             let start = scope_of(loaded, channel).number(variable)?;
             if reaches(start, to) { Action::Next } else { Action::Jump(partner + 1) }
         }
@@ -72,7 +72,7 @@ pub(super) fn block(
         Body::Define { start, count } => {
             for place in start as usize..start as usize + usize::from(count) {
                 let definition = loaded.program.definitions[place];
-                // A definition that fails is no reason why the others of its block are missing.
+                // A failed definition does not affect the others of its block.
                 if let Err(found) = define(loaded, channel, &definition) {
                     let name = loaded.program.names.text(definition.name);
                     channel.outlet.warnings.push(found.leaves_unset(name));
@@ -125,7 +125,7 @@ fn words(
     })
 }
 
-/// Whether a FOR loop has a pass with this value: up to its end, and where both are the same as `<=` means it.
+/// `true` if a FOR loop has a pass with this value: up to its end, with equality as in `<=`.
 fn reaches(value: f64, end: f64) -> bool {
     value <= end || is_same(value, end)
 }
@@ -152,7 +152,7 @@ fn end_for(
     Ok(if goes_on { Action::Jump(start + 1) } else { Action::Next })
 }
 
-/// The arguments of `RET(target, behind, levels)`.
+/// The arguments of `RET(target, after, levels)`.
 fn return_target(
     loaded: &Loaded,
     channel: &Channel<'_>,
@@ -183,14 +183,14 @@ fn return_target(
     Ok(out)
 }
 
-/// What the block has read of the main run ends the look-ahead of the blocks before it.
+/// Main-run variables read by the block end the look-ahead of the preceding blocks.
 pub(super) fn note_looks(system: &System, outlet: &mut Outlet<'_>) {
     if let Some(name) = system.looked() {
         outlet.stop_look_ahead(name);
     }
 }
 
-/// The word that ends the run.
+/// Emits the word that ends the run.
 pub(super) fn push_end(channel: &mut Channel<'_>, number: u32) {
     let value = WordValue::Number(f64::from(number));
     channel.push(Kind::After(vec![AuxWord { letter: b'M', extension: None, value }]));

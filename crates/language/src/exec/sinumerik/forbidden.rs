@@ -1,4 +1,4 @@
-//! Statements that a Sinumerik does not take in the state that it is in. `docs/states.md` has the table.
+//! Statements that a Sinumerik rejects in its current state. `docs/states.md` has the table.
 
 use super::gathered::Gathered;
 use super::modal::Modal;
@@ -6,7 +6,7 @@ use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
-/// Refuses what the state before the block does not allow.
+/// Rejects words that the state before the block does not allow.
 pub(super) fn check_state(modal: &Modal, gathered: &Gathered, span: Span) -> Result<(), Fault> {
     if modal.contour.compensates() {
         check_compensation(gathered, span)?;
@@ -19,8 +19,8 @@ pub(super) fn check_state(modal: &Modal, gathered: &Gathered, span: Span) -> Res
     Ok(())
 }
 
-/// Programming manual, "reference point approach" and "fixed-point approach": without radius compensation, and without a
-/// transformation. A tool change moves the machine, and a transformation that begins or ends changes what the contour is.
+/// Programming manual, "reference point approach" and "fixed-point approach": only without radius compensation and without transformation. A tool
+/// change moves the machine, and the start or end of a transformation changes the meaning of the contour.
 fn check_compensation(gathered: &Gathered, span: Span) -> Result<(), Fault> {
     let found = if gathered.is_reference {
         Some("G74 or G75")

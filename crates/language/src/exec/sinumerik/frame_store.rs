@@ -1,4 +1,4 @@
-//! The frames of the control that a program reads and writes: settable, base, programmable, and what they add up to.
+//! The frames of the control that a program reads and writes: settable, base, programmable, and their product.
 
 use ncfix_base::geometry::Axis;
 use ncfix_base::geometry::Plane;
@@ -19,14 +19,14 @@ use ncfix_machine::machine::Machine;
 /// Base frames of the channel and of the control, 16 each.
 pub(super) const BASES: i64 = 16;
 
-/// Frames that the run has written.
+/// Frames written by the run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FrameStore {
     /// By number: 0 for G500, 1 for G54, 5 for G505.
     pub(super) settable: BTreeMap<i64, FrameParts>,
-    /// Base frames in the data of the control; they act when a settable frame is selected next.
+    /// Base frames in the data of the control; they take effect at the next selection of a settable frame.
     pub(super) stored_base: BTreeMap<i64, FrameParts>,
-    /// Base frames in force: those of the control, then those of the channel from number 16 on.
+    /// Active base frames: those of the control, then those of the channel from number 16 on.
     pub(super) active_base: BTreeMap<i64, FrameParts>,
 }
 
@@ -47,7 +47,7 @@ pub(super) enum FrameName {
     AllBases,
     /// `$P_ACTFRAME`: all frames.
     All,
-    /// A system frame such as `$P_SETFRAME`, of which only the one that changes nothing is known.
+    /// A system frame such as `$P_SETFRAME`; only the identity is supported.
     System,
 }
 
@@ -67,14 +67,14 @@ pub(super) fn settable_code(number: i64) -> String {
 }
 
 impl FrameStore {
-    /// A settable frame; `None` where it has no value.
+    /// A settable frame; `None` if it has no value.
     pub(super) fn settable(&self, machine: &Machine, number: i64) -> Option<FrameParts> {
         let written = self.settable.get(&number).copied();
         let known = written.or_else(|| machine.zero_offsets.get(&settable_code(number)).copied());
         known.or_else(|| (number == 0).then(FrameParts::default))
     }
 
-    /// With the base frames that the control has when a program starts.
+    /// The base frames of the control at the start of a program.
     pub(super) fn new(machine: &Machine) -> FrameStore {
         let bases = &machine.base_frames;
         FrameStore { settable: BTreeMap::new(), stored_base: bases.clone(), active_base: bases.clone() }
@@ -90,7 +90,7 @@ impl FrameStore {
         self.stored_base.iter().map(|(&number, &parts)| (number, parts))
     }
 
-    /// Sets a settable frame; it acts when it is selected next.
+    /// Sets a settable frame; it takes effect at its next selection.
     pub(super) fn set_settable(&mut self, number: i64, parts: FrameParts) {
         self.settable.insert(number, parts);
     }
@@ -100,24 +100,24 @@ impl FrameStore {
         self.stored_base.insert(number, parts);
     }
 
-    /// Sets a base frame in force.
+    /// Sets an active base frame.
     pub(super) fn set_base(&mut self, number: i64, parts: FrameParts) {
         self.stored_base.insert(number, parts);
         self.active_base.insert(number, parts);
     }
 
-    /// Puts the base frames of the data in force, as a settable frame does that is selected.
+    /// Activates the stored base frames, as the selection of a settable frame does.
     pub(super) fn activate_bases(&mut self) {
         self.active_base.clone_from(&self.stored_base);
     }
 
-    /// All base frames in force; `None` where one cannot be undone.
+    /// The product of all active base frames; `None` if one is not invertible.
     pub(super) fn base(&self, order: RotationOrder) -> Option<Frame> {
         self.active_base.values().try_fold(Frame::identity(), |all, parts| Some(all.compose(&parts.frame(order)?)))
     }
 }
 
-/// The frame of a statement by itself; `None` where it cannot be undone.
+/// The frame of a single statement; `None` if it is not invertible.
 pub(super) fn frame_of(statement: &FrameStatement, plane: Plane, control: &Control) -> Option<Frame> {
     let values = &statement.values;
     let xyz = [values[Axis::X], values[Axis::Y], values[Axis::Z]];
@@ -160,7 +160,7 @@ pub(super) fn frame_of(statement: &FrameStatement, plane: Plane, control: &Contr
     }
 }
 
-/// A settable frame without value where one is needed.
+/// The error for a settable frame without value.
 pub(super) fn no_offset(name: &str, span: Span) -> Fault {
     let help = format!("add [zero_offset.{name}] there or in a file given with --setup");
     fault(Code::NO_OFFSET, span, format!("{name} has no value in the machine file"), help)

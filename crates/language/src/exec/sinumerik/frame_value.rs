@@ -1,4 +1,4 @@
-//! Frames as values: the functions that make them, their components, and their text in a program.
+//! Frames as values: their functions, components, and text form.
 
 use super::expression::Scope;
 use super::frame_store;
@@ -38,18 +38,18 @@ impl Component {
     }
 }
 
-/// Values are written to this many parts of a mm or degree: far below any increment, without the noise of the arithmetic.
+/// Values are rounded to this many parts of a mm or degree: far finer than any increment, without rounding noise.
 const PARTS: f64 = 1e9;
-/// What to write where a value makes no frame.
+/// Help for a value that does not form a frame.
 const HELP: &str = "shift any axis; turn, scale and mirror X, Y or Z; scale by factors above 0";
 
 impl Scope<'_> {
-    /// In which order the angles of a rotation turn.
+    /// The order of rotation angles.
     pub(super) fn order(&self) -> RotationOrder {
         self.machine.control.rotation_order
     }
 
-    /// mm per length in frame values. Under G70 they could be meant in inch or in the unit of the control, so only 0 is taken.
+    /// mm per length in frame values. Under G70 the unit is ambiguous, so only 0 is accepted.
     fn frame_unit(&self, value: f64, span: Span) -> Result<f64, Fault> {
         match (self.modal.modes.inch, self.modal.inch_feed) {
             (false, _) => Ok(1.0),
@@ -64,7 +64,7 @@ impl Scope<'_> {
         }
     }
 
-    /// The value of a function that makes a frame.
+    /// The value of a function that returns a frame.
     pub(super) fn frame_function(&self, name: &str, arguments: &[Value], id: ExprId) -> Result<Value, Fault> {
         let span = self.program.expr(id).span;
         let wrong = |message: String| fault(Code::BAD_EXPRESSION, span, message, HELP);
@@ -86,7 +86,7 @@ impl Scope<'_> {
                 frame(parts)
             }
             ("CMIRROR", axes) => {
-                // A number behind an axis has no meaning.
+                // A number in the place of an axis is invalid.
                 for value in axes.iter().filter(|value| value.number().is_none()) {
                     let axis = self.axis_in(value, id)?;
                     self.set_component(&mut parts, axis, Component::Mirror, 1.0, span)?;
@@ -155,7 +155,7 @@ impl Scope<'_> {
         }
     }
 
-    /// Axis and component at the end of an index, `X,TR`, and how many indices stand before them.
+    /// Axis and component at the end of an index, `X,TR`, and the number of indices before them.
     pub(super) fn component(&self, range: ArgumentRange) -> Result<Option<(Axis, Component, usize)>, Fault> {
         let [front @ .., Some(axis), Some(last)] = self.program.arguments_of(range) else { return Ok(None) };
         let Node::Name(name) = self.program.expr(*last).node else { return Ok(None) };
@@ -262,7 +262,7 @@ pub(super) fn plane_axis(plane: Plane, number: usize) -> Option<Axis> {
 /// Settable frames: G500, G54 to G57, G505 to G599.
 const SETTABLE: i64 = 100;
 
-/// A name, how many numbers select one of its frames, and the frame of a number.
+/// A name, the number of its indices, and the frame for an index.
 type Row = (&'static str, i64, fn(i64) -> FrameName);
 
 const NAMES: &[Row] = &[
@@ -287,7 +287,7 @@ const NAMES: &[Row] = &[
 ];
 
 impl Scope<'_> {
-    /// The frame of the control that a name and its indices mean; `None` where it is none.
+    /// The frame of the control for a name and its indices; `None` if it is not a frame.
     pub(super) fn frame_name(
         &self,
         name: &str,

@@ -56,7 +56,7 @@ pub(super) fn offset(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(
     Ok(())
 }
 
-/// `TRANS`, `ROT`, `SCALE`, `MIRROR` and their kin.
+/// Executes `TRANS`, `ROT`, `SCALE`, `MIRROR` and related statements.
 pub(super) fn frame_statement(
     channel: &mut Channel<'_>,
     gathered: &Gathered,
@@ -102,7 +102,7 @@ pub(super) fn frame_statement(
     Ok(())
 }
 
-/// A statement that replaces the programmable frame above a swivelled plane, which the output has in the same place.
+/// Replaces the programmable frame above a swivelled plane, which the output has in the same place.
 fn replace_swivelled(channel: &mut Channel<'_>, statement: &FrameStatement, span: Span) -> Result<(), Fault> {
     if matches!(statement.kind, FrameKind::Coarse | FrameKind::Fine) {
         let message = "G58 and G59 in a swivelled plane are not supported";
@@ -119,7 +119,7 @@ fn replace_swivelled(channel: &mut Channel<'_>, statement: &FrameStatement, span
     Ok(())
 }
 
-/// Puts a statement in force.
+/// Activates a statement.
 fn apply_statement(channel: &mut Channel<'_>, statement: &FrameStatement, span: Span) -> Result<(), Fault> {
     if matches!(statement.kind, FrameKind::Coarse | FrameKind::Fine) {
         shift_part(channel.settings.machine, &mut channel.modal, statement, span)?;
@@ -185,7 +185,7 @@ fn shift_part(machine: &Machine, modal: &mut Modal, statement: &FrameStatement, 
     Ok(())
 }
 
-/// Refuses words of frame statements in other blocks.
+/// Rejects words of frame statements in other blocks.
 pub(super) fn without_statement(gathered: &Gathered) -> Result<(), Fault> {
     match gathered.named(Named::Rpl) {
         Some(angle) => Err(bad_value(angle.span, "RPL belongs to ROT or AROT", "program them together")),

@@ -4,20 +4,20 @@ use super::value::{Value, half_up, is_axis_name};
 use ncfix_base::units::sin_deg;
 use ncfix_dialect::{Treatment, WordPlace, words};
 
-/// Why a function has no value.
+/// Reason why a function has no value.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum NoValue {
-    /// There is no function of this name here.
+    /// Unknown function.
     Unknown,
-    /// It takes so many arguments.
+    /// Wrong number of arguments; the correct number.
     Count(&'static str),
     /// An argument has the wrong type.
     Type,
-    /// It has no value for these arguments.
+    /// Undefined for these arguments.
     Undefined(&'static str),
 }
 
-/// The value of an arithmetic function, which has as many arguments as the table of words says. Angles in degrees.
+/// An arithmetic function, whose number of arguments is in the table of words. Angles in degrees.
 fn arithmetic(name: &str) -> Option<fn(&[f64]) -> f64> {
     Some(match name {
         "SIN" => |a| sin_deg(a[0]),
@@ -25,7 +25,7 @@ fn arithmetic(name: &str) -> Option<fn(&[f64]) -> f64> {
         "TAN" => |a| sin_deg(a[0]) / sin_deg(90.0 - a[0]),
         "ASIN" => |a| a[0].asin().to_degrees(),
         "ACOS" => |a| a[0].acos().to_degrees(),
-        // No direction leads from a point to itself.
+        // The direction from a point to itself is undefined.
         "ATAN2" => |a| if a == [0.0, 0.0] { f64::NAN } else { a[0].atan2(a[1]).to_degrees() },
         "SQRT" => |a| a[0].sqrt(),
         "ABS" => |a| a[0].abs(),
@@ -42,10 +42,10 @@ fn arithmetic(name: &str) -> Option<fn(&[f64]) -> f64> {
     })
 }
 
-/// The value of a function of texts and axes; `None` where an argument has the wrong type.
+/// A function of texts and axes; `None` if an argument has the wrong type.
 type Textual = fn(&[Value]) -> Option<Value>;
 
-/// The value of a function of texts and axes, which has as many arguments as the table of words says.
+/// A function of texts and axes, whose number of arguments is in the table of words.
 fn textual(name: &str) -> Option<Textual> {
     Some(match name {
         "STRLEN" => |a| Some(Value::Int(text(&a[0])?.len() as i64)),
@@ -98,17 +98,17 @@ fn textual(name: &str) -> Option<Textual> {
     })
 }
 
-/// Whether a name is a function, and so no variable.
+/// `true` if a name is a function, and so not a variable.
 pub(super) fn is_function(name: &str) -> bool {
     words().find(name, WordPlace::Expression).is_some()
 }
 
-/// Whether a name is a function whose value is a frame.
+/// `true` if a name is a function that returns a frame.
 pub(super) fn is_frame_function(name: &str) -> bool {
     words().find(name, WordPlace::Expression).is_some_and(|row| row.treatment == Treatment::Frame)
 }
 
-/// The value of a function that needs nothing but its arguments.
+/// Evaluates a function that depends only on its arguments.
 pub(super) fn evaluate(name: &str, arguments: &[Value]) -> Result<Value, NoValue> {
     let row = words().find(name, WordPlace::Expression).filter(|row| row.treatment == Treatment::Function);
     let (fewest, most) = row.ok_or(NoValue::Unknown)?.counts;
@@ -165,12 +165,12 @@ fn character(value: &Value) -> Option<u8> {
     }
 }
 
-/// Places count from 0; −1 says that there is none.
+/// Positions are counted from 0; −1 means not found.
 fn place(found: Option<usize>) -> Value {
     Value::Int(found.map_or(-1, |place| place as i64))
 }
 
-/// The number that a text is, in the language's own notation.
+/// The number in a text, in the notation of the language.
 fn number_in(text: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(text).ok()?.trim().to_ascii_uppercase();
     let is_decimal = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.EX".contains(&byte));

@@ -1,4 +1,4 @@
-//! Gathers the words of one block before anything is executed: gather, check, execute.
+//! Gathers the words of one block before its execution: gather, check, execute.
 
 use super::address::Named;
 use super::contour_words::PASSED_ON;
@@ -19,11 +19,11 @@ use ncfix_base::source::Span;
 use ncfix_dialect::{CodeEntry, Effect};
 use ncfix_machine::snc::{FrameKind, Word as AuxWord, WordValue};
 
-/// Largest feed and speed that is one.
+/// Largest accepted feed and speed.
 const MOST: f64 = 1e9;
 
 impl Gatherer<'_> {
-    /// Reads all words of a block. Assignments were carried out before.
+    /// Reads all words of a block. Assignments are already executed.
     pub(super) fn gather(&self, block: &Block, out: &mut Gathered) -> Result<(), Fault> {
         let words = self.scope.program.words_of(block);
         for word in words {
@@ -217,7 +217,7 @@ impl Gatherer<'_> {
                 out.plane = entry.name[1..].parse().ok();
                 out.keep.push(entry.name);
             }
-            // The output is metric and absolute; the word that says so takes the place of the one that was.
+            // The output is metric and absolute; the corresponding word replaces the original one.
             Effect::Unit => {
                 let with_feed = entry.name.len() == 4;
                 out.inch = Some((entry.name.starts_with("G70"), with_feed));
@@ -241,7 +241,7 @@ impl Gatherer<'_> {
             }
             Effect::Transform => out.transform.switch = Some((entry.name, span)),
             Effect::Orientation => {
-                // The output states the directions that it leads to.
+                // The output states the resulting directions.
                 out.keep.push(if entry.name == "ORIPATH" { "ORIVECT" } else { entry.name });
                 out.transform.codes.push(entry.name);
             }
@@ -251,7 +251,7 @@ impl Gatherer<'_> {
             Effect::Limits => out.limits = Some(span),
             Effect::Tap => out.taps = true,
             Effect::Reference => out.is_reference = true,
-            // The output is in radii; the transverse axis is not moved while they are diameters.
+            // The output is in radii; the transverse axis is not moved while diameters are active.
             Effect::Diameter => {
                 out.diameter = Some((entry.name != "DIAMOF", span));
                 out.keep.push("DIAMOF");
@@ -321,7 +321,7 @@ impl Gatherer<'_> {
             (Meaning::Unsupported | Meaning::Return | Meaning::Alarm | Meaning::System, _) => {
                 Err(self.unsupported(word))
             }
-            // Assignments were carried out before the words are gathered.
+            // Assignments are executed before the words are gathered.
             (Meaning::Free, Value::Expr(_) | Value::Arguments(_)) if self.scope.variables.has(name, text) => Ok(()),
             (Meaning::Free, Value::Expr(_) | Value::Dimension(..)) => {
                 if let Some(axis) = self.scope.machine.axis_named(text) {
@@ -352,7 +352,7 @@ impl Gatherer<'_> {
         fault(Code::NOT_SUPPORTED, word.span, format!("{shown} is not supported yet"), help)
     }
 
-    /// The number behind an address.
+    /// The number after an address.
     pub(super) fn number(&self, word: &Word) -> Result<f64, Fault> {
         match word.value {
             Value::Number(value, _) => Ok(value),
@@ -373,7 +373,7 @@ impl Gatherer<'_> {
     }
 }
 
-/// Refuses feeds and speeds that no control takes.
+/// Rejects implausible feeds and speeds.
 fn plausible(value: f64, span: Span) -> Result<f64, Fault> {
     if value.is_nan() || value.abs() > MOST {
         return Err(bad_value(span, format!("{value} is too large for a word"), "check the value"));
@@ -396,7 +396,7 @@ impl Gatherer<'_> {
     }
 }
 
-/// Takes a word of the code table.
+/// Gathers a word of the code table.
 ///
 /// Productions `compensation` and `soft`, their codes.
 pub(super) fn gather_word(name: &'static str, out: &mut Gathered) {

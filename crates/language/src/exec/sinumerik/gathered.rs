@@ -1,4 +1,4 @@
-//! All that one block says.
+//! The gathered words of one block.
 
 use super::address::Named;
 use super::curve::CurveWords;
@@ -25,24 +25,24 @@ pub(super) struct Call {
 pub(super) struct NamedValue {
     pub(super) address: Named,
     pub(super) value: f64,
-    /// `AC(…)`, `IC(…)`; `None` where the value stands alone.
+    /// `AC(…)`, `IC(…)`; `None` for a plain value.
     pub(super) dimension: Option<DimensionFunction>,
     pub(super) span: Span,
 }
 
-/// All that one block says, values as written (program units, degrees).
+/// The gathered words of one block, with values as written (program units, degrees).
 #[derive(Debug)]
 pub(super) struct Gathered {
     pub(super) groups: u64,
     pub(super) motion: Option<(MotionKind, Span)>,
     pub(super) dwell: Option<Span>,
     pub(super) plane: Option<u8>,
-    /// Inch, and whether the feed is meant too.
+    /// `true` for inch, and `true` if the unit includes the feed.
     pub(super) inch: Option<(bool, bool)>,
     pub(super) incremental: Option<bool>,
     pub(super) offset: Option<(String, Span)>,
     pub(super) suppress: Option<&'static str>,
-    /// Words of contours: G41, KONT, G247 …
+    /// Contour words: G41, KONT, G247 …
     pub(super) contour: Vec<&'static str>,
     pub(super) frame: Option<(FrameKind, bool, Span)>,
     pub(super) pole: Option<(PoleBase, Span)>,
@@ -74,19 +74,19 @@ pub(super) struct Gathered {
     /// `RET(…)`
     pub(super) return_arguments: Option<ArgumentRange>,
     pub(super) message: Option<Vec<u8>>,
-    /// Words that are passed on, values evaluated.
+    /// Words that are passed through, with evaluated values.
     pub(super) verbatim: Vec<Vec<u8>>,
-    /// Whether they say all that the block says.
+    /// `true` if they are the whole content of the block.
     pub(super) is_complete: bool,
-    /// Axes that are anywhere behind the block.
+    /// Axes at unknown positions after the block.
     pub(super) lost: AxisSet,
-    /// G63.
+    /// `true` under G63.
     pub(super) taps: bool,
     /// Change of the lead of G34 and G35, as written.
     pub(super) lead_change: Option<f64>,
     /// Axes of `POS[…]=`.
     pub(super) positioned: AxisSet,
-    /// G74, G75: the block is passed on.
+    /// G74, G75: the block is passed through.
     pub(super) is_reference: bool,
     /// G25, G26.
     pub(super) limits: Option<Span>,
@@ -161,12 +161,12 @@ impl Gathered {
     }
 }
 
-/// Whether the end of a block is given by AP or RP.
+/// `true` if AP or RP gives the end of a block.
 pub(super) fn is_programmed(gathered: &Gathered) -> bool {
     !gathered.addresses.is_empty() && (gathered.named(Named::Ap).is_some() || gathered.named(Named::Rp).is_some())
 }
 
-/// Whether a block has words that no frame statement and no pole may stand beside.
+/// `true` if a block has words that a frame statement or pole must not accompany.
 pub(super) fn shares_its_block(gathered: &Gathered) -> bool {
     gathered.center.iter().any(Option::is_some)
         || gathered.feed.is_some()

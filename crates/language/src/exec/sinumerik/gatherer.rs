@@ -1,4 +1,4 @@
-//! What gathers the words of one block.
+//! The context for gathering the words of a block.
 
 use super::expression::Scope;
 use super::names::Meaning;

@@ -1,4 +1,4 @@
-//! `$P_GG[group]`: the number of the code in force within its G group.
+//! `$P_GG[group]`: the number of the active code within its G group.
 
 use super::expression::Scope;
 use super::frame_store::settable_number;
@@ -29,7 +29,7 @@ const MEMBERS: &[(u8, &[&str])] = &[
     (59, &["DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH"]),
 ];
 
-/// Codes of the groups whose state is kept elsewhere, likewise.
+/// Codes of the groups whose state is stored elsewhere.
 const MORE_MEMBERS: &[(u8, &[&str])] = &[
     (1, &["G0", "G1", "G2", "G3", "CIP"]),
     (6, &["G17", "G18", "G19"]),
@@ -37,7 +37,7 @@ const MORE_MEMBERS: &[(u8, &[&str])] = &[
     (14, &["G90", "G91"]),
 ];
 
-/// The code of a number within its group.
+/// The code for a number within its group.
 pub(super) fn code_of(group: i64, number: i64) -> Option<String> {
     if group == 8 {
         return match number {
@@ -53,7 +53,7 @@ pub(super) fn code_of(group: i64, number: i64) -> Option<String> {
 }
 
 impl Scope<'_> {
-    /// The number of the code in force; `None` for groups whose numbers are not known here.
+    /// The number of the active code; `None` for groups with unknown numbers.
     pub(super) fn member(&self, group: i64) -> Option<i64> {
         let modal = self.modal;
         let first_if = |first: bool| if first { 1 } else { 2 };
@@ -74,7 +74,7 @@ impl Scope<'_> {
                 MotionKind::Thread(ThreadCode::G332) => 12,
                 MotionKind::Thread(ThreadCode::G34) => 16,
                 MotionKind::Thread(ThreadCode::G35) => 17,
-                // Never in force behind its block.
+                // Never active after its block.
                 MotionKind::Thread(ThreadCode::G63) => return None,
             },
             6 => match modal.modes.plane {

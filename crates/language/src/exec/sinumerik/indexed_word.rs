@@ -1,4 +1,4 @@
-//! Words whose address has an index: `AX[…]=`. Assignments to elements of arrays and system variables were carried out before.
+//! Words whose address has an index: `AX[…]=`. Assignments to array elements and system variables are already executed.
 
 use super::gathered::Gathered;
 use super::gatherer::Gatherer;
@@ -17,14 +17,14 @@ impl Gatherer<'_> {
             return Ok(());
         }
         match (text, self.scope.program.arguments_of(range)) {
-            // The axis itself, found at run time.
+            // The axis, determined at run time.
             ("AX", [Some(axis)]) => {
                 let axis = self.scope.axis(*axis)?;
                 self.axis(axis.letter(), word, out)
             }
             ("G", [Some(group)]) => self.code_by_number(*group, word, out),
             ("PO", axes) => self.polynomial(axes, word, out),
-            // An array that nobody has defined.
+            // An undefined array.
             _ if matches!(self.meanings[name.index()], Meaning::Free) => Err(self.scope.undefined(text, left)),
             _ => Err(self.unsupported(word)),
         }

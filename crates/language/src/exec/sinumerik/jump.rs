@@ -1,4 +1,4 @@
-//! Jumps: finds the blocks that labels, block numbers and computed targets mean.
+//! Jumps: finds the blocks of labels, block numbers and computed targets.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use crate::syntax::Shelf;
 use crate::syntax::sinumerik::{Block, Jump, JumpTarget, NameId, Search};
 use ncfix_base::diagnostic::Code;
 
-/// What a target means now; `None` where the program has no such label.
+/// The current meaning of a target; `None` if the program has no such label.
 pub(super) fn place_of(loaded: &Loaded, channel: &Channel<'_>, target: JumpTarget) -> Result<Option<Place>, Fault> {
     match target {
         JumpTarget::Label(name) => match variable(loaded, channel, name) {
@@ -33,12 +33,12 @@ pub(super) fn place_of(loaded: &Loaded, channel: &Channel<'_>, target: JumpTarge
     }
 }
 
-/// The variable that stands where a label may stand.
+/// The variable in the place of a label.
 pub(super) fn variable<'c>(loaded: &Loaded, channel: &'c Channel<'_>, name: NameId) -> Option<&'c Value> {
     channel.variables.cells(name, loaded.program.names.text(name)).and_then(Cells::first)
 }
 
-/// Jumps of a block: the first whose condition holds is taken.
+/// Executes the jumps of a block: the first with a true condition is taken.
 pub(super) fn jumps(
     loaded: &mut Loaded,
     channel: &Channel<'_>,
@@ -72,7 +72,7 @@ pub(super) fn jumps(
     Ok(Action::Next)
 }
 
-/// The block of a jump, looked up once for each target that it ever has.
+/// The block of a jump, searched once for each target.
 fn find(
     loaded: &mut Loaded,
     channel: &Channel<'_>,
@@ -104,7 +104,7 @@ fn find(
     Ok(found)
 }
 
-/// Looks for a marked block from the block `index` on.
+/// Searches a marked block from the block `index` on.
 pub(super) fn search(
     blocks: &Shelf<Block>,
     place: Place,

@@ -1,4 +1,4 @@
-//! The family for the core: its types, and what it keeps for each level and call.
+//! The types of this family for the core, and its data per level and call.
 
 use std::collections::{HashMap, HashSet};
 
@@ -21,46 +21,46 @@ pub(super) struct Sinumerik;
 pub(super) type Interpreter<'a> = core::interpreter::Runner<'a, Sinumerik>;
 /// A program that is being executed.
 pub(super) type Level = core::level::ProgramLevel<Sinumerik>;
-/// What comes after a block.
+/// Action after a block.
 pub(super) type Action = core::level::AfterBlock<Sinumerik>;
-/// A program file, ready to run.
+/// A program file, ready for execution.
 pub(super) type Loaded = core::family::FileOf<Sinumerik>;
 
 impl Family for Sinumerik {
     type Program = Program;
     type Prepared = Lookups;
     type Name = String;
-    /// File and section.
+    /// Indices of file and section.
     type Entry = (usize, usize);
     type Call = CallForm;
     type Return = ReturnTarget;
-    /// The number of M2, M17 or M30, where there is one.
+    /// The number of M2, M17 or M30, if any.
     type End = Option<u32>;
     type Pass = ();
     type Level = CalledWith;
 }
 
-/// What calls a program.
+/// Form of a call.
 #[derive(Debug)]
 pub(super) enum CallForm {
     /// A word: `NAME(…)`, `L10 P2`.
     Word(Call),
-    /// CALL, MCALL …: a place among the call statements.
+    /// CALL, MCALL …: an index in the call statements.
     Statement(u32),
 }
 
-/// Where RET goes.
+/// Target of RET.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ReturnTarget {
-    /// Label or block number in the caller; empty for the block behind the call.
+    /// Label or block number in the caller; empty for the block after the call.
     pub(super) place: Vec<u8>,
-    /// Whether to go on behind that block.
+    /// `true` to continue after that block.
     pub(super) behind: bool,
-    /// How many program levels back.
+    /// Number of program levels to return.
     pub(super) levels: u32,
 }
 
-/// A program that is called.
+/// A called program.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     pub(super) program: usize,
@@ -68,34 +68,34 @@ pub(super) struct Entry {
     pub(super) arguments: Vec<Argument>,
     pub(super) repeats: u32,
     pub(super) is_modal: bool,
-    /// Only these blocks, first and last.
+    /// The first and last block to execute, for a part.
     pub(super) part: Option<(usize, usize)>,
     pub(super) span: Span,
     /// The file of the call.
     pub(super) file: FileId,
 }
 
-/// How a program that runs was called, and what its caller gets back.
+/// Call data of a running program, and the state to restore for its caller.
 #[derive(Default)]
 pub(super) struct CalledWith {
-    /// What it was called with.
+    /// Arguments of the call.
     pub(super) arguments: Vec<Argument>,
     /// Variables of the level that called this one.
     pub(super) callers_variables: Locals,
-    /// Modal state of the caller, where the program has SAVE.
+    /// Modal state of the caller, if the program has SAVE.
     pub(super) saved: Option<Box<Modal>>,
-    /// Whether MCALL called it: its own motions call nothing.
+    /// `true` if called by MCALL: its own motions do not trigger the modal call.
     pub(super) is_modal: bool,
     /// The call, in the file of the caller.
     pub(super) span: Span,
-    /// The call of the built-in cycle to which the program belongs.
+    /// The call of the built-in cycle that contains the program.
     pub(super) cycle: Option<Cycle>,
-    /// First and last block, where only a part of the program was called.
+    /// First and last block, if only a part of the program was called.
     pub(super) within: Option<(usize, usize)>,
-    /// For a text of EXECSTRING: variables that it has from its caller, their names there and here.
+    /// For a text of EXECSTRING: variables lent by its caller, with their names there and here.
     pub(super) lent: Option<Vec<(NameId, NameId)>>,
-    /// End values of FOR loops by the block of the FOR.
+    /// End values of FOR loops, by the block of the FOR.
     pub(super) for_ends: HashMap<usize, f64>,
-    /// DEF blocks that were executed: a jump back over them defines nothing anew.
+    /// Executed DEF blocks: a jump back over them does not define them again.
     pub(super) defined: HashSet<usize>,
 }

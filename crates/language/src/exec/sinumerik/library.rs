@@ -11,7 +11,7 @@ use crate::exec::core::library::Library;
 use crate::syntax::sinumerik::{self, Body, Definition, Macros, Program};
 use ncfix_base::source::{FileId, Source};
 
-/// The name of a program without path, `_N_` and ending, upper case.
+/// The name of a program without path, `_N_` and extension, upper case.
 pub(super) fn program_name(path: &str) -> String {
     let name = path.rsplit(['/', '\\', ':']).next().unwrap_or(path).trim().to_ascii_uppercase();
     let name = name.strip_prefix("_N_").unwrap_or(&name);
@@ -20,7 +20,7 @@ pub(super) fn program_name(path: &str) -> String {
 }
 
 impl Interpreter<'_> {
-    /// Loads a program from the library or from among the built-in cycles.
+    /// Loads a program from the library or from the built-in cycles.
     pub(super) fn load(&mut self, path: &str, name: &str, is_path: bool) -> Option<(usize, usize)> {
         let found = if is_path { self.library.load_path(path, name) } else { self.library.load(name) };
         let built_in =
@@ -67,7 +67,7 @@ pub(super) fn read_definitions(
     macros
 }
 
-/// Defines the variables of a definition file. What cannot be defined is missed where it is used.
+/// Defines the variables of a definition file. An invalid definition is reported where its variable is used.
 fn define_globals(loaded: &Loaded, channel: &mut Channel<'_>, blocks: Range<usize>) {
     for block in &loaded.program.blocks[blocks] {
         let Body::Define { start, count } = block.body else { continue };

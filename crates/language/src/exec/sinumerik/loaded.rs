@@ -1,4 +1,4 @@
-//! What is worked out of a file once, when it is loaded.
+//! Data derived once from a file when it is loaded.
 
 use std::collections::HashMap;
 
@@ -10,17 +10,17 @@ use ncfix_base::source::{Source, Span};
 use ncfix_machine::machine::Control;
 use ncfix_machine::snc::BlockNumber;
 
-/// What is worked out of a file.
+/// Data derived from a file.
 pub(super) struct Lookups {
-    /// What its names mean.
+    /// Meanings of its names.
     pub(super) meanings: Vec<Meaning>,
-    /// Targets of its jumps, where they were looked up already.
+    /// Targets of its jumps, as far as already searched.
     pub(super) targets: Vec<Option<usize>>,
-    /// Blocks of its jumps with computed targets, as far as they were looked up.
+    /// Blocks of its jumps with computed targets, as far as already searched.
     pub(super) computed: HashMap<(usize, Place), usize>,
-    /// Blocks of its repetitions, where they were looked up already.
+    /// Blocks of its repetitions, as far as already searched.
     pub(super) parts: Vec<Option<(usize, usize)>>,
-    /// By section: first and number of the parameters of its PROC block, and whether it has SAVE.
+    /// By section: first parameter and number of parameters of its PROC block, and `true` if it has SAVE.
     procs: Vec<(u32, u16, bool)>,
     /// The name of a built-in cycle.
     pub(super) built_in: Option<&'static str>,
@@ -36,20 +36,20 @@ impl Lookups {
         Lookups { meanings, targets, computed: HashMap::new(), parts, procs, built_in: None }
     }
 
-    /// Whether a section's program has SAVE.
+    /// `true` if a section's program has SAVE.
     pub(super) fn has_save(&self, section: usize) -> bool {
         self.procs.get(section).is_some_and(|&(_, _, save)| save)
     }
 }
 
-/// A file, ready to run.
+/// A file, ready for execution.
 pub(super) fn load(program: Program, control: &Control) -> LoadedFile<Program, Lookups> {
     let prepared = Lookups::of(&program, control);
     LoadedFile::with(program, prepared)
 }
 
 impl LoadedFile<Program, Lookups> {
-    /// Makes it a cycle of the control: its comments are nobody's, and SETAL in it is a finding.
+    /// Marks it as a cycle of the control: its comments are dropped, and SETAL in it is an error.
     pub(super) fn become_built_in(&mut self, name: &'static str) {
         self.own.built_in = Some(name);
         self.drop_comments();
@@ -64,7 +64,7 @@ impl LoadedFile<Program, Lookups> {
         self.own.procs.get(section).map_or(&[], |&(start, count, _)| self.program.parameters_of(start, count))
     }
 
-    /// The comment of a block the first time it is executed: a loop does not repeat its comments.
+    /// The comment of a block at its first execution: a loop does not repeat its comments.
     pub(super) fn take_comment(&mut self, index: usize, block: &Block) -> Option<Vec<u8>> {
         if block.comment.start == block.comment.end || !self.takes_comments_of(index) {
             return None;
@@ -73,7 +73,7 @@ impl LoadedFile<Program, Lookups> {
     }
 }
 
-/// What the PROC block says, which stands before all that is executed.
+/// The data of the PROC block, which precedes all executed blocks.
 fn proc_of(blocks: &[Block]) -> (u32, u16, bool) {
     let first = blocks.iter().find(|block| !matches!(block.body, Body::Empty | Body::Declaration));
     match first.map(|block| block.body) {

@@ -1,7 +1,7 @@
 //! Executes programs of the Sinumerik.
 //!
-//! Each block goes through three steps: its words are gathered, checked, and executed in a fixed order (assignments, modal
-//! codes, zero offset and frame, tool, feed and speed, auxiliary functions that act before the motion, motion, the others).
+//! Each block passes three steps: its words are gathered, checked, and executed in a fixed order (assignments, modal codes, zero offset and frame,
+//! tool, feed and speed, auxiliary functions before the motion, motion, others).
 
 mod address;
 mod angle;

@@ -1,4 +1,4 @@
-//! What stays in force from block to block: modal codes, frames, tool, position.
+//! Modal state, which stays active from block to block: modal codes, frames, tool, position.
 
 use super::curve::End;
 use super::five_axis::Transform;
@@ -16,7 +16,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::FrameStatement;
 use ncfix_machine::snc::{FeedUnit, Setup, ThreadCode, WordValue};
 
-/// The kind of motion that is in force: G group 1.
+/// The active motion mode: G group 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MotionKind {
     /// G0
@@ -39,12 +39,12 @@ pub(super) enum MotionKind {
     Cubic,
     /// POLY
     Polynomial,
-    /// G33 and its kin
+    /// G33 and related codes
     Thread(ThreadCode),
 }
 
 impl MotionKind {
-    /// The kind that a code of the table selects.
+    /// The motion mode of a code of the table.
     pub(super) fn of(code: &str) -> Option<MotionKind> {
         Some(match code {
             "G0" => MotionKind::Rapid,
@@ -62,7 +62,7 @@ impl MotionKind {
     }
 }
 
-/// What F counts behind a code of the feed mode.
+/// Feed unit after a code of the feed mode.
 pub(super) fn unit_behind(unit: FeedUnit, word: &str) -> FeedUnit {
     match word {
         "G93" => FeedUnit::InverseTime,
@@ -86,18 +86,18 @@ pub(super) fn initial_zero_offset(machine: &Machine) -> &str {
 #[derive(Clone, Debug)]
 pub(super) struct Modal {
     pub(super) modes: Modes<MotionKind>,
-    /// Plane along whose axes the tool lengths lie, where it is fixed.
+    /// Plane that determines the axes of the tool lengths, if fixed.
     pub(super) tool_length_plane: Option<Plane>,
     pub(super) inch_feed: bool,
-    /// G700 or G710, which also mean feeds and data, and not G70 or G71.
+    /// `true` under G700 or G710, which also apply to feeds and data, unlike G70 and G71.
     pub(super) technological: bool,
-    /// Where diameter programming was turned on, if it is.
+    /// Span that activated diameter programming, if active.
     pub(super) diameter: Option<Span>,
     /// Base frame, below the settable one.
     pub(super) base: Frame,
     /// `G500`, `G54` …
     pub(super) settable: Frame,
-    /// TRANS, ROT, SCALE, MIRROR and their additive kin.
+    /// TRANS, ROT, SCALE, MIRROR and their additive variants.
     pub(super) programmable: Frame,
     /// Plane of CYCLE800, below the programmable frame.
     pub(super) swivelled: Option<Box<Swivelled>>,
@@ -107,27 +107,27 @@ pub(super) struct Modal {
     pub(super) polar: Polar,
     /// Direction at the end of the last motion, base coordinates, of any length.
     pub(super) tangent: Option<Vector>,
-    /// What the output says of all this.
+    /// Modal state written to the output.
     pub(super) stated: Stated,
-    /// Where the frame has no value in the machine file.
+    /// `true` if the frame has no value in the machine file.
     pub(super) offset_assumed: bool,
     /// Its lengths are L1, L2, L3.
     pub(super) tool: ToolState<WordValue, [f64; 3]>,
     pub(super) edge: u32,
-    /// Whether the program has said which, by D or a tool change.
+    /// `true` if the program has stated the edge, by D or a tool change.
     pub(super) edge_stated: bool,
     /// Radius compensation and contour transitions.
     pub(super) contour: ContourModal,
     pub(super) position: Position,
     /// Last programmed values per axis; after a frame change they may belong to the old frame (Sinumerik SD42440).
     pub(super) programmed: AxisVector,
-    /// How splines begin and end.
+    /// Start and end conditions of splines.
     pub(super) spline_ends: [End; 2],
     /// Five-axis transformation.
     pub(super) transform: Transform,
-    /// Axes that are unknown because another plane has taken the tool length to or from them.
+    /// Axes with unknown position because a plane change has moved the tool length to or from them.
     pub(super) moved_by_plane: AxisSet,
-    /// Axes whose last programmed value belongs to a frame that was turned, scaled or mirrored otherwise.
+    /// Axes whose last programmed value belongs to a frame with another rotation, scale or mirroring.
     pub(super) stale: AxisSet,
 }
 
@@ -162,15 +162,15 @@ impl Modal {
         }
     }
 
-    /// Total frame: base, settable, then programmable nearest to the programmed value.
+    /// Total frame: base, settable, then programmable, which is nearest to the programmed value.
     pub(super) fn frame(&self) -> Frame {
         let below = self.base.compose(&self.settable);
         let below = self.swivelled.as_ref().map_or(below, |swivelled| below.compose(&swivelled.frame));
         below.compose(&self.programmable)
     }
 
-    /// Gauge point to tip as the control sees it: L1, L2, L3 lie along applicate, ordinate, abscissa of the plane (G17: Z Y X, G18: Y X Z,
-    /// G19: X Z Y; Programming Manual NC programming, 12/2019, 3.13.3.4, tools that are neither for turning nor for grinding).
+    /// Gauge point to tip as in the control: L1, L2, L3 are along applicate, ordinate, abscissa of the plane (G17: Z Y X, G18: Y X Z, G19: X Z Y;
+    /// Programming Manual NC programming, 12/2019, 3.13.3.4, tools other than turning and grinding tools).
     pub(super) fn tool_mm(&self) -> Vector {
         let plane = self.tool_length_plane.unwrap_or(self.modes.plane);
         let [abscissa, ordinate, applicate] = plane.axes();
@@ -182,7 +182,7 @@ impl Modal {
         tool
     }
 
-    /// How programmed positions relate to axis commands now.
+    /// The current relation between programmed positions and axis commands.
     pub(super) fn setup(&self) -> Setup {
         Setup {
             frame: self.frame(),
@@ -193,9 +193,9 @@ impl Modal {
         }
     }
 
-    /// Takes over what SAVE does not bring back: position, tool, feed.
+    /// Takes over the state that SAVE does not restore: position, tool, feed.
     pub(super) fn keep_position_of(&mut self, left: &Modal) {
-        // A feed per revolution or of inverse time means nothing in the caller's feed mode.
+        // A feed per revolution or of inverse time has no meaning in the caller's feed mode.
         if self.stated.codes.programmed(FEED_MODES) == left.stated.codes.programmed(FEED_MODES) {
             self.modes.feed = left.modes.feed;
         }
@@ -210,13 +210,12 @@ impl Modal {
         self.tangent = left.tangent;
     }
 
-    /// The position is unknown from here on: a tool change has moved the machine.
+    /// Makes the position unknown: a tool change has moved the machine.
     pub(super) fn forget_position(&mut self) {
         self.forget(AxisSet::ALL);
     }
 
-    /// Where some axes are is unknown from here on. Those that a frame or a transformation mixes are unknown together; gives all that
-    /// are.
+    /// Makes the position of axes unknown. Axes that a frame or transformation mixes become unknown together. Returns all unknown axes.
     pub(super) fn forget(&mut self, axes: AxisSet) -> AxisSet {
         let frame = self.frame();
         let lost = self.position.forget(axes, self.transform.turning().is_some(), &frame);
@@ -225,7 +224,7 @@ impl Modal {
         lost
     }
 
-    /// The finding about an axis whose place the program has not stated.
+    /// The error for an axis whose position the program has not stated.
     pub(super) fn unknown_start(&self, span: Span, axis: Axis) -> Fault {
         if !self.moved_by_plane.contains(axis) {
             return unknown_start(span, axis);
@@ -241,15 +240,15 @@ impl Modal {
     }
 }
 
-/// A plane that is swivelled.
+/// A swivelled plane.
 #[derive(Clone, Debug)]
 pub(super) struct Swivelled {
     /// Between the settable frame and the programmable one.
     pub(super) frame: Frame,
-    /// What says so in the output.
+    /// Its statements in the output.
     pub(super) statements: [FrameStatement; 2],
     /// The tilt of the workpiece.
     pub(super) tilt: Frame,
-    /// The tool for which the frame holds.
+    /// The tool for which the frame is valid.
     pub(super) tool_mm: Vector,
 }

@@ -1,4 +1,4 @@
-//! Turns the gathered words of a block into a motion: targets and ways.
+//! Converts the gathered words of a block into a motion: targets and shapes.
 
 use super::context::MotionContext;
 use std::sync::Arc as Shared;
@@ -14,13 +14,13 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Manner, Move, Way};
 
-/// The motion of a block that names axes or a center, and the state behind it.
+/// The motion of a block that names axes or a center, and the state after it.
 pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<Path, Fault> {
     let (start, start_known) = (modal.position.command, modal.position.known);
     let mut ways = gathered.ways;
     let (mut target, mut named) = target(gathered, modal, context, &mut ways)?;
     let is_positioning = positioning::is_positioning(gathered, context.span)?;
-    // A positioning axis is no motion of the path, whatever is in force there.
+    // A positioning axis is not a path motion, in any motion mode.
     let thread = if is_positioning { None } else { thread::thread(gathered, modal, context.span)? };
     let kind = match modal.modes.motion {
         _ if is_positioning => MotionKind::Rapid,
@@ -56,7 +56,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
             }
             let closed = arc::closed_on_grid(modal.modes.plane, context, &start, &target, by_angle.is_some());
             target = closed.inspect_err(|_| modal.position.command = target)?;
-            // What follows begins where the block leads, so that one fault is not found again in every arc behind it.
+            // The next motion begins at the end of the block, so that one error is not repeated in every following arc.
             arc::arc(gathered, modal, context, &start, &target).inspect_err(|_| {
                 modal.position.command = target;
                 modal.position.known = modal.position.known.union(named);
@@ -76,7 +76,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
     };
     spatial::note_tangent(&mut modal.tangent, &start, &target, &shape, &basis);
     if matches!(modal.modes.motion, MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic) {
-        // Where the spline will lead is not known yet.
+        // The path of the spline is not known yet.
         modal.tangent = None;
     }
     modal.position.known = modal.position.known.union(named);
@@ -102,7 +102,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
     Ok(Path { motion, start, start_known, basis, shape, setup: Shared::clone(context.setup), span: context.span })
 }
 
-/// Axis commands at the end of the block and the axes that it names; sets the programmed values.
+/// Axis commands at the end of the block and the named axes; sets the programmed values.
 fn target(
     gathered: &Gathered,
     modal: &mut Modal,
@@ -120,7 +120,7 @@ fn target(
         };
         let unit = if axis.is_rotary() { 1_f64.to_radians() } else { modal.modes.scale() };
         let value = gathered.axes[axis] * unit;
-        // The control rounds what it reads, and increments add up what it has rounded.
+        // The control rounds values on input, and adds rounded increments.
         let per_mm = context.control.increments_per_mm.filter(|_| !axis.is_rotary());
         let value = per_mm.map_or(value, |per_mm| on_grid(value, per_mm));
         let span = gathered.axis_spans[axis.slot()];
@@ -141,7 +141,7 @@ fn target(
         };
         let is_still = || arc::on_control([programmed[axis], 0.0], [here[axis], 0.0], context.control) == Meeting::Same;
         if modal.contour.compensates() && !axis.is_rotary() && is_still() {
-            // No motion for the control: an element next to nothing would bend the compensated contour.
+            // Not a motion for the control: a tiny element would distort the compensated contour.
             programmed[axis] = here[axis];
         }
         if !programmed[axis].is_finite() || programmed[axis].abs() > 1e9 {
@@ -162,7 +162,7 @@ fn target(
 fn reach(modal: &mut Modal, context: MotionContext<'_>, named: AxisSet, programmed: &AxisVector) -> AxisVector {
     let mut target = modal.position.command;
     if context.setup.frame.is_translation() {
-        // Axis by axis, so that the command of an axis that the block does not name keeps its last bit.
+        // Axis by axis, so that the command of an unnamed axis keeps its last bit.
         for axis in named.iter() {
             let tool = if axis.slot() < 3 { context.setup.tool_mm[axis.slot()] } else { 0.0 };
             target[axis] = programmed[axis] + context.setup.frame.shift(axis) - tool;
@@ -171,14 +171,14 @@ fn reach(modal: &mut Modal, context: MotionContext<'_>, named: AxisSet, programm
         target = context.setup.command(programmed);
     }
     if context.is_suppressed {
-        // Behind a block without frame, the position in the frame follows from the machine position.
+        // After a block without frame, the position in the frame follows from the machine position.
         let behind = modal.setup().programmed(&target);
         let is_shifted = modal.stale.is_empty() && modal.frame().is_translation();
         let moved = if is_shifted { named } else { named.union(AxisSet::XYZ) };
         for axis in moved.iter() {
             modal.programmed[axis] = behind[axis];
         }
-        // What the block does not name is as undecided as before.
+        // Unnamed axes stay undetermined.
         modal.stale = modal.stale.difference(named);
     } else {
         for axis in named.iter() {

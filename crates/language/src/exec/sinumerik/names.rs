@@ -1,22 +1,22 @@
-//! What the names of a program mean, resolved once when it is loaded.
+//! Meanings of the names of a program, resolved once at loading.
 
 use super::address::Named;
 use crate::syntax::sinumerik::Program;
 use ncfix_dialect::{CodeEntry, Dialect, Treatment, WordEntry, WordPlace, words};
 use ncfix_machine::machine::Control;
 
-/// What a name in word position is.
+/// Meaning of a name as a word.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Meaning {
     /// A row of the code table.
     Code(&'static CodeEntry),
     /// An address with a value: `CR=`, `TURN=` …
     Address(Named),
-    /// A word that is passed on.
+    /// A word that is passed through.
     Kept(&'static WordEntry),
-    /// A program that the machine file says the control runs by itself.
+    /// A program that the control runs by itself, according to the machine file.
     Opaque {
-        /// Whether it moves axes.
+        /// `true` if it moves axes.
         moves: bool,
     },
     /// `MSG(…)`
@@ -25,7 +25,7 @@ pub(super) enum Meaning {
     Alarm,
     /// `RET`
     Return,
-    /// Known, not executed yet.
+    /// Known, but not executed.
     Unsupported,
     /// A system variable.
     System,
@@ -72,12 +72,12 @@ pub(super) fn resolve(program: &Program, dialect: &'static Dialect, control: &Co
         .collect()
 }
 
-/// Whether a name is an address letter that may have an index in brackets: `S[2]=500`.
+/// `true` if a name is an address letter that may have an index in brackets: `S[2]=500`.
 pub(super) fn is_indexed_letter(name: &str) -> bool {
     words().find(name, WordPlace::Block).is_some_and(|row| row.treatment == Treatment::Letter)
 }
 
-/// Whether a name belongs to a cycle of the control.
+/// `true` if a name belongs to a cycle of the control.
 pub(super) fn is_cycle(name: &str) -> bool {
     CYCLES.iter().any(|prefix| {
         name.strip_prefix(prefix).is_some_and(|rest| prefix.ends_with('_') || rest.bytes().all(|b| b.is_ascii_digit()))

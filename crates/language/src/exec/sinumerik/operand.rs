@@ -1,4 +1,4 @@
-//! Operands of expressions that are looked up: variables, elements, axes, system variables; lists that are assigned.
+//! Operands of expressions that are looked up: variables, elements, axes, system variables; and assigned lists.
 
 use super::expression::Scope;
 use super::value::{Value, axis_of, is_axis_name};
@@ -61,7 +61,7 @@ impl Scope<'_> {
         self.first_indices(range, usize::MAX, id)
     }
 
-    /// Whole numbers as the first of so many indices.
+    /// Whole numbers as the first `count` indices.
     pub(super) fn first_indices(&self, range: ArgumentRange, count: usize, id: ExprId) -> Result<Vec<i64>, Fault> {
         let list = self.program.arguments_of(range).iter().take(count);
         list.map(|index| match index {
@@ -74,12 +74,12 @@ impl Scope<'_> {
         .collect()
     }
 
-    /// The values of a whole argument list; an empty slot has none.
+    /// The values of a whole argument list; an empty slot is `None`.
     pub(super) fn list(&self, range: ArgumentRange) -> Result<Vec<Option<Value>>, Fault> {
         self.program.arguments_of(range).iter().map(|slot| slot.map(|id| self.value(id)).transpose()).collect()
     }
 
-    /// What is assigned: a value, `SET(…)` or `REP(…)`.
+    /// The assigned value: a value, `SET(…)` or `REP(…)`.
     pub(super) fn assigned(&self, id: ExprId) -> Result<List, Fault> {
         let Node::Call(name, range) = self.program.expr(id).node else { return self.value(id).map(List::One) };
         match self.text_of(name) {
@@ -121,7 +121,7 @@ impl Scope<'_> {
     }
 }
 
-/// A name that nothing defines.
+/// The error for an undefined name.
 pub(super) fn undefined(message: String, name: &str, span: Span) -> Fault {
     let help = format!(
         "define it with DEF at the start of this program, or give its value as {name} = … in [gud] of the machine file"

@@ -1,4 +1,4 @@
-//! Executes the words of one block in their fixed order.
+//! Executes the words of one block in a fixed order.
 
 use super::angle;
 use super::channel::Channel;
@@ -99,7 +99,7 @@ pub(super) fn execute(
     Ok(())
 }
 
-/// Whether a word is an M function that moves axes by what the machine file says.
+/// `true` if a word is an M function that moves axes according to the machine file.
 pub(super) fn is_moved_by(outlet: &Outlet<'_>, word: &Word) -> bool {
     let is_function = word.letter == b'M' && word.extension.is_none();
     matches!(word.value, WordValue::Number(number) if is_function && outlet.function_moves(number))

@@ -1,4 +1,4 @@
-//! Directions of the tool in a block: `A3= B3= C3=` vectors and `A2= B2= C2=` angles become positions of the rotary axes.
+//! Tool directions in a block: `A3= B3= C3=` vectors and `A2= B2= C2=` angles become positions of the rotary axes.
 
 use super::address::Named;
 use super::channel::Channel;
@@ -67,7 +67,7 @@ pub(super) fn orient(channel: &mut Channel<'_>, gathered: &Gathered, path: &mut 
     Ok(())
 }
 
-/// Number of the direction words of a block (0 for several), their values, and where the first stands.
+/// Number of the direction words of a block (0 for several), their values, and the span of the first.
 fn words(gathered: &Gathered) -> Option<(u8, Vector, Span)> {
     let mut found: Option<(u8, Vector, Span)> = None;
     for value in &gathered.addresses {
@@ -110,7 +110,7 @@ mod tests {
         let rpy = |angles| from_angles(OrientationAngles::Rpy, angles);
         assert!((rpy([FRAC_PI_2, 0.0, 0.0]) - Vector::new(0.0, -1.0, 0.0)).norm() < 1e-15);
         assert!((rpy([0.0, FRAC_PI_2, 0.0]) - Vector::x()).norm() < 1e-15);
-        // A first leads to -Y, C then to X; B turns X not at all away from what A left.
+        // A leads to -Y, then C to X; B does not rotate X out of that direction.
         assert!((rpy([FRAC_PI_2, 0.0, FRAC_PI_2]) - Vector::x()).norm() < 1e-15);
         let euler = |angles| from_angles(OrientationAngles::Euler, angles);
         assert!((euler([FRAC_PI_2, FRAC_PI_2, 0.7]) - Vector::x()).norm() < 1e-15);

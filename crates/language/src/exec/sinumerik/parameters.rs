@@ -1,4 +1,4 @@
-//! Parameters of subprograms: evaluates arguments, binds them, and takes VAR parameters back to the caller.
+//! Parameters of subprograms: evaluates arguments, binds them, and returns VAR parameters to the caller.
 
 use super::argument::{Argument, Reference};
 use super::assign;
@@ -12,7 +12,7 @@ use crate::syntax::sinumerik::{ArgumentRange, ExprId, Node, Parameter};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
-/// Evaluates the arguments of a call. `called` is the program with its parameters, `span` that of the call.
+/// Evaluates the arguments of a call. `called` is the program with its parameters, `span` is that of the call.
 pub(super) fn evaluate(
     caller: &Loaded,
     channel: &Channel<'_>,
@@ -79,7 +79,7 @@ fn one(
             Some(Reference::Element(name, scope.indices(range, id)?))
         }
         _ => {
-            // What is defined nowhere is the fault of its name.
+            // An undefined name is reported as such.
             scope.value(id)?;
             return refuse(format!("{text} is a VAR parameter"), "give a variable or an R parameter");
         }
@@ -89,14 +89,14 @@ fn one(
     Ok(Argument { cells: Some(cells), reference })
 }
 
-/// The cells of a parameter that is no array, with its initial value.
+/// The cells of a scalar parameter, with its initial value.
 fn cells_of(called: &Loaded, channel: &Channel<'_>, parameter: &Parameter) -> Result<Cells, Fault> {
     let length = parameter.length.map(|id| scope_of(called, channel).whole(id)).transpose()?;
     let text = called.program.names.text(parameter.name);
     Cells::new(parameter.kind, length, &[], 1, (text, parameter.span))
 }
 
-/// Defines the parameters as variables of the program level that begins.
+/// Defines the parameters as variables of the new program level.
 pub(super) fn bind(
     called: &Loaded,
     channel: &mut Channel<'_>,
@@ -127,7 +127,7 @@ pub(super) fn bind(
     Ok(())
 }
 
-/// Takes the values of the VAR parameters out of the level that ends.
+/// Takes the values of the VAR parameters from the ending level.
 pub(super) fn results(called: &Loaded, channel: &Channel<'_>, parameters: &[Parameter], arguments: &mut [Argument]) {
     for (parameter, argument) in parameters.iter().zip(arguments) {
         if argument.reference.is_some() {
@@ -137,7 +137,7 @@ pub(super) fn results(called: &Loaded, channel: &Channel<'_>, parameters: &[Para
     }
 }
 
-/// Gives the results to the caller's variables, which are in place again.
+/// Assigns the results to the caller's variables, which are restored.
 pub(super) fn give_back(
     caller: &Loaded,
     channel: &mut Channel<'_>,

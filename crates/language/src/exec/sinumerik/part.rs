@@ -11,10 +11,10 @@ use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::Repetition;
 use ncfix_base::diagnostic::Code;
 
-/// Ends the part of `REPEAT label` before the block of the REPEAT.
+/// Label that ends the part of `REPEAT label`, before the block of the REPEAT.
 const END_LABEL: &str = "ENDLABEL";
 
-/// The blocks of a repetition: first and last.
+/// The first and last block of a repetition.
 pub(super) fn blocks_of(
     loaded: &mut Loaded,
     channel: &Channel<'_>,
@@ -67,7 +67,7 @@ fn search(
     }))
 }
 
-/// How many times a part is repeated; once where P is missing.
+/// Number of repetitions of a part; 1 without P.
 pub(super) fn passes(loaded: &Loaded, channel: &Channel<'_>, repetition: &Repetition) -> Result<u32, Fault> {
     let Some(count) = repetition.count else { return Ok(1) };
     let value = scope_of(loaded, channel).number(count)?;
@@ -77,9 +77,9 @@ pub(super) fn passes(loaded: &Loaded, channel: &Channel<'_>, repetition: &Repeti
     })
 }
 
-/// The largest number of repetitions, that of the control's INT.
+/// Maximum number of repetitions, the limit of the control's INT.
 const MAX_COUNT: i32 = 2_147_483_647;
-/// What a number of repetitions may be.
+/// Help for the permitted number of repetitions.
 pub(super) const COUNT_HELP: &str = "P is a whole number from 0 to 2147483647";
 
 /// A number of repetitions.

@@ -1,7 +1,7 @@
-//! Passes words on that change no position: their text with the values that they have here.
+//! Passes through words that do not change positions, with their evaluated values.
 //!
-//! Variables and R parameters of the program are gone from the output, so their values stand in their place; names that only the control
-//! knows (axes, spindles, constants of cycles) stay as written.
+//! The output has no variables and R parameters of the program, so their values replace them. Names that only the control knows (axes, spindles,
+//! constants of cycles) stay as written.
 
 use super::channel::Channel;
 use super::feed;
@@ -23,13 +23,13 @@ use ncfix_dialect::{Treatment, ValueUnit};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::Kind;
 
-/// Metric lengths and feeds are written to this many parts of a unit: without the noise of the conversion.
+/// Resolution of metric lengths and feeds, parts of a unit: without rounding noise.
 const PARTS: f64 = 1e9;
 
 impl Gatherer<'_> {
-    /// Takes a word that is passed on; false where it is none.
+    /// Takes a word that is passed through; `false` for another word.
     pub(super) fn passes(&self, word: &Word, block: &Block, out: &mut Gathered) -> Result<bool, Fault> {
-        // Without a row: a letter with a number or an index that is passed on as it is.
+        // Without a row: a letter with a number or an index, passed through unchanged.
         let row = match word.address {
             Address::Letter(b'L') => {
                 let name: Vec<u8> =
@@ -38,7 +38,7 @@ impl Gatherer<'_> {
                 let Some(moves) = self.scope.machine.control.opaque_moves(&name) else { return Ok(false) };
                 return self.opaque(word, block, moves, out);
             }
-            // Acknowledged later by the machine; those that end something keep their place behind the motion.
+            // Acknowledged later by the machine; functions that end something stay after the motion.
             Address::Letter(b'M') => match word.value {
                 Value::Dimension(DimensionFunction::Other, id)
                     if !matches!(self.scope.whole(id)?, 0 | 1 | 2 | 5 | 6 | 9 | 17 | 30) =>
@@ -138,7 +138,7 @@ impl Gatherer<'_> {
         Ok(())
     }
 
-    /// A call that the control carries out: it and its repetitions are passed on.
+    /// Passes through a call that the control executes, with its repetitions.
     fn opaque(&self, word: &Word, block: &Block, moves: bool, out: &mut Gathered) -> Result<bool, Fault> {
         let mut text = self.text(word, ValueUnit::None)?;
         for other in self.scope.program.words_of(block).iter().filter(|other| other.span.start > word.span.start) {
@@ -153,7 +153,7 @@ impl Gatherer<'_> {
         Ok(true)
     }
 
-    /// The text behind an address, where it is none the number counts.
+    /// The text value of an address; `None` for a number.
     pub(super) fn text_value(&self, word: &Word) -> Result<Option<Vec<u8>>, Fault> {
         let Value::Expr(id) = word.value else { return Ok(None) };
         Ok(match self.scope.value(id)? {
@@ -166,7 +166,7 @@ impl Gatherer<'_> {
         self.scope.program.source.slice(span)
     }
 
-    /// What a value of the program's unit is multiplied with.
+    /// Factor for a value in the program's unit.
     fn scale(&self, unit: ValueUnit) -> f64 {
         let modal = self.scope.modal;
         match unit {
@@ -176,7 +176,7 @@ impl Gatherer<'_> {
         }
     }
 
-    /// A word with its values.
+    /// A word with evaluated values.
     pub(super) fn text(&self, word: &Word, unit: ValueUnit) -> Result<Vec<u8>, Fault> {
         let mut text = match word.address {
             Address::Letter(letter) => vec![letter],
@@ -225,7 +225,7 @@ impl Gatherer<'_> {
         Ok(text)
     }
 
-    /// Arguments with their values; the unit is that of the first one.
+    /// Arguments with evaluated values; the unit applies to the first one.
     fn arguments(&self, range: ArgumentRange, unit: ValueUnit, out: &mut Vec<u8>) -> Result<(), Fault> {
         for (index, argument) in self.scope.program.arguments_of(range).iter().enumerate() {
             if index > 0 {
@@ -238,7 +238,7 @@ impl Gatherer<'_> {
         Ok(())
     }
 
-    /// The value of an expression as text; the expression itself where only the control knows its names.
+    /// The value of an expression as text; the expression itself if only the control knows its names.
     fn argument(&self, id: ExprId, unit: ValueUnit) -> Result<Vec<u8>, Fault> {
         let value = match self.scope.value(id) {
             Ok(value) => value,
@@ -263,7 +263,7 @@ impl Gatherer<'_> {
         })
     }
 
-    /// Looks for names of the program and for names that only the control knows.
+    /// Searches for names of the program and for names that only the control knows.
     fn look(&self, id: ExprId, names: &mut Named) {
         let program = self.scope.program;
         let is_own = |name| {
@@ -298,7 +298,7 @@ impl Gatherer<'_> {
     }
 }
 
-/// Whose names an expression holds.
+/// Kinds of names in an expression.
 #[derive(Default)]
 struct Named {
     /// Variables and parameters of the program.
@@ -307,12 +307,12 @@ struct Named {
     foreign: bool,
 }
 
-/// A number as a program writes it.
+/// A number in program notation.
 pub(super) fn number_text(value: f64) -> Vec<u8> {
     ((value * PARTS).round() / PARTS).to_string().into_bytes()
 }
 
-/// A call by statement that the control carries out: `CALL "NAME"`, `PCALL path(…)`, `EXTCALL("NAME")`.
+/// A call statement that the control executes: `CALL "NAME"`, `PCALL path(…)`, `EXTCALL("NAME")`.
 pub(super) fn opaque_statement(
     loaded: &Loaded,
     channel: &mut Channel<'_>,
@@ -342,12 +342,12 @@ pub(super) fn opaque_statement(
     Ok(())
 }
 
-/// Refuses positions of the transverse axis while they are diameters, and cutting speeds in feet.
+/// Rejects positions of the transverse axis in diameters, and cutting speeds in feet.
 pub(super) fn check_diameter(machine: &Machine, modal: &mut Modal, gathered: &Gathered) -> Result<(), Fault> {
     if let (Some((_, span)), true) = (gathered.speed, modal.modes.inch)
         && matches!(modal.stated.codes.code(15), Some("G96" | "G961" | "G962"))
     {
-        // The output is metric, where the same number would be m/min.
+        // The output is metric, where the number would mean m/min.
         let message = "a cutting speed in feet per minute, which is not supported yet";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program G71 or G710 and the cutting speed in m/min"));
     }

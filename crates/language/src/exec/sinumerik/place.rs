@@ -1,8 +1,8 @@
-//! What marks a block: its label or its number.
+//! The mark of a block: its label or its number.
 
 use crate::syntax::sinumerik::{Block, BlockNumber, NameId, Program};
 
-/// What marks a block.
+/// The mark of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Place {
     Label(NameId),
@@ -10,7 +10,7 @@ pub(super) enum Place {
 }
 
 impl Place {
-    /// Whether the block is the one.
+    /// `true` if the block has this mark.
     pub(super) fn is_at(self, block: &Block) -> bool {
         match self {
             Place::Label(name) => block.label == Some(name),
@@ -18,7 +18,7 @@ impl Place {
         }
     }
 
-    /// `LABEL`, `N10`, `:10` as a text; `None` for a label that the program does not have.
+    /// The mark for the text `LABEL`, `N10` or `:10`; `None` for a label that the program does not have.
     pub(super) fn of_text(program: &Program, text: &[u8]) -> Option<Place> {
         let text: String = text.trim_ascii().iter().map(|byte| char::from(byte.to_ascii_uppercase())).collect();
         let number = |main, digits: &str| {

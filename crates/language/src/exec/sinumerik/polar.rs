@@ -15,7 +15,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 
-/// Abscissa and ordinate of a polar end point; `None` where the block has none.
+/// Abscissa and ordinate of a polar end point; `None` if the block has none.
 pub(super) fn end(
     gathered: &Gathered,
     modal: &mut Modal,
@@ -44,7 +44,7 @@ pub(super) fn end(
     Ok(Some([pole[0] + radius * cosine, pole[1] + radius * sine]))
 }
 
-/// Angle or radius of a block, or the one that holds from blocks before.
+/// Angle or radius of a block, or the active one of an earlier block.
 fn coordinate(
     gathered: &Gathered,
     word: Named,

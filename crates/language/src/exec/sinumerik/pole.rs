@@ -5,17 +5,17 @@ use crate::exec::core::fault::fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Plane;
 use ncfix_base::source::Span;
-/// Pole, and what was programmed about it, in plane coordinates of the program (mm, rad).
+/// Pole, and polar values programmed about it, in plane coordinates of the program (mm, rad).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Polar {
     pub(super) pole: [f64; 2],
-    /// The plane that pole, radius and angle belong to.
+    /// The plane of pole, radius and angle.
     pub(super) plane: Option<Plane>,
     pub(super) radius: Option<f64>,
     pub(super) angle_rad: Option<f64>,
 }
 
-/// What a pole is relative to.
+/// Reference of a pole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PoleBase {
     /// `G110`: the last position.

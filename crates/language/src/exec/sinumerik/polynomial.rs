@@ -1,7 +1,7 @@
 //! Polynomials: `POLY` with `PO[X]=(end,a2,a3,…)`, `PO[]=(end,b2,…)` for a common denominator, and `PL=`.
 //!
-//! f(p) = a0 + a1 p + a2 p² + …, p from 0 to PL, a0 the start, a1 such that the end is met; an axis without polynomial moves in
-//! proportion to p. With a denominator, geometry axes are quotients.
+//! f(p) = a0 + a1 p + a2 p² + …, p from 0 to PL, a0 the start, a1 such that the end is met; an axis without polynomial moves in proportion to p. With
+//! a denominator, geometry axes are quotients.
 
 use super::address::Named;
 use super::context::MotionContext;
@@ -17,7 +17,7 @@ use crate::syntax::sinumerik::{ExprId, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector, Bezier, Weighted};
 
-/// Chords of one block at most.
+/// Maximum number of chords of one block.
 const MOST_CHORDS: usize = 100_000;
 
 impl Gatherer<'_> {
@@ -56,7 +56,7 @@ impl Gatherer<'_> {
     }
 }
 
-/// The way of a block that is no arc: a curve under POLY, else a line.
+/// The shape of a block that is not an arc: a curve under POLY, otherwise a line.
 pub(super) fn shape(
     gathered: &Gathered,
     modal: &Modal,
@@ -89,7 +89,7 @@ pub(super) fn shape(
     let Some(curve) = Bezier::of_powers(&powers) else { return Ok(Shape::Line) };
     let mut ends = Vec::new();
     let mut budget = MOST_CHORDS;
-    // Frames keep lines and shares, so that programmed points may be moved one by one; scales enlarge.
+    // Frames preserve lines and ratios, so points may be transformed one by one; scales enlarge.
     let growth = context.setup.frame.linear().norm().max(1.0);
     let tolerance_mm = context.control.chord_tolerance_mm / growth;
     curve
@@ -136,7 +136,7 @@ fn powers(
                 of(start[axis], end[axis] * end_weight, coefficients, unit)
             }
             None => {
-                // In proportion, whatever the denominator: (start + way · t) · denominator.
+                // In proportion for any denominator: (start + way · t) · denominator.
                 let mut powers = whole.map(|part| part * start[axis]);
                 for (k, part) in whole.iter().enumerate().take(COEFFICIENTS + 2) {
                     powers[k + 1] += part * (end[axis] - start[axis]);

@@ -1,7 +1,7 @@
-//! Positioning axes: `POS[X]=…` moves an axis on its own, at rapid or at the feed of `FA[X]=`, and the block waits for it.
+//! Positioning axes: `POS[X]=…` moves an axis independently, at rapid or at the feed of `FA[X]=`, and the block waits for it.
 //!
-//! Axes of the machine file are moved and corrected like others and written as POS again; nothing else may move in their block, as each
-//! axis would arrive at a time of its own. Axes that the machine file does not know are passed on.
+//! Axes of the machine file are moved and corrected like others, and written as POS again. Nothing else may move in their block, as each axis arrives
+//! at a different time. Axes outside the machine file are passed through.
 
 use super::gathered::Gathered;
 use super::gatherer::Gatherer;
@@ -14,7 +14,7 @@ use ncfix_base::source::Span;
 use ncfix_dialect::ValueUnit;
 
 impl Gatherer<'_> {
-    /// Takes `POS[…]=` and `POSA[…]=`; false where the word is another.
+    /// Takes `POS[…]=` and `POSA[…]=`; `false` for another word.
     ///
     /// Production `positioning`.
     pub(super) fn positioning(
@@ -41,7 +41,7 @@ impl Gatherer<'_> {
         Ok(true)
     }
 
-    /// The letter of an axis that the machine file does not know: a letter, perhaps with a number, that is none of its axes.
+    /// The letter of an axis outside the machine file: a letter with an optional number.
     fn foreign_axis(&self, id: ExprId) -> Option<u8> {
         let name = match self.scope.value(id) {
             Ok(ExecValue::Axis(name)) => name.to_string(),
@@ -57,7 +57,7 @@ impl Gatherer<'_> {
         (is_letter && !is_own).then_some(letter)
     }
 
-    /// A position that is passed on. The output is metric and absolute.
+    /// A position that is passed through. The output is metric and absolute.
     fn foreign_position(&self, letter: u8, word: &Word, block: &Block) -> Result<Vec<u8>, Fault> {
         let unit = match Axis::from_letter(letter) {
             Some(axis) if !axis.is_rotary() => ValueUnit::Length,
@@ -78,7 +78,7 @@ impl Gatherer<'_> {
         Ok(text)
     }
 
-    /// Whether G91 holds in a block.
+    /// `true` if G91 is active in a block.
     fn is_incremental(&self, block: &Block) -> bool {
         let words = self.scope.program.words_of(block).iter();
         let mut stated = words.filter_map(|word| match (word.address, word.value) {
@@ -90,7 +90,7 @@ impl Gatherer<'_> {
     }
 }
 
-/// Whether a block moves positioning axes; refused where anything else moves in it.
+/// `true` if a block moves positioning axes; rejects other motion in it.
 pub(super) fn is_positioning(gathered: &Gathered, block: Span) -> Result<bool, Fault> {
     if gathered.positioned.is_empty() {
         return Ok(false);

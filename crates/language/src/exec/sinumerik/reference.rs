@@ -1,7 +1,7 @@
-//! Blocks with G74 or G75: axes go to their reference point or to a fixed point of the machine, which only the control knows.
+//! Blocks with G74 or G75: axes move to their reference point or to a fixed point of the machine, which only the control knows.
 //!
-//! The code, the number of the point and the axes are passed on as they are. The axis words have no meaning as positions and may name
-//! axes of the machine (`X1=0`); where these axes are is unknown behind the block. All other words act as in any block.
+//! The code, the number of the point and the axes are passed through. The axis words are not positions and may name machine axes (`X1=0`); after the
+//! block the position of these axes is unknown. All other words act as in any block.
 
 use super::gathered::Gathered;
 use super::gatherer::Gatherer;
@@ -15,7 +15,7 @@ use ncfix_dialect::{CodeEntry, Effect, ValueUnit};
 const POINT: &str = "FP";
 
 impl Gatherer<'_> {
-    /// Whether G74 or G75 stands among the words.
+    /// `true` if the words contain G74 or G75.
     pub(super) fn is_reference(&self, words: &[Word]) -> bool {
         words.iter().any(|word| self.reference_code(word).is_some())
     }
@@ -59,10 +59,10 @@ impl Gatherer<'_> {
         matches!(word.address, Address::Name(name) if self.scope.program.names.text(name) == POINT)
     }
 
-    /// The axes that a word of an axis stands for; `None` where it is another word.
+    /// The axes of an axis word; `None` for another word.
     fn referenced(&self, word: &Word) -> Option<AxisSet> {
         match word.address {
-            // X1 is the first machine axis that belongs to X; on which machine ever, no other moves.
+            // X1 is the first machine axis of X; it moves no other axis on any machine.
             Address::Letter(letter) | Address::Extended(letter, _) => {
                 Axis::from_letter(letter).map(|axis| [axis].into_iter().collect())
             }
@@ -70,7 +70,7 @@ impl Gatherer<'_> {
                 let text = self.scope.program.names.text(name);
                 let is_axis =
                     matches!(self.meanings[name.index()], Meaning::Free) && !self.scope.variables.has(name, text);
-                // Which axis this is only the control knows.
+                // Only the control knows this axis.
                 let named = self.scope.machine.axis_named(text).map(|axis| [axis].into_iter().collect());
                 is_axis.then(|| named.unwrap_or(AxisSet::ALL))
             }

@@ -1,6 +1,6 @@
-//! Positions of rotary axes: DC, ACP, ACN, and axes that turn without end.
+//! Positions of rotary axes: DC, ACP, ACN, and modulo axes.
 //!
-//! Inside, the position of a modulo axis counts its turns; the output names positions within a turn again.
+//! Internally, the position of a modulo axis counts its turns; the output contains positions within a turn.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,10 +13,10 @@ use ncfix_base::geometry::{Axis, ROTARY_AXES};
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Way;
 
-/// A position this near to the present one is the same, rad: a turn in full is not meant.
+/// Difference below which a position equals the current one, rad: no full turn is intended.
 const SAME_RAD: f64 = 1e-9;
 
-/// Notes how an axis word is meant, and whether that is known.
+/// Sets the meaning of an axis word; `false` if the function is unknown.
 pub(super) fn set_way(axis: Axis, function: DimensionFunction, span: Span, out: &mut Gathered) -> Result<bool, Fault> {
     let way = match function {
         DimensionFunction::Absolute => Way::Plain,
@@ -39,7 +39,7 @@ pub(super) fn set_way(axis: Axis, function: DimensionFunction, span: Span, out: 
     Ok(true)
 }
 
-/// The position of an absolute word. Where the control may go either way, its way becomes [`Way::Either`].
+/// The position of an absolute word. If the control may choose the direction, it becomes [`Way::Either`].
 pub(super) fn position(
     axis: Axis,
     value: f64,
@@ -105,7 +105,7 @@ pub(super) fn position(
     Ok(here + step)
 }
 
-/// Refuses a motion of the path that the control may make either way: with another way of the axis the tool cuts elsewhere.
+/// Rejects a path motion in which the control may choose the direction: the other direction would cut elsewhere.
 pub(super) fn check_either(ways: &[Way; 3], is_positioning: bool, context: MotionContext<'_>) -> Result<(), Fault> {
     let Some(dimension) = ways.iter().position(|way| *way == Way::Either) else { return Ok(()) };
     if is_positioning && context.setup.transform.is_none() {
@@ -116,7 +116,7 @@ pub(super) fn check_either(ways: &[Way; 3], is_positioning: bool, context: Motio
     Err(fault(Code::WAY_OPEN, context.span, message, "program ACP(…) or ACN(…), or IC(180) or IC(-180)"))
 }
 
-/// The warning about a rapid motion that the control may make either way.
+/// The warning for a rapid motion in which the control may choose the direction.
 pub(super) fn either_way(ways: &[Way; 3], span: Span) -> Option<Fault> {
     let dimension = ways.iter().position(|way| *way == Way::Either)?;
     let axis = ROTARY_AXES.get(dimension).copied().unwrap_or(Axis::C);

@@ -1,4 +1,4 @@
-//! SAVE: the modal state of the caller comes back when a program returns, and the output says so.
+//! SAVE: the modal state of the caller is restored at the return, and the output states it.
 
 use super::channel::Channel;
 use super::modal::Modal;
@@ -15,7 +15,7 @@ use ncfix_base::source::Span;
 use ncfix_dialect::Effect;
 use ncfix_machine::snc::{FrameKind, FrameStatement, FrameWords, Kind};
 
-/// Notes the codes that the machine file says are active at the start.
+/// Records the codes that are active at the start according to the machine file.
 pub(super) fn note_initial_codes(channel: &mut Channel<'_>) {
     let machine = channel.settings.machine;
     let rows = machine.control.initial_codes.iter().filter_map(|word| channel.codes.word(&word.to_ascii_uppercase()));
@@ -24,7 +24,7 @@ pub(super) fn note_initial_codes(channel: &mut Channel<'_>) {
     }
 }
 
-/// Passes a code on and notes that it is in force.
+/// Passes a code through and records it as active.
 pub(super) fn keep(channel: &mut Channel<'_>, word: &'static str) {
     if let Some(row) = channel.codes.word(word).filter(|row| !NOT_MODAL.contains(&row.group)) {
         channel.modal.stated.codes.set(row.group, word);
@@ -32,13 +32,13 @@ pub(super) fn keep(channel: &mut Channel<'_>, word: &'static str) {
     channel.push(Kind::Keep(word));
 }
 
-/// Passes a zero offset or frame on and notes that it is in force.
+/// Passes a zero offset or frame through and records it as active.
 pub(super) fn push_frame(channel: &mut Channel<'_>, words: FrameWords) {
     channel.modal.stated.add_frame(&words, channel.modal.modes.plane);
     channel.push(Kind::Frame(words));
 }
 
-/// Brings the modal state of a caller back: codes, plane, units, frames. Positions, tool and feed stay as they are.
+/// Restores the modal state of a caller: codes, plane, units, frames. Positions, tool and feed stay.
 pub(super) fn restore(channel: &mut Channel<'_>, saved: Modal) {
     let left = std::mem::replace(&mut channel.modal, saved);
     channel.modal.keep_position_of(&left);
@@ -82,7 +82,7 @@ pub(super) fn restore(channel: &mut Channel<'_>, saved: Modal) {
     setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
 }
 
-/// Writes the swivelled plane anew, without programmable frame.
+/// Writes the swivelled plane again, without programmable frame.
 pub(super) fn restate(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let none = FrameStatement {
         kind: FrameKind::Translate,

@@ -1,4 +1,4 @@
-//! What the expressions and words of a block see.
+//! The data that expressions and words of a block can access.
 
 use super::channel::Channel;
 use super::expression::Scope;
@@ -6,7 +6,7 @@ use super::gatherer::Gatherer;
 use super::level::Loaded;
 use ncfix_machine::machine::Machine;
 
-/// Everything in scope of a block's expressions.
+/// The scope of a block's expressions.
 pub(super) fn scope_of<'s>(loaded: &'s Loaded, channel: &'s Channel<'_>) -> Scope<'s> {
     Scope {
         program: &loaded.program,

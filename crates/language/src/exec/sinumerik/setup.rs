@@ -1,4 +1,4 @@
-//! Puts frame and tool in force.
+//! Activates frame and tool.
 
 use super::modal::Modal;
 use crate::exec::core::outlet::Outlet;
@@ -9,8 +9,8 @@ use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_machine::machine::Machine;
 use std::sync::Arc;
 
-/// Puts frame and tool in force. An axis along which the tool length changes is taken as unknown until the program states it
-/// again: how and when a control traverses the change is a setting of the control (Sinumerik SD42940, SD42442).
+/// Activates frame and tool. An axis along which the tool length changes is unknown until the program states it again. Whether and when a control
+/// traverses the change is a setting (Sinumerik SD42940, SD42442).
 pub(super) fn refresh_setup(modal: &mut Modal, standing: &mut InForce, outlet: &mut Outlet<'_>) {
     let setup = modal.setup();
     keep_pose(&standing.setup, &setup, outlet.kinematics.as_deref(), &mut modal.position.command);
@@ -27,7 +27,7 @@ pub(super) fn refresh_setup(modal: &mut Modal, standing: &mut InForce, outlet: &
     standing.changed = true;
 }
 
-/// In which order the angles of a rotation turn.
+/// The order of rotation angles.
 pub(super) fn rotation_order(machine: &Machine) -> RotationOrder {
     machine.control.rotation_order
 }

@@ -1,4 +1,4 @@
-//! Arcs in space: through an intermediate point (CIP), and tangential to what comes before (CT).
+//! Arcs in space: through an intermediate point (CIP), and tangential to the preceding motion (CT).
 
 use super::address::Named;
 use super::context::MotionContext;
@@ -11,20 +11,20 @@ use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Matrix, Plane, PlaneBasis, Vector};
 
-/// An arc that is off its chord by less is straight, mm.
+/// Sagitta below which an arc is straight, mm.
 const STRAIGHT_MM: f64 = 1e-6;
-/// Normals this near to each other belong to one plane: 1 minus the cosine of the angle between them.
+/// Tolerance of equal normals: 1 minus the cosine of the angle between them.
 const SAME_NORMAL: f64 = 1e-12;
 
 /// A circle in programmed coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Circle {
     center: Vector,
-    /// The way is counter-clockwise about it.
+    /// Normal about which the path is counter-clockwise.
     normal: Vector,
 }
 
-/// The circle of a CIP or CT block between two positions in base coordinates; `None` where the way is straight.
+/// The circle of a CIP or CT block between two positions in base coordinates; `None` if the path is straight.
 pub(super) fn circle(
     gathered: &Gathered,
     modal: &Modal,
@@ -67,7 +67,7 @@ fn tangential(from: &Vector, tangent: &Vector, chord: &Vector) -> Option<Circle>
     Some(Circle { center: from + side * (square / (2.0 * offset)), normal: along.cross(&side) })
 }
 
-/// The circle through three points: the first, and the others as seen from it.
+/// The circle through three points: the first, and the others relative to it.
 fn through(from: &Vector, middle: &Vector, end: &Vector) -> Option<Circle> {
     let normal = middle.cross(end);
     let size = normal.norm();
@@ -121,8 +121,7 @@ fn intermediate(
 }
 
 impl Circle {
-    /// The way between two positions in base coordinates, and the basis that it relates to. `working` is the working plane behind the
-    /// frame.
+    /// The path between two positions in base coordinates, and its reference basis. `working` is the working plane after the frame.
     pub(super) fn shape(
         &self,
         working: PlaneBasis,
@@ -167,7 +166,7 @@ impl Circle {
     }
 }
 
-/// Notes the direction at the end of a way, base coordinates; a motion without way leaves it.
+/// Records the direction at the end of a path, in base coordinates; a motion of zero length keeps the previous one.
 pub(super) fn note_tangent(
     tangent: &mut Option<Vector>,
     start: &AxisVector,

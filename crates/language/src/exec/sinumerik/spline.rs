@@ -1,7 +1,7 @@
-//! Splines: `ASPLINE`, `BSPLINE`, `CSPLINE`. Their blocks are held until a motion of another kind ends them, then become chords.
+//! Splines: `ASPLINE`, `BSPLINE`, `CSPLINE`. Their blocks are held until a motion of another kind ends them, and then become chords.
 //!
-//! A spline through points has one piece per block. The curve of a B-spline, which meets only the ends of its control polygon, is
-//! shared out evenly, so that what stands between blocks keeps about its place.
+//! A spline through points has one piece per block. The curve of a B-spline passes only through the ends of its control polygon. It is divided
+//! evenly, so that elements between blocks keep their approximate place.
 
 use super::address::Named;
 use super::channel::Channel;
@@ -23,14 +23,14 @@ use ncfix_base::geometry::{
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Element, Kind};
 
-/// Chords of one spline at most.
+/// Maximum number of chords of one spline.
 const MOST_CHORDS: usize = 1_000_000;
-/// Points nearer than this are one, mm.
+/// Points nearer to each other than this are one, mm.
 const SAME_POINT_MM: f64 = 1e-9;
-/// Where a path stands that is looked at for its direction.
+/// Parameter step for the direction of a path.
 const STEP: f64 = 1e-6;
 
-/// What a block says of its place in a spline; `None` for other motions.
+/// The spline data of a block; `None` for other motions.
 pub(super) fn node(gathered: &Gathered, modal: &Modal) -> Result<Option<Node>, Fault> {
     if !matches!(modal.modes.motion, MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic) {
         return Ok(None);
@@ -55,7 +55,7 @@ pub(super) fn node(gathered: &Gathered, modal: &Modal) -> Result<Option<Node>, F
     }))
 }
 
-/// The finding for a curve that cannot be cut into chords.
+/// The error for a curve that cannot be cut into chords.
 pub(super) fn curve_fault(found: CurveFault, span: Span) -> Fault {
     match found {
         CurveFault::Nowhere => bad_value(span, "the curve goes through infinity", "check denominator and weights"),
@@ -66,7 +66,7 @@ pub(super) fn curve_fault(found: CurveFault, span: Span) -> Fault {
     }
 }
 
-/// Puts a motion into the stream, through the splines where it must.
+/// Emits a motion, through the splines if required.
 #[inline]
 pub(super) fn push_path(channel: &mut Channel<'_>, path: Path, node: Option<Node>) -> Result<(), Fault> {
     if let Some(node) = node {
@@ -103,20 +103,20 @@ fn spline(channel: &mut Channel<'_>, path: Path, element: Element, node: Node) -
         channel.outlet.warnings.extend(too_long);
         return found;
     }
-    // What the contour wants of the block holds for it whatever comes before the spline is complete.
+    // The contour request of the block stays valid until the spline is complete.
     let wish = contour_words::wish(channel, &path);
     channel.splines.held.push(HeldBlock::Path(Box::new(path), element, node, wish.map(Box::new)));
     found
 }
 
-/// Notes the direction in which a motion ends that is no spline.
+/// Records the final direction of a motion that is not a spline.
 pub(super) fn note_direction(modal: &Modal, splines: &mut Splines, path: &Path) {
     if modal.spline_ends[0] == End::Tangent {
         splines.before = direction(path, [1.0 - STEP, 1.0]);
     }
 }
 
-/// Makes moves of the spline that is held; `next` is the motion behind it.
+/// Emits the held spline as moves; `next` is the motion after it.
 pub(super) fn end_spline(channel: &mut Channel<'_>, next: Option<&Path>) -> Result<(), Fault> {
     let mut held = std::mem::take(&mut channel.splines.held);
     let tolerance_mm = channel.settings.machine.control.chord_tolerance_mm;
@@ -155,7 +155,7 @@ pub(super) fn end_spline(channel: &mut Channel<'_>, next: Option<&Path>) -> Resu
     Ok(())
 }
 
-/// The direction of a path between two shares of it; `None` where it stands still.
+/// The direction of a path between two of its shares; `None` if it does not move.
 fn direction(path: &Path, [from, to]: [f64; 2]) -> Option<AxisVector> {
     let (start, end) = (path.start, path.motion.target);
     let way = match &path.shape {
@@ -184,7 +184,7 @@ fn direction(path: &Path, [from, to]: [f64; 2]) -> Option<AxisVector> {
     (length > 0.0).then(|| AxisVector(way.0.map(|part| part / length)))
 }
 
-/// Gives blocks of an Akima or cubic spline their curves.
+/// Assigns curves to the blocks of an Akima or cubic spline.
 fn through_points(
     blocks: &mut [(&mut Path, Node)],
     neighbors: [Option<AxisVector>; 2],
@@ -234,7 +234,7 @@ fn through_points(
     Ok(())
 }
 
-/// Gives each block of a B-spline its share of the curve.
+/// Assigns each block of a B-spline its share of the curve.
 fn along_b_spline(blocks: &mut [(&mut Path, Node)], tolerance_mm: f64) -> Result<(), Fault> {
     let (Some((first, _)), Some((last, _))) = (blocks.first(), blocks.last()) else { return Ok(()) };
     let (start, target) = (first.start, last.motion.target);
@@ -257,7 +257,7 @@ fn along_b_spline(blocks: &mut [(&mut Path, Node)], tolerance_mm: f64) -> Result
         let (mut from, to) = (k as f64 * share, (k + 1) as f64 * share);
         let mut points = Vec::new();
         while from < to {
-            // Up to the next knot; a rest that is noise belongs to the part before it.
+            // Up to the next knot; a tiny remainder belongs to the part before it.
             let knot = (from + STEP).floor() + 1.0;
             let until = if knot > to - STEP { to } else { knot };
             if let Some(curve) = spline.part(from, until) {
@@ -279,7 +279,7 @@ fn along_b_spline(blocks: &mut [(&mut Path, Node)], tolerance_mm: f64) -> Result
     Ok(())
 }
 
-/// Ends what is held back.
+/// Emits what is held back.
 pub(super) fn finish(channel: &mut Channel<'_>) {
     let ended = end_spline(channel, None);
     channel.outlet.warnings.extend(ended.err());

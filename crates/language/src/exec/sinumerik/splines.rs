@@ -1,4 +1,4 @@
-//! The blocks of a spline that is not complete yet.
+//! The blocks of an incomplete spline.
 
 use super::curve::End;
 use super::modal::MotionKind;
@@ -9,10 +9,10 @@ use crate::exec::core::path::Path;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::snc::Element;
-/// Blocks and elements of one spline at most.
+/// Maximum number of blocks and elements of one spline.
 pub(super) const MOST_HELD: usize = 100_000;
 
-/// What a block says of its place in a spline.
+/// The spline data of a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub(super) kind: MotionKind,
@@ -28,11 +28,11 @@ pub(super) enum HeldBlock {
     Path(Box<Path>, Element, Node, Option<Box<Wish>>),
 }
 
-/// The blocks of the spline that is not complete yet.
+/// The blocks of an incomplete spline.
 #[derive(Debug, Default)]
 pub(super) struct Splines {
     pub(super) held: Vec<HeldBlock>,
-    /// Direction of the motion before it, where it matters.
+    /// Direction of the preceding motion, if needed.
     pub(super) before: Option<AxisVector>,
 }
 
@@ -41,7 +41,7 @@ impl Splines {
         !self.held.is_empty()
     }
 
-    /// Holds an element back behind the blocks of a spline; a finding where these are too many.
+    /// Holds an element after the blocks of a spline; an error if there are too many.
     pub(super) fn hold(&mut self, element: Element) -> Option<Fault> {
         let found = (self.held.len() >= MOST_HELD).then(|| {
             let message = format!("a spline of more than {MOST_HELD} blocks");

@@ -1,4 +1,4 @@
-//! A channel as it is when a program starts.
+//! A channel in its state at the start of a program.
 
 use super::channel::Channel;
 use super::modal::initial_zero_offset;
@@ -8,7 +8,7 @@ use crate::exec::core::options::Options;
 use ncfix_base::geometry::Frame;
 use ncfix_dialect::CodeTable;
 use ncfix_machine::machine::Machine;
-/// A channel as it is when a program starts.
+/// A channel in its state at the start of a program.
 pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Channel<'a> {
     let mut channel = Channel::new(machine, options, codes);
     let order = machine.control.rotation_order;

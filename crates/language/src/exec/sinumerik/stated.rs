@@ -1,4 +1,4 @@
-//! What the output says of the modal state.
+//! The modal state that the output has stated.
 
 use std::sync::LazyLock;
 
@@ -10,7 +10,7 @@ use ncfix_machine::snc::FrameKind;
 use ncfix_machine::snc::FrameStatement;
 use ncfix_machine::snc::FrameWords;
 
-/// Codes that are active when the control starts (Sinumerik MD20150), where the output passes them on, each with its group.
+/// Codes that are active when the control starts (Sinumerik MD20150) and that the output passes through, each with its group.
 static INITIAL: LazyLock<Vec<(u8, &'static str)>> = LazyLock::new(|| {
     let table = ncfix_dialect::sinumerik().codes();
     STARTING.iter().filter_map(|&word| Some((table.word(word)?.group, word))).collect()
@@ -61,10 +61,10 @@ const STARTING: &[&str] = &[
     "TOROTOF",
 ];
 
-/// Groups whose codes hold for one block only, and those that the output always writes as G90 and in mm.
+/// Groups of non-modal codes, and groups that the output always writes as G90 and in mm.
 pub(super) const NOT_MODAL: &[u8] = &[0, 2, 3, 9, 11, 13, 14];
 
-/// `TRANS` alone: no programmable frame.
+/// A bare `TRANS`: no programmable frame.
 pub(super) const NO_FRAME: FrameStatement = FrameStatement {
     kind: FrameKind::Translate,
     additive: false,
@@ -73,19 +73,19 @@ pub(super) const NO_FRAME: FrameStatement = FrameStatement {
     in_plane_rad: None,
 };
 
-/// A programmable frame of more statements cannot be brought back.
+/// Maximum number of statements of a programmable frame that can be restored.
 pub(super) const MAX_STATEMENTS: usize = 1000;
 
-/// What the output has said of the modal state.
+/// The modal state that the output has stated.
 #[derive(Clone, Debug)]
 pub(super) struct Stated {
-    /// Codes of the groups of the code table.
+    /// Codes by group of the code table.
     pub(super) codes: CodesInForce<u8, &'static str>,
     /// `G500`, `G54` …
     pub(super) offset: String,
-    /// The assignment to the programmable frame that its statements build on, where there was one.
+    /// The assignment to the programmable frame on which its statements build, if any.
     pub(super) assigned: Option<Vec<u8>>,
-    /// The statements that make up the programmable frame, each with its working plane.
+    /// The statements of the programmable frame, each with its working plane.
     pub(super) frame: Vec<(FrameStatement, Plane)>,
 }
 
@@ -94,17 +94,17 @@ impl Stated {
         Stated { codes: CodesInForce::new(&INITIAL), offset: offset.to_owned(), assigned: None, frame: Vec::new() }
     }
 
-    /// The settable frame in force: `G54`, or the assignment to it.
+    /// The active settable frame: `G54`, or the assignment to it.
     pub(super) fn offset(&self) -> &str {
         &self.offset
     }
 
-    /// Notes an assignment to the settable frame in force.
+    /// Records an assignment to the active settable frame.
     pub(super) fn assign_settable(&mut self, text: &str) {
         text.clone_into(&mut self.offset);
     }
 
-    /// Notes an assignment to the programmable frame.
+    /// Records an assignment to the programmable frame.
     pub(super) fn assign_programmable(&mut self, text: &str) {
         self.frame.clear();
         self.assigned = Some(text.as_bytes().to_vec());
@@ -122,7 +122,7 @@ impl Stated {
         }
         let has_room = self.frame.len() < MAX_STATEMENTS;
         match self.frame.last_mut() {
-            // Shifts in a row are one: a loop of ATRANS shall not grow without end.
+            // Consecutive shifts are merged: a loop of ATRANS must not grow without limit.
             Some((last, _)) if new.additive && [last.kind, new.kind] == [FrameKind::Translate; 2] => {
                 last.values = last.values + new.values;
                 last.named = last.named.iter().chain(new.named.iter()).collect();

@@ -1,4 +1,4 @@
-//! The motion of a block on its way into the stream.
+//! Emits the motion of a block.
 
 use super::channel::Channel;
 use super::context::MotionContext;
@@ -75,13 +75,13 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
     spline::push_path(channel, path, node)
 }
 
-/// What holds in a block with a word that suppresses frames: G53 leaves the base frame.
+/// The setup of a block with a word that suppresses frames: G53 keeps the base frame.
 pub(super) fn suppressed(modal: &Modal, standing: &InForce, word: &str) -> Setup {
     let frame = if word == "G53" { modal.base } else { Frame::identity() };
     Setup { frame, ..(*standing.setup).clone() }
 }
 
-/// Refuses what a swivelled plane does not stand.
+/// Rejects state that is incompatible with a swivelled plane.
 pub(super) fn check_swivelled(machine: &Machine, modal: &Modal, span: Span) -> Result<(), Fault> {
     let Some(swivelled) = &modal.swivelled else { return Ok(()) };
     let turns_tool = machine.topology.tool.iter().any(|axis| axis.is_rotary());

@@ -1,7 +1,7 @@
-//! Directions of the tool from path and surface: `LEAD=`, `TILT=`, the normals `A4= B4= C4=` and `A5= B5= C5=`, and ORIPATH.
+//! Tool directions from path and surface: `LEAD=`, `TILT=`, the normals `A4= B4= C4=` and `A5= B5= C5=`, and ORIPATH.
 //!
-//! The direction is that at the end of a block: the normal of the surface there, turned by LEAD towards the end of the path and by TILT
-//! sideways. On the way there the tool follows a great circle, as with a direction that is programmed (Sinumerik MD21094, last digit 0).
+//! The direction is that at the end of a block: the surface normal there, rotated by LEAD towards the end of the path and by TILT sideways. On the
+//! path the tool follows a great circle, as with a programmed direction (Sinumerik MD21094, last digit 0).
 
 use super::address::Named;
 use super::gathered::{Gathered, NamedValue};
@@ -15,10 +15,10 @@ use ncfix_base::source::Span;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::{OriPath, TiltAbout};
 
-/// A normal and a path that are nearer to each other give no plane for LEAD (Sinumerik MD21084), rad.
+/// Smallest angle between normal and path that defines a plane for LEAD (Sinumerik MD21084), rad.
 const NORMAL_ALONG_PATH_RAD: f64 = 0.052_36;
 
-/// Takes over the words of a block that say where the surface is and how the tool stands on it.
+/// Takes the words of a block for the surface and the tool direction relative to it.
 pub(super) fn surface(modal: &mut Modal, gathered: &Gathered) -> Result<(), Fault> {
     let is_on = modal.transform.turning().is_some();
     let surface = &mut modal.transform.surface;
@@ -37,7 +37,7 @@ pub(super) fn surface(modal: &mut Modal, gathered: &Gathered) -> Result<(), Faul
         }
         surface.angles[slot] = Some(value.value.to_radians());
     }
-    // The normal at the end of the block; that at its beginning holds there too where it stands alone.
+    // The normal at the end of the block; a normal at its start alone applies to the end too.
     for number in [5, 4] {
         let Some((normal, span)) = vector(gathered, number) else { continue };
         if !is_on {
@@ -53,7 +53,7 @@ pub(super) fn surface(modal: &mut Modal, gathered: &Gathered) -> Result<(), Faul
     Ok(())
 }
 
-/// The direction at the end of a block that path and surface give, coordinates of the program, and the word that wants it.
+/// The direction at the end of a block from path and surface, in program coordinates, and the word that requests it.
 pub(super) fn direction_on_path(
     machine: &Machine,
     modal: &Modal,
@@ -91,7 +91,7 @@ pub(super) fn direction_on_path(
         return Err(fault(Code::UNKNOWN_START, span, message, "begin with a motion that names X, Y and Z"));
     }
     let tangent = match &path.shape {
-        // Chords tell the direction at the end of a curve only about.
+        // Chords give the direction at the end of a curve only approximately.
         Shape::Chords(_) => None,
         Shape::Line | Shape::Arc { .. } => modal.tangent,
     };
@@ -111,7 +111,7 @@ pub(super) fn direction_on_path(
     }
 }
 
-/// Whether nothing else in the block says where the tool points.
+/// Checks that nothing else in the block defines the tool direction.
 fn check_only_direction(outlet: &Outlet<'_>, gathered: &Gathered, word: Option<&NamedValue>) -> Result<(), Fault> {
     let direct = gathered.addresses.iter().find(|value| matches!(value.address, Named::Orientation(2 | 3, _)));
     let rotary = outlet.kinematics.as_ref().and_then(|kinematics| {
@@ -131,7 +131,7 @@ fn check_only_direction(outlet: &Outlet<'_>, gathered: &Gathered, word: Option<&
     }
 }
 
-/// ORIPATH: from here on every motion ends in the direction that path and surface give.
+/// ORIPATH: every following motion ends in the direction given by path and surface.
 pub(super) fn follow_path(machine: &Machine, modal: &mut Modal, outlet: &mut Outlet<'_>) -> Result<(), Fault> {
     if machine.control.ori_path == OriPath::Path {
         let message = "ORIPATH that keeps the tool relative to the path within a block is not supported";
@@ -142,7 +142,7 @@ pub(super) fn follow_path(machine: &Machine, modal: &mut Modal, outlet: &mut Out
     Ok(())
 }
 
-/// The vector of the words with a number, components that are not programmed 0, and where the first stands.
+/// The vector of the words with a number, with missing components 0, and the span of the first.
 fn vector(gathered: &Gathered, number: u8) -> Option<(Vector, Span)> {
     let mut found: Option<(Vector, Span)> = None;
     for value in &gathered.addresses {
@@ -156,10 +156,9 @@ fn vector(gathered: &Gathered, number: u8) -> Option<(Vector, Span)> {
     found
 }
 
-/// The unit vector of the tool for a path and a normal; `None` where these lie along each other.
+/// The unit vector of the tool for a path and a normal; `None` if these are parallel.
 ///
-/// LEAD turns the normal towards the tangent, about what is perpendicular to both. A positive TILT turns counter-clockwise, seen
-/// against its axis.
+/// LEAD rotates the normal towards the tangent, about their common perpendicular. A positive TILT is counter-clockwise, seen against its axis.
 fn on_surface(tangent: &Vector, normal: &Vector, [lead, tilt]: [f64; 2], about: TiltAbout) -> Option<Vector> {
     let (tangent, normal) = (tangent.try_normalize(0.0)?, normal.try_normalize(0.0)?);
     let across = normal.cross(&tangent);
@@ -170,12 +169,12 @@ fn on_surface(tangent: &Vector, normal: &Vector, [lead, tilt]: [f64; 2], about: 
     Some(match about {
         TiltAbout::Normal => turned(&turned(&normal, &across, lead), &normal, tilt),
         TiltAbout::Tangent => turned(&turned(&normal, &across, lead), &tangent, tilt),
-        // About the turned tangent afterwards is about the tangent before.
+        // A rotation about the turned tangent afterwards equals one about the tangent before.
         TiltAbout::TurnedTangent => turned(&turned(&normal, &tangent, tilt), &across, lead),
     })
 }
 
-/// A vector turned about a unit axis (Rodrigues).
+/// A vector rotated about a unit axis (Rodrigues).
 fn turned(vector: &Vector, axis: &Vector, angle: f64) -> Vector {
     let (sine, cosine) = angle.sin_cos();
     vector * cosine + axis.cross(vector) * sine + axis * (axis.dot(vector) * (1.0 - cosine))

@@ -1,9 +1,9 @@
-//! CYCLE800: the plane of the program is tilted, the rotary axes turn until the tool stands on it, and the frame follows the workpiece.
+//! CYCLE800: tilts the plane of the program, turns the rotary axes until the tool is normal to it, and moves the frame with the workpiece.
 //!
-//! The tilt T is one of the workpiece: a point p of the new plane is the point T·p of the settable zero offset while the rotary axes stand
-//! at their zero. The new frame is whatever brings the tip to this point of the workpiece when they are turned: linear axes for a
-//! turned workpiece are an affine function of p, which is worked out on the kinematics of the machine. Where the spindle head turns, the
-//! control goes on to add the tool length along its axes; the difference is in the shift of the frame.
+//! The tilt T refers to the workpiece: a point p of the new plane is the point T·p of the settable zero offset with the rotary axes at zero. The new
+//! frame brings the tip to this point of the workpiece with the rotary axes turned. The linear axes for a turned workpiece are an affine function of
+//! p, computed with the kinematics of the machine. If the spindle head turns, the control still adds the tool length along its axes; the shift of the
+//! frame contains the difference.
 
 use super::channel::Channel;
 use super::gathered::{Call, Gathered};
@@ -26,14 +26,14 @@ use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::{FrameKind, FrameStatement, Way};
 
-/// A matrix that is off a rotation by more is none.
+/// Tolerance of a rotation matrix.
 const SAME_ROTATION: f64 = 1e-9;
-/// Angles nearer than this are the same, rad.
+/// Angles nearer to each other than this are equal, rad.
 const SAME_ANGLE: f64 = 1e-9;
-/// Values of the statements are written with so many parts of a mm or degree.
+/// Resolution of values in the statements, parts of a mm or degree.
 const PARTS: f64 = 1e9;
 
-/// What a call asks for.
+/// The arguments of a call.
 struct Request {
     retract: f64,
     retract_by_mm: f64,
@@ -89,7 +89,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// The rotation of a mode: about up to three axes, each about the axes that are turned already.
+/// The rotation of a mode: about up to three axes, each about the already rotated axes.
 fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fault> {
     let mut rotation = Matrix::identity();
     if angles_deg == [0.0; 3] {
@@ -144,7 +144,7 @@ fn swivel(channel: &mut Channel<'_>, request: &Request) -> Result<(), Fault> {
         let all = AxisSet::XYZ.iter().chain(kinematics.rotary_axes());
         let unknown: AxisSet = all.filter(|&axis| !is_stated(channel.settings.machine, &channel.modal, axis)).collect();
         if channel.settings.strict && !unknown.is_empty() {
-            // The plane comes into force all the same, so that one cause is not found again in every block behind it.
+            // The plane is activated nevertheless, so that one cause is not reported in every following block.
             channel.outlet.warnings.push(unknown_places(span, unknown, "SUPA G0"));
             channel.modal.position.known = channel.modal.position.known.union(unknown);
         }
@@ -179,7 +179,7 @@ fn is_stated(machine: &Machine, modal: &Modal, axis: Axis) -> bool {
     machine.axis(axis).is_none() || modal.position.known.contains(axis)
 }
 
-/// The angles of the rotary axes that put the tool on the plane.
+/// The angles of the rotary axes that align the tool with the plane.
 fn choose(
     machine: &Machine,
     modal: &Modal,
@@ -216,7 +216,7 @@ fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector,
         words.axes[axis] = if is_modulo { shown.rem_euclid(360.0) } else { shown };
         if let Some(way) = words.ways.get_mut(axis.dimension()).filter(|_| is_modulo) {
             *way = if to > from { Way::Positive } else { Way::Negative };
-            // Which way half a turn leads is up to the control.
+            // The control chooses the direction of a half turn.
             let increment = channel.settings.machine.control.increment_rad.max(SAME_ANGLE);
             let step = (to - from).abs();
             if step <= increment || (step - std::f64::consts::PI).abs() <= increment {
@@ -229,7 +229,7 @@ fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector,
     go(channel, words, span)
 }
 
-/// A rapid block in machine coordinates; the motion code in force stays.
+/// Executes a rapid block in machine coordinates; the active motion code stays.
 fn go(channel: &mut Channel<'_>, mut words: Gathered, span: Span) -> Result<(), Fault> {
     let motion = channel.modal.modes.motion;
     words.suppress = Some("SUPA");
@@ -241,7 +241,7 @@ fn go(channel: &mut Channel<'_>, mut words: Gathered, span: Span) -> Result<(), 
     found
 }
 
-/// Moves away from the workpiece as the call says.
+/// Retracts from the workpiece as the call requests.
 fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics) -> Result<(), Fault> {
     let (span, scale) = (request.span, channel.modal.modes.scale());
     let tool_mm = channel.modal.tool_mm();
@@ -279,7 +279,7 @@ fn retract(channel: &mut Channel<'_>, request: &Request, kinematics: &Kinematics
     }
 }
 
-/// `TRANS` and `AROT` that make a frame; `None` where it scales or mirrors.
+/// `TRANS` and `AROT` that form a frame; `None` if it scales or mirrors.
 fn statements_of(frame: &Frame, order: RotationOrder) -> Option<[FrameStatement; 2]> {
     let linear = frame.linear();
     let is_rotation =

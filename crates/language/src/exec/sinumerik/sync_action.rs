@@ -1,8 +1,7 @@
-//! Synchronised actions: passed on as written where they move no axis.
+//! Synchronised actions: passed through as written if they move no axis.
 //!
-//! They run on the control beside the program, so what they do to positions cannot be followed. `$` variables live on the control; R
-//! parameters and variables of the program are replaced by the values that they have where the action is programmed, as the control
-//! does in preprocessing.
+//! They run on the control in parallel with the program, so their effect on positions cannot be simulated. `$` variables live on the control. R
+//! parameters and variables of the program are replaced by their values at the place of the action, as the control does in preprocessing.
 
 use super::channel::Channel;
 use super::functions::is_function;
@@ -17,7 +16,7 @@ use ncfix_base::source::Span;
 use ncfix_dialect::{Treatment, WordPlace, words};
 use ncfix_machine::snc::Kind;
 
-/// Beginnings of variables whose values depend on where a block begins and ends.
+/// Prefixes of variables whose values depend on the start and end of a block.
 const OF_BLOCK: &[&str] = &[
     "AC_DTE",
     "AC_DTB",
@@ -32,14 +31,14 @@ const OF_BLOCK: &[&str] = &[
     "AC_SPLITBLOCK",
 ];
 
-/// A word of the text: its place, and the brackets around it.
+/// A word of the text: its position, and its bracket depth.
 struct Token<'a> {
     start: usize,
     text: &'a [u8],
     depth: u32,
 }
 
-/// Executes a synchronised action: passes it on, or says why not.
+/// Executes a synchronised action: passes it through, or reports the reason for rejection.
 pub(super) fn execute(
     loaded: &Loaded,
     channel: &mut Channel<'_>,
@@ -63,7 +62,7 @@ pub(super) fn execute(
     }
     let mut text = with_values(loaded, channel, whole)?;
     for index in written_parameters(source(actions)) {
-        // What the action makes of it is known on the control only.
+        // Only the control knows the result of the action.
         channel.variables.set_parameter(index, f64::NAN, actions)?;
     }
     if id.start == id.end && condition.start != condition.end {
@@ -135,7 +134,7 @@ fn too_clever(span: Span) -> Fault {
     )
 }
 
-/// The first word of the actions that may move an axis of the machine.
+/// The first word of the actions that may move a machine axis.
 fn moving_word(actions: &[u8], axes: AxisSet) -> Option<String> {
     tokens(actions).find_map(|token| {
         let upper = String::from_utf8_lossy(token.text).to_ascii_uppercase();
@@ -149,7 +148,7 @@ fn is_moving(upper: &str, depth: u32, behind: &[u8], axes: AxisSet) -> bool {
     if let Some(name) = upper.strip_prefix("$$").or_else(|| upper.strip_prefix('$')) {
         let on_position =
             ["AA_OFF", "AA_TOFF", "AN_CEC", "AN_ETC", "AC_TOFF"].iter().any(|start| name.starts_with(start));
-        // What the control itself offers for synchronised actions; other variables are data that axes obey.
+        // Variables that the control provides for synchronised actions; other variables may affect axes.
         let is_free = ["AC_", "AA_", "A_", "AN_"].iter().any(|start| name.starts_with(start));
         let is_parameter =
             name == "R" || name.strip_prefix('R').is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()));
@@ -160,7 +159,7 @@ fn is_moving(upper: &str, depth: u32, behind: &[u8], axes: AxisSet) -> bool {
         let inside = behind.get(1..).unwrap_or_default().trim_ascii_start();
         let length = inside.iter().take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_').count();
         return match inside.get(..length) {
-            // Another letter is an axis that is not modelled.
+            // Another letter is an axis outside the model.
             Some(&[letter]) if matches!(behind.first(), Some(b'[' | b'(')) => {
                 Axis::from_letter(letter.to_ascii_uppercase()).is_some_and(|axis| axes.contains(axis))
             }
@@ -180,7 +179,7 @@ fn is_moving(upper: &str, depth: u32, behind: &[u8], axes: AxisSet) -> bool {
     }
 }
 
-/// Whether `[…]` is followed by `=` alone.
+/// `true` if `[…]` is followed by a single `=`.
 fn is_element_written(behind: &[u8]) -> bool {
     let close = behind.iter().position(|&byte| byte == b']').map_or(behind.len(), |at| at + 1);
     let rest = behind[close..].trim_ascii_start();
@@ -233,7 +232,7 @@ fn tokens(text: &[u8]) -> impl Iterator<Item = Token<'_>> {
                     at += more;
                     return Some(Token { start, text: &text[start..at], depth });
                 }
-                // Digits and what hangs on them: 10, 1EX3, the H of 'H1F'.
+                // Digits and their suffixes: 10, 1EX3, the H of 'H1F'.
                 b'0'..=b'9' | b'\'' => {
                     at += text[at..].iter().take_while(|&&b| b.is_ascii_alphanumeric() || b == b'.').count();
                 }

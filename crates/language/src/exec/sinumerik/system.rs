@@ -1,4 +1,4 @@
-//! System variables that a program reads: what the execution knows, what the run has written, and the table of the machine file.
+//! System variables that a program reads: those of the execution, those written by the run, and the table of the machine file.
 
 use super::control::System;
 use super::variables::setting_value;
@@ -15,10 +15,10 @@ use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::WordValue;
 
-/// Values that a run may write.
+/// Maximum number of values written by a run.
 const MAX_VALUES: usize = 200_000;
 
-/// Variables that are the same on every control that runs a program for real.
+/// Variables with a fixed value on every control that actually runs a program.
 const CONSTANTS: &[(&str, f64)] = &[
     ("$P_SIM", 0.0),
     ("$P_ISTEST", 0.0),
@@ -29,30 +29,30 @@ const CONSTANTS: &[(&str, f64)] = &[
     ("$MN_SCALING_VALUE_INCH", MM_PER_INCH),
 ];
 
-/// Beginnings of the names of variables of the main run: the control reads them when it has got there, as with STOPRE.
+/// Prefixes of main-run variables: the control reads them when it reaches them, as with STOPRE.
 const MAIN_RUN: &[(&str, &str)] =
     &[("$AA_", "$AA_…"), ("$AC_", "$AC_…"), ("$AN_", "$AN_…"), ("$A_", "$A_…"), ("$VA_", "$VA_…"), ("$VC_", "$VC_…")];
 
-/// Variables that are 0 when a program starts.
+/// Variables that are 0 at the start of a program.
 const ZERO_AT_START: &[&str] = &["$AC_MARKER", "$AC_PARAM"];
 
 impl System {
-    /// Nothing written yet.
+    /// A state without written values.
     pub(super) fn new(strict: bool, machine: &Machine) -> System {
         System { strict, frames: FrameStore::new(machine), ..System::default() }
     }
 
-    /// A variable of the main run that was read since the last question.
+    /// A main-run variable that was read since the last call.
     pub(super) fn looked(&self) -> Option<&'static str> {
         self.looked.take()
     }
 
-    /// What the run has written.
+    /// A value written by the run.
     pub(super) fn value(&self, key: &str) -> Option<&Value> {
         self.values.get(key)
     }
 
-    /// Notes a value; false where there is no room.
+    /// Stores a value; `false` if there is no room.
     pub(super) fn set(&mut self, key: String, value: Value) -> bool {
         let has_room = self.values.len() < MAX_VALUES || self.values.contains_key(&key);
         if has_room {
@@ -63,7 +63,7 @@ impl System {
 }
 
 impl Scope<'_> {
-    /// The name with its indices as the tables write it: `$TC_DP6[1,1]`.
+    /// The name with its indices in the notation of the tables: `$TC_DP6[1,1]`.
     pub(super) fn key(&self, name: &str, range: Option<ArgumentRange>) -> Result<(String, Vec<Value>), Fault> {
         let Some(range) = range else { return Ok((name.to_owned(), Vec::new())) };
         let values: Vec<Value> =
@@ -98,7 +98,7 @@ impl Scope<'_> {
             return Ok(Value::Real(0.0));
         }
         let span = self.program.expr(id).span;
-        // What the program itself should have said, and the machine file cannot.
+        // Values that the program itself must state, and the machine file cannot.
         match name {
             "$P_EP" => {
                 let message = format!("{key} is read, and the program has not stated where this axis is");
@@ -122,7 +122,7 @@ impl Scope<'_> {
         Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(key))
     }
 
-    /// What the execution itself knows.
+    /// Values that the execution itself knows.
     fn computed(&self, name: &str, indices: &[Value], id: ExprId) -> Result<Option<Value>, Fault> {
         let first = indices.first();
         let number = || first.and_then(Value::whole);
@@ -179,12 +179,12 @@ impl Scope<'_> {
         }
     }
 
-    /// Where an axis is: in the program's coordinates, or in those of the machine; `None` where the program has not stated it.
+    /// The position of an axis in program or machine coordinates; `None` if the program has not stated it.
     fn position(&self, name: &str, axis: Axis) -> Option<Value> {
         let of_machine = matches!(name, "$AA_IM" | "$AA_IB");
         let in_plane = self.modal.modes.plane.axes().into_iter().take(2).any(|known| known == axis);
         if in_plane && self.modal.contour.compensates() && name != "$P_EP" {
-            // Where the tool center is depends on what follows.
+            // The position of the tool center depends on the following motion.
             return None;
         }
         let known = self.modal.position.known;
@@ -198,7 +198,7 @@ impl Scope<'_> {
         Some(Value::Real(if axis.is_rotary() { position.to_degrees() } else { position / unit }))
     }
 
-    /// Functions that look at the channel; `None` where it is another one.
+    /// Functions that read the channel; `None` for other functions.
     pub(super) fn channel_function(&self, name: &str, arguments: &[Value], id: ExprId) -> Result<Option<Value>, Fault> {
         let span = self.program.expr(id).span;
         match (name, arguments) {
@@ -231,7 +231,7 @@ impl Scope<'_> {
         }
     }
 
-    /// Whether a text names something that can be read.
+    /// `true` if a text names a readable variable.
     fn is_variable(&self, text: &[u8]) -> bool {
         let text = String::from_utf8_lossy(text).trim().to_ascii_uppercase();
         let name = text.split('[').next().unwrap_or_default().trim_end();

@@ -1,4 +1,4 @@
-//! System variables that a program writes: frames and tools take effect, other values are kept for later reads; all are passed on.
+//! System variables that a program writes: frames and tools take effect, other values are stored for later reads; all are passed through.
 
 use super::channel::Channel;
 use super::frame_store::FrameName;
@@ -16,7 +16,7 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
 
-/// The machine's own compensation: with other values there the error model would no longer be that of the machine.
+/// The machine's own compensation: with other values the error model would not match the machine.
 const COMPENSATION: &[&str] = &[
     "$AN_CEC",
     "$AA_ENC_COMP",
@@ -203,7 +203,7 @@ fn assign_frame(
     Ok(())
 }
 
-/// Base frames are numbered through: those of the control, then those of the channel.
+/// The name of a base frame: numbers continue from those of the control to those of the channel.
 fn base_name(of_control: &str, of_channel: &str, number: i64) -> String {
     match number - super::frame_store::BASES {
         index @ 0.. => format!("{of_channel}[{index}]"),
@@ -211,7 +211,7 @@ fn base_name(of_control: &str, of_channel: &str, number: i64) -> String {
     }
 }
 
-/// A value as the language writes it.
+/// A value in the notation of the language.
 fn written(value: &Value) -> Vec<u8> {
     match value {
         Value::Text(text) => [b"\"", text.as_slice(), b"\""].concat(),

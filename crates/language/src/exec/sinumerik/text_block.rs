@@ -1,4 +1,4 @@
-//! EXECSTRING: a text that is executed as a block where it stands, with the variables of the program that holds it.
+//! EXECSTRING: a text executed as a block in place, with the variables of the program that contains it.
 
 use super::gathered::Call;
 use super::level::{Entry, Interpreter, Loaded};
@@ -10,7 +10,7 @@ use crate::syntax::sinumerik::{self, Block, Body, NameId};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::{FileId, Source, Span};
 
-/// Different texts of a run that are kept, each parsed once.
+/// Maximum number of different texts of a run, each parsed once.
 const MOST_TEXTS: usize = 10_000;
 
 impl Interpreter<'_> {
@@ -24,12 +24,12 @@ impl Interpreter<'_> {
             Some(&known) => known,
             None => self.load_text(text, span)?,
         };
-        // An empty text does nothing.
+        // An empty text has no effect.
         if self.programs[program].program.blocks.iter().all(|block| matches!(block.body, Body::Empty)) {
             return Ok(());
         }
         let names = |at: usize| &self.programs[at].program.names;
-        // Only what the text names changes hands: its names are numbered in their own way.
+        // Only the variables named in the text are lent: its names have their own numbers.
         let lent: Vec<(NameId, NameId)> = names(program)
             .iter()
             .filter_map(|name| Some((names(caller).find(name)?, names(program).find(name)?)))
@@ -47,7 +47,7 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// Parses a text that is executed for the first time.
+    /// Parses a text at its first execution.
     fn load_text(&mut self, text: Vec<u8>, span: Span) -> Result<usize, Fault> {
         let too_many = || {
             let message = format!("EXECSTRING executes more than {MOST_TEXTS} different texts");
@@ -77,7 +77,7 @@ impl Interpreter<'_> {
         Ok(number)
     }
 
-    /// Ends the texts that run: RET and M17 in them are those of the program that holds them.
+    /// Ends the running texts: RET and M17 in them belong to the program that contains them.
     pub(super) fn leave_texts(&mut self) {
         while self.levels.len() > 1 && self.levels.last().is_some_and(|level| level.own.lent.is_some()) {
             self.leave();
@@ -85,7 +85,7 @@ impl Interpreter<'_> {
     }
 }
 
-/// The text to execute.
+/// The text to be executed.
 fn text_of(loaded: &Loaded, call: &Call, scope: &super::expression::Scope<'_>) -> Result<Vec<u8>, Fault> {
     let arguments = call.arguments.map_or(&[][..], |range| loaded.program.arguments_of(range));
     let [Some(id)] = arguments else {

@@ -1,7 +1,7 @@
 //! Threads: G33 to G35, rigid tapping with G331 and G332, tapping with a compensating chuck (G63).
 //!
-//! All are straight moves. But for G63 the spindle drives them, so they have no feed; the lead stands at I, J or K (for X, Y or Z) and is
-//! passed on as it is. SF and its kin are passed on as words of their block.
+//! All are straight moves. Except for G63 the spindle drives them, so they have no feed; the lead is at I, J or K (for X, Y or Z) and is passed
+//! through. SF and similar words are passed through as words of their block.
 
 use super::address::Named;
 use super::channel::SinumerikAtHand;
@@ -13,10 +13,10 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{FeedUnit, Manner, Thread, ThreadCode};
 
-/// No lead is larger, mm (Sinumerik: 2000 mm).
+/// Largest lead, mm (Sinumerik: 2000 mm).
 const LARGEST_LEAD_MM: f64 = 2000.0;
 
-/// The thread code that holds in a block.
+/// The active thread code of a block.
 pub(super) fn code(gathered: &Gathered, modal: &Modal) -> Option<ThreadCode> {
     match modal.modes.motion {
         _ if gathered.taps => Some(ThreadCode::G63),
@@ -25,7 +25,7 @@ pub(super) fn code(gathered: &Gathered, modal: &Modal) -> Option<ThreadCode> {
     }
 }
 
-/// The thread of a block with motion; `None` where it is another motion.
+/// The thread of a block with motion; `None` for another motion.
 ///
 /// Production `thread`.
 pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<Option<Thread>, Fault> {
@@ -73,14 +73,14 @@ pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<
     Ok(Some(Thread { code, lead: Some((letter, lead_mm)), change }))
 }
 
-/// F in a block with G34 or G35 is the change of the lead.
+/// In a block with G34 or G35, F is the change of the lead.
 pub(super) fn lead_change(modal: &Modal, gathered: &mut Gathered) {
     if matches!(code(gathered, modal), Some(ThreadCode::G34 | ThreadCode::G35)) {
         gathered.lead_change = gathered.feed.take().map(|(value, _)| value);
     }
 }
 
-/// Refuses threads and positioning axes where they cannot be followed, and takes the feed from what the spindle drives.
+/// Rejects threads and positioning axes that cannot be simulated, and removes the feed of spindle-driven motions.
 pub(super) fn check_manner(modal: &Modal, block: &SinumerikAtHand, path: &mut Path) -> Result<(), Fault> {
     let (what, help) = match path.motion.manner {
         Manner::Path | Manner::Reference | Manner::Probe(_) => return Ok(()),

@@ -44,7 +44,7 @@ pub(super) fn tool(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result
     }
 }
 
-/// Puts the length of the active tool's edge in force, and says where it is not known.
+/// Activates the length of the active tool's edge, and reports an unknown one.
 fn activate_edge(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let is_off = channel.modal.edge == 0 || channel.modal.tool.active == Some(WordValue::Number(0.0));
     let of_edge = |size: ToolSize| (size.length_mm, size.compensated_mm(channel.settings.radius));

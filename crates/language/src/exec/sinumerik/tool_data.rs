@@ -1,11 +1,11 @@
-//! Tool data that a program reads and writes: `$TC_DPn[t,d]` over the tools of the machine file.
+//! Tool data that a program reads and writes: `$TC_DPn[t,d]`, in addition to the tools of the machine file.
 
 use super::modal::Modal;
 use crate::exec::core::tool::{ToolEntry, ToolSize, ToolTable};
 use ncfix_machine::machine::{Machine, Tool};
 use ncfix_machine::snc::WordValue;
 
-/// Edges that a run may write.
+/// Maximum number of edges written by a run.
 const MAX_EDGES: usize = 10_000;
 /// Parameters of an edge: `$TC_DP1` to `$TC_DP35`.
 const PARAMETERS: usize = 36;
@@ -13,12 +13,12 @@ const PARAMETERS: usize = 36;
 /// `$TC_DP15`.
 const RADIUS_WEAR: usize = 15;
 
-/// What the control keeps of an edge.
+/// Data of an edge in the control.
 #[derive(Clone, Debug)]
 pub(super) struct Edge {
-    /// Lengths are geometry, wear and base together, the radius geometry and wear.
+    /// Lengths include geometry, wear and base, the radius geometry and wear.
     size: ToolSize,
-    /// By number; `None` where neither file nor program gives a value.
+    /// By number; `None` if neither file nor program gives a value.
     parameters: [Option<f64>; PARAMETERS],
 }
 
@@ -38,14 +38,14 @@ impl ToolEntry for Edge {
     }
 }
 
-/// Tool data that the run has written.
+/// Tool data written by the run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ToolData {
     edges: ToolTable<Edge>,
     names: Vec<(u32, String)>,
 }
 
-/// The parameters that a tool of the machine file gives; wear and base of its lengths are in them.
+/// The parameters from a tool of the machine file; its lengths include wear and base.
 fn parameters_of(tool: &Tool, machine: &Machine) -> [Option<f64>; PARAMETERS] {
     let mut out = [None; PARAMETERS];
     let [first, second, third] = tool.length_mm;
@@ -71,7 +71,7 @@ impl Edge {
 }
 
 impl ToolData {
-    /// Length and radius of a tool of a number or name, as the run has left them.
+    /// Length and radius of a tool by number or name, with changes by the run.
     pub(super) fn size(&self, machine: &Machine, tool: &WordValue, edge: u32) -> Option<ToolSize> {
         let number = match tool {
             WordValue::Number(number) => *number as u32,
@@ -80,7 +80,7 @@ impl ToolData {
         self.edges.size(machine, number, edge)
     }
 
-    /// The number of a tool by its name.
+    /// The number of a tool by name.
     pub(super) fn number_of(&self, machine: &Machine, name: &[u8]) -> Option<u32> {
         let written = self.names.iter().find(|(_, known)| known.as_bytes().eq_ignore_ascii_case(name));
         written.map(|&(number, _)| number).or_else(|| {
@@ -95,18 +95,18 @@ impl ToolData {
         written.or_else(|| machine.tools.iter().find(|tool| tool.number == number)?.name.as_deref())
     }
 
-    /// Whether a tool of this number is known.
+    /// `true` if a tool of this number is known.
     pub(super) fn exists(&self, machine: &Machine, number: u32) -> bool {
         let written = self.edges.all_written().map(|((tool, _), _)| tool);
         written.chain(machine.tools.iter().map(|tool| tool.number)).any(|known| known == number)
     }
 
-    /// `$TC_DPn[t,d]`; `None` where nothing gives it a value.
+    /// `$TC_DPn[t,d]`; `None` if it has no value.
     pub(super) fn parameter(&self, machine: &Machine, number: usize, tool: u32, edge: u32) -> Option<f64> {
         self.edges.find(machine, tool, edge)?.parameters.get(number).copied().flatten()
     }
 
-    /// Sets `$TC_DPn[t,d]`; false where there is no such parameter or no room.
+    /// Sets `$TC_DPn[t,d]`; `false` if the parameter does not exist or there is no room.
     pub(super) fn set_parameter(&mut self, machine: &Machine, number: usize, tool: u32, edge: u32, value: f64) -> bool {
         if self.edges.written(tool, edge).is_none() && self.edges.all_written().len() >= MAX_EDGES {
             return false;
@@ -119,7 +119,7 @@ impl ToolData {
         true
     }
 
-    /// All edges that were written, named.
+    /// All written edges, as tools with names.
     pub(super) fn tools<'m>(&'m self, machine: &'m Machine) -> impl Iterator<Item = Tool> + 'm {
         self.edges.all_written().map(|((number, edge), entry)| {
             let written = self.names.iter().find(|(known, _)| *known == number).map(|(_, name)| name.clone());
@@ -129,7 +129,7 @@ impl ToolData {
         })
     }
 
-    /// Wear in the radii of the edges that were written, mm.
+    /// Wear in the radii of the written edges, mm.
     pub(super) fn radius_wear(&self) -> impl Iterator<Item = ((u32, u32), f64)> + '_ {
         self.edges.all_written().map(|(place, entry)| (place, entry.size.radius_wear_mm))
     }
@@ -144,7 +144,7 @@ impl ToolData {
 }
 
 impl Modal {
-    /// Length and radius of the edge in force, as machine file and run give them.
+    /// Length and radius of the active edge, from machine file and run.
     pub(super) fn size_in(&self, tools: &ToolData, machine: &Machine) -> Option<ToolSize> {
         tools.size(machine, self.tool.active.as_ref()?, self.edge)
     }

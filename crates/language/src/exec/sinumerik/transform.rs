@@ -1,7 +1,7 @@
-//! Five-axis transformation on and off: `TRAORI`, `TRAFOOF`, and the codes that say how orientations are meant.
+//! Five-axis transformation on and off: `TRAORI`, `TRAFOOF`, and the codes for the meaning of orientations.
 //!
-//! Under a transformation the positions of the channel are those of the tip, fixed to the workpiece, with the tool at its zero pose
-//! taken off ([`ncfix_machine::machine::Kinematics::on_workpiece`]); [`crate::exec::core::five_axis`] makes axis commands of them.
+//! Under a transformation the positions of the channel are those of the tip, fixed to the workpiece, minus the tool at its zero pose
+//! ([`ncfix_machine::machine::Kinematics::on_workpiece`]); [`crate::exec::core::five_axis`] converts them to axis commands.
 
 use super::channel::Channel;
 use super::gathered::Gathered;
@@ -90,7 +90,7 @@ pub(super) fn transform(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
     Ok(())
 }
 
-/// Whether the machine can be transformed at all.
+/// Checks that the machine can be transformed.
 fn check_kinematics(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
     let kinematics =
         channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.settings.machine)));

@@ -10,25 +10,24 @@ pub(super) enum Value {
     Real(f64),
     Bool(bool),
     Char(u8),
-    /// Bytes as in the source.
+    /// Bytes of the source.
     Text(Vec<u8>),
-    /// Name of an axis, upper case; empty where none was assigned yet.
+    /// Name of an axis, upper case; empty if not assigned yet.
     Axis(String),
     Frame(Box<FrameParts>),
 }
 
-/// Two reals are equal when they differ by at most this share of the larger one: `10*0.1==1` holds on the control (programming
-/// manual, precision of comparisons; MD10280).
+/// Relative difference up to which two reals are equal: `10*0.1==1` is true on the control (programming manual, precision of comparisons; MD10280).
 const RELATIVE_EQUALITY: f64 = 1e-12;
-/// The largest whole number of the type INT, which has 32 bits with sign; beyond it the control has an alarm.
+/// The largest value of the type INT, which has 32 bits with sign; beyond it the control has an alarm.
 const MOST_INT: i64 = 2_147_483_647;
-/// Decimals that `<<` makes of a REAL at most, so that the noise of the arithmetic does not show.
+/// Maximum number of decimals that `<<` writes for a REAL, to hide rounding noise.
 const TEXT_DECIMALS: usize = 10;
-/// Reals from here on hold no fraction.
+/// Reals above this have no fraction.
 const WHOLE_LIMIT: f64 = 9e15;
 
 impl Value {
-    /// The value as a number; BOOL counts 0 or 1, CHAR its code, a text is none.
+    /// The value as a number; BOOL is 0 or 1, CHAR its code; a text has none.
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Value::Int(value) => Some(*value as f64),
@@ -39,7 +38,7 @@ impl Value {
         }
     }
 
-    /// The value as a truth; numbers are true unless 0, texts unless empty.
+    /// The value as a truth value; numbers are true unless 0, texts unless empty.
     pub(super) fn truth(&self) -> Option<bool> {
         match self {
             Value::Bool(value) => Some(*value),
@@ -59,7 +58,7 @@ impl Value {
         }
     }
 
-    /// The text that `<<` makes of it; a frame has none.
+    /// The text that `<<` writes for it; a frame has none.
     pub(super) fn text(&self) -> Vec<u8> {
         match self {
             Value::Int(value) => value.to_string().into_bytes(),
@@ -72,7 +71,7 @@ impl Value {
         }
     }
 
-    /// Equality as `==` means it.
+    /// Equality as defined by `==`.
     pub(super) fn equals(&self, other: &Value) -> Option<bool> {
         match (self, other) {
             (Value::Text(a), Value::Text(b)) => return Some(a == b),
@@ -87,13 +86,13 @@ impl Value {
         Some(is_same(self.number()?, other.number()?))
     }
 
-    /// Whether it is greater as `>` means it; with `is_relative`, what `==` takes as equal is not greater.
+    /// `true` if it is greater as defined by `>`; with `is_relative`, a value equal by `==` is not greater.
     pub(super) fn exceeds(&self, other: &Value, is_relative: bool) -> Option<bool> {
         let is_greater = self.number()? > other.number()?;
         Some(is_greater && !(is_relative && self.equals(other)?))
     }
 
-    /// The value of the types that are compared exactly; a REAL has none.
+    /// The value of a type that is compared exactly; `None` for REAL.
     fn counted(&self) -> Option<i64> {
         match self {
             Value::Int(value) => Some(*value),
@@ -108,7 +107,7 @@ impl Value {
         value.filter(|value| is_int(*value)).map(Value::Int)
     }
 
-    /// The value as a variable of this type holds it; `None` where it cannot. A real becomes an integer rounded half up.
+    /// The value converted to the type of a variable; `None` if not convertible. A real is rounded half up to an integer.
     pub(super) fn converted(self, kind: DefinitionType) -> Option<Value> {
         match (kind, &self) {
             (DefinitionType::Real, _) => self.number().map(Value::Real),
@@ -134,7 +133,7 @@ impl Value {
         }
     }
 
-    /// What a variable of this type holds before anything is assigned.
+    /// Initial value of a variable of this type.
     pub(super) fn initial(kind: DefinitionType) -> Value {
         match kind {
             DefinitionType::Int => Value::Int(0),
@@ -148,23 +147,23 @@ impl Value {
     }
 }
 
-/// Whether two reals are equal as `==` means it.
+/// `true` if two reals are equal as defined by `==`.
 pub(super) fn is_same(a: f64, b: f64) -> bool {
     a == b || (a - b).abs() <= RELATIVE_EQUALITY * a.abs().max(b.abs())
 }
 
-/// Whether a whole number is one of the type INT.
+/// `true` if a whole number is within the type INT.
 pub(super) fn is_int(value: i64) -> bool {
     (-MOST_INT..=MOST_INT).contains(&value)
 }
 
-/// The nearest whole number, of two the larger one: from a fraction of 0.5 on it is rounded up.
+/// The nearest whole number, a fraction of 0.5 rounded up.
 pub(super) fn half_up(value: f64) -> f64 {
     let below = value.floor();
     if value - below >= 0.5 { below + 1.0 } else { below }
 }
 
-/// A real without trailing zeros; very large and very small ones with the language's exponent.
+/// A real without trailing zeros; very large and very small values have the exponent notation of the language.
 fn real_text(value: f64) -> String {
     if value != 0.0 && !(1e-6..1e15).contains(&value.abs()) {
         return format!("{value:e}").replace('e', "EX");
@@ -174,7 +173,7 @@ fn real_text(value: f64) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// Whether a name stands for an axis or a spindle where no variable has it: `X`, `X1`, `AX3`, `SPI1`, `S1`.
+/// `true` if a name that is not a variable has the form of an axis or spindle: `X`, `X1`, `AX3`, `SPI1`, `S1`.
 pub(super) fn is_axis_name(name: &str) -> bool {
     let bytes = name.as_bytes();
     let has_number = |prefix: usize| {
@@ -189,8 +188,7 @@ pub(super) fn is_axis_name(name: &str) -> bool {
     }
 }
 
-/// The axis that an axis name means: its letter, the machine's name of it (`X1`), or its number on the machine (`AX1`, in the order
-/// of `axes`).
+/// The axis of an axis name: its letter, its machine name (`X1`), or its number on the machine (`AX1`, in the order of `axes`).
 pub(super) fn axis_of(name: &str, axes: impl Iterator<Item = Axis>) -> Option<Axis> {
     if let Some(number) = name.strip_prefix("AX") {
         let number: usize = number.parse().ok()?;

@@ -1,4 +1,4 @@
-//! R parameters and global variables, which live as long as the run, and DEF variables, which live as long as their program level.
+//! R parameters and global variables, which live for the run, and DEF variables, which live for their program level.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -13,22 +13,22 @@ use ncfix_machine::machine::{Machine, Setting};
 
 /// R0 … R9999.
 const PARAMETERS: usize = 10_000;
-/// Elements of all variables of one program level.
+/// Maximum number of elements of all variables of one program level.
 const MAX_LOCAL: usize = 100_000;
-/// Elements of all global variables.
+/// Maximum number of elements of all global variables.
 const MAX_GLOBAL: usize = 1_000_000;
 
-/// How a variable is defined.
+/// Definition of a variable.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape<'a> {
     pub(super) kind: DefinitionType,
     /// `n` of `STRING[n]`.
     pub(super) string: Option<i64>,
-    /// Lengths of an array; none for a single value.
+    /// Lengths of an array; empty for a single value.
     pub(super) dimensions: &'a [i64],
 }
 
-/// Values from an index on.
+/// Values assigned from an index on.
 #[derive(Clone, Debug)]
 pub(super) enum List {
     /// One value.
@@ -44,12 +44,12 @@ pub(super) enum List {
 pub(super) struct Locals {
     variables: Vec<(NameId, Cells)>,
     elements: usize,
-    /// Which of the first parameters the call gave a value, a bit each.
+    /// Bit set of the first parameters: a bit is set if the call gave a value.
     given: u64,
 }
 
 impl Locals {
-    /// Takes variables out, under other names.
+    /// Removes variables and returns them under other names.
     pub(super) fn lend(&mut self, names: &[(NameId, NameId)]) -> Locals {
         let mut lent = Locals { given: self.given, ..Locals::default() };
         for &(own, other) in names {
@@ -62,22 +62,22 @@ impl Locals {
     }
 }
 
-/// All variables that a block can see.
+/// All variables that a block can access.
 pub(super) struct Variables {
     parameters: Vec<f64>,
-    /// Which of them the machine file, saved data or the program have set: the others have what an earlier program left in them.
+    /// Parameters set by the machine file, saved data or the program: others contain values of an earlier program.
     stated: Vec<bool>,
-    /// Whether those must not be read.
+    /// `true` if such other parameters must not be read.
     strict: bool,
     locals: Locals,
     globals: HashMap<String, Cells>,
     global_elements: usize,
-    /// Values of global variables that the machine file gives, whatever their definition says.
+    /// Values of global variables from the machine file, independent of their definition.
     presets: BTreeMap<String, Setting>,
 }
 
 impl Variables {
-    /// Global variables and R parameters have the values that the machine gives.
+    /// Global variables and R parameters with the values of the machine.
     pub(super) fn new(machine: &Machine, strict: bool) -> Self {
         let presets = &machine.gud;
         let mut variables = Variables {
@@ -89,7 +89,7 @@ impl Variables {
             global_elements: 0,
             presets: presets.clone(),
         };
-        // One that is no R parameter of this control concerns nobody.
+        // A number beyond the R parameters of this control has no effect.
         for (&index, &value) in &machine.parameters {
             let _ = variables.set_parameter(index, value, Span::default());
         }
@@ -102,7 +102,7 @@ impl Variables {
         for (name, setting) in presets {
             let (kind, dimensions) = kind_of(setting);
             let shape = Shape { kind, string: None, dimensions: &dimensions };
-            // Its type is made to fit its value; one that is too large for the store stays undefined.
+            // Its type is derived from its value; a value too large for the store stays undefined.
             let _ = variables.define_global(name, shape, None, Span::default());
         }
         variables
@@ -114,12 +114,12 @@ impl Variables {
         (0..).zip(set).filter(|(_, (_, is_stated))| *is_stated).map(|(index, (value, _))| (index, value))
     }
 
-    /// Puts the variables of another level in place and gives back those that were there.
+    /// Installs the variables of another level and returns the previous ones.
     pub(super) fn exchange(&mut self, locals: Locals) -> Locals {
         std::mem::replace(&mut self.locals, locals)
     }
 
-    /// Puts back what was lent.
+    /// Restores lent variables.
     pub(super) fn take_back(&mut self, lent: Locals, names: &[(NameId, NameId)]) {
         for (other, cells) in lent.variables {
             let own = names.iter().find(|(_, name)| *name == other).map(|(own, _)| *own);
@@ -127,18 +127,18 @@ impl Variables {
         }
     }
 
-    /// Notes which parameters the call gave a value.
+    /// Records the parameters with a value from the call.
     pub(super) fn set_given(&mut self, given: u64) {
         self.locals.given = given;
     }
 
-    /// Whether the call gave the parameter of a number from 1 a value.
+    /// `true` if the call gave a value for the parameter with a number, from 1.
     pub(super) fn is_given(&self, number: i64) -> Option<bool> {
         let place = u32::try_from(number - 1).ok().filter(|place| *place < u64::BITS)?;
         Some(self.locals.given >> place & 1 == 1)
     }
 
-    /// An R parameter. One that nothing has set keeps what an earlier program has made of it.
+    /// The value of an R parameter. A parameter that is never set keeps the value of an earlier program.
     pub(super) fn parameter(&self, index: i64, span: Span) -> Result<f64, Fault> {
         if self.strict && slot(index).and_then(|slot| self.stated.get(slot)) == Some(&false) {
             let message = format!("R{index} keeps its value from program to program, and this program has not set it");
@@ -188,7 +188,7 @@ impl Variables {
         }
     }
 
-    /// The cells of a variable: of this level, else a global one.
+    /// The cells of a variable of this level, otherwise of a global one.
     pub(super) fn cells(&self, name: NameId, text: &str) -> Option<&Cells> {
         let local = self.locals.variables.iter().find(|(known, _)| *known == name).map(|(_, cells)| cells);
         local.or_else(|| if self.globals.is_empty() { None } else { self.globals.get(text) })
@@ -199,12 +199,12 @@ impl Variables {
         if local.is_some() || self.globals.is_empty() { local } else { self.globals.get_mut(text) }
     }
 
-    /// Whether there is a global variable of this name.
+    /// `true` if there is a global variable of this name.
     pub(super) fn has_global(&self, text: &str) -> bool {
         self.globals.contains_key(text)
     }
 
-    /// Whether there is a variable of this name.
+    /// `true` if there is a variable of this name.
     pub(super) fn has(&self, name: NameId, text: &str) -> bool {
         self.cells(name, text).is_some()
     }
@@ -227,9 +227,9 @@ impl Variables {
         Ok(())
     }
 
-    /// Whether a name is free, and can be told from an address.
+    /// Checks that a name is free, and distinct from an address.
     fn check_new(&self, name: NameId, text: &str, span: Span) -> Result<(), Fault> {
-        // One letter alone is read as a variable in expressions; a letter and a digit are an address and its extension.
+        // A single letter is read as a variable in expressions; a letter and a digit are an address with extension.
         if matches!(text.as_bytes(), [first, second, ..] if first.is_ascii_alphabetic() && second.is_ascii_digit()) {
             let message = format!("{text} cannot be told from an address");
             return Err(fault(Code::DUPLICATE_NAME, span, message, "begin the name with two letters or underscores"));
@@ -240,7 +240,7 @@ impl Variables {
         Ok(())
     }
 
-    /// Defines a variable of this level that holds something already: a parameter.
+    /// Defines a variable of this level with existing content: a parameter.
     pub(super) fn define_cells(&mut self, name: NameId, text: &str, cells: Cells, span: Span) -> Result<(), Fault> {
         self.check_new(name, text, span)?;
         if cells.count() > MAX_LOCAL - self.locals.elements {
@@ -252,14 +252,14 @@ impl Variables {
         Ok(())
     }
 
-    /// Puts new contents of the same shape into a variable: a VAR parameter comes back.
+    /// Replaces the content of a variable by content of the same shape: a returned VAR parameter.
     pub(super) fn replace_cells(&mut self, name: NameId, text: &str, cells: Cells) {
         if let Some(old) = self.cells_mut(name, text).filter(|old| old.count() == cells.count()) {
             *old = cells;
         }
     }
 
-    /// Defines a variable that all programs see and that lives as long as the run. One that is there already is replaced.
+    /// Defines a variable that all programs see and that lives for the run. An existing one is replaced.
     pub(super) fn define_global(
         &mut self,
         text: &str,
@@ -291,7 +291,7 @@ impl Variables {
         Ok(())
     }
 
-    /// Assigns to a variable that is defined; `false` where it is not.
+    /// Assigns to a defined variable; `false` if it is not defined.
     pub(super) fn assign(
         &mut self,
         name: NameId,
@@ -309,7 +309,7 @@ impl Variables {
 fn initialise(cells: &mut Cells, value: Option<List>, at: (&str, Span)) -> Result<(), Fault> {
     match value {
         None => Ok(()),
-        // One value for an array is that of all elements.
+        // A single value for an array is assigned to all elements.
         Some(List::One(value)) if cells.is_array() => cells.repeat(&[], &value, None, at),
         Some(list) => put(cells, &[], list, at),
     }
@@ -324,7 +324,7 @@ fn put(cells: &mut Cells, indices: &[i64], list: List, at: (&str, Span)) -> Resu
     }
 }
 
-/// Type and lengths of a variable that can hold a setting.
+/// Type and lengths of a variable for a setting.
 fn kind_of(setting: &Setting) -> (DefinitionType, Vec<i64>) {
     let Setting::List(values) = setting else {
         let kind = match setting {
@@ -348,7 +348,7 @@ fn kind_of(setting: &Setting) -> (DefinitionType, Vec<i64>) {
     (kind.unwrap_or(DefinitionType::Real), lengths)
 }
 
-/// The values of nested lists, one behind the other.
+/// The values of nested lists, in sequence.
 fn flatten<'s>(setting: &'s Setting, out: &mut Vec<&'s Setting>) {
     match setting {
         Setting::List(values) => values.iter().for_each(|value| flatten(value, out)),
@@ -356,7 +356,7 @@ fn flatten<'s>(setting: &'s Setting, out: &mut Vec<&'s Setting>) {
     }
 }
 
-/// A setting as a variable of this type takes it.
+/// A setting converted to the type of a variable.
 fn value_of(setting: &Setting, kind: DefinitionType) -> Option<Value> {
     match (setting, kind) {
         (Setting::Text(name), DefinitionType::Axis) => Some(Value::Axis(name.to_ascii_uppercase())),

@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::builder::{Builder, Extra, PlanReach};
-use super::{PlanKind, Refused, Wishes, along_spindle, empty, kind, sphere};
+use super::{PlanKind, Refused, RowSpacing, Wishes, along_spindle, empty, kind, sphere};
 use crate::measure::data::{Free, Setup};
 use ncfix_base::geometry::{Arc, AxisVector, Plane, Vector};
 use ncfix_machine::machine::Machine;
@@ -15,6 +15,8 @@ pub(super) const PLAN: PlanKind = PlanKind {
     name: "ballbar",
     title: "circles about a ball on the table, both senses (ISO 230-4)",
     wishes: &["centre", "radius", "feed", "plane", "every", "sweep", "overlap", "dwell"],
+    spacing: RowSpacing::Angle,
+    has_setups: false,
     build,
 };
 

@@ -7,7 +7,7 @@
 
 use super::builder::{Builder, Extra};
 use super::random::Random;
-use super::{PlanKind, Refused, Wishes, empty, kind};
+use super::{PlanKind, Refused, RowSpacing, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup};
 use ncfix_machine::machine::Machine;
 
@@ -16,6 +16,8 @@ pub(super) const PLAN: PlanKind = PlanKind {
     name: "drift",
     title: "spindle speeds and readings every minute: variants din (DIN 8602), pseudo-din, random (Spaan 1995)",
     wishes: &["variant", "hours", "speed", "seed", "centre", "feed"],
+    spacing: RowSpacing::Angle,
+    has_setups: false,
     build,
 };
 

@@ -5,7 +5,7 @@
 
 use super::builder::{Builder, Extra};
 use super::random::Random;
-use super::{PlanKind, Refused, Wishes, empty, kind};
+use super::{PlanKind, Refused, RowSpacing, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup, number_of};
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::Machine;
@@ -17,6 +17,8 @@ pub(super) const PLAN: PlanKind = PlanKind {
     name: "laser",
     title: "one axis in steps, forth and back (ISO 230-2); variant equal: equal steps",
     wishes: &["axis", "component", "range", "points", "runs", "centre", "feed", "dwell", "variant", "seed"],
+    spacing: RowSpacing::Angle,
+    has_setups: false,
     build,
 };
 

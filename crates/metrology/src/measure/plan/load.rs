@@ -5,7 +5,7 @@
 
 use super::builder::{Builder, Extra};
 use super::plate::PlannedPlate;
-use super::{PlanKind, Refused, Wishes, empty, kind};
+use super::{PlanKind, Refused, RowSpacing, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup, number_of};
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_machine::machine::Machine;
@@ -33,6 +33,8 @@ pub(super) const PLAN: PlanKind = PlanKind {
         "dwell",
         "line",
     ],
+    spacing: RowSpacing::Length,
+    has_setups: false,
     build,
 };
 

@@ -34,8 +34,21 @@ pub struct PlanKind {
     pub title: &'static str,
     /// The wishes that it understands beside the tool, as the command line names them.
     pub wishes: &'static [&'static str],
+    /// What stands between its rows, as the wish `every` has it.
+    pub spacing: RowSpacing,
+    /// Whether several tools and centres make several set-ups of it.
+    pub has_setups: bool,
     /// Makes the plan.
     pub build: fn(&Machine, &Wishes) -> Result<Builder, Refused>,
+}
+
+/// What the wish `every` is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RowSpacing {
+    /// An angle, rad.
+    Angle,
+    /// A length, mm.
+    Length,
 }
 
 /// All kinds of plans.
@@ -124,7 +137,69 @@ const MOST: usize = 500_000;
 /// of other help than a calibration.
 const MARGIN_MM: f64 = 2.0;
 
+impl PlanKind {
+    /// Refuses wishes that a plan of this kind on this machine has no place for. `is_seeded` says whether a seed was given.
+    ///
+    /// # Errors
+    /// What it has in their place.
+    pub fn check(&self, wishes: &Wishes, is_seeded: bool, machine: &Machine) -> Result<(), Refused> {
+        let given = wishes.given().into_iter().chain([("seed", is_seeded)]);
+        if let Some((name, _)) = given.into_iter().find(|(name, is_given)| *is_given && !self.wishes.contains(name)) {
+            let known: Vec<String> = self.wishes.iter().map(|wish| format!("--{wish}")).collect();
+            let known = known.join(", ");
+            return Err(Refused(format!("a plan {} has no --{name}; it has --tool, {known}", self.name)));
+        }
+        for (name, count) in [("tool", wishes.tools_mm.len()), ("centre", wishes.centres_mm.len())] {
+            if count > 1 && !self.has_setups {
+                return Err(Refused(format!("a plan {} has one --{name}", self.name)));
+            }
+        }
+        let is_turned = wishes.axis.is_some_and(Axis::is_rotary);
+        let linear = machine.axes.iter().flatten().filter(|data| !data.axis.is_rotary());
+        let slowest = linear.filter_map(|data| data.max_feed).min_by(f64::total_cmp);
+        if let (Some(feed), Some(most), false) = (wishes.feed, slowest, is_turned)
+            && feed > most
+        {
+            // The control would be slower than the program says, or the machine faster than it may.
+            return Err(Refused(format!(
+                "--feed {feed} mm/min is beyond the {most} mm/min that every linear axis of the machine {} has; give {most} or less",
+                machine.name
+            )));
+        }
+        Ok(())
+    }
+}
+
 impl Wishes {
+    /// The wishes that not every kind has, by the names of the command line but for the seed, and whether they were given.
+    fn given(&self) -> [(&'static str, bool); 23] {
+        [
+            ("centre", !self.centres_mm.is_empty()),
+            ("radius", self.radius_mm.is_some()),
+            ("feed", self.feed.is_some()),
+            ("plane", !self.planes.is_empty()),
+            ("every", self.every.is_some()),
+            ("sweep", self.sweep.is_some()),
+            ("overlap", self.overlap.is_some()),
+            ("chord", self.chord.is_some()),
+            ("variant", self.variant.is_some()),
+            ("ball", !self.balls_mm.is_empty()),
+            ("clearance", self.clearance_mm.is_some()),
+            ("tilt", self.tilt.is_some()),
+            ("axis", self.axis.is_some()),
+            ("component", !self.components.is_empty()),
+            ("range", self.range.is_some()),
+            ("points", self.points.is_some()),
+            ("runs", self.runs.is_some()),
+            ("dwell", self.dwell_s.is_some()),
+            ("force", !self.forces_n.is_empty()),
+            ("place", !self.places_mm.is_empty()),
+            ("hours", self.hours.is_some()),
+            ("speed", self.speed.is_some()),
+            ("line", self.line.is_some()),
+        ]
+    }
+
     /// What stays free at both ends of the travel of linear axes.
     fn margin_mm(&self) -> f64 {
         self.margin_mm.unwrap_or(MARGIN_MM).max(0.0)

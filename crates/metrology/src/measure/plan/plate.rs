@@ -1,7 +1,7 @@
 //! A plate with holes or balls in a square grid: every hole of it, in rows to and fro; one set-up for every tool and every place of the plate.
 
 use super::builder::{Builder, PlanReach, observation};
-use super::{PlanKind, Refused, Wishes, along_spindle, empty, kind};
+use super::{PlanKind, Refused, RowSpacing, Wishes, along_spindle, empty, kind};
 use crate::measure::data::{Free, Observation, Setup};
 use crate::measure::reading::Reading;
 use ncfix_base::geometry::{Plane, Vector};
@@ -13,6 +13,8 @@ pub(super) const PLAN: PlanKind = PlanKind {
     name: "plate",
     title: "grid of holes in a plane; several tools and centres give several set-ups",
     wishes: &["plane", "centre", "points", "every", "clearance", "feed", "dwell", "line"],
+    spacing: RowSpacing::Length,
+    has_setups: true,
     build,
 };
 

@@ -6,7 +6,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::builder::{Builder, PlanReach, observation};
-use super::{PlanKind, Refused, Wishes, empty, kind, middle};
+use super::{PlanKind, Refused, RowSpacing, Wishes, empty, kind, middle};
 use crate::measure::data::{Free, Observation, Setup};
 use crate::measure::reading::Reading;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
@@ -18,6 +18,8 @@ pub(super) const PLAN: PlanKind = PlanKind {
     name: "probe",
     title: "probing of balls on the table: variants samba (Table 4-1), rumba (Table 5-3), rumba-check (Table 5-4), or generated",
     wishes: &["ball", "radius", "variant", "points", "tilt", "clearance", "feed", "dwell", "line"],
+    spacing: RowSpacing::Angle,
+    has_setups: false,
     build,
 };
 

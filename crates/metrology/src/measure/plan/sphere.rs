@@ -11,7 +11,7 @@
 use std::f64::consts::PI;
 
 use super::builder::{Builder, Extra, PlanReach, observation};
-use super::{PlanKind, Refused, Wishes, along_spindle, empty, kind};
+use super::{PlanKind, Refused, RowSpacing, Wishes, along_spindle, empty, kind};
 use crate::measure::data::{Free, Observation, Setup};
 use crate::measure::reading::Reading;
 use ncfix_base::geometry::{AxisVector, Vector};
@@ -22,6 +22,8 @@ pub(super) const PLAN: PlanKind = PlanKind {
     name: "sphere",
     title: "hemisphere of five meridians about a ball on the table; variants esmaeili, and spaan: the eight spheres of Table 3.1",
     wishes: &["centre", "radius", "feed", "every", "chord", "variant"],
+    spacing: RowSpacing::Angle,
+    has_setups: false,
     build,
 };
 

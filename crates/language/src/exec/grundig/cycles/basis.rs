@@ -1,13 +1,13 @@
-//! What every cycle works with: its words, its place, the heights of a hole.
+//! Common data of all cycles: words, position, heights of a hole.
 
 use crate::exec::core::step::{Flat, Step};
 
-/// The words with which a cycle was defined: lengths in mm, dwells in s, angles in degrees as programmed.
+/// The words of a cycle definition: lengths in mm, dwells in s, angles in degrees.
 #[derive(Clone, Debug, Default)]
 pub(in crate::exec::grundig) struct CycleWords(Vec<(u8, u16, f64)>);
 
 impl CycleWords {
-    /// Takes a word; index 0 for a letter alone. A later one replaces an earlier one.
+    /// Sets a word; index 0 is a bare letter. A later one replaces an earlier one.
     pub(in crate::exec::grundig) fn set(&mut self, letter: u8, index: u16, value: f64) {
         match self.0.iter_mut().find(|word| (word.0, word.1) == (letter, index)) {
             Some(word) => word.2 = value,
@@ -20,34 +20,34 @@ impl CycleWords {
         self.0.iter().find(|word| (word.0, word.1) == (letter, index)).map(|word| word.2)
     }
 
-    /// The value of a letter alone, or 0.
+    /// The value of a bare letter, or 0.
     pub(super) fn value(&self, letter: u8) -> f64 {
         self.get(letter, 0).unwrap_or(0.0)
     }
 }
 
-/// Where and with what a cycle is carried out.
+/// Position and settings of a cycle execution.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::exec::grundig) struct At {
     /// Position in the plane, mm.
     pub(in crate::exec::grundig) point: Flat,
     /// Height of the surface, mm.
     pub(in crate::exec::grundig) surface: f64,
-    /// Height at which the tool is, mm.
+    /// Current height of the tool, mm.
     pub(in crate::exec::grundig) height: f64,
-    /// Turn of pockets and slots about the position (B1=), rad.
+    /// Rotation of pockets and slots about the position (B1=), rad.
     pub(in crate::exec::grundig) rotation_rad: f64,
-    /// Radius of the tool, mm; 0 where it has none.
+    /// Radius of the tool, mm; 0 if it has none.
     pub(in crate::exec::grundig) tool_radius_mm: f64,
-    /// By how much above the old depth a peck begins again, mm (machine constant).
+    /// Height above the previous depth at which a peck begins, mm (machine constant).
     pub(in crate::exec::grundig) peck_clearance_mm: f64,
     /// Cutting width of pockets without I, per cent of the tool diameter (machine constant).
     pub(in crate::exec::grundig) engagement_percent: f64,
-    /// Whether the position of a slot is the center of the arc at its end, or its end itself.
+    /// `true` if the position of a slot is the center of its end arc, `false` if it is the end itself.
     pub(in crate::exec::grundig) slot_from_arc_center: bool,
 }
 
-/// Why a cycle cannot be carried out: what was found, and what to do.
+/// Reason why a cycle cannot be executed, with help.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::exec::grundig) struct CycleFault {
     pub(in crate::exec::grundig) message: String,
@@ -58,8 +58,8 @@ pub(super) fn fault(message: impl Into<String>, help: &'static str) -> CycleFaul
     CycleFault { message: message.into(), help }
 }
 
-/// The heights of a drilling cycle: first clearance above the surface (Y), depth (Z, below it negative), and how far above the first
-/// clearance the tool retracts (B).
+/// The heights of a drilling cycle: first clearance above the surface (Y), depth (Z, negative below the surface), and retraction above the first
+/// clearance (B).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HoleHeights {
     pub(super) clearance: f64,
@@ -81,7 +81,7 @@ impl HoleHeights {
         Ok(HoleHeights { clearance, bottom, retract })
     }
 
-    /// To the hole at the height at which the tool is – not below the first clearance –, then down to that.
+    /// Moves to the hole at the current height, but not below the first clearance, then down to it.
     pub(super) fn approach(&self, at: &At, steps: &mut Vec<Step>) {
         if at.height < self.clearance {
             steps.push(Step::rapid_height(self.clearance));

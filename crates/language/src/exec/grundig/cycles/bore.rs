@@ -1,4 +1,4 @@
-//! G86: down with feed, dwell, spindle stop, out at rapid, and the spindle turns again.
+//! G86: down with feed, dwell, spindle stop, out at rapid, spindle restart.
 
 use super::basis::{At, CycleFault, CycleWords, HoleHeights, dwell};
 use crate::exec::core::step::Feed;

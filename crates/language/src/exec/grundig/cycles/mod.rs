@@ -1,8 +1,8 @@
-//! Machining cycles: what a control does at one position, as elementary moves.
+//! Machining cycles: the elementary moves of the control at one position.
 //!
-//! A cycle is defined once (G81 … G89) and acts wherever G79 or G77 names a position. Its words keep their meaning in every plane; here
-//! the plane is abscissa and ordinate about the position, and heights are relative to the workpiece zero along the tool axis. Each
-//! cycle is one file and one row of [`CYCLES`].
+//! A cycle is defined once (G81 … G89) and executed at each position of G79 or G77. Its words keep their meaning in every plane. Here the plane is
+//! abscissa and ordinate about the position, and heights are relative to the workpiece zero along the tool axis. Each cycle is one file and one row
+//! of [`CYCLES`].
 
 mod basis;
 mod bore;
@@ -25,15 +25,15 @@ use crate::exec::core::step::Step;
 pub(super) struct Cycle {
     /// Its G number.
     pub(super) number: u16,
-    /// What it makes, for findings.
+    /// Its name in messages.
     pub(super) title: &'static str,
-    /// Words that it must have, by letter.
+    /// Required words, by letter.
     pub(super) needs: &'static [u8],
-    /// What it does at a position.
+    /// Its steps at a position.
     pub(super) steps: fn(&CycleWords, &At) -> Result<Vec<Step>, CycleFault>,
 }
 
-/// The register.
+/// The register of cycles.
 pub(super) const CYCLES: &[Cycle] = &[
     Cycle { number: 81, title: "drilling", needs: b"YZ", steps: drill::steps },
     Cycle { number: 83, title: "deep-hole drilling", needs: b"YZK", steps: peck::steps },
@@ -66,7 +66,7 @@ mod tests {
         (cycle.steps)(&words(list), &at).unwrap()
     }
 
-    /// HoleHeights of the steps, rapids marked.
+    /// Heights of the steps; rapid moves are marked.
     pub(super) fn heights(steps: &[Step]) -> Vec<(bool, f64)> {
         let of = |step: &Step| match step {
             Step::Rapid { height: Some(height), .. } => Some((true, *height)),
@@ -95,7 +95,7 @@ mod tests {
     fn pecks_get_shorter_and_end_at_the_bottom() {
         let at = At { height: 10.0, peck_clearance_mm: 1.0, ..At::default() };
         let list = [(b'Y', 0, 2.0), (b'Z', 0, -25.0), (b'K', 0, 10.0), (b'I', 0, 2.0), (b'J', 0, 1.0)];
-        // Pecks 10, 8, 6 and the rest of 1, each lifted by 1.
+        // Pecks 10, 8, 6 and a remainder of 1, each followed by a lift of 1.
         let expected = [
             (true, 2.0),
             (false, -10.0),
@@ -108,7 +108,7 @@ mod tests {
             (true, 2.0),
         ];
         assert_eq!(heights(&run(83, &list, at)), expected);
-        // Without J the tool leaves the hole each time and comes back to 1 mm above the old depth.
+        // Without J the tool leaves the hole after each peck and returns to 1 mm above the previous depth.
         let expected = [(true, 2.0), (false, -10.0), (true, 2.0), (true, -9.0), (false, -12.0), (true, 2.0)];
         let list = [(b'Y', 0, 2.0), (b'Z', 0, -12.0), (b'K', 0, 10.0)];
         assert_eq!(heights(&run(83, &list, at)), expected);

@@ -3,15 +3,14 @@
 use super::basis::{CycleFault, fault};
 use crate::exec::core::step::Flat;
 
-/// More holes than this are a slip of the pen.
+/// Maximum number of holes; more is an input error.
 const MOST_HOLES: f64 = 100_000.0;
 
-/// Positions on a circle: `count` holes from the angle `first` on. Without `last` they share the full circle, counter-clockwise; with
-/// it they lie from the one angle to the other, both included, clockwise where `last` is the smaller one. Angles in degrees, counted
-/// from the abscissa.
+/// Positions on a circle: `count` holes from the angle `first`. Without `last` they are spaced over the full circle, counter-clockwise. With it they
+/// lie between both angles, inclusive, clockwise if `last` is smaller. Angles are in degrees from the abscissa.
 ///
 /// # Errors
-/// Where the count is none, or the radius is not above 0.
+/// A message if the count is invalid or the radius is not above 0.
 pub(in crate::exec::grundig) fn bolt_circle(
     center: Flat,
     radius: f64,

@@ -1,13 +1,12 @@
-//! G83: in pecks of K, each shorter than the last by I, with a lift by J after each or a full retraction where J is 0 or K1= pecks are
-//! done.
+//! G83: in pecks of K, each shorter than the previous one by I. After each peck the tool lifts by J, or retracts fully if J is 0 or after K1= pecks.
 
 use super::basis::{At, CycleFault, CycleWords, HoleHeights, dwell, fault};
 use crate::exec::core::step::Feed;
 use crate::exec::core::step::Step;
 
-/// More pecks than this are a slip of the pen.
+/// Maximum number of pecks; more is an input error.
 const MOST_PECKS: u32 = 10_000;
-/// What is left of a depth by the rounding of sums is no peck.
+/// Depth below which a remainder is rounding noise.
 const HAIR_MM: f64 = 1e-6;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
@@ -42,7 +41,7 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
             steps.push(Step::rapid_height(heights.clearance));
             steps.push(Step::rapid_height((depth + at.peck_clearance_mm).min(heights.clearance)));
         }
-        // A peck never becomes nothing, nor the whole rest at once.
+        // A peck never becomes zero.
         if peck - less > 0.0 {
             peck -= less;
         }

@@ -1,31 +1,31 @@
-//! What the milling cycles share: infeed levels, the turn about the position, the way in and out.
+//! Common parts of the milling cycles: infeed levels, rotation about the position, approach and retraction.
 //!
-//! How a control clears the inside of a pocket is its own affair. Here the tool plunges in the middle and mills one loop around the
-//! other from inside outwards, so that the last one is the edge; climb milling (J1, the default) is counter-clockwise inside.
+//! The control's own clearing path inside a pocket is unknown. Here the tool plunges in the middle and mills loops from inside outwards, so that the
+//! last one is the edge. Climb milling (J1, the default) is counter-clockwise inside.
 
 use super::basis::{At, CycleFault, CycleWords, fault};
 use crate::exec::core::step::Step;
 use crate::exec::core::step::{Feed, Flat};
 
-/// Loops with sharp corners leave nothing between them up to this share of the tool diameter: (1 + √½) / 2.
+/// Largest cutting width without remaining material between loops with sharp corners, as a share of the tool diameter: (1 + √½) / 2.
 const WIDEST_SHARE: f64 = 0.85;
-/// More levels or loops than this are a slip of the pen.
+/// Maximum number of levels or loops; more is an input error.
 const MOST: f64 = 10_000.0;
 
-/// What a milling cycle needs to know.
+/// Data of a milling cycle.
 pub(super) struct Pocket<'a> {
     words: &'a CycleWords,
     at: &'a At,
-    /// HoleHeights of the infeeds, the last is the bottom.
+    /// Heights of the infeeds; the last is the bottom.
     pub(super) levels: Vec<f64>,
     clearance: f64,
     retract: f64,
-    /// Loops go clockwise.
+    /// `true` if loops are clockwise.
     pub(super) clockwise: bool,
 }
 
 impl<'a> Pocket<'a> {
-    /// Reads the words that all pockets have: Z depth, B clearance, K infeed, J sense, Y3= retraction.
+    /// Reads the words common to all pockets: Z depth, B clearance, K infeed, J direction, Y3= retraction.
     pub(super) fn new(words: &'a CycleWords, at: &'a At) -> Result<Pocket<'a>, CycleFault> {
         let depth = -words.value(b'Z');
         let clearance = words.value(b'B');
@@ -48,7 +48,7 @@ impl<'a> Pocket<'a> {
         if sense.abs() != 1.0 {
             return Err(fault(format!("J={sense} is no sense of milling"), "J1 is climb milling, J-1 conventional"));
         }
-        // A rest of a billionth is none.
+        // A remainder of a billionth is zero.
         let count = (depth / infeed - 1e-9).ceil().max(1.0) as u32;
         let level = |k: u32| at.surface - if k == count { depth } else { infeed * f64::from(k) };
         Ok(Pocket {
@@ -61,13 +61,13 @@ impl<'a> Pocket<'a> {
         })
     }
 
-    /// A point given relative to the position, before the turn by B1=.
+    /// A point relative to the position, before the rotation by B1=.
     pub(super) fn place(&self, [x, y]: Flat) -> Flat {
         let (sin, cos) = self.at.rotation_rad.sin_cos();
         [self.at.point[0] + x * cos - y * sin, self.at.point[1] + x * sin + y * cos]
     }
 
-    /// Into how many steps a way across is divided so that each is at most the cutting width.
+    /// The number of steps across a width, each at most the cutting width.
     pub(super) fn loops(&self, across: f64) -> Result<u32, CycleFault> {
         let percent = self.words.get(b'I', 0).unwrap_or(self.at.engagement_percent);
         if !(percent > 0.0 && percent <= 100.0) {

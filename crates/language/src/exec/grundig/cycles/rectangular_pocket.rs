@@ -1,4 +1,4 @@
-//! G87: a rectangular pocket X by Y about the position, its corners rounded with R, or with the tool's radius.
+//! G87: a rectangular pocket X by Y about the position, with corners rounded by R or by the tool radius.
 
 use super::basis::{At, CycleFault, CycleWords, fault};
 use super::pocket::Pocket;
@@ -19,7 +19,7 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
     let shorter = across[0].min(across[1]);
     let beyond = [across[0] - shorter, across[1] - shorter];
     let count = pocket.loops(shorter)?;
-    // Of the way of the tool's center.
+    // Of the path of the tool center.
     let rounding = (corner - at.tool_radius_mm).max(0.0).min(shorter);
     Ok(pocket.steps([0.0, 0.0], |steps| {
         if beyond[0] > 0.0 || beyond[1] > 0.0 {
@@ -35,9 +35,9 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
     }))
 }
 
-/// Once around, from the middle of the side at the positive abscissa.
+/// One loop, from the middle of the side at the positive abscissa.
 fn around(pocket: &Pocket<'_>, half: Flat, rounding: f64, steps: &mut Vec<Step>) {
-    // Mirroring the ordinate makes a clockwise loop of it.
+    // Mirroring the ordinate makes the loop clockwise.
     let sense = if pocket.clockwise { -1.0 } else { 1.0 };
     let place = |x: f64, y: f64| pocket.place([x, y * sense]);
     let start = place(half[0], 0.0);
@@ -64,8 +64,8 @@ mod tests {
     use super::*;
     use crate::exec::core::step::Step;
 
-    /// Largest distance of an uncut point inside from the cut region, and whether anything outside was cut, on a grid: the region is
-    /// sampled by the tool's disc along the way.
+    /// Largest distance of an uncut inner point from the cut region, and `true` if anything outside was cut, on a grid: the region is sampled by the
+    /// tool disc along the path.
     fn left_and_gouged(length: f64, width: f64, corner: f64, radius: f64, percent: f64, sense: f64) -> (f64, bool) {
         let mut words = CycleWords::default();
         for (letter, value) in
@@ -129,7 +129,7 @@ mod tests {
             [(40.0, 24.0, 6.0, 4.0, 85.0, 1.0), (20.0, 30.0, 5.0, 3.0, 60.0, -1.0), (16.0, 16.0, 8.0, 2.5, 85.0, 1.0)]
         {
             let (left, gouged) = left_and_gouged(length, width, corner, radius, percent, sense);
-            // The way is sampled every 0.02 mm.
+            // The path is sampled every 0.02 mm.
             assert!(left < 0.01, "{left} mm is left of {length} x {width}");
             assert!(!gouged, "{length} x {width} is gouged");
         }

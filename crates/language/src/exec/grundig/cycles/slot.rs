@@ -1,4 +1,4 @@
-//! G88: a slot. The longer of X and Y is its length, from the position on in the direction of its sign; the other is its width.
+//! G88: a slot. The longer of X and Y is its length, from the position in the direction of its sign; the other is its width.
 
 use super::basis::{At, CycleFault, CycleWords, fault};
 use super::pocket::Pocket;
@@ -14,7 +14,7 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
     if out < 0.0 {
         return Err(fault("the tool is wider than the slot", "take a smaller tool"));
     }
-    // From the center of the one arc to that of the other.
+    // From the center of one arc to that of the other.
     let ends = if at.slot_from_arc_center {
         [0.0, length - sign * width]
     } else {
@@ -29,7 +29,7 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
         steps.push(Step::to(place(near, 0.0)));
         for k in (1..=count).filter(|_| out > 0.0) {
             let aside = out * f64::from(k) / f64::from(count);
-            // Counter-clockwise: out on the right side of the direction, back on the left.
+            // Counter-clockwise: forward on the right side, back on the left.
             let side = if pocket.clockwise { sign } else { -sign } * aside;
             let arc = |at: f64, end: f64| Step::Arc {
                 end: place(at, end),
@@ -76,7 +76,7 @@ mod tests {
                         last = point;
                     }
                     Step::Arc { end, center, clockwise } => {
-                        // Half a turn about the center; its middle lies on the outer side where it goes counter-clockwise.
+                        // Half a turn about the center; its middle is on the outer side if counter-clockwise.
                         assert!(!clockwise);
                         let radius = [last[0] - center[0], last[1] - center[1]];
                         let middle = [center[0] - radius[1], center[1] + radius[0]];

@@ -1,4 +1,4 @@
-//! G84: down with feed, dwell, the spindle reverses, out to the first clearance with feed, and the spindle turns again as before.
+//! G84: down with feed, dwell, spindle reversal, out to the first clearance with feed, and reversal to the previous direction.
 
 use super::basis::{At, CycleFault, CycleWords, HoleHeights, dwell};
 use crate::exec::core::step::Feed;

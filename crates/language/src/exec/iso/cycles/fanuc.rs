@@ -1,14 +1,14 @@
 //! Canned cycles of Fanuc's milling controls, G73, G74, G76 and G81 to G89 (operator's manuals 16i/18i-MB and 30i-MB, "canned cycle for
 //! drilling").
 //!
-//! How far a peck cycle keeps away from the depth that is reached is a setting (parameters 5114 and 5115). G76 and G87 step aside by Q
-//! with the spindle oriented, in a direction that is a setting (parameter 5101 bits 4 and 5). In G88 the operator draws the tool out;
-//! here it goes out at rapid behind a program stop.
+//! The clearance of a peck cycle from the reached depth is a setting (parameters 5114 and 5115). G76 and G87 shift by Q with the spindle oriented, in
+//! a direction that is a setting (parameter 5101 bits 4 and 5). In G88 the operator withdraws the tool; here it retracts at rapid after a program
+//! stop.
 
 use super::{Hole, HoleFault, HoleStep, chip_breaking, deep_hole, wrong};
 use crate::exec::core::step::Turn;
 
-/// What happens at a hole, from R on – for G87 from the initial level on.
+/// The steps at a hole from R on, for G87 from the initial level on.
 pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole) -> Result<Vec<HoleStep>, HoleFault> {
     let &Hole { r, bottom, clear, .. } = hole;
     let out = HoleStep::Rapid(clear);
@@ -24,7 +24,7 @@ pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole) -> Result<Vec<HoleStep
         730 => steps = chip_breaking(hole)?,
         830 => steps = deep_hole(hole)?,
         740 | 840 | 842 | 843 => {
-            // The pecks of rigid tapping (Q) are of two kinds that a parameter of the control chooses (5200 bit 5).
+            // Pecks of rigid tapping (Q) have two modes, selected by a parameter of the control (5200 bit 5).
             if hole.q.is_some_and(|q| q != 0.0) {
                 let message = "tapping in pecks (Q) is not supported";
                 let help = "leave out Q, or program the pecks one by one";
@@ -79,7 +79,7 @@ fn dwell(hole: &Hole) -> Option<HoleStep> {
     hole.dwell_s.filter(|seconds| *seconds > 0.0).map(HoleStep::Dwell)
 }
 
-/// Where the oriented tool steps aside to; nowhere without Q.
+/// The shift position of the oriented tool; no shift without Q.
 fn aside(hole: &Hole) -> Result<[f64; 2], HoleFault> {
     match (hole.q, hole.aside) {
         (None | Some(0.0), _) => Ok([0.0; 2]),

@@ -1,6 +1,6 @@
-//! Canned cycles: what happens at one hole, as steps along the tool axis. Where the holes are is the business of [`super::drill`].
+//! Canned cycles: the steps at one hole along the tool axis. [`super::drill`] determines the holes.
 //!
-//! To add a cycle: a function in the file of its control, and an arm in the `steps` there.
+//! To add a cycle, add a function in the file of its control, and an arm in the `steps` there.
 
 pub(super) mod fanuc;
 pub(super) mod rs274;
@@ -8,7 +8,7 @@ pub(super) mod threading;
 
 use crate::exec::core::step::Turn;
 
-/// Steps of one hole at most.
+/// Maximum number of steps of one hole.
 const MOST_STEPS: usize = 100_000;
 
 /// One step at a hole. Heights are program coordinates along the tool axis, mm.
@@ -18,15 +18,15 @@ pub(super) enum HoleStep {
     Rapid(f64),
     /// With feed along the tool axis.
     Feed(f64),
-    /// At rapid in the plane, to this far off the hole.
+    /// At rapid in the plane, to this offset from the hole.
     Aside([f64; 2]),
     /// Dwell, s.
     Dwell(f64),
-    /// The spindle.
+    /// A spindle command.
     Spindle(Turn),
-    /// The operator goes on: M0.
+    /// Program stop M0, for the operator.
     Stop,
-    /// The operator has drawn the tool out to this height.
+    /// The operator has withdrawn the tool to this height.
     DrawnOut(f64),
 }
 
@@ -37,28 +37,28 @@ pub(super) struct Hole {
     pub(super) r: f64,
     /// The bottom.
     pub(super) bottom: f64,
-    /// Where the tool goes to behind the hole.
+    /// Height of the tool after the hole.
     pub(super) clear: f64,
     /// P, s.
     pub(super) dwell_s: Option<f64>,
-    /// Q: depth of one peck, or how far the tool steps aside.
+    /// Q: depth of one peck, or shift of the tool.
     pub(super) q: Option<f64>,
-    /// How far a peck cycle keeps away from, or draws back from, the material that is there, mm.
+    /// Clearance of a peck cycle from the remaining material, or its chip-breaking retraction, mm.
     pub(super) clearance: f64,
-    /// A rest of the depth that is no peck, mm: what the rounding of sums leaves where the control counts increments.
+    /// Largest remainder of the depth that is not a peck, mm: rounding errors of sums if the control counts increments.
     pub(super) slack: f64,
-    /// How far and where the tool steps aside with its spindle oriented.
+    /// Shift of the tool with oriented spindle.
     pub(super) aside: Option<[f64; 2]>,
 }
 
-/// Why a hole has no steps.
+/// Reason why a hole has no steps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct HoleFault {
-    /// What is wrong, without the code of the cycle.
+    /// The error message without the code of the cycle.
     pub(super) message: String,
-    /// What to do.
+    /// The help text.
     pub(super) help: &'static str,
-    /// Whether the control does it, and only we do not.
+    /// `true` if the control supports it, but this program does not.
     pub(super) is_unsupported: bool,
 }
 
@@ -66,7 +66,7 @@ fn wrong(message: impl Into<String>, help: &'static str) -> HoleFault {
     HoleFault { message: message.into(), help, is_unsupported: false }
 }
 
-/// Depths of the pecks from R on, the bottom last.
+/// Depths of the pecks from R on, ending at the bottom.
 fn depths(hole: &Hole) -> Result<Vec<f64>, HoleFault> {
     let Some(peck) = hole.q.filter(|peck| *peck > 0.0) else {
         return Err(wrong("the depth of one peck (Q) is not above 0", "give Q, the depth of one peck"));
@@ -77,7 +77,7 @@ fn depths(hole: &Hole) -> Result<Vec<f64>, HoleFault> {
     }
     let towards = if hole.bottom < hole.r { -1.0 } else { 1.0 };
     let mut depths = Vec::new();
-    // Added up one by one, as the controls do.
+    // Summed one by one, as in the controls.
     let mut depth = hole.r + towards * peck;
     while (hole.bottom - depth) * towards > hole.slack {
         depths.push(depth);
@@ -87,7 +87,7 @@ fn depths(hole: &Hole) -> Result<Vec<f64>, HoleFault> {
     Ok(depths)
 }
 
-/// In pecks that clear the hole: out to R and back to a clearance above the depth that is reached.
+/// Pecks that clear the hole: out to R after each, and back to a clearance above the reached depth.
 fn deep_hole(hole: &Hole) -> Result<Vec<HoleStep>, HoleFault> {
     let depths = depths(hole)?;
     let towards = if hole.bottom < hole.r { -1.0 } else { 1.0 };
@@ -102,7 +102,7 @@ fn deep_hole(hole: &Hole) -> Result<Vec<HoleStep>, HoleFault> {
     Ok(steps)
 }
 
-/// In pecks that break the chip: back by a clearance behind each.
+/// Pecks that break the chip: back by a clearance after each.
 fn chip_breaking(hole: &Hole) -> Result<Vec<HoleStep>, HoleFault> {
     let depths = depths(hole)?;
     let towards = if hole.bottom < hole.r { -1.0 } else { 1.0 };

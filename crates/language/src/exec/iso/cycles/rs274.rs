@@ -1,22 +1,20 @@
-//! Canned cycles of RS274/NGC, G73, G74 and G81 to G89, as LinuxCNC moves them (its user manual, "G81–G89", and what its interpreter
-//! prints).
+//! Canned cycles of RS274/NGC, G73, G74 and G81 to G89, as in LinuxCNC (its user manual, "G81–G89", and the output of its interpreter).
 //!
-//! A peck cycle keeps 0.010 inch away from the bottom that is there. G74, G84, G86 and G88 need a turning spindle and set it turning
-//! again as it did. G88 leaves it to the operator to draw the tool out, and takes it for done. G85 goes back to R with feed, then on at
-//! rapid; G89 goes back with feed all the way.
+//! A peck cycle keeps 0.010 inch from the reached depth. G74, G84, G86 and G88 need a rotating spindle and restore its rotation. In G88 the operator
+//! withdraws the tool, which is assumed done. G85 returns to R with feed, then continues at rapid; G89 returns with feed all the way.
 
 use super::{Hole, HoleFault, HoleStep, chip_breaking, deep_hole, wrong};
 use crate::exec::core::step::Turn;
 
-/// How far G73 draws back, and G83 stays away, mm.
+/// Retraction of G73, and clearance of G83, mm.
 pub(in crate::exec::iso) const CLEARANCE_MM: f64 = 0.254;
 
-/// Cycles that need P where they begin.
+/// Cycles that need P in their first block.
 pub(in crate::exec::iso) const WITH_DWELL: [u16; 4] = [820, 860, 880, 890];
-/// Cycles that need Q where they begin.
+/// Cycles that need Q in their first block.
 pub(in crate::exec::iso) const WITH_PECK: [u16; 2] = [730, 830];
 
-/// What happens at a hole, from R on; `spindle` is how it turns.
+/// The steps at a hole from R on; `spindle` is the spindle rotation.
 pub(in crate::exec::iso) fn steps(code: u16, hole: &Hole, spindle: Turn) -> Result<Vec<HoleStep>, HoleFault> {
     let &Hole { r, bottom, clear, .. } = hole;
     let dwell = HoleStep::Dwell(hole.dwell_s.unwrap_or(0.0));

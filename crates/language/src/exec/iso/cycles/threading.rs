@@ -1,9 +1,9 @@
 //! G76 of RS274/NGC: a thread in passes, turned on a lathe (LinuxCNC's user manual, "G76 Threading Cycle").
 //!
-//! X is the way across, Z along. A pass goes to its depth at rapid, along Z in step with the spindle, and back. Depths grow with the
-//! root of the pass by R; with Q each pass starts shifted along the flank.
+//! X is the cross direction, Z is along the thread. A pass goes to its depth at rapid, along Z synchronized with the spindle, and back. Depths grow
+//! with the R-th root of the pass; with Q each pass starts shifted along the flank.
 
-/// Passes of one thread at most.
+/// Maximum number of passes of one thread.
 const MOST_PASSES: u32 = 10_000;
 
 /// The words of the block; lengths mm, the angle rad.
@@ -11,21 +11,21 @@ const MOST_PASSES: u32 = 10_000;
 pub(in crate::exec::iso) struct Thread {
     /// X and Z at the start: the drive line.
     pub(in crate::exec::iso) start: [f64; 2],
-    /// X and Z behind it.
+    /// X and Z at the end.
     pub(in crate::exec::iso) end: [f64; 2],
     /// P: pitch.
     pub(in crate::exec::iso) pitch: f64,
     /// I: from the drive line to the peak, negative outside.
     pub(in crate::exec::iso) peak: f64,
-    /// J: depth of the first pass behind the peak.
+    /// J: depth of the first pass beyond the peak.
     pub(in crate::exec::iso) first: f64,
     /// K: depth of the thread.
     pub(in crate::exec::iso) depth: f64,
-    /// R: how the depths fall off, 1 for not at all.
+    /// R: degression of the depths, 1 for none.
     pub(in crate::exec::iso) degression: f64,
     /// Q: angle of the compound slide.
     pub(in crate::exec::iso) slide_rad: f64,
-    /// H: passes at full depth beyond the first.
+    /// H: additional passes at full depth.
     pub(in crate::exec::iso) springs: u32,
     /// E: length of a taper along Z.
     pub(in crate::exec::iso) taper: f64,
@@ -33,7 +33,7 @@ pub(in crate::exec::iso) struct Thread {
     pub(in crate::exec::iso) tapers: [bool; 2],
 }
 
-/// One motion: X and Z, and the pitch where it is in step with the spindle.
+/// One motion: X and Z, and the pitch if synchronized with the spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::exec::iso) struct ThreadMove {
     /// X and Z.
@@ -45,7 +45,7 @@ pub(in crate::exec::iso) struct ThreadMove {
 /// All motions of the thread.
 ///
 /// # Errors
-/// Where the words make no thread, what is wrong.
+/// A message if the words do not define a thread.
 pub(in crate::exec::iso) fn moves(thread: &Thread) -> Result<Vec<ThreadMove>, String> {
     let all = [thread.peak, thread.first, thread.depth, thread.pitch, thread.slide_rad, thread.taper];
     if !all.iter().all(|value| value.is_finite()) {
@@ -86,7 +86,7 @@ impl Thread {
         let along = if self.end[1] > self.start[1] { 1.0 } else { -1.0 };
         let full = self.peak.abs() + self.depth;
         let across = |depth: f64| self.start[0] + inwards * depth;
-        // The slide follows the flank, so that a deeper pass lies farther along.
+        // The slide follows the flank, so that a deeper pass is farther along.
         let flank = -along * self.slide_rad.tan();
         let shift = (depth - self.peak.abs()) * flank;
         let (from, until) = (self.start[1] - shift, self.end[1] + self.depth * flank - shift);
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn depths_grow_with_the_root_of_the_pass() {
         let moves = moves(&OUTSIDE).unwrap();
-        // J √n below K = 1: n up to 15; then once at full depth and once more. Five words: four motions a pass and the last.
+        // J √n below K = 1: n up to 15; then once at full depth and once more. For five words: four motions per pass and the last one.
         let cuts: Vec<f64> = moves.iter().filter(|step| step.pitch.is_some()).map(|step| step.to[0]).collect();
         let mut wanted: Vec<f64> = (1..16).map(|pass| 19.0 - 0.25 * f64::from(pass).sqrt()).collect();
         wanted.extend([18.0; 2]);
@@ -141,7 +141,7 @@ mod tests {
             assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
         }
         assert_eq!(moves.len(), 4 * 17 + 1);
-        // A pass starts and ends outside by what it lacks to full depth.
+        // A pass starts and ends outside by its missing depth.
         assert_eq!(moves[0], ThreadMove { to: [20.75, 5.0], pitch: None });
         assert_eq!(moves[2], ThreadMove { to: [18.75, -30.0], pitch: Some(1.5) });
         assert_eq!(moves[3], ThreadMove { to: [20.75, -30.0], pitch: None });

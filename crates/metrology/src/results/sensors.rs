@@ -1,0 +1,199 @@
+//! Which temperature sensors explain the drift of a machine: selection from the texts of runs.
+
+use serde::Serialize;
+
+use super::has_errors;
+use crate::calibrate::sensors::data::{self, SensorRun};
+use crate::calibrate::sensors::{SelectionOptions, SensorSelection, SubsetSize, select, text};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_machine::machine::condition::log;
+use ncfix_machine::machine::{Condition, Machine};
+
+/// The selections.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SensorsResult {
+    /// By direction and place.
+    pub selections: Vec<SensorChoice>,
+    /// The independent runs; `null` where the last third of every run was held back instead.
+    pub independent: Option<Vec<String>>,
+}
+
+/// A direction of the foundation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum DriftDirection {
+    X,
+    Y,
+    #[default]
+    Z,
+}
+
+impl DriftDirection {
+    /// Its letter.
+    #[must_use]
+    pub fn letter(self) -> &'static str {
+        match self {
+            DriftDirection::X => "X",
+            DriftDirection::Y => "Y",
+            DriftDirection::Z => "Z",
+        }
+    }
+}
+
+/// One direction at one place.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SensorChoice {
+    /// The direction in which it drifts.
+    pub direction: DriftDirection,
+    /// Axis and position; `null` where there is one place.
+    pub place: Option<String>,
+    /// Readings that were learned from.
+    pub readings: usize,
+    /// Drift on the independent readings (RMS).
+    pub drift_um: f64,
+    /// What the chosen model leaves of it.
+    pub left_um: Option<f64>,
+    /// The number of sensors; `null` where none tell the independent readings.
+    pub chosen: Option<usize>,
+    /// The best sensors of each number.
+    pub sizes: Vec<SensorSubset>,
+}
+
+/// The best sensors of one number.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SensorSubset {
+    /// Their names.
+    pub sensors: Vec<String>,
+    /// Their coefficients.
+    #[serde(rename = "um_per_K")]
+    pub um_per_k: Vec<f64>,
+    /// Their time constants.
+    pub lag_s: Vec<f64>,
+    /// Mallows' Cp.
+    pub cp: Option<f64>,
+    /// Efficiency on the data, 1 for all.
+    pub efficiency: f64,
+    /// Efficiency on the independent readings.
+    pub independent_efficiency: f64,
+    /// Whether the search was complete.
+    pub is_exact: bool,
+}
+
+/// The texts of runs of temperatures and displacements.
+#[derive(Clone, Copy, Debug)]
+pub struct SensorTexts<'a> {
+    /// Runs that are learned from.
+    pub learned: &'a [Source],
+    /// Runs that judge what was learned.
+    pub independent: &'a [Source],
+    /// Logs of temperatures with the same clock, where the runs have none; the last one counts.
+    pub logs: &'a [Source],
+}
+
+/// The runs, those that are learned from first; `None` where findings forbid it.
+pub fn read(texts: &SensorTexts<'_>, machine: &Machine, findings: &mut Vec<Diagnostic>) -> Option<Vec<SensorRun>> {
+    let mut temperatures: Option<Condition> = None;
+    for source in texts.logs {
+        let (condition, found) = log::load_with_dead(source);
+        findings.extend(found);
+        temperatures = Some(condition?);
+    }
+    let mut runs = Vec::new();
+    for source in texts.learned.iter().chain(texts.independent) {
+        match data::read(source, temperatures.as_ref(), machine) {
+            Ok(mut run) => {
+                findings.append(&mut run.warnings);
+                runs.push(run);
+            }
+            Err(found) => findings.extend(found),
+        }
+    }
+    (!has_errors(findings)).then_some(runs)
+}
+
+/// Selects sensors from runs of which the first `learned` are learned from, and gives the text of drift entries for a machine file; `None` where findings forbid it.
+pub fn selected(
+    mut runs: Vec<SensorRun>,
+    learned: usize,
+    options: &SelectionOptions,
+    machine: &Machine,
+    findings: &mut Vec<Diagnostic>,
+    result: &mut SensorsResult,
+) -> Option<String> {
+    let over = match data::over(&runs) {
+        Ok(over) => over,
+        Err(diagnostic) => {
+            findings.push(diagnostic);
+            return None;
+        }
+    };
+    let independent = runs.split_off(learned.min(runs.len()));
+    result.independent = (!independent.is_empty()).then(|| independent.iter().map(|run| run.name.clone()).collect());
+    let places: Vec<_> = match over {
+        Some((axis, positions)) => positions.into_iter().map(|at| Some((axis, at))).collect(),
+        None => vec![None],
+    };
+    let mut selections = Vec::new();
+    for direction in 0..3 {
+        for &at in &places {
+            selections.extend(select(&runs, &independent, direction, at, options));
+        }
+    }
+    if selections.is_empty() {
+        let message = "there are too few readings for a single sensor, or no sensor moves";
+        let help = "record at least some hours of warming up and cooling down, a reading every minute or so";
+        findings.push(Diagnostic::nowhere(Code::DATA_NO_TABLE, message, help));
+    }
+    if has_errors(findings) {
+        return None;
+    }
+    result.selections = selections.iter().map(SensorChoice::from).collect();
+    Some(file(&selections, &runs, machine))
+}
+
+impl From<&SubsetSize> for SensorSubset {
+    fn from(size: &SubsetSize) -> SensorSubset {
+        SensorSubset {
+            sensors: size.terms.iter().map(|term| term.sensor.clone()).collect(),
+            um_per_k: size.terms.iter().map(|term| term.um_per_k).collect(),
+            lag_s: size.terms.iter().map(|term| term.lag_s).collect(),
+            cp: size.cp,
+            efficiency: size.efficiency,
+            independent_efficiency: size.independent,
+            is_exact: size.is_exact,
+        }
+    }
+}
+
+impl From<&SensorSelection> for SensorChoice {
+    fn from(selection: &SensorSelection) -> SensorChoice {
+        let directions = [DriftDirection::X, DriftDirection::Y, DriftDirection::Z];
+        SensorChoice {
+            direction: directions.get(selection.direction).copied().unwrap_or_default(),
+            place: selection.at.map(|(axis, at)| format!("{axis}{at}")),
+            readings: selection.rows,
+            drift_um: selection.drift_um,
+            left_um: selection.model().map(|model| model.left_um),
+            chosen: selection.model().map(|model| model.terms.len()),
+            sizes: selection.sizes.iter().map(SensorSubset::from).collect(),
+        }
+    }
+}
+
+/// The file with drift entries.
+fn file(selections: &[SensorSelection], runs: &[SensorRun], machine: &Machine) -> String {
+    // A name may have any character; a comment ends with its line.
+    let name = |text: &str| text.replace(char::is_control, " ");
+    let names: Vec<String> = runs.iter().map(|run| name(&run.name)).collect();
+    format!(
+        "# Drift of {} from {}: for the machine file, in place of the [[drift]] there.\n\n{}",
+        name(&machine.name),
+        names.join(", "),
+        text::entries(selections)
+    )
+}

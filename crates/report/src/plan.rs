@@ -1,0 +1,51 @@
+//! What `ncfix plan` says of a plan.
+
+use std::fmt::Write as _;
+
+use ncfix_metrology::results::planned::{JudgedPlan, PlanJudgement, PlanResult};
+
+/// Sentences that are shown.
+const MOST_SENTENCES: usize = 12;
+
+/// A plan that was written, for a person: to `table`, with `description` beside it.
+#[must_use]
+pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
+    let model = plan.model.as_deref().unwrap_or_default();
+    let mut out: String = plan.judgements.iter().map(|one| said(one, model)).collect();
+    for note in &plan.notes {
+        let _ = writeln!(out, "note: {note}");
+    }
+    let _ = writeln!(out, "{table}: {} rows in {} set-ups; {description} beside it", plan.rows, plan.setups);
+    out
+}
+
+/// What measurements tell, in words.
+fn said(judgement: &PlanJudgement, model: &str) -> String {
+    let who = match judgement.of {
+        JudgedPlan::Plan => "the plan".to_owned(),
+        JudgedPlan::Alone => "the plan alone".to_owned(),
+        JudgedPlan::WithOthers(count) => format!("with {count} other{} it", if count > 1 { "s" } else { "" }),
+        JudgedPlan::WithMorePoses(count) => format!("with {count} more poses it"),
+    };
+    let Some(told) = &judgement.determined else {
+        return format!("{who} has positions that are too large to judge it\n");
+    };
+    let mut out = format!(
+        "model {model}, {} parameters and {} unknowns of the set-up: {who} tells {} of {} (condition {:.0})\n",
+        told.parameters, told.unknowns, told.rank, told.columns, told.condition
+    );
+    for one in told.not_identifiable.iter().take(MOST_SENTENCES) {
+        let _ = writeln!(out, "  cannot tell: {}\n    {}", one.sentence, one.remedy);
+    }
+    let all = told.not_identifiable.len();
+    if all > MOST_SENTENCES {
+        let _ = writeln!(out, "  cannot tell: and {} more", all - MOST_SENTENCES);
+    }
+    for sentence in told.harmless.iter().take(MOST_SENTENCES) {
+        let _ = writeln!(out, "  no harm: {sentence}");
+    }
+    if told.left_out > 1 {
+        let _ = writeln!(out, "  all others could be told without these {}: {}", told.left_out, told.left_out_names);
+    }
+    out
+}

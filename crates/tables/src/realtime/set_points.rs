@@ -1,0 +1,262 @@
+//! Set-points as lines of text, read one by one as they come.
+
+use std::io::{BufRead, Read as _};
+
+use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector};
+
+/// Bytes of the longest line: nine numbers need far less.
+const LONGEST: u64 = 4096;
+
+/// Why there is no next set-point.
+#[derive(Debug)]
+pub enum NoSetPoint {
+    /// The input cannot be read.
+    Unreadable(std::io::Error),
+    /// A line is no set-point.
+    Wrong {
+        /// The line, from 1.
+        line: u64,
+        /// The byte in it, from 1.
+        column: usize,
+        /// Why it is none.
+        what: String,
+    },
+}
+
+/// How a line is read.
+#[derive(Clone, Debug)]
+enum Form {
+    /// By letters, axes that are left out stay.
+    Words,
+    /// By columns.
+    Table(Vec<Axis>, char),
+}
+
+/// The set-points of a text, mm and degrees: words of axes, or a table whose first line has their letters.
+#[derive(Debug)]
+pub struct SetPointLines<R: BufRead> {
+    input: R,
+    axes: AxisSet,
+    form: Option<Form>,
+    buffer: Vec<u8>,
+    line: u64,
+    last: AxisVector,
+    known: AxisSet,
+}
+
+impl<R: std::io::Read> SetPointLines<std::io::BufReader<R>> {
+    /// Whether a whole line more has come already.
+    #[must_use]
+    pub fn has_more(&self) -> bool {
+        self.input.buffer().contains(&b'\n')
+    }
+}
+
+impl<R: BufRead> SetPointLines<R> {
+    /// Set-points of these axes, of which each must be stated.
+    #[must_use]
+    pub fn new(input: R, axes: AxisSet) -> SetPointLines<R> {
+        let buffer = Vec::new();
+        SetPointLines { input, axes, form: None, buffer, line: 0, last: AxisVector::ZERO, known: AxisSet::EMPTY }
+    }
+
+    /// The next set-point, mm and rad; `None` at the end.
+    ///
+    /// # Errors
+    /// Where the line is no set-point.
+    pub fn next(&mut self) -> Result<Option<AxisVector>, NoSetPoint> {
+        while self.read()? {
+            let text = String::from_utf8_lossy(&self.buffer).into_owned();
+            let text = text.trim_end();
+            let form = match self.form.clone() {
+                Some(form) => form,
+                None => match self.heading(text)? {
+                    Some(form) => {
+                        self.form = Some(form);
+                        continue;
+                    }
+                    None => self.form.insert(Form::Words).clone(),
+                },
+            };
+            match form {
+                Form::Words => self.words(text)?,
+                Form::Table(columns, separator) => self.row(text, &columns, separator)?,
+            }
+            return Ok(Some(self.last));
+        }
+        Ok(None)
+    }
+
+    /// Reads a line; `false` at the end.
+    fn read(&mut self) -> Result<bool, NoSetPoint> {
+        self.buffer.clear();
+        let mut limited = (&mut self.input).take(LONGEST);
+        let count = limited.read_until(b'\n', &mut self.buffer).map_err(NoSetPoint::Unreadable)?;
+        self.line += 1;
+        if count as u64 == LONGEST && self.buffer.last() != Some(&b'\n') {
+            return Err(self.wrong(1, format!("the line has more than {LONGEST} bytes")));
+        }
+        Ok(count > 0)
+    }
+
+    fn wrong(&self, column: usize, what: impl Into<String>) -> NoSetPoint {
+        NoSetPoint::Wrong { line: self.line, column, what: what.into() }
+    }
+
+    /// The columns of a first line that has letters of axes and no number.
+    fn heading(&self, text: &str) -> Result<Option<Form>, NoSetPoint> {
+        if text.bytes().any(|byte| byte.is_ascii_digit()) || text.trim().is_empty() {
+            return Ok(None);
+        }
+        let separator = [',', ';', '\t'].into_iter().find(|&separator| text.contains(separator)).unwrap_or(',');
+        let mut columns = Vec::new();
+        for (start, cell) in cells(text, separator) {
+            let letter = cell.split('_').next().unwrap_or_default().trim().as_bytes();
+            let axis = if let [letter] = letter { Axis::from_letter(*letter) } else { None };
+            let axis = axis.filter(|&axis| self.axes.contains(axis));
+            let unit = cell.split_once('_').map(|(_, unit)| unit.trim());
+            match (axis, unit) {
+                (Some(axis), None) => columns.push(axis),
+                (Some(axis), Some("mm")) if !axis.is_rotary() => columns.push(axis),
+                (Some(axis), Some("deg")) if axis.is_rotary() => columns.push(axis),
+                _ => {
+                    let what = format!("'{}' is no axis of the machine ({})", cell.trim(), letters(self.axes));
+                    return Err(self.wrong(start, what));
+                }
+            }
+        }
+        let stated: AxisSet = columns.iter().copied().collect();
+        if stated.iter().count() != columns.len() {
+            return Err(self.wrong(1, "an axis has two columns"));
+        }
+        self.demand(stated)?;
+        Ok(Some(Form::Table(columns, separator)))
+    }
+
+    /// Every axis must be stated.
+    fn demand(&self, stated: AxisSet) -> Result<(), NoSetPoint> {
+        let missing = self.axes.difference(stated);
+        if missing.is_empty() {
+            return Ok(());
+        }
+        Err(self.wrong(1, format!("the position of {} is not stated", letters(missing))))
+    }
+
+    fn row(&mut self, text: &str, columns: &[Axis], separator: char) -> Result<(), NoSetPoint> {
+        let mut count = 0;
+        for (start, cell) in cells(text, separator) {
+            let Some(&axis) = columns.get(count) else {
+                return Err(self.wrong(start, format!("there are more cells than the {} columns", columns.len())));
+            };
+            self.set(axis, cell.trim(), start + (cell.len() - cell.trim_start().len()))?;
+            count += 1;
+        }
+        if count < columns.len() {
+            return Err(self.wrong(text.len() + 1, format!("there are {count} cells for {} columns", columns.len())));
+        }
+        Ok(())
+    }
+
+    fn words(&mut self, text: &str) -> Result<(), NoSetPoint> {
+        let is_gap = |c: char| c.is_whitespace() || c == ',';
+        let mut stated = AxisSet::EMPTY;
+        let mut rest = text;
+        loop {
+            rest = rest.trim_start_matches(is_gap);
+            let column = text.len() - rest.len() + 1;
+            let word = rest.split(is_gap).next().unwrap_or_default();
+            let Some(letter) = word.chars().next() else { break };
+            rest = &rest[word.len()..];
+            let axis = u8::try_from(letter).ok().and_then(Axis::from_letter).filter(|&axis| self.axes.contains(axis));
+            let Some(axis) = axis else {
+                let what = format!("'{word}' is no word of an axis of the machine ({})", letters(self.axes));
+                return Err(self.wrong(column, what));
+            };
+            if stated.contains(axis) {
+                return Err(self.wrong(column, format!("{axis} is stated twice")));
+            }
+            stated.insert(axis);
+            let number = word[1..].strip_prefix('=').unwrap_or(&word[1..]);
+            self.set(axis, number, column + word.len() - number.len())?;
+        }
+        if stated.is_empty() {
+            return Err(self.wrong(1, "the line is empty"));
+        }
+        self.known = self.known.union(stated);
+        self.demand(self.known)
+    }
+
+    fn set(&mut self, axis: Axis, number: &str, column: usize) -> Result<(), NoSetPoint> {
+        let value: Option<f64> = number.parse().ok().filter(|value: &f64| value.is_finite());
+        let value = value.ok_or_else(|| self.wrong(column, format!("'{number}' is no number")))?;
+        self.last[axis] = if axis.is_rotary() { value.to_radians() } else { value };
+        Ok(())
+    }
+}
+
+/// The cells of a line with their columns, from 1.
+fn cells(text: &str, separator: char) -> impl Iterator<Item = (usize, &str)> {
+    let mut start = 1;
+    text.split(separator).map(move |cell| {
+        let here = start;
+        start += cell.len() + separator.len_utf8();
+        (here, cell)
+    })
+}
+
+/// `X Y Z`.
+fn letters(axes: AxisSet) -> String {
+    let all = AXES.into_iter().filter(|&axis| axes.contains(axis));
+    all.map(|axis| axis.to_string()).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The set-points of X, Y and C in degrees, and where and why it ended.
+    fn read(text: &str) -> (Vec<[f64; 3]>, Option<String>) {
+        let axes = [Axis::X, Axis::Y, Axis::C].into_iter().collect();
+        let mut lines = SetPointLines::new(text.as_bytes(), axes);
+        let mut all = Vec::new();
+        loop {
+            match lines.next() {
+                Ok(Some(at)) => all.push([at[Axis::X], at[Axis::Y], at[Axis::C].to_degrees().round()]),
+                Ok(None) => return (all, None),
+                Err(NoSetPoint::Wrong { line, column, what }) => {
+                    return (all, Some(format!("{line}:{column}: {what}")));
+                }
+                Err(NoSetPoint::Unreadable(error)) => panic!("{error}"),
+            }
+        }
+    }
+
+    #[test]
+    fn words_stay_and_columns_do_not() {
+        assert_eq!(read("X1 Y=2.5,C90\nY-3\r\n"), (vec![[1.0, 2.5, 90.0], [1.0, -3.0, 90.0]], None));
+        assert_eq!(read("C_deg;X;Y_mm\n90; 1;2.5\n"), (vec![[1.0, 2.5, 90.0]], None));
+        assert_eq!(read(""), (vec![], None));
+    }
+
+    #[test]
+    fn what_is_no_set_point_has_its_place() {
+        for (text, fault) in [
+            ("X1 Y2\n", "1:1: the position of C is not stated"),
+            ("X1 Y2 C0\nX1 Zs\n", "2:4: 'Zs' is no word of an axis of the machine (X Y C)"),
+            ("X1 Y2 C0\nX1o\n", "2:2: '1o' is no number"),
+            ("X1 Y2 C0\nX=nan\n", "2:3: 'nan' is no number"),
+            ("X1 Y2 C0\n\n", "2:1: the line is empty"),
+            ("X1 X2 Y2 C0\n", "1:4: X is stated twice"),
+            ("X,Y,Z\n", "1:5: 'Z' is no axis of the machine (X Y C)"),
+            ("X,Y,C_mm\n", "1:5: 'C_mm' is no axis of the machine (X Y C)"),
+            ("X,Y\n", "1:1: the position of C is not stated"),
+            ("X,Y,C\n1,2\n", "2:4: there are 2 cells for 3 columns"),
+            ("X,Y,C\n1,2,3,4\n", "2:7: there are more cells than the 3 columns"),
+            ("X,Y,C\n1, ä,3\n", "2:4: 'ä' is no number"),
+            ("é1 Y2\n", "1:1: 'é1' is no word of an axis of the machine (X Y C)"),
+        ] {
+            assert_eq!(read(text).1.as_deref(), Some(fault), "{text}");
+        }
+        assert!(read(&"X".repeat(5000)).1.unwrap().contains("more than 4096 bytes"));
+    }
+}

@@ -1,0 +1,190 @@
+//! Makes compensation tables for a format, and refuses those that would leave more than none, or nothing.
+
+use super::request::TablesRequest;
+use super::result::{TablesCheck, TablesResult, TriedScheme};
+use crate::tables::format::Holds;
+use crate::tables::scheme::{self, Scheme, Schemes, Task};
+use crate::tables::{Format, Tables, Wiring};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::Axis;
+use ncfix_base::number::significant;
+use ncfix_base::units::um_from_mm;
+use ncfix_model::Accumulator;
+
+/// How tables are filled.
+#[derive(Clone, Copy, Debug)]
+pub struct Filling<'a> {
+    /// The format that shall hold them.
+    pub format: &'static Format,
+    /// What fills them; `None` for the fewest tables that reach the tolerance.
+    pub scheme: Option<&'a Scheme>,
+    /// The schemes among which is chosen.
+    pub schemes: &'a Schemes,
+    /// Points of a table.
+    pub points: usize,
+    /// How much of the error may be left, mm: its root mean square over the region.
+    pub tolerance_mm: f64,
+}
+
+/// Tables that are better than none.
+#[derive(Clone, Debug)]
+pub struct MadeTables {
+    /// The tables.
+    pub tables: Tables,
+    /// The scheme that filled them.
+    pub scheme: &'static str,
+    /// What they leave.
+    pub checked: TablesCheck,
+}
+
+/// Makes tables and notes in the result what was made and tried.
+///
+/// # Errors
+/// The diagnostic that says why there are none: the scheme does not fit the format, none reaches the tolerance, all values would be 0, or they would leave more
+/// than no tables.
+pub fn make(
+    request: &TablesRequest<'_>,
+    filling: &Filling<'_>,
+    result: &mut TablesResult,
+) -> Result<MadeTables, Box<Diagnostic>> {
+    let model = request.model();
+    let errors = Accumulator::sum(request.machine, request.errors, request.condition, |_| true);
+    let task = Task {
+        target: request.target(&model),
+        orientation: request.orientation,
+        errors: &errors,
+        region: &request.region,
+        points: filling.points,
+        tolerance_mm: filling.tolerance_mm,
+        multiplication: request.multiplication.unwrap_or_default(),
+        format: filling.format,
+        wiring: &request.wiring,
+    };
+    let refused = |why: String, help: String| Box::new(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, help));
+    let (name, tables) = match filling.scheme {
+        Some(scheme) => (scheme.name, scheme.tables(&task).map_err(|why| refused(why, help(&task)))?),
+        None => {
+            let (best, tried) = scheme::choose_with(filling.schemes, &task);
+            result.aim = Some(aim(filling.tolerance_mm));
+            result.tried = tried.iter().map(TriedScheme::from).collect();
+            let Some((scheme, tables)) = best else {
+                let tried: Vec<String> = result.tried.iter().map(said).collect();
+                let why = format!("no scheme leaves {}: {}", aim(filling.tolerance_mm), tried.join("; "));
+                return Err(refused(why, help(&task)));
+            };
+            (scheme.name, tables)
+        }
+    };
+    result.machine.clone_from(&request.machine.name);
+    name.clone_into(&mut result.scheme);
+    filling.format.name.clone_into(&mut result.format);
+    result.note(&tables);
+    let checked = request.check(&tables);
+    if tables.are_zeros() {
+        result.tables = 0;
+        let (why, help) = idle(&checked, &task);
+        return Err(refused(why, help));
+    }
+    if let Some(diagnostic) = worse(&request.everywhere(&tables, &checked), &request.volume()) {
+        result.tables = 0;
+        return Err(Box::new(diagnostic));
+    }
+    result.ranges = request.asked_ranges();
+    Ok(MadeTables { tables, scheme: name, checked })
+}
+
+/// What of tables the control of a format cannot take, a diagnostic each.
+#[must_use]
+pub fn misfits(format: &Format, tables: &Tables, wiring: &Wiring) -> Vec<Diagnostic> {
+    let help = "try --scheme auto, fewer --points or a larger --tolerance; ncfix tables --list shows the limits";
+    let faults = format.faults_of(tables, wiring).into_iter();
+    faults.map(|fault| Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, fault, help)).collect()
+}
+
+/// The diagnostic for tables that leave more than no tables over `where_`, at the tip or in the direction of the tool.
+#[must_use]
+pub fn worse(checked: &TablesCheck, where_: &str) -> Option<Diagnostic> {
+    /// What two ways to add up the same may differ by, µm and µrad.
+    const NOISE: f64 = 1e-3;
+    let (before, with) = (checked.before, checked.tables);
+    let kinds = [
+        ("tip", "um rms", before.rms_um, with.rms_um),
+        ("direction of the tool", "urad rms", before.tilt_rms_urad, with.tilt_rms_urad),
+    ];
+    let (what, unit, without, left) = kinds.into_iter().find(|(.., without, left)| *left > without + NOISE)?;
+    let message = format!(
+        "the tables would leave more than no tables: the {what} is off by {} {unit} without them and by {} {unit} with them over {where_}, most at {}",
+        significant(without),
+        significant(left),
+        checked.worst
+    );
+    let help = "nothing was written; take another --scheme (auto tries them all; own takes no axis that depends on another one), --orientation off \
+                where the direction gets worse, the --tool that is used, a --range as large as the use; a constant part is one of the zero offset";
+    Some(Diagnostic::nowhere(Code::TABLES_MAKE_WORSE, message, help))
+}
+
+/// The axes whose sense of motion counts and which the format has no tables for.
+fn plays(task: &Task<'_>) -> Vec<String> {
+    let has_play = |axis: &Axis| task.target.model.features(*axis).backlash;
+    let is_left = !task.format.can_hold(Holds::Senses);
+    task.region.axes().filter(has_play).filter(|_| is_left).map(|axis| axis.to_string()).collect()
+}
+
+/// What to do where tables do not fit.
+fn help(task: &Task<'_>) -> String {
+    let mut help =
+        "ncfix tables --list shows what each format holds; try --scheme auto or a larger --tolerance".to_owned();
+    if task.target.machine.axes.iter().flatten().any(|data| data.axis.is_rotary()) {
+        help += "; --orientation six-rows or off asks for less of the rotary axes, --range for a part of the travel";
+    }
+    let plays = plays(task).join(" ");
+    if !plays.is_empty() {
+        help += &format!(
+            "; what depends on the sense of {plays} is left: the control's backlash parameter takes it, or a format with senses"
+        );
+    }
+    help
+}
+
+/// Why tables would be all zeros, and what to do.
+fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
+    let before = checked.before;
+    let is_nothing = |um: f64, urad: f64| um < 1e-3 && urad < 1e-3;
+    if is_nothing(before.max_um, before.tilt_max_urad) {
+        return ("the model has no errors that tables correct".into(), "calibrate the machine first".into());
+    }
+    let left = format!("{} um rms", significant(before.rms_um));
+    let plays = plays(task).join(" ");
+    if !plays.is_empty() {
+        let why = format!("all values would be 0: of the {left} nothing is left without the senses of {plays}");
+        let help = format!(
+            "{} has no tables for a sense of motion: enter the play into the control's backlash parameter, or choose cec, comp, ssfk or heidenhain",
+            task.format.title
+        );
+        return (why, help);
+    }
+    if before.rms_um <= um_from_mm(task.tolerance_mm) {
+        let why =
+            format!("all values would be 0: the tip is off by {left} without tables, which is within the tolerance");
+        return (why, "choose a smaller --tolerance, or no tables".into());
+    }
+    let why = format!("all values would be 0 in the digits of {}, and the tip is off by {left}", task.format.title);
+    (why, help(task))
+}
+
+/// `0.95 um, 5 % below the tolerance`
+fn aim(tolerance_mm: f64) -> String {
+    let below = (1.0 - scheme::AIM) * 100.0;
+    let aim = format!("{:.9}", um_from_mm(scheme::AIM * tolerance_mm));
+    format!("{} um, {below:.0} % below the tolerance", aim.trim_end_matches('0').trim_end_matches('.'))
+}
+
+/// `free with 33 points leaves 4.2 um`
+fn said(tried: &TriedScheme) -> String {
+    match (&tried.reason, tried.rms_um) {
+        (Some(reason), _) => format!("{}: {reason}", tried.scheme),
+        (None, rms) => {
+            format!("{} with {} points leaves {:.2} um", tried.scheme, tried.points, rms.unwrap_or(f64::NAN))
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What compensation tables are made and checked for: a machine in its condition, a part of its volume, the names of its axes, a tool.
+
+use std::fmt::{self, Write as _};
+
+use super::result::TablesCheck;
+use crate::tables::check::check;
+use crate::tables::region::Region;
+use crate::tables::{Control, Multiplication, Orientation, Tables, Target, Wiring};
+use ncfix_base::geometry::{Axis, AxisVector, Vector};
+use ncfix_machine::machine::{Condition, Machine};
+use ncfix_model::{ErrorModel, Model};
+
+/// Start of the generator of the poses of a check: none of those of a scheme.
+pub(super) const SEED: u64 = 0x43_4845_434b;
+
+/// What tables are made and checked for.
+#[derive(Clone, Debug)]
+pub struct TablesRequest<'a> {
+    /// The machine, without tables that are active in its control.
+    pub machine: &'a Machine,
+    /// Its errors.
+    pub errors: &'a ErrorModel,
+    /// Its condition.
+    pub condition: &'a Condition,
+    /// The part of its volume.
+    pub region: Region,
+    /// The ranges that were asked for in place of the travel, mm or deg.
+    pub ranges: Vec<(Axis, [f64; 2])>,
+    /// How the control names the axes.
+    pub wiring: Wiring,
+    /// From the gauge point to the tip, mm.
+    pub tool_mm: Vector,
+    /// What the rotary axes do about the direction of the tool; `None` for what each scheme is at home in.
+    pub orientation: Option<Orientation>,
+    /// What the control does with products, where it is known.
+    pub multiplication: Option<Multiplication>,
+    /// Poses at which tables are checked.
+    pub poses: usize,
+}
+
+/// Why a machine has no such part of its volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoRegion {
+    /// An axis has no travel.
+    NoTravel(Axis),
+    /// The machine lacks an axis of which a range was asked.
+    NoAxis(Axis),
+    /// A range goes beyond the travel, which is this, mm or rad.
+    BeyondTravel(Axis, [f64; 2]),
+}
+
+impl fmt::Display for NoRegion {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NoRegion::NoTravel(axis) => {
+                write!(out, "axis {axis} has no travel; write travel_mm of it into the machine file")
+            }
+            NoRegion::NoAxis(axis) => write!(out, "--range: the machine has no axis {axis}"),
+            NoRegion::BeyondTravel(axis, range) => {
+                let [lowest, highest] = range.map(|value| if axis.is_rotary() { value.to_degrees() } else { value });
+                write!(out, "--range: {axis} travels from {} to {}", short(lowest), short(highest))
+            }
+        }
+    }
+}
+
+impl std::error::Error for NoRegion {}
+
+/// The travel of a machine, with ranges of some axes in place of theirs, mm or deg.
+///
+/// # Errors
+/// Where an axis has no travel, a range is of none, or goes beyond the travel.
+pub fn region(machine: &Machine, ranges: &[(Axis, [f64; 2])]) -> Result<Region, NoRegion> {
+    let mut region = Region::travel(machine).map_err(NoRegion::NoTravel)?;
+    for &(axis, range) in ranges {
+        let data = machine.axis(axis).ok_or(NoRegion::NoAxis(axis))?;
+        let range = range.map(|value| if axis.is_rotary() { value.to_radians() } else { value });
+        if let Some(travel) =
+            data.travel.filter(|[lowest, highest]| range[0] < lowest - 1e-9 || range[1] > highest + 1e-9)
+        {
+            return Err(NoRegion::BeyondTravel(axis, travel));
+        }
+        region.set(axis, range);
+    }
+    Ok(region)
+}
+
+/// A number with the digits that people write, without those that conversions make.
+fn short(value: f64) -> String {
+    let text = format!("{value:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+impl TablesRequest<'_> {
+    /// `X -130 .. 130, A -55 .. 55`: all of the volume, mm and deg.
+    #[must_use]
+    pub fn volume(&self) -> String {
+        let text = |&(axis, [low, high]): &(Axis, [f64; 2])| {
+            let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+            format!("{axis} {} .. {}", short(shown(low)), short(shown(high)))
+        };
+        self.region.ranges.iter().map(text).collect::<Vec<_>>().join(", ")
+    }
+
+    /// `A -55 .. 55 deg` for each range that was asked for.
+    #[must_use]
+    pub fn asked_ranges(&self) -> Vec<String> {
+        let text = |&(axis, [low, high]): &(Axis, [f64; 2])| {
+            let unit = if axis.is_rotary() { "deg" } else { "mm" };
+            format!("{axis} {} .. {} {unit}", short(low), short(high))
+        };
+        self.ranges.iter().map(text).collect()
+    }
+
+    /// The error model of the machine in its condition.
+    #[must_use]
+    pub fn model(&self) -> Model {
+        Model::at(self.machine, self.errors, self.condition)
+    }
+
+    /// The corrections that tables shall give.
+    #[must_use]
+    pub fn target<'t>(&'t self, model: &'t Model) -> Target<'t> {
+        let orientation = self.orientation.unwrap_or(Orientation::Smooth);
+        Target { machine: self.machine, model, tool_mm: self.tool_mm, orientation }
+    }
+
+    /// What tables leave over the volume; a grid knows no rotary axes.
+    #[must_use]
+    pub fn check(&self, tables: &Tables) -> TablesCheck {
+        let mut region = self.region.reached(self.machine);
+        if tables.grid.is_some() || tables.matrix.is_some() {
+            for (axis, [low, high]) in self.region.ranges.iter().filter(|(axis, _)| axis.is_rotary()) {
+                let at = 0_f64.clamp(*low, *high);
+                region.set(*axis, [at, at]);
+            }
+        }
+        self.check_in(&region, tables)
+    }
+
+    /// What tables leave where the machine is used: the range of every axis, the rotary ones too, for which a grid has no tables but which turn all
+    /// the same. `checked` is what [`check`](Self::check) found.
+    #[must_use]
+    pub fn everywhere(&self, tables: &Tables, checked: &TablesCheck) -> TablesCheck {
+        if tables.grid.is_none() && tables.matrix.is_none() {
+            return checked.clone();
+        }
+        self.check_in(&self.region.reached(self.machine), tables)
+    }
+
+    fn check_in(&self, region: &Region, tables: &Tables) -> TablesCheck {
+        let model = self.model();
+        let target = self.target(&model);
+        let poses = region.poses(self.poses, SEED);
+        let found = check(&target, &Control::new(self.machine, tables), &poses);
+        TablesCheck::new(&found, place(region, &found.worst), &self.tool_mm)
+    }
+}
+
+/// `X120.5 Y-3 A30`
+fn place(region: &Region, pose: &AxisVector) -> String {
+    let mut text = String::new();
+    for &(axis, _) in &region.ranges {
+        let value = if axis.is_rotary() { pose[axis].to_degrees() } else { pose[axis] };
+        let _ = write!(text, "{}{axis}{value:.1}", if text.is_empty() { "" } else { " " });
+    }
+    text
+}

@@ -1,0 +1,142 @@
+//! `ncfix calibrate`: from measured data to the machine file.
+
+pub(in crate::cli) mod arguments;
+
+use crate::calibration::text_of;
+use crate::cli::arguments::CalibrateArguments;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::input::{self, is_standard_stream, one_stream};
+use crate::cli::machine_choice;
+use crate::cli::measurement;
+use crate::cli::output::Target;
+use crate::cli::pages::{self, Pages};
+use crate::cli::progress::Progress;
+use crate::cli::stop::Stop;
+use crate::cli::together::Together;
+use crate::cli::{parameters, print, state, tell};
+use ncfix_base::source::FileId;
+use ncfix_metrology::calibrate::candidates::Pieces;
+use ncfix_metrology::results::calibration::{CalibrationSettings, CalibrationStart, check_sizes, prepare};
+use ncfix_report::calibration::CalibrationReport;
+use ncfix_report::{json, page};
+
+/// What is told of the data in a finding about the machine's file: its id, beyond those of measurements.
+const MACHINE: FileId = FileId(0);
+
+/// Calibrates.
+pub(in crate::cli) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
+    let goes_out = is_standard_stream(&arguments.output);
+    one_stream(arguments.json, goes_out)?;
+    let mut findings = Findings::default();
+    let mut report = CalibrationReport { version: env!("CARGO_PKG_VERSION"), ..CalibrationReport::default() };
+    report.found.model.clone_from(&arguments.model);
+    let page = Pages::new(&arguments.page, Some(&arguments.output), arguments.json)?;
+    let mut files = Together::default();
+    let mut result = calibrate(arguments, page.as_ref(), &mut files, &mut findings, &mut report);
+    if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
+        report.diagnostics = findings.json();
+        result = page.add(&page::calibration::calibration(&report), &mut files);
+        if result.is_ok() {
+            report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
+        }
+    }
+    result = result.and_then(|()| Ok(files.publish()?));
+    if result.is_ok() && arguments.json {
+        report.diagnostics = findings.json();
+        print(&json::line(&report).map_err(Stop::Usage)?)?;
+        return Ok(findings.exit_code());
+    }
+    findings.draw();
+    result?;
+    if !report.found.parameters.is_empty() || report.found.selection.is_some() {
+        tell(&report.table());
+    }
+    if findings.has_errors() {
+        let what = if report.report.is_some() { "no machine file" } else { "nothing" };
+        tell(&format!("{}; {what} was written\n", findings.count()));
+    }
+    Ok(findings.exit_code())
+}
+
+fn calibrate(
+    arguments: &CalibrateArguments,
+    page: Option<&Pages>,
+    files: &mut Together,
+    findings: &mut Findings,
+    report: &mut CalibrationReport,
+) -> Result<(), Stop> {
+    let target = Target::new(&arguments.output)?;
+    let start = input::read_written(&arguments.machine, MACHINE, "machine file, --machine")?;
+    let chosen = machine_choice::read(&start, &[], findings)?;
+    let read = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
+    let tables = arguments.data.iter().chain(&arguments.hold_out);
+    measurement::protect_inputs(std::iter::once(&target).chain(page.and_then(Pages::target)), read, tables, findings)?;
+    if page.is_some() && findings.has_errors() {
+        return Ok(());
+    }
+    report.inputs.push(pages::input(&start, "machine"));
+    for path in &arguments.state.state {
+        report.inputs.push(pages::input(&input::read(path, MACHINE, "")?, "condition"));
+    }
+    let Some(mut chosen) = chosen else { return Ok(()) };
+    if !state::read(&arguments.state, &mut chosen, findings)? {
+        return Ok(());
+    }
+    report.found.machine.clone_from(&chosen.machine.name);
+    let parameters = match arguments.model.as_str() {
+        "none" if arguments.select.is_some() => Some(Vec::new()),
+        model => parameters::choose(model, &chosen.machine, &chosen.errors, findings)?,
+    };
+    let begin = CalibrationStart { machine: &chosen.machine, errors: &chosen.errors, condition: &chosen.condition };
+    let mut all = Vec::new();
+    for (number, path) in arguments.data.iter().chain(&arguments.hold_out).enumerate() {
+        let read = measurement::read(path, number, false, &chosen.machine, findings)?;
+        if let Some(measurement) = &read {
+            findings.extend(check_sizes(&begin, measurement, arguments.max), &measurement.sources);
+            report.inputs.extend(measurement::inputs(measurement, number >= arguments.data.len()));
+        }
+        all.extend(read);
+    }
+    let Some(parameters) = parameters.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    if chosen.state.is_some() {
+        all.iter_mut().for_each(|one| one.data.fill_in(&chosen.condition));
+    }
+    let settings = CalibrationSettings {
+        max_mm: arguments.max,
+        robust: !arguments.no_robust,
+        reduce: arguments.reduce,
+        monte_carlo: arguments.monte_carlo.map(|runs| [runs, arguments.seed]),
+        significance: arguments.significance,
+        with_readings: arguments.page.is_wanted(),
+    };
+    let sources = measurement::sources_of(&all);
+    let mut found = Vec::new();
+    let prepared = prepare(begin, settings, all, arguments.data.len(), parameters, &mut found, &mut report.found);
+    findings.extend(found, &sources);
+    let Some(prepared) = prepared else { return Ok(()) };
+    let candidates = match &arguments.select {
+        Some(words) => {
+            let data = prepared.data();
+            let pieces = Pieces { spacing_mm: arguments.knots, degree: arguments.degree };
+            let choice = (words.as_str(), pieces);
+            let found = parameters::candidates(choice, &chosen.machine, &chosen.errors, &data, findings)?;
+            if found.is_none() {
+                return Ok(());
+            }
+            found
+        }
+        None => None,
+    };
+    let mut line = Progress::new();
+    let mut progress = |share: f64| line.share("repetitions", share);
+    let mut found = Vec::new();
+    let fit = prepared.fit(candidates.as_deref(), &mut progress, &mut found, &mut report.found);
+    line.clear();
+    findings.extend(found, &sources);
+    let Some(fit) = fit.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    let text = text_of(&chosen, &start, &arguments.model, &fit, prepared.used())?;
+    files.add(target, text.as_bytes())?;
+    report.output = Some(arguments.output.display().to_string());
+    Ok(())
+}

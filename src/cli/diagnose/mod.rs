@@ -1,0 +1,150 @@
+//! `ncfix diagnose`: what the model gets wrong, and why.
+
+pub(in crate::cli) mod arguments;
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::arguments::DiagnoseArguments;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::input::{self, is_standard_stream, one_stream};
+use crate::cli::machine_choice;
+use crate::cli::output::Target;
+use crate::cli::pages::{self, Pages};
+use crate::cli::progress::Progress;
+use crate::cli::stop::Stop;
+use crate::cli::together::Together;
+use crate::cli::{measurement, print, tell};
+use ncfix_base::source::{FileId, Source};
+use ncfix_metrology::results::diagnosis::{self, DiagnosisSettings, SCHEMA};
+use ncfix_metrology::results::measurement::{Measurement, check_copies};
+use ncfix_report::diagnosis::{DiagnosisReport, Shown};
+use ncfix_report::{json, page};
+
+/// Diagnoses.
+pub(in crate::cli) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
+    let goes_out = arguments.output.as_deref().is_some_and(is_standard_stream);
+    one_stream(arguments.json, goes_out)?;
+    let mut findings = Findings::default();
+    let mut report = DiagnosisReport::default();
+    report.found.schema = SCHEMA;
+    let mut shown = Shown { version: env!("CARGO_PKG_VERSION"), ..Shown::default() };
+    let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
+    let mut files = Together::default();
+    let mut result = find(arguments, (page.as_ref(), &mut files), &mut findings, &mut report, &mut shown);
+    if let (Some(page), Ok(())) = (page.filter(|_| !shown.inputs.is_empty()), &result) {
+        report.diagnostics = findings.json();
+        result = page.add(&page::diagnosis::diagnosis(&report, &shown), &mut files);
+        if result.is_ok() {
+            report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
+        }
+    }
+    result = result.and_then(|()| Ok(files.publish()?));
+    if result.is_ok() && arguments.json {
+        report.diagnostics = findings.json();
+        if report.found.readings == 0 {
+            report.forget_sizes();
+        }
+        print(&json::line(&report).map_err(Stop::Usage)?)?;
+        return Ok(findings.exit_code());
+    }
+    findings.draw();
+    result?;
+    if report.found.readings > 0 {
+        let text = report.page();
+        if goes_out || arguments.page.report.as_deref().is_some_and(is_standard_stream) {
+            tell(&text);
+        } else {
+            print(&text)?;
+        }
+    }
+    if findings.has_errors() {
+        let what = if report.report.is_some() { "only the page" } else { "nothing" };
+        tell(&format!("{}; {what} was written\n", findings.count()));
+    }
+    Ok(findings.exit_code())
+}
+
+fn find(
+    arguments: &DiagnoseArguments,
+    (page, files): (Option<&Pages>, &mut Together),
+    findings: &mut Findings,
+    report: &mut DiagnosisReport,
+    shown: &mut Shown,
+) -> Result<(), Stop> {
+    let first = arguments.data.first().map_or(Path::new("."), PathBuf::as_path);
+    let target = arguments.output.as_deref().map(Target::new).transpose()?;
+    let Some(chosen) = machine_choice::choose(&arguments.machine, first, findings)? else { return Ok(()) };
+    report.found.machine.clone_from(&chosen.machine.name);
+    if target.is_some() && chosen.is_demo {
+        return Err(Stop::Usage("-o extends a machine file; give it with --machine".into()));
+    }
+    let tables = arguments.data.iter().chain(&arguments.holdout);
+    measurement::protect_inputs(
+        target.iter().chain(page.and_then(Pages::target)),
+        chosen.files.clone(),
+        tables,
+        findings,
+    )?;
+    if findings.has_errors() {
+        return Ok(());
+    }
+    for path in &chosen.files {
+        shown.inputs.push(pages::input(&input::read(path, FileId(0), "")?, "machine"));
+    }
+    let mut all: Vec<Measurement> = Vec::new();
+    for (number, path) in arguments.data.iter().chain(&arguments.holdout).enumerate() {
+        let read = measurement::read_with_dead(path, number, (&chosen.machine, &chosen.errors), findings)?;
+        if let Some(one) = &read {
+            shown.inputs.extend(measurement::inputs(one, number >= arguments.data.len()));
+        }
+        all.extend(read);
+    }
+    if findings.has_errors() {
+        // What is the same twice is told with all else.
+        let sources = measurement::sources_of(&all);
+        findings.extend(check_copies(&all), &sources);
+        return Ok(());
+    }
+    let file = old(target.is_some(), chosen.files.last())?;
+    let settings = DiagnosisSettings {
+        file: file.as_ref(),
+        is_extended: target.is_some(),
+        with_readings: page.is_some(),
+        ..DiagnosisSettings::default()
+    };
+    let sources = measurement::sources_of(&all);
+    let (mut progress, mut found) = (Progress::new(), Vec::new());
+    let made = diagnosis::run(
+        (&chosen.machine, &chosen.errors),
+        all,
+        arguments.data.len(),
+        settings,
+        &mut |what, share| progress.share(what, share),
+        &mut found,
+        (&mut report.found, &mut shown.readings),
+    );
+    progress.clear();
+    let written = match (target, made) {
+        (Some(target), Some(Some(made))) => made.text(&mut found).map(|text| (target, text)),
+        _ => None,
+    };
+    findings.extend(found, &sources);
+    if let Some((target, text)) = written {
+        files.add(target, text.as_bytes())?;
+        report.output = arguments.output.as_ref().map(|path| path.display().to_string());
+    }
+    Ok(())
+}
+
+/// The machine file that is extended. Where nothing is written, it only says what it could hold.
+fn old(is_written: bool, path: Option<&PathBuf>) -> Result<Option<Source>, Stop> {
+    let Some(path) = path else {
+        return if is_written { Err(Stop::Usage("-o needs --machine".into())) } else { Ok(None) };
+    };
+    match input::read_written(path, FileId(0), "machine file to extend") {
+        Ok(file) => Ok(Some(file)),
+        Err(error) if is_written => Err(error.into()),
+        Err(_) => Ok(None),
+    }
+}

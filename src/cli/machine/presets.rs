@@ -1,0 +1,42 @@
+//! `ncfix machine presets`: which parameters an error model may have, and which a machine file has.
+
+use std::path::Path;
+
+use crate::cli::arguments::PresetArguments;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
+use crate::cli::stop::Stop;
+use crate::cli::{machine_choice, print};
+use ncfix_model::preset::{PRESETS, find};
+use ncfix_report::presets::{list, page};
+
+/// Lists the presets, or shows one of them on a machine.
+pub(super) fn run(arguments: &PresetArguments) -> Result<ExitCode, Stop> {
+    let preset = match &arguments.name {
+        None => None,
+        Some(name) => Some(find(name).ok_or_else(|| {
+            let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+            Stop::Usage(format!("there is no preset '{name}'; the presets are {}", known.join(", ")))
+        })?),
+    };
+    if preset.is_none() && arguments.machine.machine.is_none() {
+        print(&list(None))?;
+        return Ok(ExitCode::Done);
+    }
+    let mut findings = Findings::default();
+    // There is no program beside which a machine file could lie.
+    let chosen = machine_choice::choose(&arguments.machine, Path::new("-"), &mut findings)?;
+    findings.draw();
+    let Some(chosen) = chosen else { return Ok(findings.exit_code()) };
+    match preset {
+        None => print(&list(Some(&chosen.machine)))?,
+        Some(preset) => {
+            let parameters = (preset.parameters)(&chosen.machine).map_err(|reason| {
+                let name = &chosen.machine.name;
+                Stop::Usage(format!("preset {} does not suit the machine {name}: {reason}", preset.name))
+            })?;
+            print(&page(preset, &parameters, &chosen.machine, &chosen.errors))?;
+        }
+    }
+    Ok(findings.exit_code())
+}

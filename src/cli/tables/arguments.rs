@@ -1,0 +1,224 @@
+//! The arguments of `ncfix tables`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::cli::arguments::{MachineChoice, StateChoice};
+use crate::cli::stop::Stop;
+use crate::cli::value;
+use crate::tables::TableOptions;
+use ncfix_base::geometry::Axis;
+use ncfix_tables::tables::{FORMATS, Format, Multiplication, Orientation, format};
+
+/// What `ncfix tables --help` says last.
+pub(in crate::cli) const AFTER_HELP: &str = "\
+Formats (--list says what each holds):
+  cec  enc  fanuc  heidenhain  grundig  comp  matrixkins  isg  ssfk
+Schemes:
+  functions      a table for each error function, for controls with kinematics of their own
+  grid           corrections of X, Y, Z on the smallest grid of positions that reaches the tolerance
+  matrix         a matrix for scales and squareness of X, Y, Z
+  own            a table for each axis over its own position, free at every point
+  polynomial     a table for each pair of axes, cubic polynomials (25 on five axes)
+  free           a table for each pair of axes, free at every point
+  trigonometric  arms of the linear axes times trigonometric functions of a rotary axis (23 on five axes)
+  fik            what the linear forward and inverse kinematics of the machine ask for, term by term
+  auto           the fewest tables that reach the tolerance
+
+Tables are for one tool length: what tilts the tool moves its tip. Rotary axes are corrected as far as --orientation says. Load tables with the \
+compensation switched off, switch it on, and measure a circle or a few balls before and after: with the wrong sign errors double.
+
+Examples:
+  ncfix tables --machine mill.toml --format cec --scheme fik --tool 120 -o CEC.INI --check
+  ncfix tables --machine mill.toml --format fanuc --scheme grid --tolerance 1um -o grid.csv --check
+  ncfix tables --machine mill.toml --format cec --scheme auto --tolerance 2um -o CEC.INI
+  ncfix tables --read CEC.INI --machine mill.toml --check
+  ncfix tables --read OLD.INI --compare CEC.INI --svg both.svg
+  ncfix tables --read CEC.INI --machine mill.toml --check --report cec.html
+  ncfix tables --read EEC.INI --format comp -o joints.comp";
+
+/// `ncfix tables`.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct TablesArguments {
+    #[command(flatten)]
+    /// Which machine.
+    pub(in crate::cli) machine: MachineChoice,
+    #[command(flatten)]
+    /// In which condition.
+    pub(in crate::cli) state: StateChoice,
+    /// Format of the tables that are written
+    #[arg(long, value_name = "FORMAT", value_parser = named)]
+    pub(in crate::cli) format: Option<&'static Format>,
+    /// How the tables are filled
+    #[arg(long, value_name = "SCHEME", default_value = "auto", conflicts_with = "read")]
+    pub(in crate::cli) scheme: String,
+    /// File to write; formats of several files add to its name
+    #[arg(short, long, value_name = "OUT")]
+    pub(in crate::cli) output: Option<PathBuf>,
+    /// Reads tables of a control: a file, several that belong together, or an archive
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub(in crate::cli) read: Vec<PathBuf>,
+    /// Compares them with the tables of another file: what both add at poses of the volume
+    #[arg(long, value_name = "FILE", requires = "read")]
+    pub(in crate::cli) compare: Option<PathBuf>,
+    /// The error that is left over the volume with the tables as they are written
+    #[arg(long)]
+    pub(in crate::cli) check: bool,
+    /// Poses of the check
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(in crate::cli) poses: u32,
+    /// Error that may be left at the tip, root mean square over the volume, with its unit
+    #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
+    pub(in crate::cli) tolerance: f64,
+    /// Points of a table
+    #[arg(long, value_name = "N", default_value_t = 37, value_parser = clap::value_parser!(u32).range(2..=2000))]
+    pub(in crate::cli) points: u32,
+    /// What the rotary axes do about the direction of the tool; without it smooth, and six-rows for polynomial and trigonometric
+    #[arg(long, value_enum)]
+    pub(in crate::cli) orientation: Option<OrientationChoice>,
+    /// Range of an axis that the tables cover, mm or degrees, in place of its travel; may be given several times
+    #[arg(long, value_name = "AXIS=LOW..HIGH", value_parser = range, allow_hyphen_values = true)]
+    pub(in crate::cli) range: Vec<(Axis, [f64; 2])>,
+    /// How the control names an axis: X=AX1; may be given several times
+    #[arg(long, value_name = "AXIS=NAME", value_parser = axis_name)]
+    pub(in crate::cli) axis_name: Vec<(Axis, String)>,
+    /// What a table adds that is multiplied by another one: the product instead of its own value, or beside it; without it what the file or
+    /// the machine file says, else instead
+    #[arg(long, value_enum)]
+    pub(in crate::cli) multiplication: Option<MultiplicationChoice>,
+    /// Tool: its length in mm along the spindle, or X,Y,Z from the gauge point to the tip; without it that of the longest tool of the machine file
+    #[arg(long, value_name = "LENGTH|X,Y,Z", value_parser = value::tool, allow_hyphen_values = true)]
+    pub(in crate::cli) tool: Option<value::ToolVector>,
+    /// Draws the tables into a file
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) svg: Option<PathBuf>,
+    /// Write a page (HTML) with what the tables leave, pictures and tables: one file that opens in a browser without a network
+    #[arg(long, value_name = "REPORT.html")]
+    pub(in crate::cli) report: Option<PathBuf>,
+    /// Lists formats and schemes
+    #[arg(long)]
+    pub(in crate::cli) list: bool,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub(in crate::cli) json: bool,
+}
+
+impl TablesArguments {
+    /// How the tables are made and checked.
+    pub(super) fn options(&self) -> TableOptions {
+        TableOptions {
+            scheme: self.scheme.clone(),
+            points: self.points as usize,
+            tolerance_mm: self.tolerance,
+            tool: self.tool,
+            poses: self.poses as usize,
+            orientation: self.orientation.map(OrientationChoice::orientation),
+            ranges_mm_deg: self.range.clone(),
+            axis_names: self.axis_name.clone(),
+            multiplication: self.multiplication.map(MultiplicationChoice::multiplication),
+        }
+    }
+
+    /// Refuses two names of one axis, and one name of two.
+    pub(super) fn check_names(&self) -> Result<(), Stop> {
+        once("--axis-name", self.axis_name.iter().map(|(_, name)| name.clone()))?;
+        once("--axis-name", self.axis_name.iter().map(|(axis, _)| format!("axis {axis}")))
+    }
+
+    /// Refuses two ranges of one axis.
+    pub(super) fn check_ranges(&self) -> Result<(), Stop> {
+        once("--range", self.range.iter().map(|(axis, _)| axis.to_string()))
+    }
+}
+
+/// Refuses an option that says something of the same thing twice.
+fn once(option: &str, all: impl Iterator<Item = String>) -> Result<(), Stop> {
+    let mut known: Vec<String> = Vec::new();
+    for one in all.map(|one| one.to_ascii_uppercase()) {
+        if known.contains(&one) {
+            return Err(Stop::Usage(format!("{option} is given twice for {one}; give it once")));
+        }
+        known.push(one);
+    }
+    Ok(())
+}
+
+/// See [`Orientation`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum OrientationChoice {
+    /// As much of the tilt as goes without turning the tool about itself much: a smooth function without poles
+    Smooth,
+    /// Tilt and roll alike (Esmaeili 2021, eq. 37): lowest trigonometric functions, most tilt left
+    SixRows,
+    /// All of the tilt, as programs are corrected: steep near a pole
+    Exact,
+    /// Nothing: only the position of the tip is corrected
+    Off,
+}
+
+impl OrientationChoice {
+    /// The same for the tables.
+    fn orientation(self) -> Orientation {
+        match self {
+            OrientationChoice::Smooth => Orientation::Smooth,
+            OrientationChoice::SixRows => Orientation::SixRows,
+            OrientationChoice::Exact => Orientation::Exact,
+            OrientationChoice::Off => Orientation::Off,
+        }
+    }
+}
+
+/// See [`Multiplication`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum MultiplicationChoice {
+    /// The product in place of the own value
+    Instead,
+    /// The product beside the own value
+    Beside,
+}
+
+impl MultiplicationChoice {
+    /// The same for the tables.
+    fn multiplication(self) -> Multiplication {
+        match self {
+            MultiplicationChoice::Instead => Multiplication::Instead,
+            MultiplicationChoice::Beside => Multiplication::Beside,
+        }
+    }
+}
+
+fn named(text: &str) -> Result<&'static Format, String> {
+    let names = || FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
+    format::find(text).ok_or_else(|| format!("the formats are {}", names()))
+}
+
+fn axis_of(text: &str) -> Result<Axis, String> {
+    match text.trim().as_bytes() {
+        [letter] => Axis::from_letter(*letter).ok_or_else(|| format!("'{text}' is no axis")),
+        _ => Err(format!("'{text}' is no axis")),
+    }
+}
+
+fn range(text: &str) -> Result<(Axis, [f64; 2]), String> {
+    let (axis, range) = text.split_once('=').ok_or("write AXIS=LOW..HIGH, such as A=-55..55")?;
+    let (low, high) = range.split_once("..").ok_or("write LOW..HIGH, such as -55..55")?;
+    let number = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|value| value.is_finite())
+            .ok_or_else(|| format!("'{text}' is no number"))
+    };
+    let (low, high) = (number(low)?, number(high)?);
+    if low > high {
+        return Err(format!("{low} is above {high}"));
+    }
+    Ok((axis_of(axis)?, [low, high]))
+}
+
+fn axis_name(text: &str) -> Result<(Axis, String), String> {
+    let (axis, name) = text.split_once('=').ok_or("write AXIS=NAME, such as X=AX1")?;
+    let is_name = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if is_name { Ok((axis_of(axis)?, name.to_owned())) } else { Err(format!("'{name}' is no name of an axis")) }
+}

@@ -1,0 +1,110 @@
+//! Reads measurements: pairs of a table NAME.csv and a description NAME.toml.
+
+use std::path::{Path, PathBuf};
+
+use super::files;
+use super::hash::input_of;
+use super::output::{Target, protect};
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::Machine;
+use ncfix_metrology::measure::kind::Instruments;
+use ncfix_metrology::measure::trace::Described;
+use ncfix_metrology::results::measurement::{self, Measurement, Purpose};
+use ncfix_model::ErrorModel;
+use ncfix_report::inputs::Input;
+
+/// The description beside a table.
+///
+/// # Errors
+/// Where there can be none.
+pub(crate) fn description_of(table: &Path) -> Result<PathBuf, Error> {
+    measurement::description_of(table).ok_or_else(|| {
+        let name = table.display();
+        Error::usage(format!("a measurement is a pair of files, NAME.csv and NAME.toml; '{name}' is no NAME.csv"))
+    })
+}
+
+/// Says where something that is written would overwrite what is read: `files`, and the pairs of these tables.
+///
+/// # Errors
+/// Where a table can have no description.
+pub(crate) fn protect_inputs<'a>(
+    targets: impl IntoIterator<Item = &'a Target>,
+    mut files: Vec<PathBuf>,
+    tables: impl Iterator<Item = &'a PathBuf>,
+    findings: &mut Diagnostics,
+) -> Result<(), Error> {
+    for path in tables {
+        files.extend([path.clone(), description_of(path)?]);
+    }
+    targets.into_iter().for_each(|target| protect(target, &files, findings));
+    Ok(())
+}
+
+/// Reads a measurement, or the plan of one; `None` where findings forbid to use it. `number` tells measurements apart.
+///
+/// # Errors
+/// Where a file cannot be read.
+pub(crate) fn read(
+    table: &Path,
+    number: usize,
+    is_plan: bool,
+    machine: &Machine,
+    findings: &mut Diagnostics,
+) -> Result<Option<Measurement>, Error> {
+    read_for(if is_plan { Purpose::Plan } else { Purpose::Fit }, table, number, machine, findings)
+}
+
+/// Reads a measurement in which sensors may be dead in some rows, which is no refusal; of a trace what goes with the speed, beside a model.
+///
+/// # Errors
+/// Where a file cannot be read.
+pub(crate) fn read_with_dead(
+    table: &Path,
+    number: usize,
+    (machine, errors): (&Machine, &ErrorModel),
+    findings: &mut Diagnostics,
+) -> Result<Option<Measurement>, Error> {
+    read_for(Purpose::Diagnosis(errors), table, number, machine, findings)
+}
+
+fn read_for(
+    purpose: Purpose<'_>,
+    table: &Path,
+    number: usize,
+    machine: &Machine,
+    findings: &mut Diagnostics,
+) -> Result<Option<Measurement>, Error> {
+    let description = description_of(table)?;
+    let [own, beside] = measurement::ids(number);
+    let sources = [
+        files::read(table, own, "measurement")?,
+        files::read_written(&description, beside, "its description, beside it")?,
+    ];
+    let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let mut all = sources.to_vec();
+    let control = |described: &Described| -> Result<Option<Source>, Error> {
+        let Some(path) = measurement::control_file(table, described) else { return Ok(None) };
+        let file = files::read(&path, FileId(u16::MAX), "what the control recorded")?;
+        all.push(file.clone());
+        Ok(Some(file))
+    };
+    let mut found = Vec::new();
+    let how = (purpose, &Instruments::default());
+    let read = measurement::parse(&name, &sources, machine, how, control, &mut found);
+    findings.extend(found, &all);
+    read
+}
+
+/// The texts of measurements.
+pub(crate) fn sources_of(all: &[Measurement]) -> Vec<Source> {
+    all.iter().flat_map(|one| one.sources.iter().cloned()).collect()
+}
+
+/// The files of a measurement, as pages name them.
+pub(crate) fn inputs(one: &Measurement, is_held_out: bool) -> [Input; 2] {
+    let roles = if is_held_out { ["readings, held out", "description, held out"] } else { ["readings", "description"] };
+    [input_of(&one.sources[0], roles[0]), input_of(&one.sources[1], roles[1])]
+}

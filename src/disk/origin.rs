@@ -1,0 +1,212 @@
+//! `ncfix machine show --origin`: for every value of a machine, where it was written.
+
+use std::path::{Path, PathBuf};
+
+use super::machine_file::{self, Found, Member};
+use crate::error::Error;
+use ncfix_base::geometry::{AXES, FrameParts};
+use ncfix_base::source::Source;
+use ncfix_language::exec::apply_archive;
+use ncfix_machine::machine::file::{MachineFile, apply_setup, read_machine};
+use ncfix_machine::machine::origin::{defaults, written};
+use ncfix_machine::machine::{Machine, Setting, Tool};
+use ncfix_report::origin::{OriginFile, OriginFileKind, OriginRow, Origins};
+
+/// Sections that hold values even where they are not written.
+const ALWAYS: [&str; 3] = ["machine", "spindle", "control"];
+
+/// The origins of the values of a machine in a machine file with its set-up files, both of which were read without a fault.
+///
+/// # Errors
+/// Where a set-up file cannot be read.
+pub(crate) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Result<Origins, Error> {
+    let mut out = Origins::default();
+    out.files.push(OriginFile {
+        what: OriginFileKind::Machine,
+        file: source.name().to_owned(),
+        found: found.words().to_owned(),
+    });
+    let Ok(file) = MachineFile::parse(source) else { return Ok(out) };
+    let Some(mut machine) = read_machine(&file).0 else { return Ok(out) };
+    out.values = rows(&file, source);
+    for path in setups {
+        out.files.push(OriginFile {
+            what: OriginFileKind::SetUp,
+            file: path.display().to_string(),
+            found: "--setup".to_owned(),
+        });
+        for Member { source, is_saved_data } in machine_file::members(path)?.1 {
+            if is_saved_data {
+                let before = machine.clone();
+                // What is wrong with it was said when the machine was read.
+                let _ = apply_archive(&source, &mut machine);
+                lay_over(&mut out.values, changes(&before, &machine, &source));
+            } else if let Ok(file) = MachineFile::parse(&source) {
+                let _ = apply_setup(&source, &mut machine);
+                lay_over(&mut out.values, rows(&file, &source));
+            }
+        }
+    }
+    let folder = Path::new(source.name()).parent().unwrap_or(Path::new("."));
+    for table in &machine.active_tables.files {
+        let file = folder.join(table).display().to_string();
+        out.files.push(OriginFile { what: OriginFileKind::Tables, file, found: "machine.active_tables".to_owned() });
+    }
+    fill_in(&mut out.values, &machine);
+    Ok(out)
+}
+
+fn rows(file: &MachineFile, source: &Source) -> Vec<OriginRow> {
+    let row = |one: ncfix_machine::machine::origin::WrittenValue| OriginRow {
+        path: one.path,
+        value: one.value,
+        origin: format!("{}:{}", source.name(), one.line),
+    };
+    written(file, source).into_iter().map(row).collect()
+}
+
+/// The section of a value: its path without the last key. A key may hold points in brackets and quotation marks of its own.
+fn section(path: &str) -> &str {
+    for name in ["system.", "gud.", "parameter."] {
+        if path.starts_with(name) {
+            return name.trim_end_matches('.');
+        }
+    }
+    path.rsplit_once('.').map_or("", |(section, _)| section)
+}
+
+/// Lays values of a set-up file over others: a tool and a zero offset replace those of the same name as a whole, a variable itself.
+fn lay_over(values: &mut Vec<OriginRow>, over: Vec<OriginRow>) {
+    let is_whole = |section: &str| section.starts_with("tool[") || section.starts_with("zero_offset.");
+    values.retain(|row| {
+        !over.iter().any(|new| {
+            new.path == row.path || (is_whole(section(&row.path)) && section(&new.path) == section(&row.path))
+        })
+    });
+    over.into_iter().for_each(|row| insert(values, row));
+}
+
+/// Puts a value behind the others of its section, else of its kind.
+fn insert(values: &mut Vec<OriginRow>, row: OriginRow) {
+    let kind = |path: &str| path.split(['.', '[']).next().unwrap_or_default().to_owned();
+    let same_section = values.iter().rposition(|other| section(&other.path) == section(&row.path));
+    let place = same_section.or_else(|| values.iter().rposition(|other| kind(&other.path) == kind(&row.path)));
+    values.insert(place.map_or(values.len(), |place| place + 1), row);
+}
+
+/// Adds what holds for keys that were not written.
+fn fill_in(values: &mut Vec<OriginRow>, machine: &Machine) {
+    let mut sections: Vec<String> = ALWAYS.map(str::to_owned).to_vec();
+    for row in values.iter() {
+        let own = section(&row.path).to_owned();
+        if !sections.contains(&own) {
+            sections.push(own);
+        }
+    }
+    for section in sections {
+        let kind = format!("{section}.kind");
+        let kind = values.iter().find(|row| row.path == kind).map(|row| row.value.clone());
+        for (key, value) in defaults(&section, kind.as_deref(), machine) {
+            let path = format!("{section}.{key}");
+            // A key may be a section of its own, such as macro_codes.
+            let is_written = |row: &OriginRow| {
+                row.path.strip_prefix(&path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+            };
+            if !values.iter().any(is_written) {
+                insert(values, OriginRow { path, value, origin: "default".to_owned() });
+            }
+        }
+    }
+}
+
+/// What data that a control has saved changes in a machine.
+fn changes(before: &Machine, after: &Machine, source: &Source) -> Vec<OriginRow> {
+    let mut out = Vec::new();
+    let mut add = |path: String, value: String, mark: &str| {
+        out.push(OriginRow { path, value, origin: place(source, mark) });
+    };
+    for tool in after.tools.iter().filter(|tool| !before.tools.contains(tool)) {
+        let Tool { number, edge, length_mm, radius_mm, name } = tool;
+        // A sum of nothing is no negative zero to a person.
+        let [l1, l2, l3] = length_mm.map(|length_mm| length_mm + 0.0);
+        let mark = format!("[{number},{edge}]");
+        let path = |key: &str| format!("tool[{number},{edge}].{key}");
+        add(path("number"), number.to_string(), &mark);
+        add(path("edge"), edge.to_string(), &mark);
+        add(path("length_mm"), format!("[{l1}, {l2}, {l3}]"), &mark);
+        add(path("radius_mm"), radius_mm.to_string(), &mark);
+        name.iter().for_each(|name| add(path("name"), format!("\"{name}\""), &mark));
+    }
+    for (name, frame) in &after.zero_offsets {
+        if before.zero_offsets.get(name) != Some(frame) {
+            of_frame(&format!("zero_offset.{name}"), frame, after, |path, value| add(path, value, "$P_UIFR"));
+        }
+    }
+    for (number, frame) in &after.base_frames {
+        if before.base_frames.get(number) != Some(frame) {
+            of_frame(&format!("base_frame.{number}"), frame, after, |path, value| add(path, value, "BFR["));
+        }
+    }
+    for (number, value) in &after.parameters {
+        if before.parameters.get(number) != Some(value) {
+            add(format!("parameter.R{number}"), value.to_string(), &format!("R{number}="));
+        }
+    }
+    for (name, old, new) in [("system", &before.system, &after.system), ("gud", &before.gud, &after.gud)] {
+        for (key, value) in new.iter().filter(|(key, value)| old.get(*key) != Some(*value)) {
+            add(format!("{name}.{key}"), shown(value), key);
+        }
+    }
+    out
+}
+
+/// The parts of a frame that say something; the shifts always.
+fn of_frame(path: &str, frame: &FrameParts, machine: &Machine, mut add: impl FnMut(String, String)) {
+    for axis in AXES.into_iter().filter(|&axis| machine.axis(axis).is_some()) {
+        let (unit, factor) = if axis.is_rotary() { ("deg", 1_f64.to_degrees()) } else { ("mm", 1.0) };
+        add(format!("{path}.{axis}_{unit}"), (frame.translation[axis] * factor).to_string());
+        if frame.fine[axis] != 0.0 {
+            add(format!("{path}.fine_{axis}_{unit}"), (frame.fine[axis] * factor).to_string());
+        }
+    }
+    if frame.rotation != [0.0; 3] {
+        add(format!("{path}.rotation_deg"), format!("{:?}", frame.rotation.map(f64::to_degrees)));
+    }
+    if frame.scale != [1.0; 3] {
+        add(format!("{path}.scale"), format!("{:?}", frame.scale));
+    }
+    if frame.mirror != [false; 3] {
+        let names: Vec<&str> = ["\"X\"", "\"Y\"", "\"Z\""]
+            .into_iter()
+            .zip(frame.mirror)
+            .filter(|(_, is)| *is)
+            .map(|(name, _)| name)
+            .collect();
+        add(format!("{path}.mirror"), format!("[{}]", names.join(", ")));
+    }
+}
+
+/// The first line of saved data with a mark, blanks and case aside; the file alone where no line has it.
+fn place(source: &Source, mark: &str) -> String {
+    let plain = |line: &[u8]| -> String {
+        line.iter()
+            .filter(|byte| !byte.is_ascii_whitespace())
+            .map(|&byte| char::from(byte.to_ascii_uppercase()))
+            .collect()
+    };
+    let mut lines = source.bytes().split(|&byte| byte == source.line_end());
+    match lines.position(|line| plain(line).contains(mark)) {
+        Some(index) => format!("{}:{}", source.name(), index + 1),
+        None => source.name().to_owned(),
+    }
+}
+
+fn shown(value: &Setting) -> String {
+    match value {
+        Setting::Whole(value) => value.to_string(),
+        Setting::Number(value) => value.to_string(),
+        Setting::Truth(value) => value.to_string(),
+        Setting::Text(value) => format!("\"{value}\""),
+        Setting::List(values) => format!("[{}]", values.iter().map(shown).collect::<Vec<_>>().join(", ")),
+    }
+}

@@ -1,0 +1,94 @@
+//! Plans of measurements: rows, the program that runs them, and what they tell of a model.
+
+use std::path::PathBuf;
+
+use crate::diagnostics::Diagnostics;
+use crate::disk::{measurements, parameters};
+use crate::error::Error;
+use crate::machine::Machine;
+use ncfix_metrology::measure::data::DataSet;
+use ncfix_metrology::measure::plan::{PlanKind, Wishes, table};
+use ncfix_metrology::results::planned::{PlanResult, has_reading, judge};
+use ncfix_path::emit::flat;
+
+/// What plan is wanted.
+#[derive(Clone, Debug)]
+pub(crate) struct PlanRequest<'a> {
+    /// The kind of measurement.
+    pub(crate) kind: &'static PlanKind,
+    /// What of it is wished.
+    pub(crate) wishes: &'a Wishes,
+    /// Whether a seed was given.
+    pub(crate) is_seeded: bool,
+    /// A preset or a file of the parameters that it shall tell.
+    pub(crate) model: Option<&'a str>,
+    /// Measurements and plans that are there already: their tables.
+    pub(crate) with: &'a [PathBuf],
+    /// Poses that are added for the model.
+    pub(crate) more: usize,
+    /// Whether a program is wanted.
+    pub(crate) has_program: bool,
+}
+
+/// A plan as it is written.
+#[derive(Clone, Debug)]
+pub(crate) struct MadePlan {
+    /// What it is and tells.
+    pub(crate) result: PlanResult,
+    /// The table of poses.
+    pub(crate) table: String,
+    /// Its description.
+    pub(crate) description: String,
+    /// The program that runs the poses, where one is wanted.
+    pub(crate) program: Option<Vec<u8>>,
+}
+
+impl PlanRequest<'_> {
+    /// Makes the plan; `None` where findings forbid it.
+    ///
+    /// # Errors
+    /// Where there is no such plan on this machine, a file cannot be read, or the plan cannot be asked about the model.
+    pub(crate) fn run(&self, chosen: &Machine, found: &mut Diagnostics) -> Result<Option<MadePlan>, Error> {
+        let machine = &chosen.machine;
+        self.kind.check(self.wishes, self.is_seeded, machine).map_err(|reason| Error::usage(reason.to_string()))?;
+        let refused = |reason: String| Error::usage(format!("no plan {}: {reason}", self.kind.name));
+        let mut plan = (self.kind.build)(machine, self.wishes).map_err(|reason| refused(reason.to_string()))?;
+        let Some(others) = others(self.with, chosen, found)? else { return Ok(None) };
+        let mut result = PlanResult {
+            kind: self.kind.name.to_owned(),
+            machine: machine.name.clone(),
+            model: self.model.map(str::to_owned),
+            ..PlanResult::default()
+        };
+        if let Some(name) = self.model {
+            let Some(parameters) = parameters::choose(name, machine, &chosen.errors, found)? else { return Ok(None) };
+            let judged = judge(&mut plan, others, &parameters, self.more, (machine, &chosen.errors));
+            result.judgements = judged.map_err(|reason| Error::usage(reason.to_string()))?;
+        }
+        result.notes.clone_from(&plan.notes);
+        result.rows = plan.data.observations.len();
+        result.setups = plan.data.setups.len();
+        let title = format!("plan {} for {}", self.kind.name, machine.name);
+        let program = self.has_program.then(|| flat(machine, &title, &plan.path)).transpose().map_err(refused)?;
+        let (table, description) = (table::csv(&plan), table::toml(&plan));
+        Ok((!found.has_errors()).then_some(MadePlan { result, table, description, program }))
+    }
+}
+
+/// Measurements and plans that are there already; `None` where one is no such thing. Empty cells of a measurement say nothing, a table without any
+/// reading is a plan.
+fn others(tables: &[PathBuf], chosen: &Machine, found: &mut Diagnostics) -> Result<Option<Vec<DataSet>>, Error> {
+    let machine = &chosen.machine;
+    let mut out = Vec::new();
+    let mut is_sound = true;
+    for (number, table) in tables.iter().enumerate() {
+        let made = measurements::read(table, number, false, machine, &mut Diagnostics::default())?;
+        let made = made.filter(|one| one.data.observations.iter().any(has_reading));
+        let read = if made.is_some() { made } else { measurements::read(table, number, true, machine, found)? };
+        match read {
+            Some(read) => out.push(read.data),
+            None => is_sound = false,
+        }
+    }
+    Ok(is_sound.then_some(out))
+}

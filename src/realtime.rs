@@ -1,0 +1,217 @@
+//! Corrections in the cycle of a control: a kernel that is renewed with the condition of a machine, for set-points as text or in shared memory.
+
+use std::fs::{self, File};
+use std::io::{BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use crate::condition;
+use crate::diagnostics::Diagnostics;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::options::ConditionFiles;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::AxisSet;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_report::number::grouped;
+use ncfix_tables::realtime::ring::{Overrun, Ring};
+use ncfix_tables::realtime::set_points::{NoSetPoint, SetPointLines};
+use ncfix_tables::realtime::{
+    Agreement, Cycle, CycleCounts, Dosing, Kernel, KernelRecipe, Publisher, ServingEnd, Updater, handover, serve,
+};
+use ncfix_tables::results::realtime::KernelResult;
+
+/// Where memory that has a name is found on Linux.
+const SHARED: &str = "/dev/shm";
+
+/// Who is told what forbids to renew a kernel.
+pub(crate) type Complain = fn(&Diagnostics);
+
+/// Ready for set-points.
+pub(crate) struct RealtimeCorrection {
+    cycle: Cycle,
+    axes: AxisSet,
+    /// What is to be known of the kernel.
+    pub(crate) kernel: KernelResult,
+    /// What was answered.
+    pub(crate) counts: CycleCounts,
+    /// Renews the kernel as long as this lives.
+    _updater: Updater,
+}
+
+impl RealtimeCorrection {
+    /// Makes a kernel for a machine in its condition, which is read again in every period; `None` where findings forbid it.
+    pub(crate) fn new(
+        machine: Machine,
+        recipe: KernelRecipe,
+        dosing: Dosing,
+        (files, period): (ConditionFiles, Duration),
+        complain: Complain,
+        found: &mut Diagnostics,
+    ) -> Option<RealtimeCorrection> {
+        let (kernel, agreement) = make(&recipe, &machine, found)?;
+        let axes = kernel.axes();
+        let result = KernelResult::new(&kernel, &agreement);
+        let (publisher, subscriber) = handover(kernel);
+        let control = &machine.machine.control;
+        let cycle = Cycle::new(subscriber, dosing, control.increment_mm, control.increment_rad);
+        let updater = renew(publisher, period, files, (machine, recipe), complain);
+        Some(RealtimeCorrection { cycle, axes, kernel: result, counts: CycleCounts::default(), _updater: updater })
+    }
+
+    /// Answers the lines of a text, each at once or those that came together at once; what in it is no set-point ends it.
+    ///
+    /// # Errors
+    /// Where it cannot be read or an answer cannot be written.
+    pub(crate) fn answer(&mut self, input: impl Read, out: &mut dyn Write) -> Result<Option<Diagnostic>, Error> {
+        let failed = |error: std::io::Error| Error::output(&error);
+        let axes: Vec<_> = self.axes.iter().collect();
+        let titles = axes.iter().map(|axis| format!("d{axis}_{}", if axis.is_rotary() { "urad" } else { "um" }));
+        let titles = titles.chain(["signals".to_owned()]).collect::<Vec<_>>().join(",");
+        writeln!(out, "{titles}").and_then(|()| out.flush()).map_err(failed)?;
+        let mut lines = SetPointLines::new(BufReader::new(input), self.axes);
+        loop {
+            let set_point = match lines.next() {
+                Ok(Some(set_point)) => set_point,
+                Ok(None) => break,
+                Err(NoSetPoint::Unreadable(error)) => {
+                    return Err(Error::usage(format!("cannot read standard input: {error}")));
+                }
+                Err(NoSetPoint::Wrong { line, column, what }) => {
+                    out.flush().map_err(failed)?;
+                    let message = format!("standard input:{line}:{column}: {what}");
+                    let help = format!(
+                        "{} set-points before it were answered, nothing behind it; the control must hold its last correction",
+                        grouped(self.counts.set_points)
+                    );
+                    return Ok(Some(Diagnostic::nowhere(Code::BAD_SET_POINT, message, help)));
+                }
+            };
+            let answer = self.counts.step(&mut self.cycle, &set_point);
+            let written = axes.iter().try_for_each(|&axis| {
+                let value = answer.correction[axis];
+                let value = if axis.is_rotary() { urad_from_rad(value) } else { um_from_mm(value) };
+                write!(out, "{value:.4},")
+            });
+            let written = written.and_then(|()| writeln!(out, "{}", answer.signals.words()));
+            // Who writes line by line gets every answer at once; who writes many at once gets theirs together.
+            let written = if lines.has_more() { written } else { written.and_then(|()| out.flush()) };
+            written.map_err(failed)?;
+        }
+        out.flush().map_err(failed)?;
+        Ok(None)
+    }
+
+    /// Rings of so many records in a file.
+    ///
+    /// # Errors
+    /// Where they cannot be made.
+    pub(crate) fn ring(&self, file: &RingFile, records: u64) -> Result<Ring, Error> {
+        Ring::create(&file.file, self.axes, records).map_err(|error| Error::file("write", &file.path, &error))
+    }
+
+    /// Serves rings until the control or `is_over` ends it.
+    pub(crate) fn serve(&mut self, ring: &Ring, is_over: impl Fn() -> bool) -> ServingEnd {
+        serve(ring, &mut self.cycle, &mut self.counts, is_over)
+    }
+
+    /// What is said where a control goes over the end of a ring of so many records.
+    pub(crate) fn overrun(&self, overrun: Overrun, records: u64) -> Diagnostic {
+        let what = match overrun {
+            Overrun::SetPoints(count) => format!("the control wrote {count} set-points into a ring of {records}"),
+            Overrun::WentBack(count) => {
+                format!("the count of set-points written went back: it is {count} below those read")
+            }
+            Overrun::CorrectionsRead(count) => format!("the control read {count} more corrections than there are"),
+            Overrun::Corrections(_) => "the count of corrections read went back".to_owned(),
+        };
+        let help = format!(
+            "{} set-points were answered; wait where the counts are {records} apart, or make the ring larger with --records",
+            grouped(self.counts.set_points)
+        );
+        Diagnostic::nowhere(Code::BAD_SET_POINT, what, help)
+    }
+}
+
+/// The file of rings in shared memory, which goes when this goes.
+pub(crate) struct RingFile {
+    file: File,
+    path: PathBuf,
+}
+
+impl RingFile {
+    /// A new file: a name in the memory that has names, or a path with a separator.
+    ///
+    /// # Errors
+    /// Where it cannot be made, or is there already.
+    pub(crate) fn create(name: &str) -> Result<RingFile, Error> {
+        let path = if name.contains(['/', '\\']) { PathBuf::from(name) } else { PathBuf::from(SHARED).join(name) };
+        let file = File::options().read(true).write(true).create_new(true).open(&path);
+        let file = file.map_err(|error| match error.kind() {
+            std::io::ErrorKind::AlreadyExists => Error::usage(format!(
+                "{} is there already: another ncfix serves it, or did not end well; remove it if none does",
+                path.display()
+            )),
+            _ => Error::file("write", &path, &error),
+        })?;
+        Ok(RingFile { file, path })
+    }
+
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for RingFile {
+    fn drop(&mut self) {
+        // Somebody else may have removed it; either way it is gone.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// A kernel for the condition of a machine; `None` where findings forbid it.
+fn make(recipe: &KernelRecipe, machine: &Machine, found: &mut Diagnostics) -> Option<(Kernel, Agreement)> {
+    let mut own = Vec::new();
+    let made = recipe.make(&machine.machine, &machine.model(), &mut own);
+    found.extend(own, &[]);
+    made
+}
+
+/// Reads the condition again in every period, in a thread of its own. What cannot be used is said, and the kernel in force stays.
+fn renew(
+    publisher: Publisher,
+    period: Duration,
+    choice: ConditionFiles,
+    (mut machine, recipe): (Machine, KernelRecipe),
+    complain: Complain,
+) -> Updater {
+    let files = machine.files.len();
+    let mut last = machine.state.clone();
+    Updater::start(publisher, period, move || {
+        if choice.files.is_empty() {
+            return None;
+        }
+        machine.files.truncate(files);
+        let mut found = Diagnostics::default();
+        let read = condition::apply(&choice, &mut machine, &mut found);
+        let is_usable = matches!(read, Ok(true));
+        if is_usable && machine.state == last {
+            return None;
+        }
+        let made = if is_usable { make(&recipe, &machine, &mut found) } else { None };
+        if made.is_none() {
+            let why = read.err().map_or_else(|| "the state cannot be used".to_owned(), |error| error.to_string());
+            found.add(not_renewed(&why), &[]);
+            complain(&found);
+        }
+        // What was refused is not tried again until the state changes.
+        last.clone_from(&machine.state);
+        made.map(|(kernel, _)| kernel)
+    })
+}
+
+fn not_renewed(why: &str) -> Diagnostic {
+    let help = "correct the state; it is read again after --update-s";
+    Diagnostic::nowhere(Code::NOT_RENEWED, format!("the kernel was not renewed: {why}"), help)
+}

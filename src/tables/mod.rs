@@ -1,0 +1,369 @@
+//! Compensation tables of controls.
+
+pub(crate) mod reread;
+
+use std::path::{Path, PathBuf};
+
+use crate::diagnostics::Diagnostics;
+use crate::disk::files::{self, is_standard_stream};
+use crate::disk::table_files::tool_remark;
+use crate::error::Error;
+use crate::machine::Machine;
+use crate::tool::ToolVector;
+use ncfix_base::geometry::Axis;
+use ncfix_base::source::{FileId, Source};
+use ncfix_machine::machine::ActiveTables;
+use ncfix_tables::results::made::{Filling, MadeTables, make, misfits};
+use ncfix_tables::results::request::{TablesRequest, region};
+use ncfix_tables::results::result::TablesResult;
+use ncfix_tables::tables::{self, Format, Multiplication, Orientation, Scheme, Schemes, Wiring};
+
+/// How tables are made. `TableOptions::default()` is what `ncfix tables` does without options.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let mut options = TableOptions::default();
+/// options.scheme = "fik".into();
+/// assert_eq!((options.points, options.tolerance_mm), (37, 0.001));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct TableOptions {
+    /// What fills them: a scheme such as `fik`, `grid` or `own`, or `auto` for the fewest tables that reach the tolerance (`ncfix tables --list`).
+    pub scheme: String,
+    /// Points of a table.
+    pub points: usize,
+    /// How much of the error may be left, mm: its root mean square over the travel.
+    pub tolerance_mm: f64,
+    /// The tool for which they are made and checked; without it the longest of the machine file.
+    pub tool: Option<ToolVector>,
+    /// Poses at which they are checked.
+    pub poses: usize,
+    /// What the rotary axes do about the direction of the tool; `None` for what each scheme is at home in.
+    pub orientation: Option<Orientation>,
+    /// Ranges of axes that the tables cover in place of their travel, mm or deg.
+    pub ranges_mm_deg: Vec<(Axis, [f64; 2])>,
+    /// How the control names axes, where the machine file does not say it.
+    pub axis_names: Vec<(Axis, String)>,
+    /// What the control does with products; without it what the machine file says.
+    pub multiplication: Option<Multiplication>,
+}
+
+impl Default for TableOptions {
+    fn default() -> TableOptions {
+        TableOptions {
+            scheme: "auto".into(),
+            points: 37,
+            tolerance_mm: 0.001,
+            tool: None,
+            poses: 2000,
+            orientation: None,
+            ranges_mm_deg: Vec::new(),
+            axis_names: Vec::new(),
+            multiplication: None,
+        }
+    }
+}
+
+/// What a set of tables leaves over the travel of a machine, root of the mean square.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let machine = Machine::from_file("samples/machines/maho700s.toml")?;
+/// let mut options = TableOptions::default();
+/// options.scheme = "fik".into();
+/// let left = Tables::make(&machine, "cec", &options)?.check(&machine, &options)?;
+/// assert!(left.tables_um < left.before_um);
+/// # Ok::<(), ncfix::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct TableCheck {
+    /// Poses.
+    pub poses: usize,
+    /// Of the tip without tables, µm.
+    pub before_um: f64,
+    /// Of the tip with them, µm.
+    pub tables_um: f64,
+    /// Of the tip with the exact correction of the kinematics, µm.
+    pub exact_um: f64,
+}
+
+/// Compensation tables in the format of a control.
+///
+/// ```
+/// use ncfix::prelude::*;
+///
+/// let machine = Machine::from_file("samples/machines/maho700s.toml")?;
+/// let mut options = TableOptions::default();
+/// options.scheme = "fik".into();
+/// for (name, text) in Tables::make(&machine, "cec", &options)?.files("MAHO") {
+///     println!("{name}: {} lines", text.lines().count());
+/// }
+/// # Ok::<(), ncfix::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Tables {
+    tables: tables::Tables,
+    format: &'static Format,
+    wiring: Wiring,
+    notes: Vec<String>,
+}
+
+impl Tables {
+    /// Makes tables for the errors of a machine in its condition; `format` is a name of `ncfix tables --list`.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let error = Tables::make(&Machine::demo(), "punched tape", &TableOptions::default()).unwrap_err();
+    /// assert!(error.message().contains("cec"), "{error}");
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where there is no such format or scheme, an axis has no travel, or the control cannot hold tables that leave less than none.
+    pub fn make(machine: &Machine, format: &str, options: &TableOptions) -> Result<Tables, Error> {
+        let format = of_name(machine, format)?;
+        let mut found = Diagnostics::default();
+        let made = Tables::make_noting(machine, format, options, &mut TablesResult::default(), &mut found)?;
+        made.ok_or_else(|| Error::found(found))
+    }
+
+    /// Makes tables and notes in the result what was made, tried and checked; `None` where findings forbid it.
+    ///
+    /// # Errors
+    /// Where there is no such scheme, or the machine has no such part of its volume.
+    pub(crate) fn make_noting(
+        machine: &Machine,
+        format: &'static Format,
+        options: &TableOptions,
+        result: &mut TablesResult,
+        found: &mut Diagnostics,
+    ) -> Result<Option<Tables>, Error> {
+        let machine = &itself(machine);
+        let schemes = &machine.registry.schemes;
+        let scheme = scheme_of(schemes, &options.scheme)?;
+        let request = request(machine, options)?;
+        let (points, tolerance_mm) = (options.points, options.tolerance_mm);
+        let made = match make(&request, &Filling { format, scheme, schemes, points, tolerance_mm }, result) {
+            Ok(made) => made,
+            Err(why) => {
+                found.add(*why, &[]);
+                return Ok(None);
+            }
+        };
+        let notes = notes(machine, &request, format, &made);
+        result.check = Some(made.checked);
+        found.extend(misfits(format, &made.tables, &request.wiring), &[]);
+        Ok((!found.has_errors()).then_some(Tables { tables: made.tables, format, wiring: request.wiring, notes }))
+    }
+
+    /// Reads a file of tables as the control of a machine has it.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::from_file("samples/machines/maho700s.toml")?;
+    /// let mut options = TableOptions::default();
+    /// options.scheme = "fik".into();
+    /// let made = Tables::make(&machine, "cec", &options)?;
+    /// let (_, text) = made.files("MAHO").swap_remove(0);
+    /// let path = std::env::temp_dir().join(format!("ncfix_tables_{}.INI", std::process::id()));
+    /// std::fs::write(&path, text)?;
+    /// let read = Tables::read(&path, "cec", &machine);
+    /// std::fs::remove_file(&path)?;
+    /// assert_eq!(read?.check(&machine, &options)?, made.check(&machine, &options)?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the file cannot be read, or as for [`Tables::parse`].
+    pub fn read(path: impl AsRef<Path>, format: &str, machine: &Machine) -> Result<Tables, Error> {
+        let source = files::read(path.as_ref(), FileId(0), "compensation tables")?;
+        Tables::parse(source.name(), source.bytes(), format, machine)
+    }
+
+    /// Tables of the text of a file as the control of a machine has it. No file is read.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::from_file("samples/machines/maho700s.toml")?;
+    /// let mut options = TableOptions::default();
+    /// options.scheme = "fik".into();
+    /// let made = Tables::make(&machine, "cec", &options)?;
+    /// let (name, text) = made.files("MAHO").swap_remove(0);
+    /// let read = Tables::parse(&name, text, "cec", &machine)?;
+    /// assert_eq!(read.check(&machine, &options)?, made.check(&machine, &options)?);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where there is no such format, or the text is not in it.
+    pub fn parse(name: &str, text: impl Into<Vec<u8>>, format: &str, machine: &Machine) -> Result<Tables, Error> {
+        let format = of_name(machine, format)?;
+        let wiring = Wiring::of(&machine.machine);
+        let source = Source::new(FileId(0), name, text.into());
+        let source = source.map_err(|_| Error::usage(format!("{name} is too large")))?;
+        let mut read = tables::Tables::default();
+        let mut found = Diagnostics::default();
+        found.extend((format.read)(&source, &wiring, &mut read), std::slice::from_ref(&source));
+        if found.has_errors() {
+            return Err(Error::found(found));
+        }
+        Ok(Tables { tables: read, format, wiring, notes: vec![format!("read from {name}")] })
+    }
+
+    /// The files as the control reads them: names, of which `name` is the beginning, and texts.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::from_file("samples/machines/maho700s.toml")?;
+    /// let mut options = TableOptions::default();
+    /// options.scheme = "fik".into();
+    /// let files = Tables::make(&machine, "cec", &options)?.files("MAHO");
+    /// assert!(files[0].0.starts_with("MAHO") && files[0].1.contains("$AN_CEC"));
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    #[must_use]
+    pub fn files(&self, name: &str) -> Vec<(String, String)> {
+        let written = (self.format.write)(&self.tables, &self.wiring, &self.notes);
+        written.into_iter().map(|one| (format!("{name}{}", one.suffix), one.text)).collect()
+    }
+
+    /// The files as they are written to `output`: its name, to which formats of several files add.
+    ///
+    /// # Errors
+    /// Where standard output would have several.
+    pub(crate) fn files_at(&self, output: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
+        let written = (self.format.write)(&self.tables, &self.wiring, &self.notes);
+        if is_standard_stream(output) && written.len() > 1 {
+            let what = format!("{} are {} files, and standard output is one", self.format.title, written.len());
+            return Err(Error::usage(format!("{what}; give -o the name that they begin with, such as -o mill")));
+        }
+        let stem = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = |suffix: &str| {
+            if suffix.is_empty() || is_standard_stream(output) {
+                output.to_owned()
+            } else {
+                output.with_file_name(format!("{stem}{suffix}"))
+            }
+        };
+        Ok(written.into_iter().map(|one| (name(&one.suffix), one.text)).collect())
+    }
+
+    /// The tables themselves.
+    pub(crate) fn inner(&self) -> &tables::Tables {
+        &self.tables
+    }
+
+    /// What they leave over the travel of a machine, as the control interpolates them.
+    ///
+    /// ```
+    /// use ncfix::prelude::*;
+    ///
+    /// let machine = Machine::from_file("samples/machines/maho700s.toml")?;
+    /// let mut options = TableOptions::default();
+    /// options.scheme = "fik".into();
+    /// let left = Tables::make(&machine, "cec", &options)?.check(&machine, &options)?;
+    /// assert!(left.tables_um >= left.exact_um && left.poses > 0);
+    /// # Ok::<(), ncfix::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where an axis has no travel.
+    pub fn check(&self, machine: &Machine, options: &TableOptions) -> Result<TableCheck, Error> {
+        let machine = &itself(machine);
+        let found = request(machine, options)?.check(&self.tables);
+        Ok(TableCheck {
+            poses: found.poses,
+            before_um: found.before.rms_um,
+            tables_um: found.tables.rms_um,
+            exact_um: found.exact.rms_um,
+        })
+    }
+}
+
+/// The machine without the tables that are active in its control: new ones are for the machine itself, and those that are checked stand for themselves.
+pub(crate) fn itself(machine: &Machine) -> Machine {
+    let mut machine = machine.clone();
+    let multiplication = machine.machine.active_tables.multiplication;
+    machine.machine.active_tables = ActiveTables { multiplication, ..ActiveTables::default() };
+    machine
+}
+
+fn of_name(machine: &Machine, name: &str) -> Result<&'static Format, Error> {
+    let formats = &machine.registry.formats;
+    let names = || formats.names().collect::<Vec<_>>().join(", ");
+    let found = formats.iter().copied().find(|one| one.name.eq_ignore_ascii_case(name));
+    found.ok_or_else(|| Error::usage(format!("there is no format '{name}'; the formats are {}", names())))
+}
+
+/// The scheme of a name; `None` for `auto`.
+///
+/// # Errors
+/// Where there is no such scheme.
+pub(crate) fn scheme_of(schemes: &Schemes, name: &str) -> Result<Option<&'static Scheme>, Error> {
+    let scheme = schemes.iter().copied().find(|scheme| scheme.name.eq_ignore_ascii_case(name));
+    if scheme.is_none() && !name.eq_ignore_ascii_case("auto") {
+        let names: Vec<&str> = schemes.iter().map(|scheme| scheme.name).chain(["auto"]).collect();
+        return Err(Error::usage(format!("'{name}' is no scheme; the schemes are {}", names.join(", "))));
+    }
+    Ok(scheme)
+}
+
+/// What tables are made and checked for on a machine [itself].
+///
+/// # Errors
+/// Where the machine has no such part of its volume.
+fn request<'a>(machine: &'a Machine, options: &TableOptions) -> Result<TablesRequest<'a>, Error> {
+    let own = &machine.machine;
+    let products = own.active_tables.multiplication.map(Multiplication::from);
+    Ok(TablesRequest {
+        machine: own,
+        errors: &machine.errors,
+        condition: &machine.condition,
+        region: region(own, &options.ranges_mm_deg).map_err(|reason| Error::usage(reason.to_string()))?,
+        ranges: options.ranges_mm_deg.clone(),
+        wiring: wiring(Wiring::of(own), options),
+        tool_mm: tool_mm(machine, options),
+        orientation: options.orientation,
+        multiplication: options.multiplication.or(products),
+        poses: options.poses,
+    })
+}
+
+/// The names of the axes, with those of the options.
+fn wiring(mut wiring: Wiring, options: &TableOptions) -> Wiring {
+    options.axis_names.iter().for_each(|(axis, name)| wiring.rename(*axis, name));
+    wiring
+}
+
+/// The remarks at the head of new tables.
+fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: &MadeTables) -> Vec<String> {
+    let state = machine.state.as_deref().map_or(String::new(), |state| format!(", state {state}"));
+    let version = env!("CARGO_PKG_VERSION");
+    let (name, hash) = (&machine.machine.name, &machine.hash);
+    let [without, with] = [made.checked.before.rms_um, made.checked.tables.rms_um];
+    let mut notes = vec![
+        format!("ncfix {version}: machine {name} ({hash}{state}), scheme {}", made.scheme),
+        tool_remark(&request.tool_mm),
+        format!("tip error over the volume, rms: {without:.3} um without, {with:.3} um with these tables"),
+        format!("{}; measure before and after: with the wrong sign errors double", format.sign),
+    ];
+    let ranges = request.asked_ranges();
+    if !ranges.is_empty() {
+        notes.push(format!("made for a part of the travel: {}", ranges.join(", ")));
+    }
+    notes
+}
+
+/// The tool that counts: that of the options, else the longest of the machine.
+fn tool_mm(machine: &Machine, options: &TableOptions) -> ncfix_base::geometry::Vector {
+    let longest = || machine.machine.tools.iter().map(|tool| tool.length_mm[0].abs()).fold(0.0, f64::max);
+    options.tool.unwrap_or_else(|| ToolVector::Length(longest())).vector_mm(&machine.machine)
+}
