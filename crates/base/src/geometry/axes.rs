@@ -4,7 +4,10 @@ use std::fmt;
 use std::ops::{Add, Index, IndexMut, Sub};
 use std::str::FromStr;
 
+use serde::{Serialize, Serializer};
+
 use super::Vector;
+use crate::units::{um_from_mm, urad_from_rad};
 
 /// Machine axis by its ISO 841 letter; the number is its slot in an [`AxisVector`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
