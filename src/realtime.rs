@@ -71,7 +71,7 @@ impl RealtimeCorrection {
         writeln!(out, "{titles}").and_then(|()| out.flush()).map_err(failed)?;
         let mut lines = SetPointLines::new(BufReader::new(input), self.axes);
         loop {
-            let set_point = match lines.next() {
+            let set_point = match lines.next_set_point() {
                 Ok(Some(set_point)) => set_point,
                 Ok(None) => break,
                 Err(NoSetPoint::Unreadable(error)) => {

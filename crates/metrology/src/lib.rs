@@ -1,4 +1,4 @@
-//! From measured data to parameters, causes and what extends the machine file. It knows no text of programs.
+//! From measured data to parameters, causes and additions to the machine file, without any knowledge of program text.
 
 pub mod calibrate;
 pub mod decompose;

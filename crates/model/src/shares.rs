@@ -1,4 +1,4 @@
-//! Why the tool is where it is: what each source of error does at one pose.
+//! Contribution of each error source to the position of the tool at one pose.
 
 use serde::Serialize;
 
@@ -11,68 +11,68 @@ use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{ActiveTables, Condition, Machine, State};
 
-/// Smaller shares of single components are not listed, µm at the tip and µrad.
+/// Smallest share of a component that is listed, µm at the tip and µrad.
 const LISTED: f64 = 0.05;
 
-/// Errors at a pose: of the tool relative to the workpiece, along F's directions.
+/// Errors at a pose: of the tool relative to the workpiece, along the directions of F.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ErrorShares {
-    /// The pose: `X_mm`, `C_deg`.
+    /// Pose: `X_mm`, `C_deg`.
     #[cfg_attr(feature = "schema", schemars(with = "Vec<(String, f64)>"))]
     pub at: Vec<AxisValue>,
     /// From the spindle gauge point to the tip, in F at the zero pose.
     pub tool_mm: [f64; 3],
     /// Sources in their order, each with its components by size.
     pub sources: Vec<Share>,
-    /// All of them together.
+    /// Sum of all sources.
     pub sum: Deviation,
-    /// What the correction would add to the commands: `X_um`, `C_urad`; empty where none was found.
+    /// Correction that would be added to the commands: `X_um`, `C_urad`; empty if none was found.
     #[cfg_attr(feature = "schema", schemars(with = "Vec<(String, f64)>"))]
     pub correction: Vec<AxisValue>,
 }
 
-/// What one source does.
+/// Contribution of one source.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Share {
-    /// The source.
+    /// Error source.
     pub source: &'static str,
-    /// What it is.
+    /// Description of the source.
     pub title: &'static str,
-    /// Its deviation alone.
+    /// Deviation due to this source alone.
     pub deviation: Deviation,
     /// Its components, the largest first.
     pub components: Vec<(String, Deviation)>,
 }
 
-/// A number of an axis with its unit; in JSON a pair such as `["X_um", 12.5]`.
+/// Number of an axis with its unit; in JSON a pair such as `["X_um", 12.5]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(into = "(String, f64)")]
 pub struct AxisValue {
-    /// The axis.
+    /// Axis.
     pub axis: Axis,
-    /// The unit.
+    /// Unit.
     pub unit: AxisUnit,
-    /// The number in it.
+    /// Number in this unit.
     pub value: f64,
 }
 
-/// The unit of a number of an axis.
+/// Unit of a number of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisUnit {
-    /// mm.
+    /// Millimetres.
     Millimeter,
     /// Degrees.
     Degree,
-    /// µm.
+    /// Micrometres.
     Micrometer,
-    /// µrad.
+    /// Microradians.
     Microradian,
 }
 
 impl AxisUnit {
-    /// As keys have it: `mm`, `deg`, `um`, `urad`.
+    /// Returns the unit as in JSON keys: `mm`, `deg`, `um`, `urad`.
     #[must_use]
     pub fn key(self) -> &'static str {
         match self {
@@ -85,7 +85,7 @@ impl AxisUnit {
 }
 
 impl AxisValue {
-    /// A position, mm or rad.
+    /// Converts a position from mm or rad to mm or degrees.
     fn position(axis: Axis, at: f64) -> AxisValue {
         match axis.is_rotary() {
             true => AxisValue { axis, unit: AxisUnit::Degree, value: at.to_degrees() },
@@ -93,7 +93,7 @@ impl AxisValue {
         }
     }
 
-    /// A correction, mm or rad.
+    /// Converts a correction from mm or rad to µm or µrad.
     fn correction(axis: Axis, correction: f64) -> AxisValue {
         match axis.is_rotary() {
             true => AxisValue { axis, unit: AxisUnit::Microradian, value: urad_from_rad(correction) },
@@ -108,24 +108,24 @@ impl From<AxisValue> for (String, f64) {
     }
 }
 
-/// A deviation.
+/// Deviation of the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Deviation {
-    /// Of the tip along X, Y, Z.
+    /// Displacement of the tip along X, Y, Z.
     pub position_um: [f64; 3],
-    /// Of the tool about X, Y, Z.
+    /// Rotation of the tool about X, Y, Z.
     pub rotation_urad: [f64; 3],
 }
 
 impl Deviation {
-    /// Distance of the tip.
+    /// Returns the distance of the tip.
     #[must_use]
     pub fn distance_um(&self) -> f64 {
         Vector::from(self.position_um).norm()
     }
 
-    /// What this is more than another.
+    /// Returns the difference from another deviation.
     fn less(&self, other: &Deviation) -> Deviation {
         let apart = |own: [f64; 3], other: [f64; 3]| [0, 1, 2].map(|index| own[index] - other[index]);
         Deviation {
@@ -140,7 +140,7 @@ impl Deviation {
 }
 
 impl ErrorShares {
-    /// The shares of all sources that the model has.
+    /// Returns the shares of all sources in the model.
     #[must_use]
     pub fn new(
         machine: &Machine,
@@ -150,7 +150,7 @@ impl ErrorShares {
         tool_mm: &Vector,
         state: &State,
     ) -> ErrorShares {
-        // Tables that are active in the control have a row of their own: without this every row would have them in it.
+        // Active tables of the control have their own row; otherwise every row would include them.
         let bare = Machine { active_tables: ActiveTables::default(), ..machine.clone() };
         let of = |machine: &Machine, wanted: &dyn Fn(&dyn Effect) -> bool| {
             let model = Model::summed(&Accumulator::sum(machine, errors, condition, wanted));

@@ -1,4 +1,4 @@
-//! What a calibration found: the tables for people and the object for programs.
+//! Result of a calibration: tables for people and the JSON object.
 
 use std::fmt::Write as _;
 
@@ -12,32 +12,33 @@ use super::number::significant;
 use super::selection;
 use ncfix_metrology::results::calibration::{CalibrationResult, Estimate};
 
-/// Rows that do not fit, as far as they are shown.
+/// Maximum number of outlier rows that are listed.
 const MOST_SHOWN: usize = 20;
 
-/// What `ncfix calibrate` prints: the result, and where it comes from and went.
+/// Output of `ncfix calibrate`: the result, with its input and output files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CalibrationReport {
-    /// What was found.
+    /// Result.
     #[serde(flatten)]
     pub found: CalibrationResult,
-    /// The written machine file; `null` where there is none.
+    /// Machine file that was written; `null` if there is none.
     pub output: Option<String>,
-    /// The written page; `null` where there is none.
+    /// Report page that was written; `null` if there is none.
     pub report: Option<String>,
-    /// Files that the result comes from.
+    /// Files from which the result was computed.
     pub inputs: Vec<Input>,
     /// Version of the program.
     pub version: &'static str,
-    /// Findings in the order in which they were met.
+    /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
 }
 
-/// Columns for a name; a longer one shifts its line.
+/// Width of a name column; a longer name shifts its line.
 const WIDEST_NAME: usize = 60;
 
-/// Value, uncertainty, effect and inflation of a number as text. The value has as many decimals as the uncertainty: a place of a ball is large.
+/// Returns value, uncertainty, effect and inflation of a number as text. The value has as many decimals as the uncertainty, as ball positions are large
+/// numbers.
 #[must_use]
 pub fn cells(one: &Estimate) -> [String; 4] {
     let effect = one.effect_um.map_or(String::new(), significant);
@@ -47,7 +48,7 @@ pub fn cells(one: &Estimate) -> [String; 4] {
 }
 
 impl CalibrationReport {
-    /// The tables for people, with a line feed behind every line.
+    /// Returns the tables for people, with a line feed after every line.
     #[must_use]
     pub fn table(&self) -> String {
         let found = &self.found;

@@ -1,4 +1,4 @@
-//! What a correction did: the table for people and the object for programs.
+//! Result of a correction: table for people and the JSON object.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -10,24 +10,24 @@ use super::number::{duration, grouped, micrometers, significant};
 use super::verdict::Verdict;
 use ncfix_base::geometry::AxisKey;
 
-/// The result of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted on the error model.
+/// Output of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted by the error model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Correction {
-    /// As programmed; `null` where the program was refused.
+    /// Errors as programmed; `null` if the program was refused.
     pub before: Option<Spread>,
-    /// As emitted, rounding included.
+    /// Errors as written, including rounding.
     pub after: Option<Spread>,
-    /// Largest correction of each axis by its size: `X_um`, `C_urad`.
+    /// Largest absolute correction of each axis: `X_um`, `C_urad`.
     pub max_correction: BTreeMap<AxisKey, f64>,
-    /// What limiting the feed did; not there where none was asked for.
+    /// Result of the feed limit; absent if none was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub feed_limit: Option<FeedLimit>,
-    /// What no axis can correct, by source.
+    /// Errors that no axis can correct, by source.
     pub remaining: Vec<Remaining>,
     /// Rapid moves that stay as programmed: in machine coordinates, to reference points and tool changes, along the tool.
     pub rapids_as_programmed: u64,
-    /// How far the tool is off where rapid moves end that are no approach to a cut, µm.
+    /// Largest tool error at the ends of rapid moves that do not approach a cut, µm.
     pub off_at_rapids_um: f64,
     /// Executed blocks.
     pub blocks_in: u64,
@@ -35,26 +35,26 @@ pub struct Correction {
     pub blocks_out: u64,
     /// Wall time of the run.
     pub seconds: f64,
-    /// Source line of the largest remaining error.
+    /// Source line of the largest residual error.
     pub max_at_line: Option<u32>,
-    /// The file of that line.
+    /// File of that line.
     pub max_at_file: Option<String>,
-    /// The written file, `-` for standard output; `null` where nothing was written.
+    /// File that was written, `-` for standard output; `null` if nothing was written.
     pub output: Option<String>,
-    /// The file that keeps the original of a program that was corrected in place.
+    /// File with the original of a program that was corrected in place.
     pub backup: Option<String>,
-    /// The page with the review; `null` where none was asked for or written.
+    /// Review page; `null` if none was requested or written.
     pub review: Option<String>,
-    /// Whether the program should run, as the page says.
+    /// Verdict on running the program, as on the page.
     pub verdict: Option<Verdict>,
     /// Name of the machine.
     pub machine: String,
-    /// Findings in the order in which they were met.
+    /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
 }
 
 impl Correction {
-    /// The table for people, with a line feed behind every line.
+    /// Returns the table for people, with a line feed after every line.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
@@ -126,7 +126,7 @@ impl Correction {
     }
 }
 
-/// The rows of the error table; `max_at` is the line of the largest remaining error and its file.
+/// Returns the rows of the error table; `max_at` is the line of the largest residual error and its file.
 #[must_use]
 pub fn error_rows(before: Spread, after: Spread, max_at: Option<(u32, &str)>) -> String {
     let mut out = String::new();
@@ -138,7 +138,7 @@ pub fn error_rows(before: Spread, after: Spread, max_at: Option<(u32, &str)>) ->
     out
 }
 
-/// The rows about two programs at feed.
+/// Returns the rows about two programs at feed.
 #[must_use]
 pub fn feed_rows(original: &AtFeed, corrected: &AtFeed) -> String {
     let mut out = String::new();
@@ -154,7 +154,7 @@ pub fn feed_rows(original: &AtFeed, corrected: &AtFeed) -> String {
     out
 }
 
-/// `geometry 12.3 µrad, load 3.1 µrad`; `None` where nothing is left that is worth a line.
+/// Lists residuals, such as `geometry 12.3 µrad, load 3.1 µrad`; `None` if none is large enough for a line.
 fn left_over(all: &[Remaining], size: fn(&Remaining) -> f64, least: f64, unit: &str) -> Option<String> {
     let parts: Vec<String> = all
         .iter()
@@ -169,23 +169,23 @@ pub(super) fn output_name(output: &str) -> &str {
     if output == "-" { "standard output" } else { output }
 }
 
-/// One row of a table.
+/// Appends one row of a table.
 pub(super) fn push_row(out: &mut String, name: &str, text: &str) {
     // Writing into a String cannot fail.
     let _ = writeln!(out, "{name:<13}{text}");
 }
 
-/// The three columns of the error table.
+/// Formats the three columns of the error table.
 fn columns(spread: Spread) -> String {
     let [mean, rms, max] = [spread.mean_um, spread.rms_um, spread.max_um].map(micrometers);
     format!("{mean:>12}{rms:>12}{max:>12}")
 }
 
-/// Share of the mean error that the correction took away, Spaan's efficiency (eq. 3.6).
+/// Formats the share of the mean error that the correction removed, Spaan's efficiency (eq. 3.6).
 fn improvement(before: Spread, after: Spread) -> String {
     if before.mean_um > 0.0 {
         let percent = (1.0 - after.mean_um / before.mean_um) * 100.0;
-        // Rounding must not claim that nothing is left.
+        // Rounding must not suggest that no error remains.
         if percent < 99.95 {
             format!("{percent:.1} % of the mean")
         } else {

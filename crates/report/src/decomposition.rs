@@ -1,4 +1,4 @@
-//! What a trace at several feeds was divided into: the object for programs and its text for people; its page is in [`super::page::decomposition`].
+//! Decomposition of a trace at several feeds: the JSON object and its text for people; its page is in [`super::page::decomposition`].
 
 use std::fmt::Write as _;
 
@@ -9,26 +9,26 @@ use super::json::Finding;
 use super::number::{grouped, significant};
 use ncfix_metrology::results::decomposition::{Decomposition, Delay, Run};
 
-/// What `ncfix decompose` prints: the result, and where it went.
+/// Output of `ncfix decompose`: the result, with its output files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DecompositionReport {
-    /// What was found.
+    /// Result.
     #[serde(flatten)]
     pub found: Decomposition,
-    /// The machine file that was written.
+    /// Machine file that was written.
     pub output: Option<String>,
-    /// The page that was written.
+    /// Report page that was written.
     pub report: Option<String>,
-    /// Findings.
+    /// Diagnostics.
     pub diagnostics: Vec<Finding>,
-    /// Files that it comes from.
+    /// Files from which the result was computed.
     #[serde(skip)]
     pub inputs: Vec<Input>,
 }
 
 impl DecompositionReport {
-    /// What it says in a sentence.
+    /// Returns the verdict in one sentence.
     #[must_use]
     pub fn verdict(&self) -> String {
         let Some(fast) = self.found.runs.last() else { return "Nothing was divided.".into() };
@@ -48,7 +48,7 @@ impl DecompositionReport {
         format!("Of the error{feed}: {}.{why}", shares.join(", "))
     }
 
-    /// The text for people.
+    /// Returns the text for people.
     #[must_use]
     pub fn page(&self) -> String {
         let mut out = String::new();

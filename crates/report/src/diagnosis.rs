@@ -1,4 +1,4 @@
-//! What a diagnosis found: the object for programs; its text for people is in `text`, its page in [`crate::page::diagnosis`].
+//! Result of a diagnosis: the JSON object; its text for people is in `text`, its page in [`crate::page::diagnosis`].
 
 mod text;
 
@@ -11,23 +11,23 @@ use super::json;
 use ncfix_metrology::results::diagnosis::{DiagnosisResult, Sizes};
 use ncfix_metrology::results::readings;
 
-/// What `ncfix diagnose` prints: the result, and where it went.
+/// Output of `ncfix diagnose`: the result, with its output files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DiagnosisReport {
-    /// What was found.
+    /// Result.
     #[serde(flatten)]
     pub found: DiagnosisResult,
-    /// The machine file that was written.
+    /// Machine file that was written.
     pub output: Option<String>,
-    /// The page that was written.
+    /// Report page that was written.
     pub report: Option<String>,
-    /// Findings about the files in the order in which they were met.
+    /// Diagnostics of the files in order of occurrence.
     pub diagnostics: Vec<json::Finding>,
 }
 
 impl DiagnosisReport {
-    /// Where nothing was diagnosed no size is known: `null` for programs, no zero.
+    /// Sets all sizes to NaN if nothing was diagnosed: `null` in JSON, not zero.
     pub fn forget_sizes(&mut self) {
         let none = Sizes {
             rms_um: f64::NAN,
@@ -42,12 +42,12 @@ impl DiagnosisReport {
     }
 }
 
-/// What a page shows beside the object for programs.
+/// Additional data for the page.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shown {
     /// Readings and causes.
     pub readings: readings::ShownReadings,
-    /// Files that it comes from.
+    /// Files from which the result was computed.
     pub inputs: Vec<Input>,
     /// Version of the program.
     pub version: &'static str,

@@ -1,23 +1,23 @@
-//! The line around a finding as text: bytes of any encoding become characters, and offsets become columns of them.
+//! Source line of a diagnostic as text: bytes of any encoding become characters, and offsets become columns.
 
 use ncfix_base::diagnostic::Place;
 use ncfix_base::source::{Source, Span, is_deceptive};
 
-/// Lines with more bytes than this are not drawn: only their place is named. No part program has such lines.
+/// Lines with more bytes than this are not drawn; only their place is shown. No part program has such lines.
 const LONGEST_DRAWN_LINE: usize = 8192;
 
-/// A place in a file, ready to be shown. Line and columns count from 1, columns in characters, a tab as one.
+/// Place in a file, prepared for display. Line and columns count from 1, columns in characters, a tab as one.
 pub(super) struct Excerpt {
     /// Line.
     pub(super) line: usize,
     /// Column of the first character.
     pub(super) column: usize,
-    /// The text of the line and the bytes of it (of this text, not of the file) in question; `None` for overlong lines.
+    /// Text of the line, and the range of bytes concerned (in this text, not in the file); `None` for overlong lines.
     pub(super) text: Option<(String, std::ops::Range<usize>)>,
 }
 
 impl Excerpt {
-    /// The excerpt for a place in `source`; the span is cut at the end of its first line.
+    /// Creates the excerpt for a place in `source`; the span is cut at the end of its first line.
     pub(super) fn new(source: &Source, place: Place) -> Excerpt {
         let Span { start, end } = place.span;
         let (line, _) = source.line_column(start);
@@ -39,8 +39,8 @@ impl Excerpt {
     }
 }
 
-/// Appends bytes as characters. A line that is no UTF-8 is shown byte by byte as Latin-1: wrong letters in a GBK comment,
-/// but every byte stays one column, so the caret below the line points at the right place.
+/// Appends bytes as characters. A line that is not UTF-8 is shown byte by byte as Latin-1. Letters in a GBK comment are then wrong, but every byte is one
+/// column, so the caret below the line points at the right place.
 fn decode(text: &mut String, bytes: &[u8], is_utf8: bool) {
     if is_utf8 {
         let shown = String::from_utf8_lossy(bytes);
@@ -49,14 +49,14 @@ fn decode(text: &mut String, bytes: &[u8], is_utf8: bool) {
         );
     } else {
         text.extend(bytes.iter().map(|&byte| match char::from(byte) {
-            // The C1 controls would be commands to some terminals.
+            // The C1 control characters would be commands to some terminals.
             '\u{80}'..='\u{9f}' => char::REPLACEMENT_CHARACTER,
             character => character,
         }));
     }
 }
 
-/// Text that may come from a file, safe to print: control characters, which a terminal would obey, become `?`.
+/// Returns text from a file in a form that is safe to print: control characters, which a terminal would obey, become `?`.
 pub(super) fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() || is_deceptive(c) { '?' } else { c }).collect()
 }
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn utf8_counts_characters() {
-        // 'ü' has two bytes, so X (byte 10) is character 10 from 1.
+        // 'ü' has two bytes, so X (byte 10) is character 10, counted from 1.
         let shown = excerpt("MSG(\"ü\") X".as_bytes(), 10, 11);
         assert_eq!((shown.line, shown.column), (1, 10));
         let (text, range) = shown.text.unwrap();

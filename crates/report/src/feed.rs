@@ -1,4 +1,4 @@
-//! What a transfer says: the forecast, where it stands, how it ended. Sentences for people, JSON lines for programs.
+//! Messages of a transfer: forecast, status, end. Sentences for people, JSON lines for programs.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,48 +9,48 @@ use super::json::Finding;
 use super::number::{duration, grouped};
 use ncfix_base::geometry::AxisKey;
 
-/// What an object of a transfer tells.
+/// Kind of an object of a transfer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FeedEvent {
-    /// What will happen, before the start.
+    /// Forecast before the start.
     Forecast,
-    /// Where it stands.
+    /// Current status.
     #[default]
     Status,
-    /// How it ended.
+    /// End of the transfer.
     End,
-    /// The control says something.
+    /// Message of the control.
     Said,
     /// Nothing was heard for longer than a line takes.
     Stalled,
-    /// The control pauses, or goes on.
+    /// The control pauses, or resumes.
     Paused,
-    /// How many blocks it may hold.
+    /// Maximum number of blocks that the control may hold.
     Holds,
     /// A line is sent again.
     Repeated,
-    /// Sensors are in doubt, or good again.
+    /// Sensors became unreliable, or good again.
     Sensors,
-    /// Temperatures ask for much.
+    /// Temperatures require a large correction.
     Shift,
-    /// Somebody has stopped it.
+    /// A person has stopped the transfer.
     Halt,
 }
 
-/// How a transfer ended.
+/// End of a transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FeedOutcome {
     /// All lines were carried out, or at least answered.
     Done,
-    /// A person or the sensors have stopped it, and what was sent has run out.
+    /// A person or the sensors have stopped it, and the sent lines have run out.
     Stopped,
     /// The axes were held.
     Held,
-    /// The link or the control is gone.
+    /// Link or control failed.
     Lost,
     /// The control has refused a line.
     Refused,
@@ -58,21 +58,21 @@ pub enum FeedOutcome {
     Fault,
 }
 
-/// A stretch of lines in which the control waits for the link.
+/// Stretch of lines in which the control waits for the link.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Late {
-    /// First and last line of the source.
+    /// First and last source line.
     pub source_lines: [u32; 2],
-    /// How long the axes stand still in it.
+    /// Time in which the axes stand still in it.
     pub starved_s: f64,
-    /// Lines a second that the motion needs there.
+    /// Lines per second that the motion needs in it.
     pub needed_per_s: f64,
-    /// Lines a second that come there.
+    /// Lines per second that the link delivers in it.
     pub given_per_s: f64,
 }
 
-/// Before the start.
+/// Forecast of a transfer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Before {
@@ -80,32 +80,32 @@ pub struct Before {
     pub schema: u32,
     /// [`FeedEvent::Forecast`].
     pub event: FeedEvent,
-    /// Hash of the program and of all that it calls.
+    /// Hash of the program and of all files that it calls.
     pub program: String,
-    /// Lines.
+    /// Number of lines.
     pub lines: u64,
-    /// Bytes with their ends.
+    /// Bytes including line ends.
     pub bytes: u64,
-    /// How long the motion takes if nothing is late.
+    /// Duration of the motion if no line is late.
     pub motion_s: f64,
-    /// How long it takes over this link.
+    /// Duration over this link.
     pub total_s: f64,
-    /// How long the axes stand still for want of lines.
+    /// Time in which the axes stand still because lines are missing.
     pub starved_s: f64,
-    /// The fewest lines that wait in the control.
+    /// Minimum number of lines that wait in the control.
     pub lowest: Option<usize>,
-    /// Whether the next line goes out only when the one before it is done: the axes stand still at the end of each.
+    /// True if the next line is sent only when the one before it is done: the axes stand still at the end of each line.
     pub line_by_line: bool,
-    /// How long a change of temperature takes until it counts: the lines that are frozen.
+    /// Delay of a temperature change due to the frozen lines.
     pub frozen_s: f64,
-    /// The worst places.
+    /// Worst stretches.
     pub late: Vec<Late>,
-    /// Findings.
+    /// Diagnostics.
     pub diagnostics: Vec<Finding>,
 }
 
 impl Before {
-    /// The table for people.
+    /// Returns the table for people.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
@@ -149,13 +149,13 @@ impl Before {
     }
 }
 
-/// Lines a second, with the digits that tell something.
+/// Formats lines per second with the significant digits.
 #[must_use]
 pub fn rate(per_s: f64) -> String {
     if per_s < 10.0 { format!("{per_s:.2}") } else { format!("{per_s:.0}") }
 }
 
-/// Where a transfer stands, or how it ended.
+/// Status or end of a transfer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Status {
@@ -165,7 +165,7 @@ pub struct Status {
     pub event: FeedEvent,
     /// Time since the start.
     pub time_s: f64,
-    /// Lines in all.
+    /// Total number of lines.
     pub lines: u64,
     /// Lines that were sent.
     pub sent: u64,
@@ -173,42 +173,42 @@ pub struct Status {
     pub acknowledged: u64,
     /// Lines that have left over a link without answers.
     pub left: Option<u64>,
-    /// Lines that it has carried out, where it says so.
+    /// Lines that the control has carried out, if it reports them.
     pub executed: Option<u64>,
-    /// Lines under way.
+    /// Number of lines under way.
     pub window: usize,
-    /// Their bytes.
+    /// Number of their bytes.
     pub window_bytes: usize,
-    /// The fewest lines under way since the window was full.
+    /// Minimum number of lines under way since the window was full.
     pub lowest: Option<usize>,
-    /// Share of the link that is used, %; `null` where it has no speed of its own.
+    /// Utilization of the link, %; `null` if it has no speed of its own.
     pub link_percent: Option<f64>,
     /// Lines that were sent again.
     pub repeats: u64,
-    /// Times without an answer.
+    /// Number of timeouts.
     pub stalls: u64,
-    /// What temperatures have added to the axes of the last line: `X_um`, `C_urad`.
+    /// Correction due to temperature that was added to the axes in the last line: `X_um`, `C_urad`.
     pub applied: BTreeMap<AxisKey, f64>,
-    /// What they ask for.
+    /// Correction due to temperature that the model asks for.
     pub target: BTreeMap<AxisKey, f64>,
-    /// Age of the oldest reading of a sensor.
+    /// Age of the oldest sensor reading.
     pub sensor_age_s: Option<f64>,
-    /// What is wrong with the sensors.
+    /// Faults of the sensors.
     pub sensors: Option<String>,
-    /// How long it takes until the end.
+    /// Estimated time until the end.
     pub eta_s: Option<f64>,
-    /// From an answer to the bytes of the next line, µs: half of them, 99 of 100, the longest.
+    /// Time from an answer to the bytes of the next line, µs: median, 99th percentile, maximum.
     pub delay_us: Option<[f64; 3]>,
-    /// How it ended.
+    /// Outcome.
     pub ended: Option<FeedOutcome>,
-    /// What people should read.
+    /// Message for people.
     pub message: Option<String>,
-    /// Line of the source of the last line.
+    /// Source line of the last line.
     pub source_line: u32,
 }
 
 impl Status {
-    /// One line for a terminal.
+    /// Returns one line for a terminal.
     #[must_use]
     pub fn line(&self) -> String {
         let done = self.left.unwrap_or(self.acknowledged);
@@ -235,7 +235,7 @@ impl Status {
         out
     }
 
-    /// How it ended, for people.
+    /// Returns the table for people at the end.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
@@ -267,72 +267,72 @@ impl Status {
     }
 }
 
-/// Something that happened.
+/// Event of a transfer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Said {
     /// Version of this object.
     pub schema: u32,
-    /// `said`, `holds`, `stalled`, `paused`, `repeated`, `sensors`, `shift`, `port`.
+    /// Kind: `said`, `holds`, `stalled`, `paused`, `repeated`, `sensors`, `shift`, `port`.
     pub event: FeedEvent,
     /// Time since the start.
     pub time_s: f64,
-    /// The line that it is about.
+    /// Line concerned.
     pub line: Option<u64>,
-    /// In words.
+    /// Description in words.
     pub message: String,
 }
 
-/// How a job that was broken off is taken up again.
+/// Plan for restarting an interrupted job.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plan {
     /// Version of this object.
     pub schema: u32,
-    /// Its number: another journal or another place has another one.
+    /// Number of the plan; it differs for another journal or another place.
     pub plan: String,
-    /// The part program.
+    /// Part program.
     pub program: String,
-    /// How the job ended; `null` where the program that sent it died.
+    /// End of the job; `null` if the sending program died.
     pub ended: Option<String>,
-    /// The last line that the control has acknowledged, and its line in the source.
+    /// Last line that the control has acknowledged.
     pub acknowledged: u64,
-    /// The same in the source.
+    /// Source line of `acknowledged`.
     pub acknowledged_line: Option<u32>,
-    /// The last line that was carried out for sure.
+    /// Last line that was certainly carried out.
     pub executed: u64,
-    /// The same in the source.
+    /// Source line of `executed`.
     pub executed_line: Option<u32>,
-    /// Blocks that the control may have taken and not carried out, at most; `null` where nobody knows.
+    /// Maximum number of blocks that the control may have taken and not carried out; `null` if it is not known.
     pub holds: Option<u64>,
-    /// Where that comes from.
+    /// Source of that number.
     pub holds_source: Option<String>,
-    /// The last line that may have been sent.
+    /// Last line that may have been sent.
     pub sent: u64,
-    /// The same in the source.
+    /// Source line of `sent`.
     pub sent_line: Option<u32>,
-    /// Line of the source at which it begins again.
+    /// Source line at which the job begins again.
     pub source_line: u32,
-    /// Whether that is the beginning of the program.
+    /// True if that is the beginning of the program.
     pub is_beginning: bool,
-    /// How far the tool is above all that is machined before it moves across; `null` where nothing is machined.
+    /// Height of the tool above everything machined before it moves across; `null` if nothing is machined.
     pub above_mm: Option<f64>,
-    /// Why it is: behind this line of the source the state of the control cannot be rebuilt.
+    /// Source line after which the state of the control cannot be rebuilt; it explains the place.
     pub unsure_line: Option<u32>,
-    /// The tool that must be in the spindle.
+    /// Tool that must be in the spindle.
     pub tool: Option<String>,
-    /// What is sent before.
+    /// Lines that are sent before the program.
     pub before: Vec<String>,
-    /// The first lines of the program that are sent.
+    /// First lines of the program that are sent.
     pub first: Vec<String>,
-    /// The height over which the way leads, as it was given.
+    /// Clear height of the restart path, as given.
     pub clearance: Option<String>,
-    /// The port.
+    /// Port.
     pub port: String,
 }
 
 impl Plan {
-    /// The plan for people.
+    /// Returns the plan for people.
     #[must_use]
     pub fn table(&self, journal: &str) -> String {
         let mut out = String::new();

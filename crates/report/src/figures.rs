@@ -1,4 +1,4 @@
-//! Figures of the acceptance tests: the table for people and the object for programs.
+//! Results of the acceptance tests: table for people and the JSON object.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use super::json::Finding;
 use super::number::significant;
 use ncfix_metrology::results::figures::Measurement;
 
-/// The result of `ncfix figures`.
+/// Output of `ncfix figures`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Figures {
@@ -17,12 +17,12 @@ pub struct Figures {
     pub measurements: Vec<Measurement>,
     /// Name of the machine.
     pub machine: String,
-    /// Findings in the order in which they were met.
+    /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
 }
 
 impl Figures {
-    /// The table for people, with a line feed behind every line.
+    /// Returns the table for people, with a line feed after every line.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = lines(&self.measurements);
@@ -31,7 +31,7 @@ impl Figures {
     }
 }
 
-/// The lines of all measurements that have figures, an empty one behind each.
+/// Returns the lines of all measurements that have figures, with an empty line after each.
 #[must_use]
 pub fn lines(measurements: &[Measurement]) -> String {
     let mut out = String::new();

@@ -1,15 +1,15 @@
-//! Files that a result comes from.
+//! Input files of a result.
 
 use serde::Serialize;
 
-/// A file that the result comes from.
+/// Input file of a result.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Input {
-    /// Its name.
+    /// File name.
     pub file: String,
-    /// What it is: `machine`, `readings`, `description`, `readings, held out` …
+    /// Role: `machine`, `readings`, `description`, `readings, held out` …
     pub role: &'static str,
-    /// The beginning of the SHA-256 of its bytes with their length in front, as in the head of a machine file.
+    /// First digits of the SHA-256 of the length and the bytes of the file, as in the head of a machine file.
     pub hash: String,
 }

@@ -1,4 +1,4 @@
-//! The shape of findings and of `check` and `verify` results in `--json`. Keys are stable; numbers carry their unit in the key.
+//! JSON form of diagnostics and of the results of `check` and `verify`. Keys are stable; numbers carry their unit in the key.
 
 use serde::Serialize;
 
@@ -6,28 +6,28 @@ use super::excerpt::Excerpt;
 use ncfix_base::diagnostic::{Diagnostic, Severity};
 use ncfix_base::source::{Source, is_deceptive};
 
-/// A finding.
+/// A diagnostic.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Finding {
     /// Stable code, `E0203`.
     pub code: &'static str,
-    /// How much it weighs.
+    /// Severity.
     pub severity: Severity,
-    /// Name of the file, `null` where a finding has no place.
+    /// File name; `null` if the diagnostic has no place.
     pub file: Option<String>,
     /// Line from 1.
     pub line: Option<usize>,
-    /// Column from 1, in characters; in a line that is no UTF-8, in bytes.
+    /// Column from 1, in characters; in a line that is not UTF-8, in bytes.
     pub column: Option<usize>,
-    /// What was found.
+    /// Message.
     pub message: String,
-    /// What to do.
+    /// Advice.
     pub help: String,
 }
 
 impl Finding {
-    /// A finding with the file of its place.
+    /// Creates the JSON form of a diagnostic. `source` is the file of its place.
     #[must_use]
     pub fn new(diagnostic: &Diagnostic, source: Option<&Source>) -> Finding {
         let excerpt = diagnostic.place.zip(source).map(|(place, source)| Excerpt::new(source, place));
@@ -43,20 +43,20 @@ impl Finding {
     }
 }
 
-/// What `ncfix check` found.
+/// Output of `ncfix check`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Check {
-    /// Whether the text was understood without an error.
+    /// True if the text was parsed without an error.
     pub parsed: bool,
-    /// Whether it was executed to its end without an error.
+    /// True if it was executed to its end without an error.
     pub executed: bool,
-    /// What the file is where it is no program: `machine data`, `definitions` …
+    /// Kind of a file that is not a program: `machine data`, `definitions` …
     #[serde(skip_serializing_if = "Option::is_none")]
     pub support_file: Option<&'static str>,
     /// Elements of the flat stream (moves, dwells, tool and auxiliary words).
     pub elements: u64,
-    /// Findings in the order in which they were met.
+    /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
 }
 
@@ -66,100 +66,100 @@ pub struct Check {
 pub struct Spread {
     /// Mean, µm.
     pub mean_um: f64,
-    /// Root of the mean square, µm.
+    /// Root mean square, µm.
     pub rms_um: f64,
     /// Maximum, µm.
     pub max_um: f64,
 }
 
-/// What a correction leaves of one source of error: the largest over poses of the program.
+/// Residual of one error source after a correction: the largest over poses of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Remaining {
-    /// The source.
+    /// Error source.
     pub source: &'static str,
-    /// Of the tip, because its correction is less than an increment, µm.
+    /// Displacement of the tip, as its correction is less than an increment, µm.
     pub position_um: f64,
-    /// Of the direction of the tool axis, µrad.
+    /// Tilt of the tool axis, µrad.
     pub tilt_urad: f64,
-    /// About the tool axis, µrad.
+    /// Rotation about the tool axis, µrad.
     pub roll_urad: f64,
 }
 
-/// How far the axes leave the tool off its path at feed, as `[servo]` and `[[dynamic]]` predict it: by cycles of the control, of moves with feed.
+/// Deviation of the tool from its path at feed, predicted from `[servo]` and `[[dynamic]]`: over the control cycles of feed moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Contouring {
-    /// Root of the mean square, µm.
+    /// Root mean square, µm.
     pub rms_um: f64,
     /// Maximum, µm.
     pub max_um: f64,
 }
 
-/// What `ncfix fix --feed-limit` did.
+/// Result of `ncfix fix --feed-limit`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FeedLimit {
-    /// The limit, µm.
+    /// Limit, µm.
     pub limit_um: f64,
-    /// With the feeds of the program.
+    /// Deviation with the feeds of the program.
     pub contouring_before: Contouring,
-    /// With the feeds that were written.
+    /// Deviation with the feeds that were written.
     pub contouring_after: Contouring,
     /// Time on the machine with the feeds of the program, without tool changes, s.
     pub time_before_s: f64,
-    /// The same with the feeds that were written.
+    /// Time on the machine with the feeds that were written, without tool changes, s.
     pub time_after_s: f64,
     /// Pieces with a lower feed.
     pub slowed: u64,
-    /// Pieces that exceed the limit all the same.
+    /// Pieces that still exceed the limit.
     pub exceeding: u64,
 }
 
-/// What the axes make of a program at feed, as `[servo]` and `[[dynamic]]` predict it.
+/// Behavior of a program at feed, predicted from `[servo]` and `[[dynamic]]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AtFeed {
-    /// How far the tool is off the path of the program.
+    /// Deviation of the tool from the path of the program.
     #[serde(flatten)]
     pub contouring: Contouring,
-    /// File of the largest distance.
+    /// File of the largest deviation.
     pub file: Option<String>,
-    /// Line of the largest distance.
+    /// Line of the largest deviation.
     pub line: Option<u32>,
     /// Time on the machine, without tool changes, s.
     pub time_s: f64,
 }
 
-/// What `ncfix verify` measured on the error model: distance of the tool tip from the nominal path of the original.
+/// Output of `ncfix verify`: distance of the tool tip from the nominal path of the original, on the error model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verification {
-    /// Whether the corrected program should run; nothing where they were not compared.
+    /// Verdict on running the corrected program; `null` if the programs were not compared.
     pub verdict: Option<super::verdict::Verdict>,
-    /// Of the original program.
+    /// Errors of the original program.
     pub before: Option<Spread>,
-    /// Of the corrected program.
+    /// Errors of the corrected program.
     pub after: Option<Spread>,
-    /// Points at which both were evaluated.
+    /// Number of points at which both were evaluated.
     pub samples: u64,
-    /// What the axes make of the original at feed, with `--at-feed`.
+    /// Behavior of the original at feed, with `--at-feed`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub original_at_feed: Option<AtFeed>,
-    /// The same of the corrected program.
+    /// Behavior of the corrected program at feed, with `--at-feed`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corrected_at_feed: Option<AtFeed>,
-    /// Findings.
+    /// Diagnostics.
     pub diagnostics: Vec<Finding>,
 }
 
-/// A value as one line of JSON, with its line feed.
+/// Returns a value as one line of JSON, with its line feed.
 ///
 /// # Errors
-/// None for the types of this room, whose keys are all texts; the reason in words if that should ever change.
+/// None for the types of this crate, whose keys are all texts; a sentence if that should ever change.
 pub fn line(value: &impl Serialize) -> Result<String, String> {
     let text = serde_json::to_string(value).map_err(|error| error.to_string())?;
-    // JSON needs no escape for these, but a terminal would obey them. They stand in texts only.
+    // JSON does not require escapes for these, but a terminal would obey them. They occur only in texts.
     let mut line = String::with_capacity(text.len() + 1);
     for character in text.chars() {
         if is_deceptive(character) {

@@ -1,6 +1,6 @@
-//! Draws plain data of the other rooms for people and for programs: findings, numbers of a correction, machines.
+//! Formats plain data of the other crates for people and for programs: diagnostics, results of a correction, machines.
 //!
-//! Everything here returns text or serializable values; nothing opens a file or asks what a terminal can do.
+//! Everything here returns text or serializable values. Nothing opens a file or queries the capabilities of a terminal.
 
 pub mod calibration;
 pub mod correction;

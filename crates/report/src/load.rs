@@ -1,4 +1,4 @@
-//! What a weighing found: the table for people and the object for programs.
+//! Result of weighing: table for people and the JSON object.
 
 use serde::Serialize;
 
@@ -7,23 +7,23 @@ use super::json::Finding;
 use super::number::significant;
 use ncfix_metrology::results::weighed::WeighingResult;
 
-/// What `ncfix load` prints: the result, and where it went.
+/// Output of `ncfix load`: the result, with its output file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Load {
-    /// What was found.
+    /// Result.
     #[serde(flatten)]
     pub found: WeighingResult,
-    /// The written state file; `null` where there is none.
+    /// State file that was written; `null` if there is none.
     pub output: Option<String>,
     /// Name of the machine.
     pub machine: String,
-    /// Findings in the order in which they were met.
+    /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
 }
 
 impl Load {
-    /// The table for people, with a line feed behind every line.
+    /// Returns the table for people, with a line feed after every line.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();

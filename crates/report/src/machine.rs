@@ -1,4 +1,4 @@
-//! A machine and its errors as a page for people.
+//! Machine and its errors as a page for people.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use ncfix_base::geometry::AXES;
 use ncfix_machine::machine::{AxisData, Machine};
 use ncfix_model::{Effect, ErrorModel};
 
-/// The page: chain, axes, zero offsets, tools, error functions. Lengths in mm, angles in degrees.
+/// Returns the page: chain, axes, zero offsets, tools, error functions. Lengths in mm, angles in degrees.
 #[must_use]
 pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
     let mut out = String::new();
@@ -96,7 +96,7 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
     out
 }
 
-/// Lowest and highest position of an axis.
+/// Formats the lowest and highest position of an axis.
 fn travel(axis: &AxisData) -> String {
     let unit = if axis.axis.is_rotary() { "deg" } else { "mm" };
     match axis.travel {
@@ -109,7 +109,7 @@ fn travel(axis: &AxisData) -> String {
     }
 }
 
-/// A number with up to six decimals, trailing zeros dropped.
+/// Formats a number with up to six decimals, without trailing zeros.
 fn decimal(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

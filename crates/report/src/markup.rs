@@ -1,28 +1,28 @@
-//! Markup that is well-formed whatever the texts in it are: elements that close themselves, and the one place where texts are escaped.
+//! Markup that is well-formed for any text content: elements close themselves, and texts are escaped in a single place.
 //!
-//! Programs, labels and file names are data: they come in as [`Markup::text`] or as values of attributes, and no other way leads into
-//! the result. What comes out is XML, so that a page can be read by any parser of XML and a picture can stand in a file of its own; it is
-//! HTML as well as long as [`Markup::empty`] is kept to SVG and to the elements that HTML knows without an end. Own code: `maud` and `askama` write HTML alone.
+//! Programs, labels and file names are data: they enter as [`Markup::text`] or as attribute values, and in no other way. The output is XML, so any XML parser
+//! can read a page, and a picture can be a separate file. It is also HTML as long as [`Markup::empty`] is only used for SVG and for HTML elements without an
+//! end tag. It is implemented here because `maud` and `askama` write only HTML.
 
 use std::fmt::{self, Display, Write as _};
 
 /// Attributes of an element.
 pub type Attributes<'a> = &'a [(&'static str, &'a dyn Display)];
 
-/// A growing piece of markup.
+/// Markup under construction.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Markup {
     text: String,
 }
 
 impl Markup {
-    /// Nothing yet.
+    /// Creates empty markup.
     #[must_use]
     pub fn new() -> Markup {
         Markup::default()
     }
 
-    /// An element with what `inside` writes.
+    /// Appends an element with the content written by `inside`.
     pub fn element(&mut self, name: &'static str, attributes: Attributes<'_>, inside: impl FnOnce(&mut Markup)) {
         self.open(name, attributes);
         self.text.push('>');
@@ -32,28 +32,28 @@ impl Markup {
         self.text.push_str(">\n");
     }
 
-    /// An element with a text.
+    /// Appends an element with a text.
     pub fn leaf(&mut self, name: &'static str, attributes: Attributes<'_>, text: impl Display) {
         self.element(name, attributes, |out| out.text(text));
     }
 
-    /// An element without content.
+    /// Appends an element without content.
     pub fn empty(&mut self, name: &'static str, attributes: Attributes<'_>) {
         self.open(name, attributes);
         self.text.push_str("/>\n");
     }
 
-    /// A text.
+    /// Appends a text.
     pub fn text(&mut self, text: impl Display) {
         // Writing into a String cannot fail.
         let _ = write!(Escaped(&mut self.text), "{text}");
     }
 
-    /// A script, data in the place of one, or a style, which HTML takes as they are: nothing in it may end it. Of texts that are not ours only base64 and
-    /// JSON without `<` come here.
+    /// Appends a script, a data block or a style, whose content HTML takes verbatim: nothing in it may end the element. External texts enter here only as
+    /// base64 or as JSON without `<`.
     ///
     /// # Errors
-    /// The text, where it would end the element.
+    /// The text, if it would end the element.
     pub fn verbatim<'t>(
         &mut self,
         name: &'static str,
@@ -75,7 +75,7 @@ impl Markup {
         Ok(())
     }
 
-    /// Whether nothing was written.
+    /// True if nothing was written.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.text.is_empty()
@@ -98,7 +98,7 @@ impl Display for Markup {
     }
 }
 
-/// A text as XML takes it for text, for markup that is not written with [`Markup`].
+/// Escapes a text for XML, for markup that is not written with [`Markup`].
 #[must_use]
 pub fn escaped(text: &str) -> String {
     let mut out = Markup::new();
@@ -106,7 +106,7 @@ pub fn escaped(text: &str) -> String {
     out.text
 }
 
-/// Escapes what passes.
+/// Writer that escapes its input.
 struct Escaped<'a>(&'a mut String);
 
 impl fmt::Write for Escaped<'_> {
@@ -118,7 +118,7 @@ impl fmt::Write for Escaped<'_> {
                 '>' => self.0.push_str("&gt;"),
                 '"' => self.0.push_str("&quot;"),
                 '\n' => self.0.push('\n'),
-                // XML has no control characters and no characters that Unicode reserves, not even as numbers.
+                // XML permits neither control characters nor characters that Unicode reserves, not even as numbers.
                 control if control.is_control() => self.0.push(' '),
                 '\u{fffe}' | '\u{ffff}' => self.0.push('\u{fffd}'),
                 other => self.0.push(other),

@@ -1,4 +1,4 @@
-//! What measurement mode did: the corrections that were taken out of a table of readings.
+//! Result of measurement mode: the corrections that were removed from a table of readings.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use super::correction::output_name;
 use super::number::{grouped, significant};
 use ncfix_metrology::results::corrected::{CorrectedReadings, CorrectionSize};
 
-/// The table for people of readings that were written to `output`, with a line feed behind every line.
+/// Returns the table for people about readings that were written to `output`, with a line feed after every line.
 #[must_use]
 pub fn table(found: &CorrectedReadings, output: &str) -> String {
     let mut out = String::new();

@@ -1,44 +1,44 @@
-//! Where the values of a machine come from: for people, and as JSON.
+//! Origins of the values of a machine: for people, and as JSON.
 
 use std::fmt::Write as _;
 
 use serde::Serialize;
 
-/// Columns of a value; longer ones, such as tables of errors, are cut.
+/// Maximum width of a value in characters; longer ones, such as error tables, are cut.
 const WIDEST_VALUE: usize = 32;
 
-/// A value and its origin.
+/// Value and its origin.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OriginRow {
     /// Keys from the top of the file: `axis.X.travel_mm`.
     pub path: String,
-    /// As it is written, units as in the key.
+    /// Value as written, with the unit of the key.
     pub value: String,
-    /// `file:line`, the file alone where the line cannot be told, or `default`.
+    /// `file:line`; only the file if the line is unknown; or `default`.
     pub origin: String,
 }
 
-/// A file and how it was found.
+/// File, and how it was found.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OriginFile {
-    /// What it is.
+    /// Kind of the file.
     pub what: OriginFileKind,
-    /// Its path.
+    /// Path.
     pub file: String,
-    /// How it was found: an option, a variable, a place.
+    /// Source of its path: an option, a variable, a place.
     pub found: String,
 }
 
-/// What a file with values of a machine is.
+/// Kind of a file with values of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum OriginFileKind {
-    /// The machine file.
+    /// Machine file.
     #[serde(rename = "machine file")]
     Machine,
-    /// A set-up file.
+    /// Set-up file.
     #[serde(rename = "set-up file")]
     SetUp,
     /// Compensation tables that are active in the control.
@@ -47,7 +47,7 @@ pub enum OriginFileKind {
 }
 
 impl OriginFileKind {
-    /// As JSON has it.
+    /// Returns its name as in JSON.
     fn word(self) -> &'static str {
         match self {
             OriginFileKind::Machine => "machine file",
@@ -61,14 +61,14 @@ impl OriginFileKind {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Origins {
-    /// The files, in the order in which they were laid over each other.
+    /// Files in the order in which they were applied.
     pub files: Vec<OriginFile>,
-    /// The values that hold in the end.
+    /// Resulting values.
     pub values: Vec<OriginRow>,
 }
 
 impl Origins {
-    /// The page.
+    /// Returns the page.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
@@ -92,7 +92,7 @@ impl Origins {
     }
 }
 
-/// A value that fits its column.
+/// Shortens a value to fit its column.
 fn shortened(value: &str) -> String {
     if value.chars().count() <= WIDEST_VALUE {
         return value.to_owned();

@@ -1,13 +1,13 @@
-//! What `ncfix plan` says of a plan.
+//! Output of `ncfix plan`.
 
 use std::fmt::Write as _;
 
 use ncfix_metrology::results::planned::{JudgedPlan, PlanJudgement, PlanResult};
 
-/// Sentences that are shown.
+/// Maximum number of sentences that are shown.
 const MOST_SENTENCES: usize = 12;
 
-/// A plan that was written, for a person: to `table`, with `description` beside it.
+/// Returns the text for people about a plan that was written to `table`, with `description` beside it.
 #[must_use]
 pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
     let model = plan.model.as_deref().unwrap_or_default();
@@ -19,7 +19,7 @@ pub fn page(plan: &PlanResult, table: &str, description: &str) -> String {
     out
 }
 
-/// What measurements tell, in words.
+/// Describes in words what measurements by a plan can determine.
 fn said(judgement: &PlanJudgement, model: &str) -> String {
     let who = match judgement.of {
         JudgedPlan::Plan => "the plan".to_owned(),

@@ -1,4 +1,4 @@
-//! Presets as pages for people: which there are, and what one of them means for a machine.
+//! Presets as pages for people: the list, and the content of one preset for a machine.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_model::preset::{PRESETS, Preset, Rest, Unsuitable, rest};
 use ncfix_model::{ErrorModel, ParameterName};
 
-/// The presets, each with what it is and its source; on a machine also how many parameters it has there, or why none.
+/// Lists the presets with description and source; for a machine also the number of parameters, or why the preset does not fit.
 #[must_use]
 pub fn list(machine: Option<&Machine>) -> String {
     let mut out = String::from(if machine.is_some() { "preset    parameters  " } else { "preset    " });
@@ -32,7 +32,7 @@ pub fn list(machine: Option<&Machine>) -> String {
     out
 }
 
-/// The parameters of a preset with their values in a machine file, and what the file has besides.
+/// Returns the parameters of a preset with their values in a machine file, and further content of the file.
 #[must_use]
 pub fn page(preset: &Preset, parameters: &[ParameterName], machine: &Machine, errors: &ErrorModel) -> String {
     let mut out = String::new();
@@ -64,14 +64,14 @@ pub fn page(preset: &Preset, parameters: &[ParameterName], machine: &Machine, er
     out
 }
 
-/// One parameter with its value.
+/// Writes one parameter with its value.
 fn line(out: &mut String, parameter: &ParameterName, errors: &ErrorModel) {
     let (value, unit) = in_micro(parameter, parameter.get(errors));
     // The name as text, so that it is padded.
     let _ = writeln!(out, "{:<10}{:>13}  {unit}", parameter.to_string(), number(value));
 }
 
-/// A value and its unit with µm in place of mm and µrad in place of rad; positions stay in mm and rad.
+/// Returns a value and its unit with µm in place of mm and µrad in place of rad; positions stay in mm and rad.
 fn in_micro(parameter: &ParameterName, value: f64) -> (f64, String) {
     let unit = parameter.unit();
     match unit.strip_prefix("mm") {
@@ -80,7 +80,7 @@ fn in_micro(parameter: &ParameterName, value: f64) -> (f64, String) {
     }
 }
 
-/// Four significant digits.
+/// Formats four significant digits.
 fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();

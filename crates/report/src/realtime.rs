@@ -1,11 +1,11 @@
-//! What `ncfix realtime` says: of the kernel, and at the end of the set-points that were answered.
+//! Output of `ncfix realtime`: the kernel, and at the end the answered set-points.
 
 use std::fmt::Write as _;
 
 use super::number::{grouped, micrometers, significant};
 use ncfix_tables::results::realtime::{KernelResult, RealtimeResult};
 
-/// `200 intervals per axis; functions beside them: 1 of X; within 0.002 µm and 0.000 µrad of the model at 1000 poses`.
+/// Describes the kernel: `200 intervals per axis; functions beside them: 1 of X; within 0.002 µm and 0.000 µrad of the model at 1000 poses`.
 #[must_use]
 pub fn kernel(kernel: &KernelResult) -> String {
     let direct = &kernel.direct_functions;
@@ -21,7 +21,7 @@ pub fn kernel(kernel: &KernelResult) -> String {
     )
 }
 
-/// `1,000 set-points; 3 beyond, 12 dosed`, and where it is wanted the times.
+/// Returns the text at the end, such as `1,000 set-points; 3 beyond, 12 dosed`; with `has_times` also the times.
 #[must_use]
 pub fn page(result: &RealtimeResult, has_times: bool) -> String {
     let counted: Vec<String> =

@@ -1,4 +1,4 @@
-//! Residual over step as a picture: both axes logarithmic with units, the limit and the answer as lines.
+//! Residual over step as a picture: both axes logarithmic with units, limit and answer as lines.
 
 use std::fmt::Write as _;
 
@@ -12,10 +12,10 @@ const LEFT: f64 = 66.0;
 const RIGHT: f64 = 20.0;
 const TOP: f64 = 40.0;
 const BOTTOM: f64 = 52.0;
-/// How high a line of text stands above its middle.
+/// Distance of the baseline of a text below its middle.
 const HALF_LETTER: f64 = 4.0;
 
-/// The picture of a result. Where there is nothing to draw it says so.
+/// Picture of a result. If there is nothing to draw, it says so.
 #[derive(Clone, Copy, Debug)]
 pub struct Residual<'a>(pub &'a StepReport);
 

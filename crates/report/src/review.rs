@@ -1,4 +1,4 @@
-//! What `ncfix diff` says: the summary, a row for every move that is changed, and the object for programs.
+//! Output of `ncfix diff`: the summary, a row for every changed move, and the JSON object.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,15 +11,15 @@ use super::number::{grouped, micrometers, significant};
 use super::verdict::Verdict;
 use ncfix_base::units::UnitKey;
 
-/// The result of `ncfix diff`.
+/// Output of `ncfix diff`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Review {
     /// Version of this object.
     pub schema: u32,
-    /// Whether nothing is changed by more than the tolerance.
+    /// True if nothing differs by more than the tolerance.
     pub same: bool,
-    /// `executed`, or `text` where the words were compared as they are written.
+    /// `executed`, or `text` if the words were compared as written.
     pub compared: &'static str,
     /// Names of the original and of the corrected program.
     pub files: [String; 2],
@@ -27,43 +27,43 @@ pub struct Review {
     pub bytes: [u64; 2],
     /// Moves of the original and pieces of the corrected program.
     pub moves: [u64; 2],
-    /// Moves that are changed.
+    /// Number of changed moves.
     pub changed: u64,
-    /// Moves of several pieces.
+    /// Number of moves that were split into several pieces.
     pub split: u64,
-    /// Moves that are left as they are, by reason.
+    /// Number of unchanged moves, by reason.
     pub left: BTreeMap<&'static str, u64>,
-    /// Pieces with another feed, and the smallest and the largest of them as a share of what it was.
+    /// Number of pieces with another feed.
     pub other_feeds: u64,
-    /// See `other_feeds`.
+    /// Smallest and largest feed of these pieces as a share of the original feed.
     pub feed_share: Option<[f64; 2]>,
     /// Pieces that end beyond the travel of an axis.
     pub beyond_travel: BTreeMap<String, Beyond>,
-    /// What was added, by axis: X … in µm, A … in µrad.
+    /// Correction added by axis: X … in µm, A … in µrad.
     pub axes: BTreeMap<String, Figures>,
-    /// The largest change from one piece to the next, µm, and where.
+    /// Largest change from one piece to the next, µm, and its place.
     pub largest_step: Option<Step>,
-    /// The longest line of the corrected program, in bytes, and its number.
+    /// Length of the longest line of the corrected program, in bytes, and its number.
     pub longest_line: [u64; 2],
-    /// Errors of the original and of the corrected program on the error model.
+    /// Errors of the original program on the error model.
     pub before: Option<Spread>,
-    /// See `before`.
+    /// Errors of the corrected program on the error model.
     pub after: Option<Spread>,
-    /// Limits, and whether they are kept.
+    /// Limits, and whether they are met.
     pub limits: Vec<Limit>,
-    /// Whether it should run, and why.
+    /// Verdict on running it, with reasons.
     pub verdict: Verdict,
-    /// Where all this comes from: versions and hashes.
+    /// Provenance: versions and hashes.
     pub provenance: BTreeMap<&'static str, String>,
-    /// The rows that were asked for.
+    /// Requested rows.
     pub rows: Vec<Row>,
-    /// Moves that are changed and are not among the rows.
+    /// Number of changed moves that are not among the rows.
     pub more_rows: u64,
-    /// Findings.
+    /// Diagnostics.
     pub diagnostics: Vec<Finding>,
 }
 
-/// What was added to an axis.
+/// Correction added to an axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
@@ -71,7 +71,7 @@ pub struct Figures {
     pub unit: UnitKey,
     pub max: f64,
     pub max_line: u32,
-    /// The file of that line, where it is a subprogram.
+    /// File of that line, if it is a subprogram.
     pub max_file: Option<String>,
     pub mean: f64,
     pub rms: f64,
@@ -82,24 +82,24 @@ pub struct Figures {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Beyond {
-    /// How many.
+    /// Number of pieces.
     pub pieces: u64,
-    /// The line of the corrected program of the first of them.
+    /// Line of the corrected program of the first one.
     pub line: u32,
 }
 
-/// The largest change from one piece to the next.
+/// Largest change from one piece to the next.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct Step {
     pub um: f64,
     pub line: u32,
-    /// The file of that line, where it is a subprogram.
+    /// File of that line, if it is a subprogram.
     pub file: Option<String>,
 }
 
-/// A limit.
+/// Limit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
@@ -110,63 +110,63 @@ pub struct Limit {
     pub is_kept: bool,
 }
 
-/// A move that is changed.
+/// Changed move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Row {
-    /// Line of the original, and its file where that is a subprogram.
+    /// Line of the original.
     pub line: u32,
-    /// See `line`.
+    /// File of the line, if it is a subprogram.
     pub file: Option<String>,
-    /// `N120`; empty for a block without a number.
+    /// Block number, such as `N120`; empty for a block without a number.
     pub number: String,
     /// First and last line of the corrected program.
     pub corrected: [u32; 2],
-    /// Pieces.
+    /// Number of pieces.
     pub pieces: u64,
-    /// Its axes that are changed.
+    /// Its changed axes.
     pub words: Vec<Changed>,
-    /// Moves that are not changed, or not shown, before this one.
+    /// Number of moves before this one that are not changed or not shown.
     pub folded: u64,
 }
 
-/// A word that is changed.
+/// Changed word.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Changed {
-    /// The axis.
+    /// Axis.
     pub axis: String,
-    /// As it is in the original, or would be there if it were a number; empty where it is not known.
+    /// Value in the original, or the value it would have there as a number; empty if it is not known.
     pub before: String,
-    /// As it is in the corrected program.
+    /// Value in the corrected program.
     pub after: String,
-    /// What was added, in `unit`.
+    /// Correction added, in `unit`.
     pub added: f64,
     /// Its unit.
     pub unit: UnitKey,
 }
 
-/// Width of a word that is changed, with the space behind it.
+/// Width of a changed word, with the space after it.
 const WORD: usize = 35;
 /// Width of a number.
 const NUMBER: usize = 9;
-/// Width of what stands before the words.
+/// Width of the part before the words.
 const HEAD: usize = 10;
 
-/// How a page is drawn.
+/// Appearance of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
-    /// Columns of the terminal.
+    /// Width of the terminal in columns.
     pub width: usize,
-    /// Whether digits that are changed have a color.
+    /// True if changed digits are colored.
     pub has_color: bool,
 }
 
 impl Review {
-    /// The summary.
+    /// Returns the summary.
     #[must_use]
     pub fn summary(&self) -> String {
-        // Findings stand above by themselves, and errors below.
+        // Diagnostics are printed separately above, and errors below.
         let mut out = self.verdict.rows();
         let mut row = |name: &str, text: &str| {
             let _ = writeln!(out, "{name:<13}{text}");
@@ -213,19 +213,19 @@ impl Review {
     }
 }
 
-/// `line 17`, `line 17 of HOLE.SPF`.
+/// Formats a place: `line 17`, `line 17 of HOLE.SPF`.
 #[must_use]
 pub fn place(line: u32, file: Option<&str>) -> String {
     file.map_or_else(|| format!("line {line}"), |file| format!("line {line} of {file}"))
 }
 
-/// A number with its sign.
+/// Formats a number with its sign.
 fn signed(value: f64) -> String {
     format!("{}{}", if value > 0.0 { "+" } else { "" }, significant(value))
 }
 
 impl Row {
-    /// The row for a terminal, with a line feed behind every line.
+    /// Returns the row for a terminal, with a line feed after every line.
     #[must_use]
     pub fn line(&self, look: &Look) -> String {
         let mut out = String::new();
@@ -264,7 +264,7 @@ impl Row {
 }
 
 impl Changed {
-    /// `X     10.000 → 10.0123    (+12.3 µm)`, and its width.
+    /// Returns `X     10.000 → 10.0123    (+12.3 µm)`, and its width.
     fn cell(&self, look: &Look) -> (String, usize) {
         let blanks = " ".repeat(NUMBER.saturating_sub(self.after.chars().count()));
         let added = significant(self.added);
@@ -277,7 +277,7 @@ impl Changed {
         (text(&self.colored(look)), text(&self.after).chars().count())
     }
 
-    /// The new number, its digits that are others in color.
+    /// Returns the new number with its changed digits in color.
     fn colored(&self, look: &Look) -> String {
         const ON: &str = "\u{1b}[33m";
         const OFF: &str = "\u{1b}[0m";
@@ -289,35 +289,35 @@ impl Changed {
     }
 }
 
-/// The result of `ncfix diff --text`.
+/// Output of `ncfix diff --text`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TextReview {
     /// Version of this object.
     pub schema: u32,
-    /// Whether the programs say the same.
+    /// True if the programs are equivalent.
     pub same: bool,
-    /// `text`.
+    /// Always `text`.
     pub compared: &'static str,
     /// Names of both programs.
     pub files: [String; 2],
-    /// Lines that say the same.
+    /// Number of equivalent lines.
     pub same_lines: u64,
-    /// Lines with other numbers.
+    /// Number of lines with other numbers.
     pub changed: u64,
-    /// Lines of the first program alone, and of the second.
+    /// Number of lines that only the first program has.
     pub gone: u64,
-    /// See `gone`.
+    /// Number of lines that only the second program has.
     pub new: u64,
-    /// What became of the numbers, by address, in the unit of the programs.
+    /// Changes of the numbers by address, in the unit of the programs.
     pub words: BTreeMap<String, WordFigures>,
-    /// The rows that were asked for.
+    /// Requested rows.
     pub rows: Vec<TextLine>,
-    /// Lines that differ and are not among the rows.
+    /// Number of different lines that are not among the rows.
     pub more_rows: u64,
 }
 
-/// What became of the numbers of an address.
+/// Changes of the numbers of an address.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
@@ -327,7 +327,7 @@ pub struct WordFigures {
     pub max_line: u32,
 }
 
-/// A line that differs: its numbers in both programs, and its words, or its text where the other program lacks it.
+/// Line that differs: its line numbers in both programs, and its words, or its text if the other program lacks it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
@@ -337,7 +337,7 @@ pub struct TextLine {
     pub text: String,
 }
 
-/// A word with another number.
+/// Word with another number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
@@ -349,7 +349,7 @@ pub struct TextWord {
 }
 
 impl TextReview {
-    /// The summary.
+    /// Returns the summary.
     #[must_use]
     pub fn summary(&self) -> String {
         let mut out = String::new();
@@ -369,7 +369,7 @@ impl TextReview {
 }
 
 impl TextLine {
-    /// The row for a terminal, with a line feed behind every line.
+    /// Returns the row for a terminal, with a line feed after every line.
     #[must_use]
     pub fn line(&self, look: &Look) -> String {
         let name = match self.lines {

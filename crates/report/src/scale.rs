@@ -1,6 +1,6 @@
-//! A logarithmic axis of a plot.
+//! Logarithmic axis of a plot.
 
-/// From a value above zero to a larger one.
+/// Range from a positive value to a larger one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Log {
     low: f64,
@@ -12,29 +12,29 @@ impl Log {
         Log { low, high }
     }
 
-    /// Extended to whole decades.
+    /// Extends it to whole decades.
     pub(super) fn to_decades(self) -> Log {
         let low = 10_f64.powf(self.low.log10().floor());
         let high = 10_f64.powf(self.high.log10().ceil());
         Log { low, high: high.max(low * 10.0) }
     }
 
-    /// Place of a value, 0 at the low end and 1 at the high one; 0 for what is no larger than zero.
+    /// Returns the place of a value, 0 at the low end and 1 at the high one; 0 for values that are not positive.
     pub(super) fn share(&self, value: f64) -> f64 {
         if value > 0.0 { ((value / self.low).ln() / (self.high / self.low).ln()).max(0.0) } else { 0.0 }
     }
 
-    /// The value at a place.
+    /// Returns the value at a place.
     pub(super) fn value(&self, share: f64) -> f64 {
         self.low * (self.high / self.low).powf(share)
     }
 
-    /// The power of ten whose place is within two others, the first included.
+    /// Returns the power of ten whose place is within two others, including the first.
     pub(super) fn decade_in(&self, from: f64, to: f64) -> Option<f64> {
         self.decades().find(|&decade| (from - 1e-9..to - 1e-9).contains(&self.share(decade)))
     }
 
-    /// Powers of ten on the axis.
+    /// Returns the powers of ten on the axis.
     pub(super) fn decades(&self) -> impl Iterator<Item = f64> + use<> {
         let Log { low, high } = *self;
         // The range of exponents of a double is small.
@@ -44,7 +44,7 @@ impl Log {
             .filter(move |decade| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(decade))
     }
 
-    /// 1, 2, 5 times the powers of ten on the axis.
+    /// Returns 1, 2, 5 times the powers of ten on the axis.
     pub(super) fn marks(&self) -> impl Iterator<Item = f64> + use<> {
         let Log { low, high } = *self;
         let [first, last] = [low, high].map(|value| value.log10().floor() as i32);

@@ -1,4 +1,4 @@
-//! JSON schemas of what `--json` prints, one per command: derived from the types of the results, so that they cannot differ from them.
+//! JSON schemas of the `--json` output, one per command. They are derived from the result types, so they cannot differ from them.
 
 #![allow(
     dead_code,
@@ -16,7 +16,7 @@ use super::{
     steps, tables, watch,
 };
 
-/// What `ncfix diff` prints: programs as they are executed, or with `--text` as they are written.
+/// Output of `ncfix diff`: programs as executed, or with `--text` as written.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 enum Diff {
@@ -24,7 +24,7 @@ enum Diff {
     Written(review::TextReview),
 }
 
-/// A line of what `ncfix feed` prints.
+/// Line of the output of `ncfix feed`.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 enum Feed {
@@ -33,7 +33,7 @@ enum Feed {
     Said(feed::Said),
 }
 
-/// What `ncfix machine` prints: errors at a pose (`--at`), or with `--origin` where the values come from.
+/// Output of `ncfix machine`: errors at a pose (`--at`), or with `--origin` the origins of the values.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 enum Machine {
@@ -41,7 +41,7 @@ enum Machine {
     Origins(origin::Origins),
 }
 
-/// What `ncfix sensors` prints: a selection, or with `--watch` a line for each poll.
+/// Output of `ncfix sensors`: a selection, or with `--watch` a line for each poll.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]
 enum Sensors {
@@ -49,7 +49,7 @@ enum Sensors {
     Watch(watch::WatchReport),
 }
 
-/// The name of every command that has `--json`, with the schema of what it prints, in the order of the names.
+/// Returns the name of every command that has `--json`, with the schema of its output, in the order of the names.
 #[must_use]
 pub fn all() -> Vec<(&'static str, Value)> {
     vec![
@@ -71,7 +71,7 @@ pub fn all() -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// The schema of a type as it is printed.
+/// Returns the schema of the serialized form of a type.
 fn of<T: JsonSchema>() -> Value {
     SchemaSettings::draft2020_12().for_serialize().into_generator().into_root_schema_for::<T>().to_value()
 }

@@ -1,4 +1,4 @@
-//! How parameters were chosen: steps, terms with what could stand for them, held-out gain.
+//! Selection of parameters: steps, terms with their equivalents, gain on held-out readings.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use super::correction::push_row;
 use super::number::significant;
 use ncfix_metrology::results::selection::{Gain, Selection};
 
-/// Names of a list at most.
+/// Maximum number of names in a list.
 const MOST_NAMES: usize = 8;
 
 fn shown(gain: &Gain) -> String {
@@ -23,7 +23,7 @@ fn listed(names: &[String]) -> String {
     if more > 0 { format!("{shown} and {more} more") } else { shown }
 }
 
-/// The tables for people, with a line feed behind every line.
+/// Returns the tables for people, with a line feed after every line.
 #[must_use]
 pub fn table(found: &Selection) -> String {
     let mut out = String::new();

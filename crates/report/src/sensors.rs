@@ -1,4 +1,4 @@
-//! What a selection of sensors found: tables, plots in the terminal and the object for programs.
+//! Result of a sensor selection: tables, plots in the terminal and the JSON object.
 
 use std::fmt::Write as _;
 
@@ -8,28 +8,28 @@ use super::json::Finding;
 use super::number::significant;
 use ncfix_metrology::results::sensors::{SensorChoice, SensorSubset, SensorsResult};
 
-/// Rows of a plot.
+/// Number of rows of a plot.
 const HEIGHT: usize = 8;
-/// Columns of a number of sensors.
+/// Width of a number of sensors in columns.
 const STEP: usize = 4;
 
-/// What `ncfix sensors` prints: the result, and where it went.
+/// Output of `ncfix sensors`: the result, with its output file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorReport {
-    /// What was found.
+    /// Result.
     #[serde(flatten)]
     pub found: SensorsResult,
-    /// The written file; `null` where there is none.
+    /// File that was written; `null` if there is none.
     pub output: Option<String>,
     /// Name of the machine.
     pub machine: String,
-    /// Findings in the order in which they were met.
+    /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
 }
 
 impl SensorReport {
-    /// The page for people.
+    /// Returns the page for people.
     #[must_use]
     pub fn page(&self) -> String {
         let mut out = String::new();
@@ -55,7 +55,7 @@ impl SensorReport {
     }
 }
 
-/// The table of a direction at a place, with a plot.
+/// Returns the table of a direction at a place, with a plot.
 fn selection_page(selection: &SensorChoice) -> String {
     let mut out = selection.direction.letter().to_owned();
     if let Some(place) = &selection.place {
@@ -88,7 +88,7 @@ fn selection_page(selection: &SensorChoice) -> String {
     out
 }
 
-/// Efficiencies over the number of sensors.
+/// Returns the plot of efficiencies over the number of sensors.
 fn plot(sizes: &[SensorSubset]) -> String {
     let values: Vec<[f64; 2]> = sizes.iter().map(|size| [size.efficiency, size.independent_efficiency]).collect();
     let shown = values.as_flattened().iter().map(|value| value.clamp(0.0, 1.0));
@@ -96,7 +96,7 @@ fn plot(sizes: &[SensorSubset]) -> String {
     if values.len() < 2 {
         return String::new();
     }
-    // Whole tenths, and some room.
+    // Whole tenths with a margin.
     let low = ((low * 10.0).floor() / 10.0).min(0.9);
     let row_of = |value: f64| {
         let share = (value.clamp(low, 1.0) - low) / (1.0 - low);
@@ -159,7 +159,7 @@ mod tests {
         assert_eq!(lines[0], "Y at Z200: 1440 readings, drift 31.4 µm (RMS)");
         assert_eq!(lines[3], ">    2      6.17    95.0 %        92.0 %  T0 T1 (600 s)");
         assert!(lines[4].starts_with("    ~3") && !lines[3].contains('~'));
-        // 60 to 100 % in eight rows: 92, 95 and 97 % are nearest to the second from above.
+        // 60 to 100 % in eight rows: 92, 95 and 97 % are nearest to the second row from the top.
         assert_eq!(lines[6], "     94 %│       ●   ○");
         assert_eq!(lines[7], "     89 %│");
         assert!(lines[13].starts_with("         └────────────") && lines[14].contains("1   2   3"), "{page}");

@@ -1,4 +1,4 @@
-//! What `ncfix machine show --at` prints: what each source of error does at one pose.
+//! Output of `ncfix machine show --at`: the contribution of each error source at one pose.
 
 use std::fmt::Write as _;
 
@@ -7,19 +7,19 @@ use serde::Serialize;
 use super::json::Finding;
 use ncfix_model::shares::{AxisUnit, AxisValue, Deviation, ErrorShares};
 
-/// Errors at a pose, and findings about the files that say them.
+/// Errors at a pose, with the diagnostics of the files from which they come.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shares {
-    /// What was found.
+    /// Result.
     #[serde(flatten)]
     pub found: ErrorShares,
-    /// Findings about the files.
+    /// Diagnostics of the files.
     pub diagnostics: Vec<Finding>,
 }
 
 impl Shares {
-    /// The table for people.
+    /// Returns the table for people.
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
@@ -73,13 +73,13 @@ impl Shares {
     }
 }
 
-/// Two decimals, without a minus before nothing.
+/// Formats two decimals, without a minus sign before zero.
 fn fixed(value: f64) -> String {
     let text = format!("{value:.2}");
     if text == "-0.00" { "0.00".into() } else { text }
 }
 
-/// Up to so many decimals, trailing zeros dropped.
+/// Formats a value with up to `digits` decimals, without trailing zeros.
 fn plain(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };

@@ -1,4 +1,4 @@
-//! What `ncfix steps` found: the answer, the table, the plot in the terminal and the object for programs.
+//! Result of `ncfix steps`: the answer, the table, the plot in the terminal and the JSON object.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,81 +11,81 @@ use super::scale::Log;
 use super::terminal::Colors;
 use ncfix_base::geometry::AxisKey;
 
-/// Columns of the plot.
+/// Width of the plot in columns.
 const WIDTH: usize = 60;
-/// Rows of the plot.
+/// Height of the plot in rows.
 const HEIGHT: usize = 12;
-/// What the axes of the plot do not reach below the limit: residuals that small interest nobody.
+/// Lower end of the residual axis as a share of the limit: smaller residuals are not of interest.
 const SHARE_OF_LIMIT: f64 = 1e-3;
 const GREEN: &str = "\u{1b}[32m";
 const RED: &str = "\u{1b}[31m";
 const DIM: &str = "\u{1b}[2m";
 const PLAIN: &str = "\u{1b}[0m";
 
-/// How far a fixed step keeps a residual.
+/// Answer of a step search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum StepAnswer {
-    /// Any step does.
+    /// Any step meets the limit.
     Any,
-    /// Steps up to a length do.
+    /// Steps up to a length meet the limit.
     UpTo,
-    /// None does.
+    /// No step meets the limit.
     None,
 }
 
-/// The result of `ncfix steps`.
+/// Output of `ncfix steps`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StepReport {
-    /// The answer; `null` where there is no result.
+    /// Answer; `null` if there is no result.
     pub answer: Option<StepAnswer>,
-    /// The largest step that keeps the residual.
+    /// Largest step that meets the residual limit.
     pub largest_step_mm: Option<f64>,
-    /// The residual asked for.
+    /// Requested residual limit.
     pub residual_limit_um: f64,
-    /// The largest residual at the answer.
+    /// Largest residual at the answer.
     pub residual_um: f64,
-    /// Where it is.
+    /// Place of the largest residual.
     pub worst: Option<Worst>,
-    /// The series.
+    /// Series of steps.
     pub steps: Vec<StepRow>,
-    /// Lines that were looked at.
+    /// Number of lines that were examined.
     pub lines: u64,
-    /// Straight moves with feed of the program, of which those that bend most were looked at.
+    /// Straight feed moves of the program, of which the most curved ones were examined.
     pub moves: Option<u64>,
-    /// Arcs of the program, which are cut by the tolerance and were not looked at.
+    /// Arcs of the program, which are divided by the tolerance and were not examined.
     pub arcs: Option<u64>,
-    /// Length of the tool; `null` where each move has that of the program.
+    /// Tool length; `null` if each move has that of the program.
     pub tool_length_mm: Option<f64>,
-    /// Ends of pieces for which there is no correction.
+    /// Number of piece ends without a correction.
     pub failures: u64,
     /// Wall time of the run.
     pub seconds: f64,
     /// Name of the machine.
     pub machine: String,
-    /// Findings.
+    /// Diagnostics.
     pub diagnostics: Vec<Finding>,
 }
 
-/// The place of the largest residual. Keys carry the unit: `X_mm`, `C_deg`.
+/// Place of the largest residual. Keys carry the unit: `X_mm`, `C_deg`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Worst {
-    /// Where it is.
+    /// Position.
     pub at: BTreeMap<AxisKey, f64>,
-    /// Where the line begins.
+    /// Start of the line.
     pub from: BTreeMap<AxisKey, f64>,
-    /// Where it ends.
+    /// End of the line.
     pub to: BTreeMap<AxisKey, f64>,
     /// File of the move.
     pub file: Option<String>,
-    /// Its line.
+    /// Line of the move.
     pub line: Option<u32>,
 }
 
-/// A step of the series.
+/// Step of the series.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StepRow {
@@ -93,12 +93,12 @@ pub struct StepRow {
     pub step_mm: f64,
     /// Residual of this step.
     pub residual_um: f64,
-    /// Largest residual of this and all smaller steps.
+    /// Largest residual of this step and all smaller ones.
     pub largest_um: f64,
 }
 
 impl StepReport {
-    /// The page for people; it carries colors, which whoever prints it strips where nobody sees them.
+    /// Returns the page for people; it contains colors, which the caller strips if they are not shown.
     #[must_use]
     pub fn page(&self, colors: Colors) -> String {
         let mut out = String::new();
@@ -117,7 +117,7 @@ impl StepReport {
         out
     }
 
-    /// The rows below the plot.
+    /// Returns the rows below the plot.
     fn summary(&self) -> String {
         let mut out = String::new();
         let mut row = |name: &str, text: &str| {
@@ -132,7 +132,7 @@ impl StepReport {
         out
     }
 
-    /// What is known beside the answer.
+    /// Returns further results beside the answer.
     pub(super) fn entries(&self) -> Vec<(&'static str, String)> {
         let mut entries = Vec::new();
         let mut row = |name: &'static str, text: &str| entries.push((name, text.to_owned()));
@@ -183,7 +183,7 @@ impl StepReport {
         }
     }
 
-    /// Scales of steps and residuals; `None` where there is nothing to draw.
+    /// Returns the scales of steps and residuals; `None` if there is nothing to draw.
     pub(super) fn scales(&self) -> Option<(Log, Log)> {
         let (first, last) = (self.steps.first()?, self.steps.last()?);
         if last.largest_um <= 0.0 || first.step_mm >= last.step_mm {
@@ -195,7 +195,7 @@ impl StepReport {
         Some((Log::new(first.step_mm, last.step_mm), Log::new(low, high).to_decades()))
     }
 
-    /// Residual over step, both logarithmic, with the limit as a line.
+    /// Returns the plot of the residual over the step, both logarithmic, with the limit as a line.
     fn plot(&self, colors: Colors) -> Option<String> {
         const BLOCKS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
         let (steps, residuals) = self.scales()?;
@@ -238,7 +238,7 @@ impl StepReport {
         Some(out)
     }
 
-    /// The largest residual at a step between those of the series.
+    /// Returns the largest residual at a step between those of the series.
     fn between(&self, step_mm: f64) -> f64 {
         let after = self.steps.partition_point(|row| row.step_mm < step_mm);
         let before = after.checked_sub(1).and_then(|before| self.steps.get(before));
@@ -253,7 +253,7 @@ impl StepReport {
     }
 }
 
-/// Characters with their colors, those of a color in a row together; spaces at the end are left out.
+/// Appends characters with their colors; consecutive ones of one color share a sequence, and trailing spaces are omitted.
 fn push_painted(out: &mut String, cells: impl Iterator<Item = (char, &'static str)>, colors: Colors) {
     let mut cells: Vec<(char, &str)> = cells.collect();
     while cells.pop_if(|(character, _)| *character == ' ').is_some() {}
@@ -283,20 +283,20 @@ fn place(position: &BTreeMap<AxisKey, f64>) -> String {
     parts.into_iter().map(|(_, text)| text).collect::<Vec<_>>().join(" ")
 }
 
-/// A number as short as it is.
+/// Formats a number without trailing zeros.
 pub(super) fn decimal(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".into() } else { text.to_owned() }
 }
 
-/// Three significant digits.
+/// Formats three significant digits.
 pub(super) fn three_digits(value: f64) -> String {
     let decimals = if value < 9.995 { 2 } else { usize::from(value < 99.95) };
     format!("{value:.decimals$}")
 }
 
-/// The same, never more than the value.
+/// Formats three significant digits, rounded down.
 pub(super) fn rounded_down(value: f64) -> String {
     let unit = if value < 10.0 {
         0.01

@@ -1,4 +1,4 @@
-//! What `ncfix tables` says: the tables, what they leave, pictures and the object for programs.
+//! Output of `ncfix tables`: the tables, their residual, pictures and the JSON object.
 
 use std::fmt::Write as _;
 
@@ -8,27 +8,28 @@ use super::json::Finding;
 use super::markup::Markup;
 use super::plot::{Chart, Picture, STYLE, Series, Shape, WIDTH};
 use ncfix_base::geometry::Axis;
+use ncfix_base::units::UnitKey;
 use ncfix_tables::results::result::TablesResult;
 use ncfix_tables::tables::{FORMATS, SCHEMES, Sense, Tables};
 
-/// Tables that are listed one by one.
+/// Maximum number of tables that are listed individually.
 const MOST_ROWS: usize = 80;
 
-/// What `ncfix tables` prints: the result, and where it went.
+/// Output of `ncfix tables`: the result, with its output files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TablesReport {
-    /// What was found.
+    /// Result.
     #[serde(flatten)]
     pub found: TablesResult,
     /// Files that were written.
     pub written: Vec<String>,
-    /// Findings.
+    /// Diagnostics.
     pub diagnostics: Vec<Finding>,
 }
 
 impl TablesReport {
-    /// The page for a person.
+    /// Returns the page for people.
     #[must_use]
     pub fn page(&self) -> String {
         let mut page = String::new();
@@ -101,7 +102,7 @@ impl TablesReport {
                 one.axis,
                 one.rms,
                 one.max,
-                unit = one.unit.word()
+                unit = key(one.unit)
             );
         }
         for file in &self.written {
@@ -133,7 +134,15 @@ impl TablesReport {
     }
 }
 
-/// Formats and schemes, a line each.
+/// The unit as keys have it, in letters that every terminal has.
+pub(crate) fn key(unit: UnitKey) -> &'static str {
+    match unit {
+        UnitKey::Um => "um",
+        UnitKey::Urad => "urad",
+    }
+}
+
+/// Lists formats and schemes, one per line.
 #[must_use]
 pub fn list() -> String {
     let mut text = String::from("formats\n");
@@ -159,13 +168,14 @@ pub fn list() -> String {
     text
 }
 
-/// A picture of all tables: what each adds over its axis, mm or degrees; error functions in µm and µrad; a grid along lines through its middle.
+/// Returns a picture of all tables: the contribution of each over its axis, mm or degrees; error functions in µm and µrad; a grid along lines through its
+/// middle.
 #[must_use]
 pub fn picture(sets: &[(&str, &Tables)]) -> String {
     stacked(&charts(sets))
 }
 
-/// The same one by one.
+/// Returns the pictures of all tables one by one.
 #[must_use]
 pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
     let mut charts: Vec<Chart> = Vec::new();
@@ -225,7 +235,7 @@ pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
     charts
 }
 
-/// Pictures one below the other as a file.
+/// Returns pictures one below the other as a file.
 fn stacked(charts: &[Chart]) -> String {
     let height: f64 = charts.iter().map(Picture::height).sum::<f64>().max(1.0);
     let mut out = Markup::new();

@@ -1,6 +1,6 @@
-//! Draws findings the way a compiler does: code, sentence, place, the line with a caret, what to do.
+//! Draws diagnostics like a compiler: code, message, place, the line with a caret, advice.
 //!
-//! The only user of `annotate-snippets`. The text carries colors; whoever prints it strips them where nobody sees them.
+//! This module is the only user of `annotate-snippets`. The text contains colors; the caller strips them if they are not shown.
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
@@ -8,19 +8,19 @@ use super::excerpt::{Excerpt, printable};
 use ncfix_base::diagnostic::{Diagnostic, Severity};
 use ncfix_base::source::Source;
 
-/// Columns that a drawing may take where the width of the terminal is not known.
+/// Width of a drawing in columns if the width of the terminal is not known.
 const WIDTH: usize = 120;
 
-/// Whether the drawing carries ANSI colors.
+/// Color mode of the drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colors {
-    /// Escape sequences in the text.
+    /// ANSI escape sequences in the text.
     Ansi,
     /// Text only.
     Plain,
 }
 
-/// Draws one finding; `source` is the file of its place. Ends with a line feed.
+/// Draws one diagnostic; `source` is the file of its place. Ends with a line feed.
 #[must_use]
 pub fn draw(diagnostic: &Diagnostic, source: Option<&Source>, colors: Colors) -> String {
     let renderer = match colors {
@@ -56,7 +56,7 @@ pub fn draw(diagnostic: &Diagnostic, source: Option<&Source>, colors: Colors) ->
     drawn
 }
 
-/// Draws a sentence that helps with several findings at once. Ends with a line feed.
+/// Draws advice that concerns several diagnostics at once. Ends with a line feed.
 #[must_use]
 pub fn hint(sentence: &str, colors: Colors) -> String {
     let renderer = match colors {
@@ -69,7 +69,7 @@ pub fn hint(sentence: &str, colors: Colors) -> String {
     drawn
 }
 
-/// `2 errors, 1 warning`.
+/// Formats `2 errors, 1 warning`.
 #[must_use]
 pub fn count(errors: usize, warnings: usize) -> String {
     let one = |number: usize, word: &str| format!("{number} {word}{}", if number == 1 { "" } else { "s" });

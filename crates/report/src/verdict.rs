@@ -1,4 +1,4 @@
-//! Whether a corrected program should run, and why: one line for each reason.
+//! Verdict on running a corrected program, with reasons: one line for each.
 
 use serde::Serialize;
 
@@ -8,12 +8,12 @@ use super::number::{grouped, micrometers};
 use super::review::Review;
 use ncfix_base::diagnostic::Severity;
 
-/// How good or bad something is; worse is larger.
+/// Grade of a verdict or reason; a larger one is worse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Grade {
-    /// Nothing speaks against it.
+    /// No objection.
     #[default]
     Ok,
     /// A person should look at it.
@@ -22,30 +22,30 @@ pub enum Grade {
     Bad,
 }
 
-/// A reason.
+/// Reason for a verdict.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reason {
-    /// How it speaks.
+    /// Grade of the reason.
     pub grade: Grade,
-    /// What was found.
+    /// Description.
     pub text: String,
-    /// The code of the finding that it is, where it is one.
+    /// Code of the diagnostic, if the reason is one.
     pub code: Option<&'static str>,
 }
 
-/// Whether it should run.
+/// Verdict on running a program.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Verdict {
-    /// The worst of the reasons.
+    /// Worst grade of the reasons.
     pub grade: Grade,
-    /// The reasons, the worst first.
+    /// Reasons, the worst first.
     pub reasons: Vec<Reason>,
 }
 
 impl Grade {
-    /// Its name, as pages and objects for programs have it.
+    /// Returns its name, as in pages and JSON.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -57,7 +57,7 @@ impl Grade {
 }
 
 impl Verdict {
-    /// The verdict on a comparison of which everything else is known.
+    /// Returns the verdict on a comparison that is otherwise complete.
     #[must_use]
     pub fn of(review: &Review) -> Verdict {
         let mut reasons = Vec::new();
@@ -81,7 +81,7 @@ impl Verdict {
         }
         if let (Some(before), Some(after)) = (review.before, review.after) {
             let [from, to] = [before.max_um, after.max_um].map(micrometers);
-            // What an increment leaves where there was nothing is no loss.
+            // A residual of one increment where there was no error is not a degradation.
             let grows = after.max_um > before.max_um && after.rms_um > before.rms_um;
             let (grade, verb) = if grows { (Grade::Bad, "grows") } else { (Grade::Ok, "goes") };
             say(grade, format!("the largest error on the error model {verb} from {from} to {to}"));
@@ -110,13 +110,13 @@ impl Verdict {
         Verdict { grade: reasons.iter().map(|reason| reason.grade).max().unwrap_or_default(), reasons }
     }
 
-    /// What speaks against running it, without findings: those stand for themselves.
+    /// Returns the objections to running it, without diagnostics, which are shown separately.
     pub fn doubts(&self) -> impl Iterator<Item = &str> {
         let against = self.reasons.iter().filter(|reason| reason.grade > Grade::Ok && reason.code.is_none());
         against.map(|reason| reason.text.as_str())
     }
 
-    /// Its rows on a terminal. Findings stand for themselves.
+    /// Returns its rows for a terminal. Diagnostics are shown separately.
     #[must_use]
     pub fn rows(&self) -> String {
         let mut out = String::new();
@@ -127,7 +127,7 @@ impl Verdict {
         out
     }
 
-    /// In one sentence.
+    /// Returns it as one sentence.
     #[must_use]
     pub fn sentence(&self) -> &'static str {
         match self.grade {
@@ -138,7 +138,7 @@ impl Verdict {
     }
 }
 
-/// Why moves are left as they were, and whether that is as it should be.
+/// Reasons why moves stay unchanged; true if that is intended.
 pub const LEFT: [(&str, bool); 4] = [
     ("without an error of an increment", true),
     ("before the axes were stated", false),

@@ -1,42 +1,42 @@
-//! What `ncfix verify` measured along the path, for its page.
+//! Result of `ncfix verify` along the path, for its page.
 
 use super::inputs::Input;
 use super::json::{AtFeed, Finding, Spread};
 
-/// The errors of two programs along the path of the original.
+/// Errors of two programs along the path of the original.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verification {
     /// Names of both programs.
     pub files: [String; 2],
     /// Name of the machine.
     pub machine: String,
-    /// Of the original program.
+    /// Errors of the original program.
     pub before: Option<Spread>,
-    /// Of the corrected program.
+    /// Errors of the corrected program.
     pub after: Option<Spread>,
-    /// Points at which both were evaluated.
+    /// Number of points at which both were evaluated.
     pub samples: u64,
-    /// All pieces that count, in the order of the program.
+    /// All relevant pieces, in the order of the program.
     pub pieces: Vec<Piece>,
-    /// The moves that the correction leaves most of: place, µm before and after, the largest first.
+    /// Moves with the largest residuals: place, µm before and after, the largest first.
     pub largest: Vec<(String, [f64; 2])>,
-    /// What the axes make of both programs at feed, where that was asked for.
+    /// Behavior of both programs at feed, if requested.
     pub at_feed: Option<[AtFeed; 2]>,
-    /// Files that it comes from.
+    /// Files from which the result was computed.
     pub inputs: Vec<Input>,
-    /// Findings.
+    /// Diagnostics.
     pub diagnostics: Vec<Finding>,
 }
 
-/// A piece of the corrected program.
+/// Piece of the corrected program.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Piece {
     /// Number of the file of the original.
     pub file: u16,
     /// Line of the original.
     pub line: u32,
-    /// Length of the path of the original up to its end, m.
+    /// Length of the original path up to its end, m.
     pub path_m: f32,
-    /// The largest errors of the original and of the corrected program on it, µm.
+    /// Largest errors of the original and of the corrected program on it, µm.
     pub errors_um: [f32; 2],
 }

@@ -4,79 +4,79 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-/// What `ncfix sensors --watch` saw at one instant.
+/// Output of `ncfix sensors --watch` at one instant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WatchReport {
-    /// The shape of this object.
+    /// Version of this object.
     pub schema: u32,
     /// Time since the start, s.
     pub t_s: f64,
-    /// Whether they are good, or what is to be done.
+    /// Verdict on all sensors, or the action that is due.
     pub verdict: WatchVerdict,
-    /// Why it is not good.
+    /// Reason if it is not good.
     pub why: Option<String>,
-    /// The channels, in the order of the file.
+    /// Channels, in the order of the file.
     pub channels: Vec<WatchChannel>,
 }
 
-/// A channel.
+/// Channel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WatchChannel {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// The last good value, °C.
+    /// Last good value, °C.
     #[serde(rename = "value_C")]
     pub value_c: Option<f64>,
-    /// How old that is, s.
+    /// Age of the last good value, s.
     pub age_s: Option<f64>,
-    /// Whether its value is good.
+    /// State of the value.
     pub state: WatchedState,
-    /// Why it is held.
+    /// Reason why it is held.
     pub fault: Option<&'static str>,
-    /// The last number that came, as it came.
+    /// Last raw number.
     pub raw: Option<f64>,
-    /// What is wrong, as a sentence.
+    /// Description of the fault, as a sentence.
     pub note: Option<String>,
-    /// Where it comes from.
+    /// Source of the values.
     pub source: String,
 }
 
-/// What live sensors are good for.
+/// Verdict on live sensors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum WatchVerdict {
-    /// All are good.
+    /// All sensors are good.
     Good,
-    /// Some had no good value yet.
+    /// Some sensors had no good value yet.
     Waiting,
-    /// Some are held: nothing is dosed.
+    /// Some sensors are held: nothing is dosed.
     Freeze,
-    /// One is without a good value for too long, and the work goes on.
+    /// A sensor has been without a good value for too long, and the work continues.
     Continue,
-    /// For the same reason the work stops.
+    /// A sensor has been without a good value for too long, and the work stops.
     Stop,
-    /// For the same reason the axes are held.
+    /// A sensor has been without a good value for too long, and the axes are held.
     Hold,
 }
 
-/// What the value of a live sensor is.
+/// State of the value of a live sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum WatchedState {
-    /// There is none yet.
+    /// No value yet.
     Waiting,
-    /// It is good.
+    /// The value is good.
     Good,
-    /// It is the last good one.
+    /// The value is the last good one.
     Held,
 }
 
 impl WatchVerdict {
-    /// As JSON has it.
+    /// Returns its name as in JSON.
     fn word(self) -> &'static str {
         match self {
             WatchVerdict::Good => "good",
@@ -90,7 +90,7 @@ impl WatchVerdict {
 }
 
 impl WatchedState {
-    /// As JSON has it.
+    /// Returns its name as in JSON.
     fn word(self) -> &'static str {
         match self {
             WatchedState::Waiting => "waiting",
@@ -112,7 +112,7 @@ impl WatchChannel {
 }
 
 impl WatchReport {
-    /// A line.
+    /// Returns a line.
     #[must_use]
     pub fn line(&self) -> String {
         let mut text = format!("{:.1} s  {}", self.t_s, self.verdict.word());
@@ -126,7 +126,7 @@ impl WatchReport {
         text
     }
 
-    /// A table.
+    /// Returns a table.
     #[must_use]
     pub fn page(&self) -> String {
         let width = |of: fn(&WatchChannel) -> usize, least: usize| self.channels.iter().map(of).fold(least, usize::max);

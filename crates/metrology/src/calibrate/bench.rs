@@ -1,4 +1,4 @@
-//! A machine without errors and tables as people write them, for tests of this room and of those that build on it.
+//! An error-free machine and handwritten tables, for tests of this module and of those that build on it.
 
 use crate::measure::data::{DataSet, load};
 use ncfix_base::source::{FileId, Source};
@@ -14,7 +14,7 @@ pub(crate) fn machine() -> Machine {
     built("wFXYZSt", "")
 }
 
-/// The same with a rotary table.
+/// The same machine with a rotary table.
 pub(crate) fn turning() -> Machine {
     built("wCFXYZSt", "[axis.C]\ndirection = [0, 0, -1]\ntravel_deg = [-360, 360]\n")
 }

@@ -1,9 +1,8 @@
-//! Candidates of a choice of terms: piecewise polynomials of motion errors (Spaan 1995, eq. 3.3).
+//! Candidates for the selection of terms: piecewise polynomials of motion errors (Spaan 1995, eq. 3.3).
 //!
-//! The global part has degrees from 1: degree 0 is a location error. Truncated powers begin at whole multiples of the spacing inside what the data
-//! covers of the axis, each of the highest degree up to 2, so that the function is continuous with its slope, as Spaan asks; a kink or a step is a
-//! candidate where it is named (`EXX1@150`). Any subset may be chosen: where the origin of an axis lies says nothing about its errors, so
-//! that degree 2 needs no degree 1.
+//! The global part has degrees from 1: degree 0 is a location error. Truncated powers begin at whole multiples of the spacing within the range of the
+//! data, each of the highest degree up to 2, so that the function has a continuous slope, as Spaan requires. A kink or step is a candidate only if it
+//! is named (`EXX1@150`). Any subset may be selected: the origin of an axis has no relation to its errors, so degree 2 does not need degree 1.
 
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::{AXES, Axis};
@@ -13,17 +12,17 @@ use ncfix_model::parameter::{ParameterName, Term};
 
 use super::effect::Parameter;
 
-/// Truncated powers have no higher degree.
+/// Highest degree of truncated powers.
 const MOST_KNOT_DEGREE: u8 = 2;
-/// Knots of an axis at most: a travel of 20 m every 20 mm.
+/// Maximum number of knots of an axis: a travel of 20 m every 20 mm.
 const MOST_KNOTS: usize = 1000;
-/// What a truncated power has to win beside its limit, in −2 ln of the likelihood: two standard deviations.
+/// Penalty of a truncated power in −2 ln of the likelihood: two standard deviations.
 const KNOT_HANDICAP: f64 = 4.0;
 
 /// Piecewise polynomials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pieces {
-    /// Distance of the knots, whole mm.
+    /// Spacing of the knots, whole mm.
     pub spacing_mm: i32,
     /// Highest degree.
     pub degree: u8,
@@ -49,7 +48,7 @@ pub fn of_motion(machine: &Machine, data: &[DataSet], pieces: Pieces) -> Vec<Par
     components.flat_map(|component| of_component(component, data, pieces)).collect()
 }
 
-/// What a candidate has to win more than others: of two that the data cannot tell apart, the one without a knot is chosen.
+/// The penalty of a candidate: of two that are not distinguishable, the one without a knot is selected.
 #[must_use]
 pub fn handicap(parameter: &Parameter) -> f64 {
     if matches!(parameter, Parameter::Geometry(ParameterName { term: Term::Knot { .. }, .. })) {
@@ -142,7 +141,7 @@ mod tests {
         assert_eq!(names("EXX", &[0.0, 100.0], Pieces { spacing_mm: 100, degree: 3 }), "EXX1 EXX2 EXX3");
         assert_eq!(names("EXX", &[0.0, 90.0], Pieces { degree: 1, ..pieces }), "EXX1 EXX1@50");
         assert_eq!(names("ECC", &[0.0, 90.0], pieces), "ECC1 ECC2");
-        // However far.
+        // For any distance.
         assert!(of_component("EXX".parse().unwrap(), &data(&[-1e300, 1e300]), pieces).len() <= MOST_KNOTS + 3);
         assert_eq!(names("EXX", &[0.0], pieces), "EXX1 EXX2");
     }

@@ -1,4 +1,4 @@
-//! Why something cannot be told, and what would help.
+//! Causes of parameters that are not identifiable, and remedies.
 
 use std::fmt;
 
@@ -10,19 +10,19 @@ use ncfix_model::parameter::{ParameterName, Term};
 use super::column::Column;
 use super::effect::{Parameter, lack};
 
-/// Positions that are nearer to each other are one, mm or rad.
+/// Positions nearer to each other than this are equal, mm or rad.
 const SAME_PLACE: f64 = 1e-3;
-/// Points lie in a plane when they are no further from it than this share of their extent.
+/// Largest distance of coplanar points from their plane, as a share of their extent.
 const FLAT: f64 = 1e-3;
 
-/// Why.
+/// The cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum UndeterminedCause {
-    /// An axis stood at too few positions: how many, and how many are needed.
+    /// An axis was at too few positions: the actual and the required number.
     Few(Axis, usize, usize),
-    /// An axis came from one side only.
+    /// An axis was approached from one side only.
     OneSense(Axis),
-    /// An axis never went beyond the place where a truncated power begins.
+    /// An axis was never beyond the start of a truncated power.
     Beyond(Axis),
     /// No row has a load on the table.
     NoLoad,
@@ -30,21 +30,21 @@ pub(super) enum UndeterminedCause {
     OneLoad,
     /// No row has a temperature.
     NoTemperatures,
-    /// An effect looks like other parameters in these conditions and poses.
+    /// An effect is not distinguishable from other parameters in these conditions and poses.
     Conditions,
-    /// Nothing was measured that feels it.
+    /// Nothing measured depends on it.
     Unfelt,
-    /// Nothing says how large everything is.
+    /// Nothing determines the scale.
     Scale,
-    /// The spindle's offset, and that of the stylus.
+    /// The offsets of spindle and stylus.
     Stylus,
-    /// A constant part, and where something of the set-up is.
+    /// A constant part, and the position of a part of the set-up.
     Constant,
     /// Other unknowns of set-ups.
     SetUp,
-    /// Rotations with a single lever.
+    /// Rotations with a single lever arm.
     Lever,
-    /// Everything lies in one plane.
+    /// All points are coplanar.
     Plane,
     /// Angles of a rotary axis.
     Angles(Axis),
@@ -53,7 +53,7 @@ pub(super) enum UndeterminedCause {
 }
 
 impl UndeterminedCause {
-    /// Whether it is that all sorts of things look alike in these poses.
+    /// `true` if several parameters are not distinguishable in these poses.
     pub(super) fn is_of_poses(self) -> bool {
         matches!(
             self,
@@ -65,7 +65,7 @@ impl UndeterminedCause {
         )
     }
 
-    /// What would help; `many` where it is about several parameters.
+    /// The remedy; `many` for several parameters.
     pub(super) fn remedy(self, many: bool) -> String {
         let them = if many { "them" } else { "it" };
         match self {
@@ -118,7 +118,7 @@ impl UndeterminedCause {
     }
 }
 
-/// What stands behind the sentence.
+/// The end of the sentence.
 impl fmt::Display for UndeterminedCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -138,7 +138,7 @@ impl fmt::Display for UndeterminedCause {
     }
 }
 
-/// Looks for the cause. `own` is a parameter, `others` what it cannot be told from.
+/// Determines the cause. `own` is a parameter, `others` those from which it is not distinguishable.
 pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> UndeterminedCause {
     let all = || std::iter::once(own.clone()).chain(others.iter().filter_map(|column| column.parameter()));
     let (mut parameters, mut effects) = (Vec::new(), Vec::new());
@@ -191,7 +191,7 @@ pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Un
     rotary.map_or(UndeterminedCause::Poses, UndeterminedCause::Angles)
 }
 
-/// Why a parameter of an effect cannot be told where conditions did change; `geometry` are other parameters that take part.
+/// The cause for a parameter of an effect although conditions did change; `geometry` are other parameters involved.
 fn of_effect(others: &[&Column], geometry: &[ParameterName], data: &[DataSet]) -> UndeterminedCause {
     if others.is_empty() {
         return UndeterminedCause::Unfelt;
@@ -206,7 +206,7 @@ fn of_effect(others: &[&Column], geometry: &[ParameterName], data: &[DataSet]) -
     }
 }
 
-/// Whether an axis of the parameters stood at too few positions.
+/// Checks for an axis of the parameters with too few positions.
 fn positions_lack(
     own: &ParameterName,
     all: &[ParameterName],
@@ -247,12 +247,12 @@ fn positions_lack(
     })
 }
 
-/// Where the axes stood, row by row.
+/// The axis positions, row by row.
 fn observations(data: &[DataSet]) -> impl Iterator<Item = impl Fn(Axis) -> f64> {
     data.iter().flat_map(|set| &set.observations).map(|row| move |axis: Axis| row.reading.position[axis])
 }
 
-/// Whether it is the gain of an axis.
+/// `true` for the gain of an axis.
 fn is_gain(name: &ParameterName) -> bool {
     let direction = name.component.direction;
     name.term == Term::Coefficient(1)
@@ -260,14 +260,14 @@ fn is_gain(name: &ParameterName) -> bool {
         && name.component.axis() == [Axis::X, Axis::Y, Axis::Z].get(direction.index()).copied()
 }
 
-/// Whether all rows have the same tool vector.
+/// `true` if all rows have the same tool vector.
 fn has_one_tool(data: &[DataSet]) -> bool {
     let mut tools = data.iter().flat_map(|set| &set.observations).map(|row| row.reading.tool_mm);
     let first = tools.next();
     tools.all(|tool| first.is_none_or(|first| (tool - first).norm() < SAME_PLACE))
 }
 
-/// Whether the linear axes stood in one plane, or on one line.
+/// `true` if the positions of the linear axes are coplanar or collinear.
 fn is_flat(data: &[DataSet]) -> bool {
     let places =
         || observations(data).map(|position| Vector::new(position(Axis::X), position(Axis::Y), position(Axis::Z)));

@@ -1,4 +1,4 @@
-//! What a calibration may find: parameters of the machine, and unknowns of the measurements.
+//! Unknowns of a calibration: parameters of the machine, and unknowns of the measurements.
 
 use std::fmt;
 
@@ -9,14 +9,14 @@ use ncfix_model::parameter::ParameterName;
 
 use super::effect::{EffectParameter, Parameter};
 
-/// One unknown number.
+/// One unknown.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Column {
     /// A parameter of the geometry of the machine.
     Parameter(ParameterName),
     /// A parameter of an effect.
     Effect(EffectParameter),
-    /// An unknown of the measurement of this number.
+    /// An unknown of the measurement with this index.
     Unknown(usize, Unknown),
 }
 
@@ -30,7 +30,7 @@ impl From<Parameter> for Column {
 }
 
 impl Column {
-    /// Its name for people.
+    /// Its display name.
     #[must_use]
     pub fn name<'a>(&'a self, data: &'a [DataSet]) -> impl fmt::Display + 'a {
         Named { column: self, data }
@@ -46,13 +46,13 @@ impl Column {
         }
     }
 
-    /// Whether it is a parameter of the machine, not of a measurement.
+    /// `true` for a parameter of the machine, `false` for one of a measurement.
     #[must_use]
     pub fn is_of_machine(&self) -> bool {
         !matches!(self, Column::Unknown(..))
     }
 
-    /// Whether it is an angle, rad, rather than a length, mm.
+    /// `true` for an angle, rad, `false` for a length, mm.
     #[must_use]
     pub fn is_angle(&self, data: &[DataSet]) -> bool {
         let (number, unknown) = match self {
@@ -73,7 +73,7 @@ impl Column {
             .is_some_and(|name| name.direction.is_rotation())
     }
 
-    /// By how many mm 1 K makes the ball-bar longer whose temperature it is.
+    /// Elongation per 1 K of the ball-bar whose temperature it is, mm.
     #[must_use]
     pub fn mm_per_k(&self, data: &[DataSet]) -> Option<f64> {
         let Column::Unknown(number, Unknown::RodTemperature(which)) = self else { return None };

@@ -1,4 +1,4 @@
-//! The equations of all readings: what each unknown does to each, and what is left.
+//! The equations of all readings: the derivative of each with respect to each unknown, and the residuals.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -15,11 +15,11 @@ use super::column::Column;
 use super::effect::{EffectParameter, Parameter};
 use super::unit::{Units, number_of};
 
-/// Known distances have this standard uncertainty where the description gives none, mm.
+/// Default standard uncertainty of known distances, mm.
 pub(super) const TIE_SIGMA: f64 = 1e-4;
 
-/// An unknown of a set-up that moves no reading by a larger share of itself is not told, as the place of a ball across a circle: 0.1 mm would
-/// be less than 1 µm, and its own square more.
+/// Largest derivative of a set-up unknown below which it is not identifiable, such as the position of a ball across a circle: 0.1 mm would change
+/// readings by less than 1 µm, less than its own square.
 pub(crate) const WEAK: f64 = 0.01;
 
 /// Standard uncertainty of a known distance of a measurement, mm.
@@ -27,26 +27,26 @@ pub(super) fn tie_sigma(data: &[DataSet], set: usize, tie: usize) -> f64 {
     data.get(set).and_then(|set| set.lengths.get(tie)).and_then(|length| length.sigma_mm).unwrap_or(TIE_SIGMA)
 }
 
-/// Readings that one core looks at together, and how many such stretches are kept until they are handed on.
+/// Number of readings that one core processes together, and number of such blocks that are held until they are passed on.
 const STRETCH: usize = 512;
 const STRETCHES: usize = 8;
 
-/// Rotations move points at about this lever, mm.
+/// Typical lever arm of rotations, mm.
 const LEVER_MM: f64 = 1000.0;
 
-/// Parameters and data, laid out in columns.
+/// Parameters and data, arranged in columns.
 #[derive(Clone, Debug)]
 pub(super) struct Design<'a> {
     pub(super) machine: &'a Machine,
     pub(super) data: &'a [DataSet],
     pub(super) parameters: Vec<Parameter>,
-    /// The components of the parameters of the geometry, each once.
+    /// The components of the geometric parameters, each once.
     pub(super) components: Vec<ErrorName>,
-    /// The parameters of the geometry, with their columns and components.
+    /// The geometric parameters, with their columns and components.
     pub(super) geometry: Vec<(usize, ParameterName, usize)>,
-    /// Those of effects, with their columns.
+    /// The parameters of effects, with their columns.
     pub(super) effects: Vec<(usize, EffectParameter)>,
-    /// Place of the first unknown of each measurement among the columns, and behind the last one.
+    /// Index of the first unknown of each measurement among the columns, and the end index.
     first: Vec<usize>,
     pub(super) columns: Vec<Column>,
 }
@@ -54,27 +54,27 @@ pub(super) struct Design<'a> {
 /// One equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReadingEquation {
-    /// What was read less what is predicted, mm or rad.
+    /// Reading minus prediction, mm or rad.
     pub residual: f64,
-    /// The measurement.
+    /// Index of the measurement.
     pub set: usize,
-    /// Where it comes from.
+    /// Its origin.
     pub origin: EquationOrigin,
-    /// Whether it is an angle, rad.
+    /// `true` for an angle, rad.
     pub is_angle: bool,
 }
 
-/// Where an equation comes from.
+/// Origin of an equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EquationOrigin {
-    /// The reading of this number.
+    /// The reading with this index.
     Row(usize),
-    /// The known distance of this number.
+    /// The known distance with this index.
     Tie(usize),
 }
 
 impl ReadingEquation {
-    /// The number of the reading; `None` for a known distance.
+    /// The index of the reading; `None` for a known distance.
     #[must_use]
     pub fn row(&self) -> Option<usize> {
         match self.origin {
@@ -111,12 +111,12 @@ impl<'a> Design<'a> {
         Design { machine, data, parameters, components, geometry, effects, first, columns }
     }
 
-    /// Whether there are parameters whose factors change from round to round.
+    /// `true` if there are nonlinear parameters, whose derivatives change between iterations.
     pub(super) fn is_curved(&self) -> bool {
         !self.parameters.iter().all(Parameter::is_linear)
     }
 
-    /// Values of the columns from which the fit starts.
+    /// Start values of the columns for the fit.
     pub(super) fn start(&self, errors: &ErrorModel) -> Vec<f64> {
         let model = Model::at(self.machine, errors, &Condition::default());
         let mut values: Vec<f64> = self.parameters.iter().map(|name| name.get(errors)).collect();
@@ -127,13 +127,13 @@ impl<'a> Design<'a> {
         values
     }
 
-    /// Unknowns of set-ups that are not told by themselves, by the largest factor of each column.
+    /// Set-up unknowns that are not identifiable by themselves, given the largest derivative of each column.
     pub(super) fn weak(&self, strongest: &[f64]) -> Vec<usize> {
         let unknowns = strongest.iter().enumerate().skip(self.parameters.len());
         unknowns.filter(|(_, factor)| **factor < WEAK).map(|(column, _)| column).collect()
     }
 
-    /// About how much a unit of each column can move, mm: what is far below it is left by the arithmetic.
+    /// Approximate motion per unit of each column, mm; values far below are rounding noise.
     pub(super) fn reach(&self, errors: &ErrorModel) -> Vec<f64> {
         let lever = |is_angle: bool| if is_angle { LEVER_MM } else { 1.0 };
         let of_unknown = |column: &Column| if column.is_of_machine() { 0.0 } else { lever(column.is_angle(self.data)) };
@@ -163,7 +163,7 @@ impl<'a> Design<'a> {
         reach
     }
 
-    /// Calls `out` with every equation: its line, and its factors by all columns where they are wanted.
+    /// Calls `out` with every equation and, if requested, its derivatives with respect to all columns.
     pub(super) fn walk(
         &self,
         errors: &ErrorModel,
@@ -174,12 +174,12 @@ impl<'a> Design<'a> {
         self.walk_with([errors, errors], values, factors, out);
     }
 
-    /// The same on a machine without errors; effects have the values by which some of their parameters act.
+    /// As [`Self::walk`], on an error-free machine; effects have the values at which some of their parameters act.
     pub(super) fn walk_exact(&self, effects: &ErrorModel, values: &[f64], out: impl FnMut(ReadingEquation, &[f64])) {
         self.walk_with([&ErrorModel::default(), effects], values, true, out);
     }
 
-    /// The equations on a machine with the first errors, and the factors of effects as they are in the second ones.
+    /// The equations on a machine with the first errors, with the derivatives of effects for the second ones.
     fn walk_with(
         &self,
         models: [&ErrorModel; 2],
@@ -209,7 +209,7 @@ impl<'a> Design<'a> {
         }
     }
 
-    /// The equations of some readings of a measurement, and their factors one after the other where they are wanted.
+    /// The equations of some readings of a measurement and, if requested, their derivatives, concatenated.
     fn of_rows(
         &self,
         [errors, effects]: [&ErrorModel; 2],
@@ -251,7 +251,7 @@ impl<'a> Design<'a> {
         (lines, all)
     }
 
-    /// By how much each parameter moves the tip, root of the mean square over the readings, mm per unit.
+    /// Tip motion of each parameter, root mean square over the readings, mm per unit.
     pub(super) fn effects(&self, errors: &ErrorModel) -> Vec<f64> {
         let model = Model::new(self.machine, &ErrorModel::default());
         let mut units = Units::new(self, errors);
@@ -275,7 +275,7 @@ impl<'a> Design<'a> {
         sums.iter().map(|sum| (sum / count.max(1.0)).sqrt()).collect()
     }
 
-    /// The command as the errors of axes see it that repeat with every turn.
+    /// The command in the range of errors that repeat with every turn.
     pub(super) fn within_turn(&self, command: &AxisVector) -> AxisVector {
         let mut out = *command;
         for data in self.machine.axes.iter().flatten().filter(|data| data.modulo) {
@@ -289,13 +289,13 @@ impl<'a> Design<'a> {
 struct Own<'a> {
     number: usize,
     set: &'a DataSet,
-    /// The first of its columns.
+    /// Index of its first column.
     from: usize,
     values: &'a [f64],
 }
 
 impl Own<'_> {
-    /// The factors of its unknowns, where they are wanted.
+    /// Enters the derivatives of its unknowns, if requested.
     fn enter(&self, equation: &Equation, factors: bool, out: &mut [f64]) {
         if factors {
             for &(place, factor) in &equation.by_unknown {
@@ -309,11 +309,11 @@ impl Own<'_> {
     }
 }
 
-/// An equation and its factors by every column: what a fit is made of.
+/// An equation and its derivatives with respect to every column, the input of a fit.
 pub type Factored = (ReadingEquation, Vec<f64>);
 
-/// The columns of a fit, and the equations with values of the unknowns beside those that the error model holds: zeros, and the
-/// middle of where balls were probed, where `unknowns` is `None`.
+/// The columns of a fit, and the equations for values of the unknowns in addition to those of the error model. If `unknowns` is `None`, these are
+/// zero, and the mean probed positions for balls.
 #[must_use]
 pub fn equations(
     machine: &Machine,

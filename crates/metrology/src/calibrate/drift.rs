@@ -1,7 +1,7 @@
-//! Reversals of a model that readings with an unknown drift cannot be told from.
+//! Reversal errors of a model that are not distinguishable from an unknown drift of readings.
 //!
-//! A reading of a length feels the reversal of its own component and those of the angles of its axis, which act with their Abbe arms; a reading
-//! of an angle feels its own.
+//! A length reading depends on the reversal error of its own component and those of the angles of its axis, through their Abbe arms; an angle reading
+//! depends on its own.
 
 use crate::measure::data::DataSet;
 use ncfix_model::motion::Function;
@@ -10,8 +10,7 @@ use ncfix_model::{ErrorModel, ErrorName};
 
 use super::effect::Parameter;
 
-/// A sentence for every component of the data that was read with an unknown drift and has a reversal: one that is to be fitted, or one of the
-/// model that it begins with.
+/// A sentence for every component that was read with an unknown drift and has a reversal error, either fitted or in the initial model.
 #[must_use]
 pub fn reversals<'a>(
     errors: &ErrorModel,

@@ -1,8 +1,8 @@
-//! Parameters of effects (weight of the workpiece, drift, expansion, structure) beside those of the geometry.
+//! Parameters of effects (weight of the workpiece, drift, expansion, structure) in addition to geometric ones.
 //!
-//! A parameter to which the error is proportional has a derivative that is exact: what the effect does with it at 1 and all others at 0, in the
-//! condition of the reading, to the location and motion errors of the axes. Others (arms, time constants) have central differences of the same.
-//! What the errors of the axes do to the tip is that of the geometry's parameters, so that both mix in one fit.
+//! A linear parameter has an exact derivative: its effect at 1 with all others at 0, in the condition of the reading, on the location and motion
+//! errors of the axes. Others (arms, time constants) use central differences. The effect of axis errors on the tip is that of the geometric
+//! parameters, so that both are combined in one fit.
 
 use std::fmt;
 use std::sync::Arc;
@@ -17,10 +17,10 @@ use ncfix_model::{Accumulator, Effect, ErrorModel, ErrorName};
 
 use super::cause::UndeterminedCause;
 
-/// Step of a central difference as a share of the parameter, and the least.
+/// Step of a central difference as a share of the parameter, and its minimum.
 const STEP: f64 = 1e-4;
 const LEAST_STEP: f64 = 1e-6;
-/// What is not proportional changes by this share of itself in one round at most, so that it keeps its sign.
+/// Largest relative change of a nonlinear parameter in one iteration, which preserves its sign.
 const LARGEST_CHANGE: f64 = 0.5;
 
 /// A parameter of the machine.
@@ -37,15 +37,15 @@ pub enum Parameter {
 pub struct EffectParameter {
     /// `load.EAX.coefficients[1]`; a second effect of the same name is `load.EAX~2`.
     name: Arc<str>,
-    /// Number of the effect, and of the parameter in it.
+    /// Index of the effect, and of the parameter in it.
     effect: usize,
     index: usize,
     is_linear: bool,
-    /// Whether its effect goes with temperatures.
+    /// `true` if its effect depends on temperatures.
     has_sensors: bool,
-    /// Whether it is a coefficient of a truncated power that was 0: zero for a function without steps.
+    /// `true` for a coefficient of a truncated power that was 0: zero for a function without steps.
     is_idle_knot: bool,
-    /// The unit in which it is shown, and the factor to it.
+    /// Its display unit, and the factor to it.
     unit: Arc<str>,
     factor: f64,
 }
@@ -72,7 +72,7 @@ impl Parameter {
         }
     }
 
-    /// Changes a model so that [`Self::get`] gives this value.
+    /// Sets its value in a model, the inverse of [`Self::get`].
     pub fn set(&self, errors: &mut ErrorModel, value: f64) {
         match self {
             Parameter::Geometry(name) => name.set(errors, value),
@@ -97,7 +97,7 @@ impl Parameter {
         }
     }
 
-    /// Whether it does nothing because all that it changes is 0.
+    /// `true` if it has no effect because everything that it scales is 0.
     pub(super) fn is_idle(&self, errors: &ErrorModel) -> bool {
         let Parameter::Effect(parameter) = self else { return false };
         let Some(effect) = parameter.effect(errors).filter(|_| !parameter.is_linear) else { return false };
@@ -106,7 +106,7 @@ impl Parameter {
         is_idle
     }
 
-    /// The value behind a step.
+    /// The value after a step.
     pub(super) fn stepped(&self, value: f64, step: f64) -> f64 {
         let most = LARGEST_CHANGE * value.abs();
         if self.is_linear() || most == 0.0 { value + step } else { value + step.clamp(-most, most) }
@@ -122,7 +122,7 @@ impl fmt::Display for Parameter {
     }
 }
 
-/// Visits the parameters of an effect with their numbers.
+/// Visits the parameters of an effect with their indices.
 fn change(effect: &mut dyn Effect, mut each: impl FnMut(usize, bool, &mut f64)) {
     let mut index = 0;
     effect.visit_parameters(&mut |parameter, value| {
@@ -165,8 +165,8 @@ pub fn effect_parameters(errors: &ErrorModel) -> Vec<EffectParameter> {
     out
 }
 
-/// The parameters that a line of a model names: the one of this name, or all to which the error is proportional and whose names begin with
-/// it. Coefficients of truncated powers that are 0 stay so, unless they are named.
+/// The parameters for a line of a model: the one with this name, or all linear ones with this prefix. Coefficients of truncated powers that are 0
+/// stay so, unless they are named.
 #[must_use]
 pub fn named(all: &[EffectParameter], text: &str) -> Vec<EffectParameter> {
     if let Some(one) = all.iter().find(|one| &*one.name == text) {
@@ -179,7 +179,7 @@ pub fn named(all: &[EffectParameter], text: &str) -> Vec<EffectParameter> {
     all.iter().filter(begins).cloned().collect()
 }
 
-/// The unit in which a parameter is shown, and the factor to it: that of the file, and for coefficients µm and µrad per power of m.
+/// The display unit of a parameter, and the factor to it: that of the file, and for coefficients µm and µrad per power of m.
 fn shown(stem: &str, key: &str, factor: f64) -> (f64, String) {
     if let Some((_, degree)) = key.rsplit_once("coefficients[") {
         let component = stem.split('.').nth(1).and_then(|name| name.parse::<ErrorName>().ok());
@@ -201,7 +201,7 @@ fn shown(stem: &str, key: &str, factor: f64) -> (f64, String) {
     (factor, unit.to_owned())
 }
 
-/// The factor from mm, rad and powers of them to the unit that is shown, and the unit: µm, µrad, per power of m or rad.
+/// The display unit and the factor from mm, rad and powers of them: µm, µrad, per power of m or rad.
 #[must_use]
 pub fn coefficient_unit(is_angle: bool, is_rotary: bool, degree: u8) -> (f64, String) {
     const MM_OF_M: f64 = 1000.0;
@@ -214,7 +214,7 @@ pub fn coefficient_unit(is_angle: bool, is_rotary: bool, degree: u8) -> (f64, St
     }
 }
 
-/// What a parameter does to one component of the errors of the axes, per unit.
+/// The effect of a parameter on one component of the axis errors, per unit.
 #[derive(Clone, Debug)]
 pub(super) struct ParameterEffect {
     pub(super) component: ErrorName,
@@ -223,7 +223,7 @@ pub(super) struct ParameterEffect {
 }
 
 impl ParameterEffect {
-    /// At a pose, mm or rad per unit.
+    /// The value at a pose, mm or rad per unit.
     pub(super) fn value(&self, command: &AxisVector, state: &State) -> f64 {
         match (&self.function, self.component.axis()) {
             (Some(function), Some(axis)) => self.factor * function.value(axis, command, state),
@@ -239,19 +239,19 @@ impl EffectParameter {
         &self.name
     }
 
-    /// The factor to the unit in which it is shown, and the unit.
+    /// The factor to its display unit, and the unit.
     #[must_use]
     pub fn unit(&self) -> (f64, &str) {
         (self.factor, &self.unit)
     }
 
-    /// The effect that it belongs to.
+    /// Its effect in a model.
     #[must_use]
     pub fn effect<'a>(&self, errors: &'a ErrorModel) -> Option<&'a dyn Effect> {
         errors.effects.get(self.effect).map(|effect| &**effect)
     }
 
-    /// Its number among the parameters of the effect: the lower, the simpler.
+    /// Its index among the parameters of the effect; lower ones are simpler.
     pub(super) fn index(&self) -> usize {
         self.index
     }
@@ -268,7 +268,7 @@ impl EffectParameter {
         found
     }
 
-    /// What shows what it does, with the other parameters as they are in a model.
+    /// A probe of its effect, with the other parameters as in a model.
     pub(super) fn probe(&self, errors: &ErrorModel) -> Probe {
         let Some(effect) = self.effect(errors) else { return Probe { sides: Vec::new() } };
         let only = |effect| ErrorModel { effects: vec![effect], ..ErrorModel::default() };
@@ -295,14 +295,14 @@ impl EffectParameter {
     }
 }
 
-/// A parameter of an effect alone: the effect with it at 1 and all others at 0, or with it a little more and a little less, each with a factor.
+/// The isolated effect of a parameter: with it at 1 and all others at 0, or with a small increase and decrease, each with a factor.
 #[derive(Debug)]
 pub(super) struct Probe {
     sides: Vec<(ErrorModel, f64)>,
 }
 
 impl Probe {
-    /// What one unit of it does in a condition.
+    /// The effect of one unit in a condition.
     pub(super) fn parts(&self, machine: &Machine, condition: &Condition, out: &mut Vec<ParameterEffect>) {
         out.clear();
         let mut middle = 0;
@@ -318,7 +318,7 @@ impl Probe {
         if self.sides.len() < 2 {
             return;
         }
-        // What it does not change at all is no small number left by the arithmetic.
+        // Unaffected parts are exactly zero, not a small rounding error.
         let (above, below) = out.split_at(middle);
         let alike = |(one, other): (&ParameterEffect, &ParameterEffect)| {
             one.component == other.component
@@ -331,7 +331,7 @@ impl Probe {
     }
 }
 
-/// Why an effect may not be told: what did not change between the readings.
+/// The cause of an unidentifiable effect: a condition that did not change between the readings.
 pub(super) fn lack(effects: &[EffectParameter], data: &[DataSet]) -> Option<UndeterminedCause> {
     let mut loads: Vec<_> = Vec::new();
     let mut is_warm = false;

@@ -1,8 +1,8 @@
-//! Measurements as they would be on a machine without errors.
+//! Measurements as they would be on an error-free machine.
 //!
-//! What depends on each other exactly there, as the length of a ball-bar and the gains of all axes, does so to 1e-4 only where the errors of the machine
-//! show, and to 1e-6 where positions are whole increments: it would look as if it could be told. So what can be told is judged with readings
-//! of nothing, and with the linear axes where an instrument reads nothing: the tip on the ball, the bar at its length.
+//! Exact dependences on such a machine, as between the length of a ball-bar and the gains of all axes, hold only to 1e-4 with machine errors, and
+//! only to 1e-6 with positions on increments: the unknowns would seem identifiable. Identifiability is therefore judged with zero readings, and with
+//! the linear axes at positions where the instrument reads zero: the tip at the ball, the bar at its length.
 
 use crate::measure::data::{DataSet, Observation};
 use crate::measure::kind::{Equation, Seen};
@@ -10,12 +10,13 @@ use ncfix_base::geometry::{Axis, Matrix, Vector};
 use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::{ErrorModel, Model};
 
-/// Steps to the place at which nothing is read: positions are off by errors of 1e-4, and every step leaves about as much of what it found.
+/// Number of iterations to the position of zero reading: positions are off by errors of 1e-4, and each iteration reduces the error by about that
+/// factor.
 const STEPS: usize = 4;
-/// Nearer is there, mm.
+/// Convergence limit, mm.
 const THERE_MM: f64 = 1e-10;
 
-/// The measurements with readings of nothing. Empty cells stay empty.
+/// The measurements with zero readings. Empty cells stay empty.
 pub(super) fn exact(machine: &Machine, data: &[DataSet]) -> Vec<DataSet> {
     let model = Model::at(machine, &ErrorModel::default(), &Condition::default());
     let mut out = data.to_vec();
@@ -31,7 +32,7 @@ pub(super) fn exact(machine: &Machine, data: &[DataSet]) -> Vec<DataSet> {
     out
 }
 
-/// Moves the linear axes to where nothing is read.
+/// Moves the linear axes to the position of zero reading.
 fn settle(machine: &Machine, model: &Model, set: &DataSet, values: &[f64], observation: &mut Observation) {
     let tip = |row: &Observation| model.nominal(&row.reading.position, &row.reading.tool_mm).translation;
     let mut equations: Vec<Equation> = Vec::new();
@@ -49,7 +50,7 @@ fn settle(machine: &Machine, model: &Model, set: &DataSet, values: &[f64], obser
         if shift.norm() <= THERE_MM {
             return;
         }
-        // The nominal tip follows the linear axes evenly.
+        // The nominal tip is linear in the linear axes.
         let axes = [Axis::X, Axis::Y, Axis::Z];
         let here = tip(observation);
         let columns = axes.map(|axis| {

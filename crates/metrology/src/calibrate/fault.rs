@@ -1,32 +1,32 @@
-//! Why a fit has no result.
+//! Reasons why a fit has no result.
 
 use super::words::Lost;
 
-/// Why there is no result.
+/// Reason why there is no result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fault {
-    /// Less equations than unknowns.
+    /// Fewer equations than unknowns.
     TooFew {
-        /// Equations.
+        /// Number of equations.
         equations: usize,
-        /// Unknowns.
+        /// Number of unknowns.
         unknowns: usize,
-        /// What they cannot tell.
+        /// The unidentifiable part.
         lost: Box<Lost>,
     },
-    /// The data cannot tell the parameters apart.
+    /// The data do not separate the parameters.
     NotTold(Box<Lost>),
-    /// It did not settle; with the measurement that most likely is the reason.
+    /// It did not converge; with the measurement that is the most likely reason.
     NotSettled(Option<Unsettled>),
 }
 
-/// A measurement of which more is left than it says.
+/// A measurement whose residuals exceed its description.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unsettled {
-    /// Its number.
+    /// Its index.
     pub set: usize,
-    /// Spread of the residuals by the described uncertainty.
+    /// Ratio of the residual spread to the described uncertainty.
     pub times: f64,
-    /// Readings that count for nothing, and all readings.
+    /// Number of rejected readings, and of all readings.
     pub rejected: [usize; 2],
 }

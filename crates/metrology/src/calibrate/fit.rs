@@ -1,8 +1,8 @@
 //! Gauss–Newton over all parameters and unknowns at once.
 //!
-//! The factors are those of the nominal machine: errors of 1e-4 change them by 1e-4 of themselves, which costs the iteration nothing. Residuals
-//! come from the full kinematics each time, so that what it converges to is exact. Steps between the first and the last one use the
-//! normal equations and factors that are kept; the first says what the data can tell, the last how well.
+//! The derivatives are those of the nominal machine: errors of 1e-4 change them by 1e-4 of themselves, which does not slow the iteration. Residuals
+//! come from the full kinematics each time, so that the converged result is exact. Steps between the first and the last one use the normal equations
+//! and stored derivatives; the first step determines the identifiability, the last the uncertainties.
 
 use crate::measure::data::DataSet;
 use ncfix_base::numeric::{Normal, NormalStep, Solution, System};
@@ -18,61 +18,61 @@ use super::noise::{NoiseGroups, group_of};
 use super::robust::TUKEY_VARIANCE;
 use super::words;
 
-/// Rounds at most.
+/// Maximum number of iterations.
 const MAX_ROUNDS: usize = 60;
-/// Rounds with weights that cannot lock on to a wrong start.
+/// Number of initial iterations with weights that cannot lock on to a wrong start.
 const EARLY_ROUNDS: usize = 4;
-/// The same where parameters are not proportional.
+/// Number of such iterations with nonlinear parameters.
 const CURVED_ROUNDS: usize = 16;
-/// Steps below this share of their uncertainty say nothing.
+/// Step in standard uncertainties below which the fit has converged.
 const SETTLED: f64 = 1e-3;
-/// Steps that are still like this after the last round are good enough: weights that go to and fro.
+/// Step in standard uncertainties that is accepted after the last iteration, for oscillating weights.
 const NEARLY_SETTLED: f64 = 0.05;
-/// Factors are kept between rounds up to this number of them (256 MB).
+/// Maximum number of derivatives stored between iterations (256 MB).
 const KEPT_FACTORS: usize = 1 << 25;
-/// The row that holds an unknown where it is has this uncertainty, mm or rad; nothing else moves it.
+/// Uncertainty of the row that holds an unknown, mm or rad; no other row affects it.
 const HELD: f64 = 1e-3;
-/// Singular values that are zero but for the arithmetic, as a share of the largest one.
+/// Relative singular value that counts as zero within rounding.
 const ARITHMETIC: f64 = 1e-12;
-/// Residuals that are larger than described by this factor, or more than one in so many rejected, are why nothing settles.
+/// Ratio of residuals to the description, and reciprocal share of rejected readings, above which they explain missing convergence.
 const STRANGE: f64 = 3.0;
 const SHARE: usize = 5;
-/// Rows with less weight were rejected.
+/// Weight below which a row is rejected.
 const REJECTED: f64 = 0.01;
 
-/// How to fit.
+/// Options of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Whether rows that do not fit are weighted down.
+    /// `true` to reduce the weight of rows that do not fit.
     pub robust: bool,
 }
 
-/// What came out.
+/// Result of a fit.
 #[derive(Clone, Debug)]
 pub struct Fit {
     /// The error model with the parameters.
     pub errors: ErrorModel,
     /// Parameters of the machine, then unknowns of the measurements.
     pub estimates: Vec<Estimate>,
-    /// Standard uncertainty of a reading of a length of each measurement, mm: as described, or estimated where it is not described or
-    /// the residuals are larger than it says.
+    /// Standard uncertainty of a length reading of each measurement, mm: as described, or estimated if there is no description or the residuals are
+    /// larger.
     pub sigmas: Vec<f64>,
-    /// The same of readings of angles, rad.
+    /// Standard uncertainty of an angle reading of each measurement, rad.
     pub angle_sigmas: Vec<f64>,
-    /// What is left of every reading, mm or rad: measurement, row, residual, weight.
+    /// Residuals of all readings, mm or rad: measurement, row, residual, weight.
     pub residuals: Vec<(usize, usize, f64, f64)>,
-    /// What is left of every known distance, mm: measurement, number of the distance, residual, standard uncertainty.
+    /// Residuals of all known distances, mm: measurement, index of the distance, residual, standard uncertainty.
     pub ties: Vec<(usize, usize, f64, f64)>,
-    /// Largest by smallest singular value of columns of unit length, where readings are as good as each other.
+    /// Condition number of columns of unit length with equally accurate readings: largest to smallest singular value.
     pub condition: f64,
-    /// Equations less unknowns.
+    /// Degrees of freedom: equations minus unknowns.
     pub freedom: usize,
-    /// Rounds.
+    /// Number of iterations.
     pub rounds: usize,
 }
 
 impl Fit {
-    /// Readings that do not fit and count for nothing: measurement and row, each once.
+    /// Rejected readings: measurement and row, each once.
     #[must_use]
     pub fn rejected(&self) -> Vec<(usize, usize)> {
         let small = self.residuals.iter().filter(|(.., weight)| *weight < REJECTED);
@@ -82,22 +82,22 @@ impl Fit {
     }
 }
 
-/// One number that was found.
+/// One estimated number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// What it is.
+    /// The unknown.
     pub column: Column,
     /// mm, rad, per power.
     pub value: f64,
-    /// Standard uncertainty; infinite for an unknown of a set-up that moves nothing that was measured, which stayed as it was.
+    /// Standard uncertainty; infinite for a set-up unknown without effect on the readings, which kept its start value.
     pub sigma: f64,
-    /// How much its variance grows because the others are free.
+    /// Variance inflation factor due to the other unknowns.
     pub inflation: f64,
-    /// By how much it moves the tip, root of the mean square over the readings, mm; 0 for unknowns of a measurement.
+    /// Tip motion due to it, root mean square over the readings, mm; 0 for unknowns of a measurement.
     pub effect_mm: f64,
 }
 
-/// Fits parameters to data, from what the model says of them.
+/// Fits parameters to data, starting from the model.
 ///
 /// # Errors
 /// [`Fault`].
@@ -114,7 +114,7 @@ pub fn fit<P: Clone + Into<Parameter>>(
     fit_judged(machine, &start, &parameters, data, options, &judged)
 }
 
-/// Where an arm or a time constant does nothing because what it changes is 0: after a first fit of that.
+/// Handles arms or time constants without effect because everything they scale is 0: after a first fit of the latter.
 pub(super) fn awake(
     machine: &Machine,
     start: &ErrorModel,
@@ -129,7 +129,7 @@ pub(super) fn awake(
     Ok(fit_judged(machine, start, &linear, data, Options { robust: false }, &judged)?.errors)
 }
 
-/// Fits what can be told.
+/// Fits the identifiable parameters.
 pub(super) fn fit_judged(
     machine: &Machine,
     start: &ErrorModel,
@@ -171,20 +171,20 @@ pub(super) fn fit_judged(
     Err(Fault::NotSettled(rounds.unsettled()))
 }
 
-/// What is carried from round to round.
+/// State between iterations.
 struct Rounds<'a> {
     design: &'a Design<'a>,
     options: Options,
     noise: NoiseGroups,
-    /// Unknowns that each group of readings has used up.
+    /// Number of unknowns absorbed by each group of readings.
     used: Vec<f64>,
     lines: Vec<ReadingEquation>,
     weights: Vec<f64>,
-    /// The factors of all equations, one after another; empty where they are too many.
+    /// The derivatives of all equations, concatenated; empty if there are too many.
     factors: Vec<f64>,
     errors: ErrorModel,
     values: Vec<f64>,
-    /// What the data can tell, with the unknowns of set-ups that it does not, which is no harm.
+    /// Identifiability, including set-up unknowns that are not identifiable, which is harmless.
     judged: &'a Identified,
 }
 
@@ -206,7 +206,7 @@ impl<'a> Rounds<'a> {
         }
     }
 
-    /// The measurement that is furthest from what it says.
+    /// The measurement that deviates most from its description.
     fn unsettled(&self) -> Option<Unsettled> {
         let of = |set: usize, described: &DataSet| {
             let times = |group: usize, given: Option<f64>| given.map_or(0.0, |given| self.noise.scale(group) / given);
@@ -224,21 +224,21 @@ impl<'a> Rounds<'a> {
         (largest.times > STRANGE || largest.rejected[0] * SHARE > largest.rejected[1]).then_some(largest)
     }
 
-    /// Rounds whose weights are not those of the end.
+    /// Number of iterations with preliminary weights.
     fn early(&self) -> usize {
         match (self.options.robust, self.design.is_curved()) {
             (false, _) => 1,
             (true, false) => EARLY_ROUNDS,
-            // What is not proportional gets to where residuals say something in more rounds.
+            // Nonlinear parameters need more iterations until the residuals are meaningful.
             (true, true) => CURVED_ROUNDS,
         }
     }
 
-    /// Looks at the residuals: finds noise and weights. Returns whether the noise stayed the same.
+    /// Evaluates the residuals: determines noise and weights. Returns `true` if the noise is unchanged.
     fn look(&mut self, errors: &ErrorModel, values: &[f64], round: usize, is_last: bool) -> bool {
         self.errors.clone_from(errors);
         self.values = values.to_vec();
-        // Directions of readings depend on where the unknowns of the set-ups are, which the first rounds find.
+        // Directions of readings depend on the unknowns of the set-ups, which the first iterations determine.
         let with_factors = self.design.is_curved() || round < 2 || round == self.early() + 1 || is_last;
         let width = self.design.columns.len();
         let (lines, kept) = (&mut self.lines, &mut self.factors);
@@ -257,7 +257,7 @@ impl<'a> Rounds<'a> {
         if !fits {
             self.factors = Vec::new();
         }
-        // A first step brings the residuals to where they say something.
+        // After a first step the residuals are meaningful.
         let is_same = round > 0 && self.noise.update(&self.lines, &self.used, self.options.robust);
         let counts = self.options.robust && round > 0;
         let (noise, early) = (&self.noise, self.early().max(EARLY_ROUNDS));
@@ -268,7 +268,7 @@ impl<'a> Rounds<'a> {
         is_same
     }
 
-    /// Calls `out` with every equation, its factors, and the root of its weight.
+    /// Calls `out` with every equation, its derivatives, and the square root of its weight.
     fn each(&self, mut out: impl FnMut(&ReadingEquation, &[f64], f64)) {
         let root = |line: &ReadingEquation, weight: f64| {
             let sigma = match line.origin {
@@ -300,7 +300,7 @@ impl<'a> Rounds<'a> {
         }
     }
 
-    /// Calls `out` with the factors of a row for each unknown that stays where it is.
+    /// Calls `out` with the row of derivatives for each held unknown.
     fn each_held(&self, mut out: impl FnMut(&[f64])) {
         let mut factors = vec![0.0; self.design.columns.len()];
         for &column in &self.judged.lost.held {
@@ -326,7 +326,7 @@ impl<'a> Rounds<'a> {
         let mut system = System::new(count);
         self.each(|line, factors, weight| system.add(factors, line.residual, weight));
         self.each_held(|factors| system.add(factors, 0.0, 1.0 / HELD));
-        // Weights differ by as much as readings do: what can be told at all was judged before.
+        // Weights vary as much as readings; identifiability was judged before.
         let solution = system.solve_to(ARITHMETIC).ok_or(Fault::NotSettled(None))?;
         if solution.rank < count {
             let lost = words::lost(&solution.null_space, &self.design.columns, self.design.data);
@@ -341,7 +341,7 @@ fn step_of(solution: &Solution) -> NormalStep {
     NormalStep { unknowns: solution.unknowns.clone(), variances: solution.cofactors.diagonal(), used: Vec::new() }
 }
 
-/// How many unknowns each group has used up; by its share of the equations where the step does not say.
+/// Number of unknowns absorbed by each group; by its share of the equations if the step does not contain it.
 fn shared(used: Vec<f64>, lines: &[ReadingEquation], groups: usize, count: usize) -> Vec<f64> {
     if used.len() == groups {
         return used;

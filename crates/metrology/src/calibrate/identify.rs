@@ -1,7 +1,7 @@
-//! What data or a plan can tell of parameters, before anything is fitted: rank, singular values, null space in words.
+//! Identifiability of parameters from data or a plan, before any fit: rank, singular values, null space in words.
 //!
-//! Judged on the machine without errors ([`super::exact`]). Of the readings only counts that there are some: zeros do for a plan, while empty
-//! cells say nothing.
+//! Judged on an error-free machine ([`super::exact`]). Only the existence of readings matters: zeros suffice for a plan, while empty cells give no
+//! information.
 
 use crate::measure::data::DataSet;
 use ncfix_base::numeric::System;
@@ -16,35 +16,35 @@ use super::fault::Fault;
 use super::noise::{FIRST_ANGLE_SIGMA, FIRST_SIGMA};
 use super::words::{self, Lost};
 
-/// Columns without a larger factor are zero, as a share of what they can move.
+/// Derivative below which a column is zero, as a share of its possible motion.
 const NOTHING: f64 = 1e-12;
 
-/// What the data can tell.
+/// Identifiability of parameters.
 #[derive(Clone, Debug)]
 pub struct Identified {
     /// Parameters of the machine, then unknowns of the measurements.
     pub columns: Vec<Column>,
-    /// Equations.
+    /// Number of equations.
     pub equations: usize,
-    /// Of the equations with columns of unit length, the largest first.
+    /// Singular values of the equations with columns of unit length, in descending order.
     pub singular_values: Vec<f64>,
-    /// How many combinations of all columns can be told; without unknowns of set-ups that hardly move a reading, and stay.
+    /// Number of identifiable combinations of all columns, without set-up unknowns that hardly affect a reading, which are held.
     pub rank: usize,
-    /// How many of them are the machine's: what is left of the rank behind the unknowns of the measurements.
+    /// Number of identifiable combinations of machine parameters: the rank minus that of the unknowns of the measurements.
     pub machine_rank: usize,
-    /// Largest by smallest singular value that is not zero.
+    /// Condition number: largest to smallest nonzero singular value.
     pub condition: f64,
-    /// How much the variance of each column grows because others are free; infinite where it cannot be told.
+    /// Variance inflation factor of each column; infinite if not identifiable.
     pub inflation: Vec<f64>,
-    /// Standard uncertainty of each column at readings of uncertainty 1 mm, angles 1 mrad; infinite where it cannot be told.
+    /// Standard uncertainty of each column for readings with an uncertainty of 1 mm or 1 mrad; infinite if not identifiable.
     pub sigmas: Vec<f64>,
-    /// By how much a unit of each parameter moves the tip, root of the mean square over the readings, mm.
+    /// Tip motion per unit of each parameter, root mean square over the readings, mm.
     pub effects: Vec<f64>,
-    /// What cannot be told, in words.
+    /// The unidentifiable part, in words.
     pub lost: Lost,
 }
 
-/// Looks at what data can tell of parameters. `None` where positions are so large that numbers are not finite.
+/// Determines the identifiability of parameters. `None` if positions are so large that numbers are not finite.
 #[must_use]
 pub fn identify(
     machine: &Machine,
@@ -55,7 +55,7 @@ pub fn identify(
     identify_exact(machine, start, parameters, &exact(machine, data))
 }
 
-/// The same with data that are exact already.
+/// As [`identify`], with exact data.
 pub(super) fn identify_exact(
     machine: &Machine,
     start: &ErrorModel,
@@ -66,14 +66,14 @@ pub(super) fn identify_exact(
     let values = design.start(&ErrorModel::default());
     let mut all = System::new(design.columns.len());
     let mut strongest = vec![0.0_f64; design.columns.len()];
-    // What acts beside others, as the arm of a load, has its factors where these are at the start.
+    // Derivatives of a dependent parameter, such as the arm of a load, are those at the start values.
     design.walk_exact(start, &values, |line, factors| {
         strongest.iter_mut().zip(factors).for_each(|(most, factor)| *most = most.max(factor.abs()));
-        // Known distances count as readings, and 1 µm as 1 µrad: what can be told does not depend on how well.
+        // Known distances count as readings, and 1 µm as 1 µrad: identifiability does not depend on the accuracy.
         all.add(factors, 0.0, if line.is_angle { FIRST_SIGMA / FIRST_ANGLE_SIGMA } else { 1.0 });
     });
-    // What is left by the arithmetic is nothing. What moves readings a little, as the height of a ball over a circle that is not quite flat, counts
-    // here: without it, what depends on it would look as if it could be told.
+    // Rounding noise counts as zero. A small effect on readings, as of the height of a ball over a slightly uneven circle, counts here: without it,
+    // dependent unknowns would seem identifiable.
     let reach = design.reach(start);
     (0..strongest.len()).filter(|&k| strongest[k] < NOTHING * reach[k]).for_each(|column| all.clear(column));
     let equations = all.rows();
@@ -103,7 +103,7 @@ pub(super) fn identify_exact(
     })
 }
 
-/// Whether data can tell parameters at all.
+/// Checks that data identify the parameters.
 pub(super) fn judge(
     machine: &Machine,
     start: &ErrorModel,

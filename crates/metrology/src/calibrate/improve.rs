@@ -1,6 +1,6 @@
-//! Which further poses make a plan tell more.
+//! Selects further poses that improve the identifiability of a plan.
 //!
-//! Judged on the machine without errors: with them, what depends on each other exactly does so to 1e-4 only, and looks as if it could be told.
+//! Judged on an error-free machine: with errors, exact dependences hold only to 1e-4, and the unknowns seem identifiable.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,18 +11,18 @@ use ncfix_model::ErrorModel;
 use super::design::Design;
 use super::effect::Parameter;
 
-/// Candidates that are tried out in full in every round of [`improve`].
+/// Number of candidates that are fully evaluated in every iteration of [`improve`].
 const SHORT_LIST: usize = 8;
 
-/// Squares of singular values below this share of the largest are zero: positions on whole increments make exact dependencies look like weak ones
-/// of 1e-7 to 1e-6, and what is told 100 000 times worse than the rest is told by nothing that can be measured.
+/// Relative squared singular value that counts as zero: positions on whole increments make exact dependences look like weak ones of 1e-7 to 1e-6. An
+/// unknown that is 100 000 times less certain than the rest is not measurable.
 const LOST: f64 = 1e-10;
 
-/// What a reading of 1 rad counts as, mm.
+/// Weight of a reading of 1 rad, mm.
 const MM_PER_RAD: f64 = 1000.0;
 
-/// The candidates for the first measurement that raise the smallest singular value of all measurements together most, one after the other:
-/// numbers into `candidates`.
+/// The candidates for the first measurement that raise the smallest singular value of all measurements most, selected one by one: indices into
+/// `candidates`.
 #[must_use]
 pub fn improve(
     machine: &Machine,
@@ -50,14 +50,14 @@ pub fn improve(
         let design = Design::new(machine, &single, parameters);
         sets.push((number, factors(&design, start).into_iter().map(DVector::from_vec).collect()));
     }
-    // One scale for all rounds: that of what could be measured.
+    // One scale for all iterations: that of all possible readings.
     let mut scale = DVector::from_fn(width, |column, _| normal[(column, column)]);
     for row in sets.iter().flat_map(|(_, rows)| rows) {
         for (sum, factor) in scale.iter_mut().zip(row.iter()) {
             *sum += factor * factor;
         }
     }
-    // What none of them feels stays lost, whatever is chosen.
+    // Unknowns without any effect stay unidentifiable for every selection.
     let felt: Vec<usize> = (0..width).filter(|&column| scale[column] > 0.0).collect();
     let scale: Vec<f64> = felt.iter().map(|&column| 1.0 / scale[column].sqrt()).collect();
     let scaled = |row: &DVector<f64>| DVector::from_fn(felt.len(), |place, _| row[felt[place]] * scale[place]);
@@ -102,7 +102,7 @@ pub fn improve(
     chosen
 }
 
-/// How many directions are lost, and the square of the smallest singular value of the others.
+/// The number of unidentifiable directions, and the squared smallest singular value of the others.
 fn worth(normal: &DMatrix<f64>) -> (usize, f64) {
     let values = normal.symmetric_eigenvalues();
     let limit = values.max() * LOST;
@@ -111,7 +111,7 @@ fn worth(normal: &DMatrix<f64>) -> (usize, f64) {
     (lost, least)
 }
 
-/// The directions that are lost, or the one that is told worst.
+/// The unidentifiable directions, or the least certain one.
 fn weakest(normal: &DMatrix<f64>) -> Vec<DVector<f64>> {
     let system = normal.clone().symmetric_eigen();
     let limit = (system.eigenvalues.max() * LOST).max(system.eigenvalues.min());
@@ -123,7 +123,7 @@ fn factors(design: &Design<'_>, start: &ErrorModel) -> Vec<Vec<f64>> {
     let values = vec![0.0; design.columns.len()];
     let mut rows = Vec::new();
     design.walk_exact(start, &values, |line, row| {
-        // 1 µrad is told as well as 1 µm.
+        // 1 µrad has the weight of 1 µm.
         let weight = if line.is_angle { MM_PER_RAD } else { 1.0 };
         rows.push(row.iter().map(|factor| factor * weight).collect());
     });
@@ -151,12 +151,12 @@ mod tests {
     #[test]
     fn what_has_been_measured_counts_in_units_of_what_could_be() {
         let machine = bench::machine();
-        // The slope of X is told by one reading at 500 mm and may be by another one; that of Y by three at 10 mm, and may be by a fourth.
+        // The slope of X is determined by one reading at 500 mm, and possibly another one; that of Y by three at 10 mm, and possibly a fourth.
         let rows = "X,Y,Z,component,value_um,run\n500,0,0,EXX,0,1\n0,10,0,EYY,0,1\n0,10,0,EYY,0,2\n0,10,0,EYY,0,3\n";
         let data = bench::table(&machine, rows, "[measurement]\nkind = \"direct\"\n");
         let candidates = [data.observations[1], data.observations[0]];
         let names: Vec<ParameterName> = ["EXX1", "EYY1"].map(|name| name.parse().unwrap()).to_vec();
-        // 1/2 of what could be is told of X, 3/4 of Y.
+        // X has 1/2 of its possible information, Y has 3/4.
         assert_eq!(improve(&machine, &ErrorModel::default(), &names, &[data], &candidates, 1), [1]);
     }
 }

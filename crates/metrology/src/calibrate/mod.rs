@@ -1,10 +1,10 @@
 //! Calibration: from measured data to the parameters of the error model.
 //!
-//! [`identify()`] says what data or a plan can tell. [`fit()`] finds the parameters and the unknowns of all set-ups in one step of Gauss–Newton after
-//! another on the full kinematics, with rows that do not fit weighted down, and refuses where the data cannot tell the parameters apart:
-//! [`Fault::NotTold`] says in [`words`] which, and [`reduce()`] leaves them out. Unknowns of set-ups that move nothing stay where they are. What comes
-//! out has uncertainties, which [`monte_carlo()`] checks, and [`quality()`] holds it against the data, also against data that it has not seen.
-//! [`select()`] finds which of many parameters the data needs. [`sensors`] selects the sensors of temperature that tell a drift.
+//! [`identify()`] determines the identifiability for data or a plan. [`fit()`] determines the parameters and the unknowns of all set-ups by
+//! Gauss–Newton iterations on the full kinematics, with robust weights. It refuses data that do not separate the parameters: [`Fault::NotTold`] names
+//! them in [`words`], and [`reduce()`] leaves them out. Set-up unknowns without effect are held. Results have uncertainties, which [`monte_carlo()`]
+//! checks, and [`quality()`] compares a model with data, including holdout data. [`select()`] selects the parameters that the data need. [`sensors`]
+//! selects temperature sensors for a drift.
 
 #[cfg(test)]
 pub(crate) mod bench;

@@ -1,8 +1,8 @@
-//! Whether uncertainties are right: readings of the fitted machine with the estimated noise are fitted again and again, and scatter as they may.
+//! Check of uncertainties: simulated readings of the fitted machine with the estimated noise are fitted repeatedly, and the scatter is compared.
 //!
-//! Poses, conditions, set-ups, weights and known distances are those of the data; noise is normal, of the uncertainty that the fit found for each measurement, and of
-//! that of each known distance. What the covariance does not know – weights that follow the noise, equations that are not straight, few readings –
-//! is in the scatter.
+//! Poses, conditions, set-ups, weights and known distances are those of the data. Noise is normal, with the estimated uncertainty of each measurement
+//! and that of each known distance. The scatter contains effects missing in the covariance: weights that follow the noise, nonlinear equations, few
+//! readings.
 
 use crate::measure::data::DataSet;
 use crate::measure::noise::Noise;
@@ -18,11 +18,11 @@ use super::fault::Fault;
 use super::fit::{Fit, Options, fit_judged};
 use super::identify::{Identified, judge};
 
-/// Uncertainty and scatter may differ by this share.
+/// Permitted relative difference between uncertainty and scatter.
 const AGREES: f64 = 0.25;
-/// … and by so many standard deviations of the scatter of a standard deviation besides.
+/// Additional tolerance in standard deviations of an estimated standard deviation.
 const SAMPLING: f64 = 3.0;
-/// Steps from one seed to the next: an odd number without structure.
+/// Increment between seeds: an odd number without structure.
 const NEXT_SEED: u64 = 0xd134_2543_de82_ef95;
 
 /// The scatter of repetitions.
@@ -30,14 +30,14 @@ const NEXT_SEED: u64 = 0xd134_2543_de82_ef95;
 pub struct MonteCarlo {
     /// Standard deviation of every estimate, in the order of [`Fit::estimates`].
     pub spreads: Vec<f64>,
-    /// Repetitions that were fitted.
+    /// Number of successful repetitions.
     pub runs: usize,
-    /// Repetitions that could not be fitted.
+    /// Number of failed repetitions.
     pub failed: usize,
 }
 
 impl MonteCarlo {
-    /// Whether a standard uncertainty differs from the scatter by more than 25 % beyond sampling error.
+    /// `true` if a standard uncertainty differs from the scatter by more than 25 % beyond sampling error.
     #[must_use]
     pub fn contradicts(&self, spread: f64, sigma: f64) -> bool {
         let sampling = SAMPLING / (2.0 * self.runs.saturating_sub(1).max(1) as f64).sqrt();
@@ -45,10 +45,10 @@ impl MonteCarlo {
     }
 }
 
-/// Repeats a fit on simulated readings; `progress` is told how many are done. The same seed gives the same result on any number of cores.
+/// Repeats a fit on simulated readings; `progress` receives the number of completed ones. The same seed gives the same result on any number of cores.
 ///
 /// # Errors
-/// [`Fault`] where the data cannot tell the parameters.
+/// [`Fault`] if the data do not identify the parameters.
 pub fn monte_carlo(
     machine: &Machine,
     parameters: &[impl Clone + Into<Parameter>],
@@ -76,7 +76,7 @@ pub fn monte_carlo(
     Ok(MonteCarlo { spreads, runs: found.len(), failed })
 }
 
-/// What all repetitions have in common.
+/// Common data of all repetitions.
 struct Job<'a> {
     machine: &'a Machine,
     parameters: &'a [Parameter],
@@ -100,7 +100,7 @@ impl Job<'_> {
         Some(found.estimates.iter().map(|one| one.value).collect())
     }
 
-    /// Reads a measurement again.
+    /// Simulates new readings of a measurement.
     fn read(&self, number: usize, set: &mut DataSet, noise: &mut Noise) -> Option<()> {
         let values: Vec<f64> = self
             .fit

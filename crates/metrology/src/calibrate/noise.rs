@@ -1,23 +1,23 @@
-//! How uncertain readings are: as described where the residuals agree, else as the residuals say.
+//! Uncertainty of readings: as described if the residuals agree, otherwise from the residuals.
 //!
-//! Lengths and angles of a measurement are groups of their own: each has its spread, and its share of what the unknowns use up.
+//! Lengths and angles of a measurement are separate groups: each has its spread, and its share of the absorbed unknowns.
 
 use crate::measure::data::DataSet;
 
 use super::design::ReadingEquation;
 use super::robust::{spread, tempered, weight};
 
-/// Uncertainty of a reading before the residuals say more, mm.
+/// Initial uncertainty of a length reading, mm.
 pub(super) const FIRST_SIGMA: f64 = 1e-3;
-/// The same of an angle, rad.
+/// Initial uncertainty of an angle reading, rad.
 pub(super) const FIRST_ANGLE_SIGMA: f64 = 1e-6;
-/// No spread is less than this share of the first one: data without noise.
+/// Minimum spread relative to the initial one, for data without noise.
 const LEAST_SIGMA: f64 = 1e-6;
-/// Share of the readings that is not used up, at least.
+/// Minimum share of unabsorbed readings.
 const LEAST_FREEDOM: f64 = 0.05;
-/// Residuals are as described up to this many standard deviations of their own spread.
+/// Residuals agree with the description up to this many standard deviations of their own spread.
 const AGREES: f64 = 3.0;
-/// How much of it may still change.
+/// Relative change at which the noise has converged.
 const SAME_SIGMA: f64 = 1e-3;
 
 /// The groups of all measurements: lengths of the first one, its angles, lengths of the second one, …
@@ -27,7 +27,7 @@ pub(super) struct NoiseGroups(Vec<Group>);
 #[derive(Clone, Copy, Debug)]
 struct Group {
     given: Option<f64>,
-    /// The spread by which readings are weighted down.
+    /// The spread for the robust weights.
     scale: f64,
     sigma: f64,
 }
@@ -56,7 +56,7 @@ impl NoiseGroups {
         self.0.get(group).map_or(FIRST_SIGMA, |group| group.sigma)
     }
 
-    /// Spread of the residuals of a group, or what is described where that is more.
+    /// Spread of the residuals of a group, or the described one if larger.
     pub(super) fn scale(&self, group: usize) -> f64 {
         self.0.get(group).map_or(FIRST_SIGMA, |group| group.scale)
     }
@@ -66,7 +66,7 @@ impl NoiseGroups {
         self.0.get(group_of(line)).map_or(1.0, |group| weight(line.residual / group.scale, is_early))
     }
 
-    /// Finds it again from residuals; `used` says how many unknowns each group has used up. Returns whether it stayed the same.
+    /// Updates the noise from residuals; `used` is the number of unknowns absorbed by each group. Returns `true` if it is unchanged.
     pub(super) fn update(&mut self, lines: &[ReadingEquation], used: &[f64], robust: bool) -> bool {
         let mut residuals: Vec<Vec<f64>> = vec![Vec::new(); self.0.len()];
         for line in lines.iter().filter(|line| line.row().is_some()) {
@@ -81,7 +81,7 @@ impl NoiseGroups {
             if count == 0.0 {
                 continue;
             }
-            // Unknowns that follow the noise make residuals smaller than it.
+            // Unknowns that follow the noise make residuals smaller than the noise.
             let freedom = (1.0 - used / count).max(LEAST_FREEDOM);
             let (scale, found) = if robust {
                 let scale = spread(own.iter().copied()) / freedom.sqrt();
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use crate::calibrate::design::EquationOrigin;
 
-    /// The uncertainty of eight readings of which half are used up, described as 1 µm, when this is what they leave in all but rounding.
+    /// The uncertainty of eight readings, half of which are absorbed, described as 1 µm, for this residual spread except for rounding.
     fn sigma(found: f64) -> f64 {
         let group = Group { given: Some(1e-3), scale: 1e-3, sigma: 1e-3 };
         let mut noise = NoiseGroups(vec![group; 2]);
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn residuals_agree_with_what_is_described_up_to_their_own_spread() {
-        // Four degrees of freedom tell a standard deviation to 1/√8: three of these are 1.06 of it.
+        // Four degrees of freedom determine a standard deviation to 1/√8: three of these are 1.06 of it.
         assert_eq!(sigma(2e-3), 1e-3);
         assert!((sigma(2.1e-3) - 2.1e-3).abs() < 1e-12);
     }

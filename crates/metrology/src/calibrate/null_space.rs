@@ -1,32 +1,31 @@
-//! A null space by directions that people can read: each has a column of its own, the least simple one possible, and few others.
+//! A null space in interpretable directions: each has its own column, the least simple one possible, and few others.
 //!
-//! Of a null space any mixture of its directions would do as well. Columns are gone through from the least simple one, and each is taken that still
-//! takes part in what is not yet said by those before; without the columns that were taken all others can be told. That is the rule by which a model is
-//! reduced, too.
+//! Any mixture of the directions of a null space is equivalent. Columns are visited from the least simple one. Each is taken that is still involved
+//! in the part not yet described; without the taken columns all others are identifiable. A model is reduced by the same rule.
 
 use nalgebra::{DMatrix, DVector};
 
-/// A column takes part by more than this, as a share of itself. Lower limits come later: a column that hardly takes part would leave the others
-/// as good as not told.
+/// Minimum involvement of a column, relative to itself. Lower limits come later: removing a column with little involvement would leave the others
+/// almost unidentifiable.
 const TAKES_PART: [f64; 3] = [0.02, 1e-3, 1e-6];
-/// What is smaller is left by the arithmetic.
+/// Rounding noise.
 pub(super) const NOISE: f64 = 1e-9;
-/// Parts of a direction that are smaller than this share of its largest one are not said.
+/// Parts of a direction below this share of its largest one are not named.
 pub(super) const COUNTS: f64 = 0.01;
-/// Steps that are spent on shorter directions.
+/// Maximum number of operations for shortening directions.
 const MOST_STEPS: usize = 30_000_000;
 
-/// A direction: its own column, and its parts by columns of unit length; that of the own column is 1.
+/// A direction: its own column, and its parts by columns of unit length; the part of its own column is 1.
 pub(super) type NullDirection = (usize, DVector<f64>);
 
-/// Finds the directions. `order` has the columns in groups, the simple groups first: a column of a simple group is taken only where none of the other
-/// groups takes part at all.
+/// Determines the directions. `order` has the columns in groups, simple groups first: a column of a simple group is taken only if no other group is
+/// involved.
 pub(super) fn directions(null_space: &[DVector<f64>], order: &[Vec<usize>]) -> Vec<NullDirection> {
     let Some(height) = null_space.first().map(DVector::len) else { return Vec::new() };
     let count = null_space.len();
     let whole = DMatrix::from_fn(height, count, |row, column| null_space[column][row]);
     let mut taken: Vec<usize> = Vec::new();
-    // Of each column what is not yet said.
+    // The part of each column that is not yet described.
     let mut open: Vec<DVector<f64>> = whole.row_iter().map(|row| row.transpose()).collect();
     for group in order.iter().rev() {
         for limit in TAKES_PART {
@@ -53,7 +52,7 @@ pub(super) fn directions(null_space: &[DVector<f64>], order: &[Vec<usize>]) -> V
     let mut out = Vec::new();
     for (number, &column) in taken.iter().enumerate() {
         let mut direction = all.column_mut(number);
-        // Exactly, so that nothing comes back as noise.
+        // Exactly, so that no noise remains.
         taken.iter().for_each(|&other| direction[other] = f64::from(u8::from(other == column)));
         let least = NOISE * direction.amax();
         direction.iter_mut().filter(|part| part.abs() < least).for_each(|part| *part = 0.0);
@@ -63,7 +62,7 @@ pub(super) fn directions(null_space: &[DVector<f64>], order: &[Vec<usize>]) -> V
     out
 }
 
-/// Makes directions shorter where the difference of two has fewer parts than one of them.
+/// Shortens directions if the difference of two has fewer parts than one of them.
 pub(super) fn shorten(directions: &mut [NullDirection]) {
     let support = |direction: &DVector<f64>| -> Vec<usize> {
         let least = COUNTS * direction.amax();
@@ -86,7 +85,7 @@ pub(super) fn shorten(directions: &mut [NullDirection]) {
                 let mut next = &directions[one].1 - &directions[other].1 * factor;
                 next[column] = 0.0;
                 let found = support(&next);
-                // The own column has to stay one of the large ones.
+                // The own column must remain one of the large ones.
                 if found.len() < supports[one].len() && found.contains(&directions[one].0) {
                     directions[one].1 = next;
                     supports[one] = found;
@@ -109,7 +108,7 @@ mod tests {
         assert_eq!(found.iter().map(|(own, _)| *own).collect::<Vec<_>>(), [2, 3]);
         assert!((&found[0].1 - &one).amax() < 1e-12, "{}", found[0].1);
         assert!((&found[1].1 + &other * 0.5).amax() < 1e-12, "{}", found[1].1);
-        // Where the last group does not reach, the first one is taken.
+        // If the last group is not involved, the first one is taken.
         let found = directions(&mixed, &[vec![0, 1, 3], vec![2]]);
         assert_eq!(found.iter().map(|(own, _)| *own).collect::<Vec<_>>(), [2, 3]);
     }

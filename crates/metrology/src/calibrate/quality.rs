@@ -1,7 +1,7 @@
-//! How well a model says what was measured: measured, left, efficiency, for each measurement.
+//! Agreement of a model with measurements: measured values, residuals, efficiency, for each measurement.
 //!
-//! Efficiency is δ = 1 − Σ|left| / Σ|measured| (Spaan 1995, eq. 3.6). Measured is what a machine without errors leaves, left what the model
-//! leaves, both with the unknowns of the set-ups as they fit best then: they belong to neither.
+//! Efficiency is δ = 1 − Σ|residual| / Σ|measured| (Spaan 1995, eq. 3.6). Measured values are the residuals of an error-free machine, residuals those
+//! of the model, both with the best fit of the set-up unknowns, which belong to neither.
 
 use crate::measure::data::DataSet;
 use ncfix_machine::machine::Machine;
@@ -16,19 +16,19 @@ use super::fit::{Options, fit};
 pub struct Quality {
     /// The measurement.
     pub name: String,
-    /// Readings.
+    /// Number of readings.
     pub readings: usize,
-    /// Root of the mean square and largest of what was measured, mm or rad.
+    /// Root mean square and largest measured value, mm or rad.
     pub measured: [f64; 2],
-    /// The same of what is left.
+    /// Root mean square and largest residual, mm or rad.
     pub left: [f64; 2],
-    /// Standard deviation of what is left about its mean; `None` for a single reading.
+    /// Standard deviation of the residuals about their mean; `None` for a single reading.
     pub left_sigma: Option<f64>,
-    /// Sum of the sizes of what was measured, and of what is left.
+    /// Sums of the magnitudes of measured values, and of residuals.
     pub sums: [f64; 2],
-    /// Share of the sum of sizes that the model says.
+    /// Explained share of the sum of magnitudes.
     pub efficiency: f64,
-    /// Reading by reading, in the order of the rows.
+    /// Individual readings, in the order of the rows.
     pub lines: Vec<Compared>,
 }
 
@@ -37,16 +37,16 @@ pub struct Quality {
 pub struct Compared {
     /// The row.
     pub row: usize,
-    /// Which of the readings of the row it is, from 0.
+    /// Index of the value in its row, from 0.
     pub index: usize,
-    /// What a machine without errors leaves.
+    /// Residual of an error-free machine.
     pub measured: f64,
-    /// What the model leaves.
+    /// Residual of the model.
     pub left: f64,
 }
 
 impl Quality {
-    /// The sizes of readings.
+    /// The statistics of readings.
     #[must_use]
     pub fn of(name: String, lines: Vec<Compared>) -> Quality {
         let count = lines.len().max(1) as f64;
@@ -78,14 +78,14 @@ impl Quality {
     }
 }
 
-/// Holds a model against a measurement, whether or not it was fitted to it.
+/// Compares a model with a measurement, fitted or not.
 ///
 /// # Errors
-/// [`Fault`] where not even the unknowns of the set-ups can be told.
+/// [`Fault`] if not even the set-up unknowns are identifiable.
 pub fn quality(machine: &Machine, errors: &ErrorModel, data: &DataSet) -> Result<Quality, Fault> {
     let set = std::slice::from_ref(data);
     let of = |errors: &ErrorModel| -> Result<Vec<(usize, f64)>, Fault> {
-        // Without the errors of the machine what is left is no noise that could tell which rows do not fit.
+        // Without the errors of the machine, residuals are not noise and cannot reveal outliers.
         let found = fit::<Parameter>(machine, errors, &[], set, Options { robust: false })?;
         Ok(found.residuals.iter().map(|&(_, row, residual, _)| (row, residual)).collect())
     };

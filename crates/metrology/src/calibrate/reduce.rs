@@ -1,10 +1,10 @@
-//! Reduces a model to what the data can tell.
+//! Reduces a model to its identifiable part.
 //!
-//! The rule: of parameters that cannot be told from each other the least simple one goes. Parameters of effects go first, then truncated powers, the last ones before
-//! the others, then backlashes, then coefficients from the highest degree down, the later ones of the model before the earlier ones; location errors go last.
-//! A parameter stays although it is less simple where it takes part by less than 2 % of its effect: without it the others would
-//! hardly be told better. Then, one after the other, the least simple one of those goes that are told so badly that readings of 1 µm leave
-//! more than 0.1 mm of their effect on the tip uncertain. What was left out counts as it is in the machine file that the calibration begins with.
+//! The rule: of parameters that are not distinguishable the least simple one is removed. Parameters of effects go first, then truncated powers, the
+//! last ones before the others, then backlashes. Then follow coefficients from the highest degree down, later ones of the model before earlier ones;
+//! location errors go last. A less simple parameter stays if its involvement is below 2 % of its effect: its removal would hardly improve the others.
+//! Afterwards the least simple of the very uncertain parameters is removed, one by one: those for which readings of 1 µm leave an uncertainty of more
+//! than 0.1 mm at the tip. A removed parameter keeps its value of the initial machine file.
 
 use crate::measure::data::DataSet;
 use ncfix_machine::machine::Machine;
@@ -16,23 +16,23 @@ use super::fit::awake;
 use super::identify::identify_exact;
 use super::words::{Confused, simplicity};
 
-/// Rounds at most: the second one finds nothing but what the limits of the first one left.
+/// Maximum number of iterations: the second one handles only effects of the first one's limits.
 const MAX_ROUNDS: usize = 8;
 
-/// Uncertain at the tip with readings of [`READING_MM`], mm: what is told worse is told by nothing that anybody would use.
+/// Tip uncertainty for readings of [`READING_MM`] above which a parameter is useless, mm.
 const BADLY_MM: f64 = 0.1;
 const READING_MM: f64 = 1e-3;
 
 /// A reduced model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reduced {
-    /// The parameters that can be told, in the order in which they were given.
+    /// The identifiable parameters, in the given order.
     pub parameters: Vec<Parameter>,
-    /// What was left out, by reason.
+    /// Removed parameters, by reason.
     pub left_out: Vec<Confused>,
 }
 
-/// Leaves out what the data cannot tell. `None` where positions are so large that numbers are not finite.
+/// Removes unidentifiable parameters. `None` if positions are so large that numbers are not finite.
 #[must_use]
 pub fn reduce(
     machine: &Machine,
@@ -43,7 +43,7 @@ pub fn reduce(
     let mut out = Reduced { parameters: parameters.iter().cloned().map(Into::into).collect(), left_out: Vec::new() };
     let exact = exact(machine, data);
     if out.parameters.iter().any(|parameter| parameter.is_idle(start)) {
-        // As the fit begins: arms and time constants are judged beside what they change, once that is not 0.
+        // As at the start of the fit: arms and time constants are judged with nonzero values of everything they scale.
         let (linear, others) = out.parameters.iter().cloned().partition(Parameter::is_linear);
         let mut first = Reduced { parameters: linear, ..out };
         first.lose(machine, start, &exact)?;
@@ -59,7 +59,7 @@ pub fn reduce(
 }
 
 impl Reduced {
-    /// Leaves out until all others can be told, and are not told badly.
+    /// Removes parameters until all others are identifiable with sufficient certainty.
     fn lose(&mut self, machine: &Machine, start: &ErrorModel, exact: &[DataSet]) -> Option<()> {
         for _ in 0..MAX_ROUNDS + self.parameters.len() {
             let found = identify_exact(machine, start, &self.parameters, exact)?;

@@ -1,15 +1,15 @@
 //! Weights of rows that do not fit: Tukey's biweight on residuals in units of their spread.
 //!
-//! w = (1 − (r/(c s))²)² inside c = 4.685 spreads, 0 beyond; s from the median of the absolute residuals (Huber & Ronchetti 2009, ch. 7). The
-//! first rounds use Huber's weights, which cannot lock on to a wrong start.
+//! w = (1 − (r/(c s))²)² inside c = 4.685 spreads, 0 beyond; s from the median of the absolute residuals (Huber & Ronchetti 2009, ch. 7). The first
+//! iterations use Huber's weights, which cannot lock on to a wrong start.
 
 /// Tukey's constant for 95 % efficiency with normal noise.
 const TUKEY: f64 = 4.685;
-/// Huber's.
+/// Huber's constant.
 const HUBER: f64 = 1.345;
 /// ⟨w⟩ / ⟨w r²⟩ of Tukey's weights for normal noise of unit variance.
 const TEMPERED: f64 = 1.207_623;
-/// Variance of an estimate, in variances by the weighted normal equations: ⟨ψ²⟩ ⟨w⟩ / ⟨ψ′⟩².
+/// Variance of an estimate relative to the variance from the weighted normal equations: ⟨ψ²⟩ ⟨w⟩ / ⟨ψ′⟩².
 pub(super) const TUKEY_VARIANCE: f64 = 0.963_274;
 /// Median of the absolute values of normal noise, in standard deviations.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
@@ -25,7 +25,7 @@ pub(super) fn spread(values: impl Iterator<Item = f64>) -> f64 {
     *median / MEDIAN
 }
 
-/// Standard deviation from values weighted by a first guess of it: uses nearly all that they say, where the median uses a third.
+/// Standard deviation from values weighted by an initial estimate: it uses almost all information, while the median uses a third.
 pub(super) fn tempered(values: &[f64], scale: f64) -> f64 {
     let (sum, squares) = values.iter().fold((0.0, 0.0), |(sum, squares), value| {
         let weight = weight(value / scale, false);

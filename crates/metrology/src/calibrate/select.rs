@@ -1,8 +1,8 @@
-//! Which parameters the data needs: stepwise choice among candidates, then the fit of what was chosen.
+//! Selection of the parameters that the data need: stepwise selection among candidates, then a fit of the selected ones.
 //!
-//! The choice is made on the equations at a fitted point and the fit on the full kinematics, in turn, until the choice stays. Weights and the
-//! uncertainties of the readings come from the residuals of all candidates together: beside a model without them, a true effect looks like rows that
-//! do not fit. Readings of one set-up, run, component and direction are a series, in the order of `t_s` or else of the rows.
+//! Selection uses the equations at a fitted point, the fit the full kinematics, in turn, until the selection is stable. Weights and uncertainties of
+//! the readings come from the residuals of all candidates together: in a model without it, a true effect looks like outliers. Readings of one set-up,
+//! run, component and direction are a series, in the order of `t_s` or otherwise of the rows.
 
 use std::collections::HashMap;
 
@@ -23,47 +23,47 @@ use super::fit::{Fit, Options, fit};
 use super::noise::{FIRST_ANGLE_SIGMA, FIRST_SIGMA, group_of};
 use super::robust::{spread, weight};
 
-/// Choices at most.
+/// Maximum number of selections.
 const MOST_PASSES: usize = 3;
-/// Factors at most: 256 MB, of which the choice makes a few copies.
+/// Maximum number of derivatives: 256 MB, of which the selection makes a few copies.
 const MOST_FACTORS: usize = 1 << 25;
-/// Rounds of weights that cannot lock on to a wrong start, and of those that reject; one of each where there is much to multiply.
+/// Number of iterations with preliminary weights, and with rejecting weights; one of each for large problems.
 const WEIGHT_ROUNDS: usize = 3;
 const MUCH: f64 = 5e8;
-/// Rows that count for less are left out.
+/// Weight below which a row is left out.
 const REJECTED: f64 = 0.01;
-/// What holds a coefficient that nothing tells, as a share of the length of its column.
+/// Ridge for an unidentifiable coefficient, relative to the length of its column.
 const RIDGE: f64 = 1e-4;
-/// No spread is less than this share of the first uncertainty: data without noise.
+/// Minimum spread relative to the initial uncertainty, for data without noise.
 const LEAST_SPREAD: f64 = 1e-6;
 
-/// What was chosen, and the fit of it.
+/// The selection, and its fit.
 #[derive(Clone, Debug)]
 pub struct Selected {
-    /// The fit of what is always in and what was chosen.
+    /// The fit of the fixed and the selected parameters.
     pub fit: Fit,
     /// Its parameters.
     pub parameters: Vec<Parameter>,
-    /// The candidates that [`Self::choice`] numbers.
+    /// The candidates to which the indices of [`Self::choice`] refer.
     pub candidates: Vec<Parameter>,
-    /// How it went: the last choice.
+    /// The last selection.
     pub choice: Choice,
-    /// Choices that were made.
+    /// Number of selections.
     pub passes: usize,
-    /// Whether the last one was that before it.
+    /// `true` if the last selection equals the previous one.
     pub is_settled: bool,
 }
 
-/// Why there is no choice.
+/// Reason why there is no selection.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Refusal {
-    /// The parameters that are always in cannot be fitted, or those that were chosen.
+    /// The fixed parameters, or the selected ones, cannot be fitted.
     Fault(Fault),
-    /// More equations times columns than are held.
+    /// The product of equations and columns is too large.
     TooLarge {
-        /// Readings.
+        /// Number of equations.
         equations: usize,
-        /// Parameters, unknowns and candidates.
+        /// Number of parameters, unknowns and candidates.
         columns: usize,
     },
 }
@@ -74,7 +74,7 @@ impl From<Fault> for Refusal {
     }
 }
 
-/// Chooses among candidates beside parameters that are always in, which are no candidates.
+/// Selects among candidates in addition to fixed parameters, which are not candidates.
 ///
 /// # Errors
 /// [`Refusal`].
@@ -94,7 +94,7 @@ pub fn select(
         }
     }
     let job = Job { machine, start, base, candidates: &own, data, options };
-    // Before the effects are in, residuals say nothing of rows that do not fit.
+    // Before the effects are included, residuals do not reveal outliers.
     let mut fitted = fit(machine, start, base, data, Options { robust: false })?;
     let mut chosen: Vec<usize> = Vec::new();
     let mut choice = Choice::default();
@@ -122,10 +122,10 @@ struct Job<'a> {
     options: Options,
 }
 
-/// Equations one after another.
+/// The equations, concatenated.
 struct Equations {
     lines: Vec<ReadingEquation>,
-    /// Place of the equation among those of its reading.
+    /// Index of the equation among those of its reading.
     places: Vec<usize>,
     factors: Vec<f64>,
     values: Vec<f64>,
@@ -144,7 +144,7 @@ impl Job<'_> {
         self.base.iter().chain(chosen).cloned().collect()
     }
 
-    /// The equations at a fitted point. The values are what is left there and what the candidates do there, beyond what they do at the start.
+    /// The equations at a fitted point: the residuals there, and the derivatives of the candidates relative to the start.
     fn equations(&self, fitted: &Fit) -> Result<Equations, Refusal> {
         let all: Vec<Parameter> = self.base.iter().chain(self.candidates).cloned().collect();
         let design = Design::new(self.machine, self.data, &all);
@@ -160,7 +160,7 @@ impl Job<'_> {
         }
         let moved: Vec<f64> =
             self.candidates.iter().map(|name| name.get(&fitted.errors) - name.get(self.start)).collect();
-        // Parameters that are always in, unknowns, candidates.
+        // Fixed parameters, unknowns, candidates.
         let from = self.base.len();
         let until = all.len();
         let mut found = Equations { lines: vec![], places: vec![], factors: vec![], values: vec![], width };
@@ -177,7 +177,7 @@ impl Job<'_> {
             found.places.push(if is_next { place } else { 0 });
             found.lines.push(line);
         });
-        // What moves nothing by itself stays where it is.
+        // Unknowns without sufficient effect are held.
         let weak = design.weak(&strongest);
         for column in weak.into_iter().map(|column| column - (until - from)) {
             found.factors.iter_mut().skip(column).step_by(width).for_each(|factor| *factor = 0.0);
@@ -185,7 +185,7 @@ impl Job<'_> {
         Ok(found)
     }
 
-    /// The rows to choose from at a fitted point.
+    /// The rows for the selection at a fitted point.
     fn rows(&self, fitted: &Fit) -> Result<Rows, Refusal> {
         let equations = self.equations(fitted)?;
         let always = equations.width - self.candidates.len();
@@ -195,7 +195,7 @@ impl Job<'_> {
             let (key, t_s) = self.key(line, equations.places[k], k);
             keys.push((key, t_s, k));
         }
-        // Rows without a time stay in their order.
+        // Rows without a time keep their order.
         keys.sort_by(|one, other| one.0.cmp(&other.0).then(one.1.total_cmp(&other.1)).then(one.2.cmp(&other.2)));
         let mut rows = Rows {
             always,
@@ -232,7 +232,7 @@ impl Job<'_> {
         Ok(rows)
     }
 
-    /// A known distance counts as much as it is known.
+    /// A known distance has the weight of its uncertainty.
     fn tie_sigma(&self, line: &ReadingEquation) -> f64 {
         match line.origin {
             EquationOrigin::Tie(tie) => tie_sigma(self.data, line.set, tie),
@@ -240,11 +240,11 @@ impl Job<'_> {
         }
     }
 
-    /// What series a line belongs to, and when it was read.
+    /// The series of a line, and the time of its reading.
     fn key(&self, line: &ReadingEquation, place: usize, number: usize) -> (Key, f64) {
         let observation = self.data.get(line.set).zip(line.row()).and_then(|(set, row)| set.observations.get(row));
         let Some(observation) = observation else {
-            // A known distance stands alone.
+            // A known distance is a series by itself.
             return (Key { set: usize::MAX, setup: number, component: 0, run: 0, place }, 0.0);
         };
         let component = if observation.component.is_some() { observation.target.unwrap_or(0) } else { 0 };
@@ -252,8 +252,8 @@ impl Job<'_> {
         (key, observation.t_s.unwrap_or(0.0))
     }
 
-    /// Weights of the equations, and the uncertainty of each group of readings, by all candidates together; where there are too few rows for that,
-    /// by what is always in, and all rows count alike.
+    /// Weights of the equations, and the uncertainty of each group of readings, from all candidates together. With too few rows, from the fixed
+    /// parameters, with equal weights.
     fn weigh(&self, equations: &Equations, always: usize) -> (Vec<f64>, Vec<f64>) {
         let count = equations.lines.len();
         let is_rich = count > 2 * equations.width;
@@ -283,7 +283,7 @@ impl Job<'_> {
     }
 }
 
-/// Labels of a series, in their order.
+/// Labels of a series, in sort order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Key {
     set: usize,
@@ -293,7 +293,7 @@ struct Key {
     place: usize,
 }
 
-/// What the first columns leave of the values.
+/// Residuals of the values after a fit of the first columns.
 fn residuals(equations: &Equations, width: usize, weights: &[f64], sigmas: &[f64]) -> Vec<f64> {
     let mut normal = Normal::new(width, 1);
     let mut lengths = vec![0.0_f64; width];
@@ -334,7 +334,7 @@ mod tests {
             data: &data,
             options: Options { robust: true },
         };
-        // Eight rows that two unknowns say nothing of and two candidates neither.
+        // Eight rows without information on two unknowns and two candidates.
         let line = |row| ReadingEquation { residual: 0.0, set: 0, origin: EquationOrigin::Row(row), is_angle: false };
         let equations = Equations {
             lines: (0..8).map(line).collect(),
@@ -345,7 +345,7 @@ mod tests {
         };
         let (weights, sigmas) = job.weigh(&equations, 2);
         assert_eq!(weights, [1.0; 8]);
-        // The median is 0.6745 standard deviations, and the two take a quarter of the squares.
+        // The median is 0.6745 standard deviations, and the two absorb a quarter of the squares.
         assert!((sigmas[0] - 2e-3 / 0.674_489_75 / 0.75_f64.sqrt()).abs() < 1e-9, "{sigmas:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! What one unit of each parameter of a fit does to the tool.
+//! Effect of one unit of each parameter on the tool.
 
 use super::design::Design;
 use super::effect::{ParameterEffect, Probe};
@@ -7,7 +7,7 @@ use ncfix_base::geometry::{Matrix, Vector};
 use ncfix_machine::machine::Condition;
 use ncfix_model::{ErrorModel, ErrorName, Model};
 
-/// The number of a component, which is added where it is new.
+/// The index of a component; a new one is added.
 pub(super) fn number_of(components: &mut Vec<ErrorName>, name: ErrorName) -> usize {
     components.iter().position(|known| *known == name).unwrap_or_else(|| {
         components.push(name);
@@ -15,20 +15,20 @@ pub(super) fn number_of(components: &mut Vec<ErrorName>, name: ErrorName) -> usi
     })
 }
 
-/// What one unit of each parameter does to the tool, in one condition and at one pose.
+/// Effect of one unit of each parameter on the tool, in one condition and at one pose.
 pub(super) struct Units<'a> {
     design: &'a Design<'a>,
     /// The components of all parameters.
     components: Vec<ErrorName>,
-    /// What shows what the parameters of effects do, with their columns.
+    /// Probes of the effect parameters, with their columns.
     probes: Vec<(usize, Probe)>,
-    /// What one of them does in the condition.
+    /// Effects of one of them in the condition.
     own: Vec<ParameterEffect>,
-    /// What all do in the condition, with their columns and components.
+    /// Effects of all of them in the condition, with their columns and components.
     pub(super) parts: Vec<(usize, usize, ParameterEffect)>,
-    /// What one unit of each component does to tip and direction of the tool.
+    /// Effect of one unit of each component on tip and direction of the tool.
     by_component: Vec<[Vector; 2]>,
-    /// How much of a component is in one unit of a parameter: column, component, share.
+    /// Share of a component in one unit of a parameter: column, component, share.
     shares: Vec<(usize, usize, f64)>,
 }
 
@@ -41,7 +41,7 @@ impl<'a> Units<'a> {
         Units { design, components, probes, own: Vec::new(), parts, by_component, shares }
     }
 
-    /// Goes to another condition.
+    /// Sets another condition.
     pub(super) fn enter(&mut self, condition: &Condition) {
         self.parts.clear();
         for (column, probe) in &self.probes {
@@ -55,7 +55,7 @@ impl<'a> Units<'a> {
         self.shares.extend(self.parts.iter().map(|&(column, component, _)| (column, component, 0.0)));
     }
 
-    /// Goes to a pose; directions turn by `turn`.
+    /// Sets a pose; directions are rotated by `turn`.
     pub(super) fn stand(&mut self, model: &Model, reading: &Reading, turn: &Matrix) {
         self.by_component.clear();
         self.by_component.extend(self.components.iter().map(|name| {
@@ -70,7 +70,7 @@ impl<'a> Units<'a> {
         }
     }
 
-    /// The factors of all parameters, from the derivatives of a reading by tip and direction; those of the unknowns are 0.
+    /// The derivatives with respect to all parameters, from those of a reading with respect to tip and direction; 0 for unknowns.
     pub(super) fn factors(&self, by_tip: &Vector, by_turn: &Vector, out: &mut [f64]) {
         out.fill(0.0);
         for &(column, component, share) in &self.shares {
@@ -79,7 +79,7 @@ impl<'a> Units<'a> {
         }
     }
 
-    /// How a unit of each parameter moves the tip.
+    /// Tip motion per unit of each parameter.
     pub(super) fn moved(&self, out: &mut [Vector]) {
         out.fill(Vector::zeros());
         for &(column, component, share) in &self.shares {

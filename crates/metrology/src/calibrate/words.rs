@@ -1,8 +1,8 @@
-//! What the data cannot tell, in words.
+//! The unidentifiable part of a model, in words.
 //!
-//! Every direction of the null space has a parameter of its own (`null_space`), the last in an order of simplicity (unknowns of set-ups,
-//! location errors, coefficients by degree, backlash, truncated powers, parameters of effects), and is said by columns before: a coefficient of high degree cannot be told from
-//! those of low degree, a parameter from places of balls, not the other way round. Directions of one kind are one sentence.
+//! Every direction of the null space has its own parameter (`null_space`), the last in an order of simplicity (set-up unknowns, location errors,
+//! coefficients by degree, backlash, truncated powers, parameters of effects). It is described by simpler columns: a coefficient of high degree is
+//! not distinguishable from those of low degree, a parameter not from ball positions, never the reverse. Directions of one kind share a sentence.
 
 use nalgebra::DVector;
 
@@ -15,41 +15,41 @@ use super::column::Column;
 use super::effect::Parameter;
 use super::null_space::{self, COUNTS, NullDirection};
 
-/// Names in a sentence at most.
+/// Maximum number of names in a sentence.
 const MOST_NAMES: usize = 6;
-/// Truncated powers of a component that follow each other are shown by the first and the last from this number on.
+/// Number of consecutive truncated powers of a component from which only the first and the last are shown.
 const MANY_KNOTS: usize = 3;
 
-/// What cannot be told.
+/// The unidentifiable part.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lost {
-    /// Combinations with parameters of the machine, those of one kind together, the most frequent kind first.
+    /// Combinations with machine parameters, grouped by kind, the most frequent kind first.
     pub confused: Vec<Confused>,
-    /// A smallest set of parameters without which all others can be told, chosen by the rule of [`super::reduce()`].
+    /// A smallest set of parameters whose removal makes all others identifiable, by the rule of [`super::reduce()`].
     pub leave_out: Vec<Parameter>,
-    /// A sentence for every combination of nothing but unknowns of set-ups, as the height of a ball-bar over a circle: they do no harm, and
-    /// stay where they start.
+    /// A sentence for every combination of set-up unknowns alone, such as the height of a ball-bar over a circle: they are harmless, and held at
+    /// their start values.
     pub unknowns: Vec<String>,
-    /// The columns that stay, one for each of these sentences.
+    /// The held columns, one for each of these sentences.
     pub(super) held: Vec<usize>,
-    /// All columns that take part in these.
+    /// All columns involved in these.
     pub(super) loose: Vec<usize>,
 }
 
-/// Parameters that cannot be told for one reason.
+/// Parameters that are not identifiable for one reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Confused {
-    /// What cannot be told from what.
+    /// The sentence about them.
     pub sentence: String,
-    /// What would help.
+    /// The remedy.
     pub remedy: String,
-    /// The parameters, of which each has a combination of its own.
+    /// The parameters, each with its own combination.
     pub parameters: Vec<Parameter>,
-    /// The measurement whose unknowns take part, if there is one.
+    /// The measurement whose unknowns are involved, if any.
     pub set: Option<usize>,
 }
 
-/// Says a null space, which has its directions by sizes of effects ([`ncfix_base::numeric::Solution::null_space`]).
+/// Describes a null space, whose directions are scaled by effects ([`ncfix_base::numeric::Solution::null_space`]).
 #[must_use]
 pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -> Lost {
     let is_parameter = |k: &usize| columns.get(*k).is_some_and(Column::is_of_machine);
@@ -98,20 +98,20 @@ pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -
     lost
 }
 
-/// A direction as it is said: its own column and the others.
+/// A direction as described: its own column and the others.
 type Member = (usize, Vec<usize>);
 
-/// What directions of one kind have in common.
+/// Common properties of directions of one kind.
 #[derive(Clone, Debug, PartialEq)]
 struct Key {
     cause: UndeterminedCause,
     is_unfelt: bool,
-    /// What unknowns of set-ups take part, in words.
+    /// Involved set-up unknowns, in words.
     unknowns: Vec<String>,
 }
 
 impl Key {
-    /// Whether both are one kind.
+    /// `true` if both are of one kind.
     fn is_like(&self, other: &Key) -> bool {
         let is_same = match (self.cause, other.cause) {
             (UndeterminedCause::Few(axis, found, _), UndeterminedCause::Few(other, others, _)) => {
@@ -122,7 +122,7 @@ impl Key {
         is_same && self.is_unfelt == other.is_unfelt && (self.cause.is_of_poses() || self.unknowns == other.unknowns)
     }
 
-    /// Takes another one of the kind in.
+    /// Adds another direction of the kind.
     fn add(&mut self, other: Key) {
         // As many positions as the highest degree needs.
         self.cause = self.cause.max(other.cause);
@@ -130,7 +130,7 @@ impl Key {
     }
 }
 
-/// The lower, the rather it stands for others.
+/// Rank of simplicity: a lower one represents the others.
 pub(super) fn simplicity(column: &Column) -> (u8, u8) {
     match column {
         Column::Parameter(name) => match name.term {
@@ -144,11 +144,11 @@ pub(super) fn simplicity(column: &Column) -> (u8, u8) {
     }
 }
 
-/// The other columns of a direction; parameters of the machine first: they are what is asked for.
+/// The other columns of a direction, machine parameters first, as these are of interest.
 fn others(own: usize, direction: &DVector<f64>, columns: &[Column]) -> Vec<usize> {
     let least = COUNTS * direction.amax();
     let mut others: Vec<usize> = (0..direction.len()).filter(|&k| k != own && direction[k].abs() >= least).collect();
-    // Then lengths of instruments, which a person can do something about; a shift of a set-up comes with most of it.
+    // Then lengths of instruments, which can be measured; a shift of a set-up accompanies most directions.
     let rank = |k: usize| match columns.get(k) {
         Some(Column::Unknown(_, Unknown::Length(_) | Unknown::Rod(_) | Unknown::RodTemperature(_))) => 1,
         Some(column) if column.is_of_machine() => 0,
@@ -190,7 +190,7 @@ fn of_many(key: &Key, own: &[Parameter], members: &[Member], columns: &[Column])
     format!("{names}{what} cannot be told from {each}{}", key.cause)
 }
 
-/// `a, b and c`, or the first ones and how many there are more.
+/// `a, b and c`, or the first ones and the number of the others.
 fn joined(all: &[String], most: usize) -> String {
     let shown = all.get(..most.min(all.len())).unwrap_or_default();
     match (shown, all.len() - shown.len()) {
@@ -200,7 +200,7 @@ fn joined(all: &[String], most: usize) -> String {
     }
 }
 
-/// Names of parameters, with truncated powers of a component together: `EXX2@50 … EXX2@350`.
+/// Names of parameters, with truncated powers of a component combined: `EXX2@50 … EXX2@350`.
 #[must_use]
 pub fn listed(names: &[Parameter], most: usize) -> String {
     let family = |name: &Parameter| match name {
@@ -226,7 +226,7 @@ pub fn listed(names: &[Parameter], most: usize) -> String {
     if more > 0 { format!("{} and {more} more", shown.join(", ")) } else { joined(&shown, usize::MAX) }
 }
 
-/// What unknowns of set-ups are, each kind once.
+/// The kinds of set-up unknowns, each once.
 fn phrases(columns: &[&Column], data: &[DataSet]) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for column in columns {

@@ -1,17 +1,17 @@
-//! Smooth functions of the pose, or of the place on the path, that stand for the motion errors along one path.
+//! Smooth functions of the pose, or of the position on the path, that represent the motion errors along one path.
 //!
-//! The motion errors of an axis are smooth functions of its position, so that along one path their sum is a sum of smooth functions of the positions of
-//! all axes: Legendre polynomials of each, without products. Where blocks meet, the path has kinks, and such a sum has them too. Andolfatto, Lavernhe and
-//! Mayer 2011, section 3.3.3, take polynomials of degree 20 of a path parameter instead, which round the kinks off.
+//! The motion errors of an axis are smooth functions of its position. Along one path their sum is a sum of smooth functions of the positions of all
+//! axes: Legendre polynomials of each, without products. At block transitions the path has kinks, and so does such a sum. Andolfatto, Lavernhe and
+//! Mayer 2011, section 3.3.3, use polynomials of degree 20 of a path parameter instead, which smooth the kinks.
 
 use ncfix_base::geometry::{Axis, AxisVector};
 
-/// Which functions.
+/// Kind of smooth functions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Smooth {
     /// Of the position of each axis, up to this degree.
     Pose(usize),
-    /// Of the share of the path, up to this degree.
+    /// Of the relative path position, up to this degree.
     Path(usize),
 }
 
@@ -25,7 +25,7 @@ impl Default for Smooth {
 #[derive(Clone, Debug)]
 pub struct Basis {
     kind: Smooth,
-    /// Axes that move, with the ends of their range, mm or rad.
+    /// Moving axes, with the ends of their range, mm or rad.
     ranges: Vec<(Axis, [f64; 2])>,
 }
 
@@ -37,13 +37,13 @@ impl Basis {
             let ends = positions
                 .iter()
                 .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at[axis]), high.max(at[axis])]);
-            // Less than that is the noise of a servo loop.
+            // Smaller ranges are noise of a servo loop.
             (ends[1] - ends[0] > if axis.is_rotary() { 1e-4 } else { 1e-2 }).then_some((axis, ends))
         };
         Basis { kind, ranges: axes.iter().copied().filter_map(range).collect() }
     }
 
-    /// How many there are, beside the constant.
+    /// Number of functions, without the constant.
     #[must_use]
     pub fn len(&self) -> usize {
         match self.kind {
@@ -52,13 +52,13 @@ impl Basis {
         }
     }
 
-    /// Whether there is none.
+    /// `true` if there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Appends their values at a pose and a share of the path.
+    /// Appends their values at a pose and a relative path position.
     pub fn push(&self, at: &AxisVector, share: f64, out: &mut Vec<f64>) {
         match self.kind {
             Smooth::Pose(degree) => {
@@ -71,7 +71,7 @@ impl Basis {
     }
 }
 
-/// P₁ … Pₙ; beyond the ends, where they would run away, those of the ends.
+/// P₁ … Pₙ; constant beyond the ends, where they would diverge.
 fn push_legendre(x: f64, degree: usize, out: &mut Vec<f64>) {
     let x = x.clamp(-1.0, 1.0);
     let (mut before, mut now) = (1.0, x);

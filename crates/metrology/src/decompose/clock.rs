@@ -1,8 +1,8 @@
 //! The delay between the clock of the instrument and that of the control.
 //!
-//! What the instrument reads is what the encoders say of tool and ball, and smooth errors, and deflections that go with accelerations. The delay is found together
-//! with all of these: the first guess from the correlation of how both change, the rest by Gauss and Newton with the slope of the readings as one more
-//! column. One delay for all runs, because a slow run tells little; delays of single runs are there to be looked at.
+//! The readings are the encoder positions of tool and ball, plus smooth errors, and deflections proportional to accelerations. The delay is estimated
+//! together with all of these: the first guess from the correlation of changes, the rest by Gauss–Newton with the slope of the readings as one more
+//! column. There is one delay for all runs, because a slow run has little information; delays of single runs are for information.
 
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_base::numeric::System;
@@ -12,34 +12,34 @@ use super::grid::RunGrid;
 use super::poses::RunPoses;
 use super::signal::{inflation, triangle};
 
-/// How far apart clocks may be at the first guess, s.
+/// Largest clock difference of the first guess, s.
 const MOST_S: f64 = 0.5;
-/// Over how long changes are compared, s.
+/// Interval over which changes are compared, s.
 const CHANGE_S: f64 = 0.03;
-/// Below this correlation nothing is guessed.
+/// Minimum correlation for a guess.
 const LEAST: f64 = 0.3;
-/// The degree of smooth errors.
+/// Degree of the smooth errors.
 const DEGREE: usize = 4;
-/// Samples that are fitted.
+/// Maximum number of fitted samples.
 const SAMPLES: usize = 12_000;
-/// Steps of Gauss and Newton, and when they end, s.
+/// Maximum Gauss–Newton steps, and their convergence limit, s.
 const STEPS: usize = 12;
 const CLOSE_S: f64 = 1e-7;
-/// Readings that are compared at the ends of a run may lie outside the record by this, s.
+/// Tolerance at the ends of a recording, s.
 const EDGE_S: f64 = 1e-9;
 
 /// A delay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clock {
-    /// A reading belongs to what the encoders said so much earlier, by the clocks as recorded, s.
+    /// A reading belongs to the encoder position this much earlier, by the recorded clocks, s.
     pub delay_s: f64,
     /// Its standard uncertainty, s.
     pub uncertainty_s: f64,
-    /// The same of every run alone.
+    /// Delay and uncertainty of every run alone.
     pub by_run: Vec<(f64, f64)>,
 }
 
-/// Finds it; `None` where readings and control do not overlap.
+/// Estimates the delay; `None` if readings and control do not overlap.
 #[must_use]
 pub fn clock(grids: &[RunGrid], poses: &[RunPoses], axes: &[Axis]) -> Option<Clock> {
     let runs: Vec<(&RunGrid, &RunPoses)> =
@@ -61,7 +61,7 @@ pub fn clock(grids: &[RunGrid], poses: &[RunPoses], axes: &[Axis]) -> Option<Clo
     Some(Clock { delay_s, uncertainty_s, by_run })
 }
 
-/// Readings of a sample, mm; `None` where the instrument did not record.
+/// Reading of a sample, mm; `None` if the instrument did not record.
 pub(super) fn reading(grid: &RunGrid, number: usize, delay_s: f64) -> Option<Vector> {
     let at = grid.time(number) + delay_s;
     let [x, y, z] = grid.readings.as_slice() else { return None };
@@ -69,7 +69,7 @@ pub(super) fn reading(grid: &RunGrid, number: usize, delay_s: f64) -> Option<Vec
     inside.then(|| Vector::new(x.at(at), y.at(at), z.at(at)))
 }
 
-/// By the correlation of changes.
+/// The first guess, by the correlation of changes.
 fn guess(runs: &[(&RunGrid, &RunPoses)]) -> Option<f64> {
     let step = runs.first()?.0.step_s;
     let most = (MOST_S / step).ceil() as i32;
@@ -99,7 +99,7 @@ fn guess(runs: &[(&RunGrid, &RunPoses)]) -> Option<f64> {
     overlaps.then_some(best.0)
 }
 
-/// By how much the delay must change, with its uncertainty, s; one for all, or one for each run.
+/// The correction of the delay, with its uncertainty, s; one for all, or one for each run.
 fn fit(
     runs: &[(&RunGrid, &RunPoses)],
     basis: &Basis,
@@ -118,7 +118,7 @@ fn fit(
         let mut kept: Vec<(Vec<f64>, f64)> = Vec::new();
         for (run, (grid, poses)) in runs.iter().enumerate() {
             let signal = grid.readings.get(direction)?;
-            // Accelerations are means over a reach; so must be what is compared with them, or what they miss at a change looks like a delay.
+            // Accelerations are means over a reach; the compared values must be averaged equally, or the difference looks like a delay.
             let value = |number: usize| {
                 reading(grid, number, delay_s).map_or(0.0, |read| read[direction] - poses.nominal[1][number][direction])
             };
@@ -148,7 +148,7 @@ fn fit(
         let variance = solution.squares / solution.freedom.max(1) as f64 * inflation(&left);
         for (slope, (sum, weights)) in sums.iter_mut().enumerate() {
             let own = variance * solution.cofactors[(slope, slope)];
-            // A direction in which nothing changes says nothing.
+            // A direction without changes gives no information.
             if own > 0.0 && own.is_finite() {
                 *sum += solution.unknowns[slope] / own;
                 *weights += 1.0 / own;

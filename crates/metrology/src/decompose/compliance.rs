@@ -1,9 +1,9 @@
-//! Which deflections go with the accelerations of which axes: the dynamic remainder, explained.
+//! Compliances: the dynamic remainder explained by the accelerations of axes.
 //!
-//! Candidates are the components of every axis that accelerates, driven by its acceleration or jerk: what a body that gives way under its own inertia
-//! does to the tool, through the machine's chain. Accelerations are second differences of encoders over some samples, which are means with falling weights; what is left is
-//! averaged with the same weights, so that peaks are not mistaken for weak ones. Candidates are added one by one as long as they predict runs that they were
-//! not fitted to: each feed is left out in turn.
+//! Candidates are the components of every accelerating axis, driven by its acceleration or jerk: the effect of a body's compliance under its own
+//! inertia on the tool, through the machine's chain. Accelerations are second differences of encoders over some samples, which are weighted means;
+//! the residual is averaged with the same weights, so that peaks are not underestimated. Candidates are added one by one as long as they predict runs
+//! to which they were not fitted: each feed is held out in turn.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,13 +15,13 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 use super::poses::RunPoses;
 use super::signal::{inflation, triangle};
 
-/// By which share the sum of squares of runs that are left out must fall for a displacement that goes with the acceleration.
+/// Minimum relative reduction of the sum of squares of holdout runs for a displacement proportional to the acceleration.
 const LEAST_GAIN: f64 = 0.02;
-/// The same for angles, which look like displacements on a short path, and for jerks.
+/// Minimum reduction for angles, which resemble displacements on a short path, and for jerks.
 const FARFETCHED_GAIN: f64 = 0.05;
-/// Amounts below this many standard uncertainties are none.
+/// Minimum amount in standard uncertainties.
 const LEAST_SIGMAS: f64 = 5.0;
-/// Candidates that are taken, at most.
+/// Maximum number of selected candidates.
 const MOST: usize = 12;
 
 /// A compliance.
@@ -29,33 +29,33 @@ const MOST: usize = 12;
 pub struct Compliance {
     /// The component; its axis is the one that accelerates.
     pub name: ErrorName,
-    /// 2 where it goes with the acceleration, 3 with the jerk.
+    /// 2 for acceleration, 3 for jerk.
     pub order: u8,
-    /// mm or rad by mm/s² or rad/s² (s³).
+    /// mm or rad per mm/s² or rad/s² (s³).
     pub value: f64,
     /// Its standard uncertainty.
     pub uncertainty: f64,
-    /// By which share of their RMS what is left of runs that it was not fitted to fell when it was added.
+    /// Relative reduction of the RMS residual of holdout runs when it was added.
     pub gain: f64,
 }
 
-/// A run whose remainder is explained.
+/// A run whose remainder is to be explained.
 #[derive(Clone, Copy, Debug)]
 pub struct Remainder<'a> {
     /// Its samples.
     pub poses: &'a RunPoses,
-    /// What is left beside everything else, mm.
+    /// Residual after everything else, mm.
     pub left: &'a [Option<Vector>],
-    /// Runs of one feed have one number.
+    /// Index of the fold: runs of one feed have the same.
     pub fold: usize,
 }
 
-/// What was found.
+/// Result.
 #[derive(Clone, Debug, Default)]
 pub struct Compliances {
-    /// In the order in which they were added.
+    /// In the order of their addition.
     pub all: Vec<Compliance>,
-    /// RMS of what is left of every fold, averaged as accelerations are, mm: as it is, and where it is predicted from the other folds.
+    /// RMS residual of every fold, averaged as accelerations are, mm: without compliances, and as predicted from the other folds.
     pub held_out: Vec<[f64; 2]>,
 }
 
@@ -66,11 +66,11 @@ struct Products {
     /// Of the columns with each other; the remainder is the last one.
     matrix: DMatrix<f64>,
     readings: f64,
-    /// By how much less its readings tell because neighbours are alike.
+    /// Effective sample size reduction due to autocorrelation.
     alike: f64,
 }
 
-/// Finds compliances.
+/// Determines compliances.
 #[must_use]
 pub fn compliances(model: &Model, axes: &[Axis], tool_mm: &Vector, runs: &[Remainder<'_>]) -> Compliances {
     let moving = axes.iter().copied().filter(|&axis| runs.iter().any(|run| run.poses.accelerate(axis)));
@@ -97,7 +97,7 @@ pub fn compliances(model: &Model, axes: &[Axis], tool_mm: &Vector, runs: &[Remai
             (gain > if far { FARFETCHED_GAIN } else { LEAST_GAIN }).then_some((candidate, left, gain, far))
         };
         let mut better: Vec<_> = (0..candidates.len()).filter(|k| !chosen.contains(k)).filter_map(with).collect();
-        // What is usual first, as long as it explains nearly as much.
+        // The usual candidate has priority if it explains almost as much.
         better.sort_by(|a, b| b.2.total_cmp(&a.2));
         let most = better.first().map_or(0.0, |best| best.2);
         let usual = better.iter().position(|one| !one.3 && one.2 > 0.9 * most).unwrap_or(0);
@@ -106,7 +106,7 @@ pub fn compliances(model: &Model, axes: &[Axis], tool_mm: &Vector, runs: &[Remai
         gains.push(1.0 - (left / now).sqrt());
         now = left;
     }
-    // What another one explains as well, or noise makes, goes again.
+    // Candidates that are redundant or due to noise are removed again.
     loop {
         let Some((values, errors)) = search.solve(&chosen, None) else { return Compliances::default() };
         let weakest = (0..chosen.len())
@@ -127,14 +127,14 @@ pub fn compliances(model: &Model, axes: &[Axis], tool_mm: &Vector, runs: &[Remai
     }
 }
 
-/// What an acceleration of 1 (or a jerk) of a candidate's axis does at a sample, times the rate there, mm.
+/// Effect of a unit acceleration (or jerk) of a candidate's axis at a sample, times the rate there, mm.
 fn effect(model: &Model, (name, order): (ErrorName, u8), tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {
     let rates = if order == 2 { &poses.acceleration } else { &poses.jerk };
     let rate = name.axis().map_or(0.0, |axis| rates[number][axis]);
     poses.effect(model, name, tool_mm, number) * rate
 }
 
-/// What compliances do at a sample, mm; as means over the reach of the poses.
+/// Effect of compliances at a sample, mm; averaged over the reach of the poses.
 #[must_use]
 pub fn deflection(model: &Model, all: &[Compliance], tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {
     all.iter().map(|one| effect(model, (one.name, one.order), tool_mm, poses, number) * one.value).sum()
@@ -164,7 +164,7 @@ fn products(model: &Model, candidates: &[(ErrorName, u8)], tool_mm: &Vector, run
                 rows[(column, place)] = effect(model, candidate, tool_mm, poses, number)[direction];
             }
         }
-        // A run has a thermal offset of its own.
+        // A run has its own thermal offset.
         for mut row in rows.row_iter_mut() {
             let mean = row.mean();
             row.add_scalar_mut(-mean);
@@ -177,13 +177,13 @@ fn products(model: &Model, candidates: &[(ErrorName, u8)], tool_mm: &Vector, run
 
 struct Search<'a> {
     products: &'a [Products],
-    /// Where the remainder stands.
+    /// Index of the remainder.
     last: usize,
     folds: usize,
 }
 
 impl Search<'_> {
-    /// Amounts and standard uncertainties, from all runs but those of a fold.
+    /// Amounts and standard uncertainties, from all runs except those of a fold.
     fn solve(&self, chosen: &[usize], without: Option<usize>) -> Option<(DVector<f64>, DVector<f64>)> {
         let count = chosen.len();
         let mut normal = DMatrix::<f64>::zeros(count, count);
@@ -200,7 +200,7 @@ impl Search<'_> {
             readings += own.readings;
             alike = alike.max(own.alike);
         }
-        // Columns of unit length: accelerations and angles have very different ones.
+        // Columns of unit length: accelerations and angles have very different scales.
         let scale = DVector::from_fn(count, |k, _| normal[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip());
         let scaled = DMatrix::from_fn(count, count, |a, b| normal[(a, b)] * scale[a] * scale[b]);
         let inverse = scaled.cholesky()?.inverse();
@@ -211,7 +211,7 @@ impl Search<'_> {
         values.iter().all(|value| value.is_finite()).then_some((values, errors))
     }
 
-    /// Sums of squares that are left of every fold where it is predicted from the others.
+    /// Residual sums of squares of every fold, predicted from the others.
     fn left_out(&self, chosen: &[usize]) -> Option<Vec<f64>> {
         (0..self.folds)
             .map(|fold| {

@@ -1,13 +1,13 @@
-//! The contouring error: how far the tool is from its path, not from where it should be on the path at that instant.
+//! The contouring error: distance of the tool from its path, not from its target position at that instant.
 //!
-//! Along the path a lag does no harm; what counts is the distance at right angles (Andolfatto, Lavernhe and Mayer 2011, section 3.2 and Fig. 4, after Sencer,
-//! Altintas and Croft 2009). In the workpiece frame, from the tip by the encoders to the nearest point of the path that the set-points make of
-//! the tip. The search goes over the neighbouring part of the path only: a path may come back to a place.
+//! A lag along the path does no harm; the relevant quantity is the distance at right angles (Andolfatto, Lavernhe and Mayer 2011, section 3.2 and
+//! Fig. 4, after Sencer, Altintas and Croft 2009). It is measured in the workpiece frame, from the tip by the encoders to the nearest point of the
+//! set-point path of the tip. The search covers only the neighbouring part of the path, as a path may return to a position.
 
 use ncfix_base::geometry::Vector;
 
-/// The shortest vector from a path to a point: `path` are the points of the path by instants, `number` is that of the point, and the search goes over
-/// `window` instants to both sides.
+/// The shortest vector from a path to a point: `path` are the path points by instants, `number` is the instant of the point, and the search covers
+/// `window` instants on both sides.
 #[must_use]
 pub fn from_path(path: &[Vector], point: &Vector, number: usize, window: usize) -> Vector {
     let first = number.saturating_sub(window);
@@ -37,7 +37,7 @@ mod tests {
         assert!(from_path(&path, &Vector::new(46.5, 0.0, 0.0), 50, 10).norm() < 1e-12);
         let off = from_path(&path, &Vector::new(46.5, 0.25, -0.5), 50, 10);
         assert!((off - Vector::new(0.0, 0.25, -0.5)).norm() < 1e-12);
-        // Too far back for the window: from its end.
+        // Outside the window: from its end.
         let behind = from_path(&path, &Vector::new(30.0, 0.0, 0.0), 50, 10);
         assert!((behind - Vector::new(-10.0, 0.0, 0.0)).norm() < 1e-12);
     }

@@ -1,4 +1,4 @@
-//! The signals of a run at the equal steps of its control.
+//! The signals of a run at equidistant steps of its control.
 
 use crate::measure::trace::TraceRun;
 use ncfix_base::geometry::{Axis, AxisVector};
@@ -6,32 +6,32 @@ use ncfix_base::geometry::{Axis, AxisVector};
 use super::servo::AxisSignals;
 use super::signal::{Signal, even};
 
-/// No control is faster: a step below it is that of an instrument whose table was filled up between the cycles, s.
+/// Minimum step, s, faster than any control: a smaller one is that of an instrument whose table was filled between the cycles.
 const FASTEST_S: f64 = 5e-4;
-/// Second differences below this share of the largest one are none.
+/// Relative second difference that counts as zero.
 const STRAIGHT: f64 = 1e-3;
-/// How much longer than the usual one a step may be; a gap is filled by a curve.
+/// Longest step relative to the usual one; larger gaps are filled by a curve.
 const GAP: f64 = 1.5;
 
-/// A run at equal steps.
+/// A run at equidistant steps.
 #[derive(Clone, Debug)]
 pub struct RunGrid {
     /// The cycle of the control, s.
     pub step_s: f64,
-    /// When the first sample was taken, by the clock of the control, s.
+    /// Time of the first sample, by the clock of the control, s.
     pub start_s: f64,
-    /// Samples.
+    /// Number of samples.
     pub count: usize,
-    /// Set-points and encoders by axis of the machine.
+    /// Set-points and encoder positions by axis of the machine.
     pub axes: Vec<(Axis, AxisSignals)>,
-    /// Readings along F's directions by the clock of the instrument, mm; empty where there are none.
+    /// Readings along F's directions by the clock of the instrument, mm; empty if there are none.
     pub readings: Vec<Signal>,
-    /// RMS of single readings about these, mm: the noise of the instrument and what is too fast for the control.
+    /// RMS of single readings about these, mm: the noise of the instrument and motion too fast for the control.
     pub fast_mm: [f64; 3],
 }
 
 impl RunGrid {
-    /// Brings a run to equal steps.
+    /// Resamples a run at equidistant steps.
     #[must_use]
     pub fn new(run: &TraceRun, axes: &[Axis]) -> RunGrid {
         let control = &run.control;
@@ -68,7 +68,7 @@ impl RunGrid {
         out
     }
 
-    /// Encoders of a sample, mm and rad.
+    /// Encoder positions of a sample, mm and rad.
     #[must_use]
     pub fn encoder(&self, number: usize) -> AxisVector {
         let mut out = AxisVector::ZERO;
@@ -83,7 +83,7 @@ impl RunGrid {
     }
 }
 
-/// The samples that a control took, where a table has been filled up with straight lines between them: all others where set-points bend.
+/// The true samples of a control in a table filled by linear interpolation: those at which set-points bend.
 fn cycles(times: &[f64], set: &[AxisVector], axes: &[Axis]) -> Vec<usize> {
     let count = times.len();
     let bends: Vec<f64> = (1..count.saturating_sub(1))
@@ -102,7 +102,7 @@ fn cycles(times: &[f64], set: &[AxisVector], axes: &[Axis]) -> Vec<usize> {
     }
 }
 
-/// Whether samples were taken at equal steps.
+/// `true` if samples are equidistant.
 fn is_even(times: &[f64], start_s: f64, step_s: f64) -> bool {
     times.iter().enumerate().all(|(k, t)| (t - start_s - step_s * k as f64).abs() < 0.02 * step_s)
 }
@@ -117,7 +117,7 @@ fn median_step(times: &[f64]) -> f64 {
     steps.get(steps.len() / 2).copied().unwrap_or(FASTEST_S)
 }
 
-/// Readings at three times the rate of the control, and what is left of single ones.
+/// Readings at three times the rate of the control, and the residuals of single ones.
 fn readings(run: &TraceRun, step_s: f64) -> (Vec<Signal>, [f64; 3]) {
     let times = &run.readings.t_s;
     let (Some(&start), Some(&end)) = (times.first(), times.last()) else { return (Vec::new(), [0.0; 3]) };
@@ -127,7 +127,7 @@ fn readings(run: &TraceRun, step_s: f64) -> (Vec<Signal>, [f64; 3]) {
         .map(|k| {
             let values: Vec<f64> = run.readings.along.iter().map(|along| along[k]).collect();
             if is_even(times, start, fine) {
-                // Any curve through them would bend what changes from one to the next.
+                // A curve through them would distort changes between successive ones.
                 return Signal { start_s: start, step_s: fine, values };
             }
             even(times, &values, start, fine, count, step_s)

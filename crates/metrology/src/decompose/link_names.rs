@@ -1,4 +1,4 @@
-//! The link errors that a decomposition looks for, as a person names them.
+//! Names of the link errors that a decomposition estimates.
 
 use std::fmt;
 
@@ -6,14 +6,14 @@ use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ParameterName;
 
-/// Why a list names no link errors of a machine.
+/// Reason why a list does not name link errors of a machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoLinks {
-    /// A word is no parameter.
+    /// A word is not a parameter.
     NoParameter(String),
     /// The machine, of this name, has no such axis.
     NoAxis(String, String, Axis),
-    /// A word is there twice.
+    /// A word is repeated.
     Twice(String),
 }
 
@@ -31,10 +31,10 @@ impl fmt::Display for NoLinks {
 
 impl std::error::Error for NoLinks {}
 
-/// The parameters of a list with commas between.
+/// The parameters of a comma-separated list.
 ///
 /// # Errors
-/// Where a word is no parameter of the machine, or is there twice.
+/// An error if a word is not a parameter of the machine, or is repeated.
 pub fn links(list: &str, machine: &Machine) -> Result<Vec<ParameterName>, NoLinks> {
     let mut links = Vec::new();
     for word in list.split(',').map(str::trim) {

@@ -1,4 +1,4 @@
-//! A trace as a measurement for calibration and diagnosis: brought to one clock, at the positions that the encoders say.
+//! A trace as a measurement for calibration and diagnosis: on a common clock, at the encoder positions.
 
 use crate::measure::data::{DataSet, Driver, Free, Observation, Setup};
 use crate::measure::kind;
@@ -16,17 +16,18 @@ use super::together::{Synchronous, synchronous};
 /// The column of the feed.
 const FEED: &str = "feed_mm_min";
 
-/// What the readings of a trace are.
+/// Content of the readings of a trace.
 #[derive(Clone, Copy, Debug)]
 pub enum Of<'a> {
-    /// The tool from the point that the encoders say: what a calibration explains.
+    /// The displacement of the tool from the encoder position, which a calibration explains.
     Everything,
-    /// The same without links, motion errors, drift and set-up as they fit this path beside those of a model: one path cannot tell these apart, and what goes
+    /// As [`Of::Everything`], minus fitted links, motion errors, drift and set-up in addition to a model: one path does not separate these, and the
+    /// speed-dependent part remains.
     /// with speed stands out.
     Speed(&'a ErrorModel),
 }
 
-/// Makes it: readings are averaged as the accelerations beside them are, one for each time over which these are means.
+/// Creates it: readings are averaged as the accelerations are, with one reading per averaging time.
 ///
 /// # Errors
 /// [`Fault`].
@@ -104,7 +105,7 @@ pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -
     })
 }
 
-/// Notes in which sense axes moved; the noise of an encoder is no motion.
+/// Records directions of motion; encoder noise does not count as motion.
 fn note_motion(state: &mut State, axes: &[Axis], before: &AxisVector, now: &AxisVector) {
     for &axis in axes {
         let step = now[axis] - before[axis];

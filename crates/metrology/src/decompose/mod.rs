@@ -1,9 +1,9 @@
-//! Where the error comes from at speed: contouring, link errors, motion errors, thermal drift, dynamics.
+//! Sources of the error at speed: contouring, link errors, motion errors, thermal drift, dynamics.
 //!
-//! After Andolfatto, Lavernhe and Mayer, "Evaluation of servo, geometric and dynamic error sources on five-axis high-speed machine tool", International
-//! Journal of Machine Tools and Manufacture 51 (2011) 787–796. The tool is measured from a ball on the table while the machine runs over one path at
-//! several feeds; set-points and encoders are recorded beside it. With χ what is measured, χnom and χenc what a machine without errors would have at the
-//! set-points and at the encoders (all along F's directions, by sample),
+//! After Andolfatto, Lavernhe and Mayer, "Evaluation of servo, geometric and dynamic error sources on five-axis high-speed machine tool",
+//! International Journal of Machine Tools and Manufacture 51 (2011) 787–796. The tool is measured relative to a ball on the table while the machine
+//! runs over one path at several feeds; set-points and encoders are recorded in parallel. χ is the measured displacement; χnom and χenc are those of
+//! an error-free machine at the set-points and at the encoder positions (all along F's directions, by sample). Then
 //!
 //! ```text
 //! χ − χnom = δc + δl + δm + δtd + δd
@@ -14,9 +14,9 @@
 //! δd  = what is left                              dynamics                               eq. 20
 //! ```
 //!
-//! Beyond the paper: the delays of the records are found together with the lags of the loops ([`servo`]) and with smooth errors ([`clock`]);
-//! the contouring error proper stands beside the difference of the axes ([`contour`]); the dynamic part is explained by what gives way under
-//! the acceleration of which axis ([`compliance`]), and what that explains of the slowest run does not count as a motion error.
+//! Beyond the paper, the delays of the recordings are estimated together with the lags of the loops ([`servo`]) and with smooth errors ([`clock`]).
+//! The true contouring error is given in addition to the difference of the axes ([`contour`]). The dynamic part is explained by compliances under the
+//! acceleration of axes ([`compliance`]), and their part in the slowest run does not count as a motion error.
 //!
 //! ```text
 //! Trace ─▶ grid (equal steps) ─▶ servo (delay, loops) ─▶ poses ─▶ clock (delay) ─▶ links, motion ─▶ compliance ─▶ shares

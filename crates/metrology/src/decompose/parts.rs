@@ -1,4 +1,4 @@
-//! The whole division of a trace into its sources.
+//! The complete decomposition of a trace into its sources.
 
 use std::fmt;
 
@@ -21,40 +21,40 @@ use super::servo::ServoErrors;
 use super::shares::{SourceShares, shares};
 use super::together::{Synchronous, synchronous_telling};
 
-/// How far back and ahead the nearest point of the path is looked for, s.
+/// Search range for the nearest point of the path, forwards and backwards, s.
 const WINDOW_S: f64 = 0.25;
-/// Times that the dynamic part is taken out of the slowest run before its smooth part is fitted again.
+/// Number of iterations that remove the dynamic part from the slowest run before its smooth part is fitted again.
 const ROUNDS: usize = 3;
-/// A run has begun when this share of its path is done.
+/// Path share at which a run has begun.
 const BEGUN: f64 = 1e-6;
-/// Feeds that differ by less are one.
+/// Relative difference of equal feeds.
 const SAME_FEED: f64 = 1e-3;
 
-/// What is wanted.
+/// Options of the decomposition.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// The link errors that are fitted; empty for those that the machine has.
+    /// The fitted link errors; empty for the default of the machine.
     pub links: Vec<ParameterName>,
-    /// How motion errors are described.
+    /// Representation of motion errors.
     pub smooth: Smooth,
-    /// The delay of encoders behind set-points, s, where it is known.
+    /// The delay of encoders relative to set-points, s, if known.
     pub record_delay_s: Option<f64>,
-    /// The delay between instrument and control, s, where it is known.
+    /// The delay between instrument and control, s, if known.
     pub reading_delay_s: Option<f64>,
 }
 
-/// Why a trace cannot be divided.
+/// Reason why a trace cannot be decomposed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fault {
     /// No axis moves.
     Still,
     /// Readings and control do not overlap in time.
     Apart,
-    /// Two runs do not follow one path: their numbers and the lengths of their paths, mm.
+    /// Two runs do not follow one path: their indices and path lengths, mm.
     OtherPath([usize; 2], [f64; 2]),
-    /// The encoders of an axis go another way than its set-points, mm or rad: they are in another unit.
+    /// The encoder travel of an axis differs from that of its set-points, mm or rad: they have another unit.
     Units(Axis, [f64; 2]),
-    /// What the run of this number tells is too little for links and smooth errors.
+    /// The run with this index has too little information for links and smooth errors.
     NotTold(usize),
 }
 
@@ -81,70 +81,71 @@ impl std::error::Error for Fault {}
 /// A run and its sources; by sample, along F's directions, mm.
 #[derive(Clone, Debug)]
 pub struct RunParts {
-    /// Its number in the trace.
+    /// Its index in the trace.
     pub number: usize,
     /// Programmed feed, mm/min.
     pub feed_mm_min: Option<f64>,
-    /// When by the clock of the control, s.
+    /// Time by the clock of the control, s.
     pub t_s: Vec<f64>,
-    /// Share of the path, 0 to 1.
+    /// Relative path position, 0 to 1.
     pub path: Vec<f64>,
-    /// Contouring as the difference of the axes, link, motion, thermal, dynamic; `None` where the instrument did not record.
+    /// Contouring as the difference of the axes, link, motion, thermal, dynamic; `None` if the instrument did not record.
     pub parts: Vec<Option<[Vector; 5]>>,
-    /// Contouring by sample, whether or not the instrument recorded.
+    /// Contouring by sample, with or without instrument recording.
     pub following: Vec<Vector>,
-    /// The contouring error proper, at right angles to the path in the workpiece.
+    /// The true contouring error, at right angles to the path in the workpiece.
     pub contouring: Vec<Vector>,
-    /// What compliances explain of the dynamic part.
+    /// The part of the dynamics explained by compliances.
     pub explained: Vec<Vector>,
-    /// What the machine file knows of links and motion.
+    /// Links and motion errors of the machine file.
     pub known: Vec<Vector>,
-    /// From the first to behind the last sample in which the machine moves.
+    /// Range of the samples in which the machine moves.
     pub moving: std::ops::Range<usize>,
-    /// How much each source makes while it moves.
+    /// Shares of the sources while it moves.
     pub shares: SourceShares,
-    /// Thermal offset against the slowest run.
+    /// Thermal offset relative to the slowest run.
     pub thermal_mm: Vector,
-    /// Length of the path in the workpiece, mm: where it is short the contouring error proper says little.
+    /// Length of the path in the workpiece, mm: on a short path the true contouring error has little meaning.
     pub in_workpiece_mm: f64,
-    /// RMS of single readings about their means over a cycle of the control, mm.
+    /// RMS of single readings about their means over a control cycle, mm.
     pub fast_mm: [f64; 3],
 }
 
-/// A trace and its sources.
+/// A decomposed trace.
 #[derive(Clone, Debug)]
 pub struct Decomposition {
     /// The cycle of the control, s.
     pub cycle_s: f64,
-    /// Delay of the encoders and the loops.
+    /// Delay of the encoders, and the loops.
     pub servo: Option<ServoErrors>,
-    /// Delay of the instrument; `None` where nothing was measured.
+    /// Delay of the instrument; `None` if nothing was measured.
     pub clock: Option<Clock>,
     /// The runs, the slowest first.
     pub runs: Vec<RunParts>,
     /// The link errors.
     pub links: Vec<Link>,
-    /// How motion errors are described.
+    /// Representation of motion errors.
     pub smooth: Smooth,
-    /// What gives way.
+    /// Compliances.
     pub compliances: Vec<super::Compliance>,
-    /// By run: its number in [`Decomposition::held_out_mm`].
+    /// By run: its index in [`Decomposition::held_out_mm`].
     folds: Vec<usize>,
-    /// RMS of the dynamic part of the runs of every feed as it is and as the other runs predict it, mm; averaged as accelerations are.
+    /// RMS of the dynamic part of the runs of every feed, without compliances and with those predicted by the other runs, mm; averaged as
+    /// accelerations are.
     pub held_out_mm: Vec<[f64; 2]>,
-    /// The power law of the RMS along X, Y, Z (mm): of contouring, of dynamics.
+    /// Power laws of the RMS along X, Y, Z (mm): contouring, dynamics.
     pub laws: [[Option<PowerLaw>; 3]; 2],
 }
 
 impl Decomposition {
-    /// The number of a run in [`Decomposition::held_out_mm`]: runs of one feed are left out together.
+    /// The index of a run in [`Decomposition::held_out_mm`]: runs of one feed are held out together.
     #[must_use]
     pub fn fold(&self, run: usize) -> usize {
         self.folds.get(run).copied().unwrap_or(run)
     }
 }
 
-/// Divides a trace into its sources.
+/// Decomposes a trace into its sources.
 ///
 /// # Errors
 /// [`Fault`].
@@ -199,15 +200,15 @@ pub fn decompose(
     })
 }
 
-/// The link errors that a machine has: the eight of five axes, else the squareness of linear axes.
+/// The link errors of a machine: the eight of five axes, otherwise the squareness of linear axes.
 fn default_links(machine: &Machine) -> Vec<ParameterName> {
     preset::location_errors(machine)
 }
 
-/// What the machine file knows of a sample: links, the other errors, dynamics; mm.
+/// Contributions of the machine file at a sample: links, other errors, dynamics; mm.
 type Known = [Vector; 3];
 
-/// The division while it is made.
+/// A decomposition in progress.
 struct Work<'a> {
     machine: &'a Machine,
     errors: &'a ErrorModel,
@@ -232,7 +233,7 @@ impl Work<'_> {
         let slow = self.poses.first().ok_or(Fault::Still)?;
         let basis = Basis::new(self.options.smooth, &self.axes, &slow.encoder);
         for _ in 0..ROUNDS {
-            // What gives way in the slowest run is no motion error.
+            // Compliance in the slowest run is not a motion error.
             let rest = self.minus(0, |work, number| {
                 let known: Vector = work.known[0][number].iter().sum();
                 known + deflection(&work.nominal, &work.found.all, &work.tool_mm, slow, number)
@@ -264,7 +265,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// What is left of a run when something is taken away.
+    /// Residual of a run after subtracting a contribution.
     fn minus(&self, run: usize, what: impl Fn(&Self, usize) -> Vector) -> Vec<Option<Vector>> {
         let each = self.left[run].iter().enumerate();
         each.map(|(number, left)| left.map(|left| left - what(self, number))).collect()
@@ -300,13 +301,13 @@ impl Work<'_> {
         own.unwrap_or_default() + self.known[run][number][1]
     }
 
-    /// Links, motion and what the set-up adds.
+    /// Links, motion and set-up.
     fn quasi_static(&self, run: usize, number: usize) -> Vector {
         let setup = self.quasi.as_ref().map(|(links, _)| links.setup_at(&self.poses[run], number));
         self.of_links(run, number) + self.of_motion(run, number) + setup.unwrap_or_default()
     }
 
-    /// The mean of what quasi-static errors and deflections leave of a run (eq. 18, with the deflections taken out); 0 in the slowest one.
+    /// The mean residual of a run after quasi-static errors and deflections (eq. 18, with the deflections removed); 0 for the slowest one.
     fn thermal(&self, run: usize) -> Vector {
         if run == 0 {
             return Vector::zeros();
@@ -372,7 +373,7 @@ impl Work<'_> {
     }
 }
 
-/// Runs of one feed are left out together.
+/// Runs of one feed are held out together.
 fn folds(feeds: &[Option<f64>]) -> Vec<usize> {
     let mut folds: Vec<usize> = Vec::with_capacity(feeds.len());
     for (run, feed) in feeds.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! What the machine does at the samples of a run: where tool and ball are by set-points and by encoders, what a small error of an axis would do, how the
-//! axes accelerate.
+//! State of the machine at the samples of a run: positions of tool and ball by set-points and by encoders, effect of small axis errors, accelerations
+//! of the axes.
 
 use crate::measure::trace::Trace;
 use ncfix_base::geometry::{Axis, AxisVector, Matrix, Vector};
@@ -9,25 +9,25 @@ use ncfix_model::{ErrorName, Model};
 use super::grid::RunGrid;
 use super::signal::second_difference;
 
-/// Arm by which an angle counts in the length of a path, mm.
+/// Arm for angles in the length of a path, mm.
 const ARM_MM: f64 = 100.0;
 
 /// The samples of a run.
 #[derive(Clone, Debug)]
 pub struct RunPoses {
-    /// By set-points, at the instants of the encoders.
+    /// Set-points, at the instants of the encoders.
     pub set: Vec<AxisVector>,
-    /// By encoders.
+    /// Encoder positions.
     pub encoder: Vec<AxisVector>,
-    /// Accelerations by encoders, mm/s² or rad/s², as means over [`RunPoses::reach`] samples to both sides with falling weights.
+    /// Accelerations from encoders, mm/s² or rad/s², as weighted means over [`RunPoses::reach`] samples on both sides.
     pub acceleration: Vec<AxisVector>,
-    /// The same of jerks, mm/s³ or rad/s³.
+    /// Jerks from encoders, averaged equally, mm/s³ or rad/s³.
     pub jerk: Vec<AxisVector>,
-    /// Over how many samples to each side accelerations are means.
+    /// Number of samples on each side in the averages.
     pub reach: usize,
-    /// The tool from the ball by set-points and by encoders, on a machine without errors, along F's directions, mm.
+    /// Displacement of the tool from the ball by set-points and by encoders, on an error-free machine, along F's directions, mm.
     pub nominal: [Vec<Vector>; 2],
-    /// Share of the path by set-points, 0 to 1.
+    /// Relative path position by set-points, 0 to 1.
     pub share: Vec<f64>,
     /// Length of the path, mm; angles count with an arm of 100 mm.
     pub length_mm: f64,
@@ -36,7 +36,7 @@ pub struct RunPoses {
 }
 
 impl RunPoses {
-    /// Puts a run on the machine, with the delay of the encoders behind the set-points taken out.
+    /// Computes the poses of a run, with the delay of the encoders relative to the set-points removed.
     #[must_use]
     pub fn new(model: &Model, trace: &Trace, tool_mm: &Vector, grid: &RunGrid, delay_s: f64, reach: usize) -> RunPoses {
         let set: Vec<AxisVector> = (0..grid.count).map(|k| grid.set_at(grid.time(k) - delay_s)).collect();
@@ -55,7 +55,7 @@ impl RunPoses {
             model.tool_orientation(command) * model.nominal(command, tool_mm).rotation.transpose()
         };
         let turns: Vec<Matrix> = encoder.iter().map(to_f).collect();
-        // With a ball: the tool from it. Without: from where the tool should be.
+        // With a ball: displacement of the tool from it. Without: from the target position.
         let off = |command: &AxisVector, set: &AxisVector, to_f: &Matrix| {
             let tip = model.nominal(command, tool_mm).translation;
             to_f * (tip - trace.ball_mm.unwrap_or_else(|| model.nominal(set, tool_mm).translation))
@@ -83,20 +83,20 @@ impl RunPoses {
         }
     }
 
-    /// Samples.
+    /// Number of samples.
     #[must_use]
     pub fn count(&self) -> usize {
         self.set.len()
     }
 
-    /// What an error of 1 mm or 1 rad of a component does to the tool at a sample, along F's directions, mm.
+    /// Effect of an error of 1 mm or 1 rad of a component on the tool at a sample, along F's directions, mm.
     #[must_use]
     pub fn effect(&self, model: &Model, name: ErrorName, tool_mm: &Vector, number: usize) -> Vector {
         let command = &self.encoder[number];
         model.tool_orientation(command) * model.sensitivity(name, command, tool_mm).translation
     }
 
-    /// What a model with errors says at a sample: sense of motion and rates are those of the sample, mm.
+    /// Prediction of an error model at a sample, with its direction of motion and rates, mm.
     #[must_use]
     pub fn predicted(&self, model: &Model, tool_mm: &Vector, number: usize, with_rates: bool) -> Vector {
         let mut state = State::default();
@@ -110,7 +110,7 @@ impl RunPoses {
         model.deviation(now, tool_mm, &state).translation
     }
 
-    /// The axes that accelerate at all.
+    /// `true` if an axis accelerates.
     #[must_use]
     pub fn accelerate(&self, axis: Axis) -> bool {
         let most = self.acceleration.iter().map(|all| all[axis].abs()).fold(0.0, f64::max);

@@ -1,12 +1,12 @@
-//! The power law that errors follow with the feed: δ = κ Fᴺ (Andolfatto, Lavernhe and Mayer 2011, eq. 23).
+//! Power law of errors as a function of the feed: δ = κ Fᴺ (Andolfatto, Lavernhe and Mayer 2011, eq. 23).
 //!
-//! A straight line through the logarithms: the errors are proportional rather than additive, as they are over a decade of feeds. The confidence is that of
-//! Student with the readings less two. The programmed feed is not always reached, so that an exponent says something of a path as well as of
-//! a machine.
+//! A straight line through the logarithms: over a decade of feeds errors scale proportionally. The confidence interval is that of Student's
+//! distribution with n − 2 degrees of freedom. The programmed feed is not always reached, so an exponent depends on the path as well as on the
+//! machine.
 
 use ncfix_base::numeric::student;
 
-/// Chance that the true exponent lies outside.
+/// Probability that the true exponent is outside the interval.
 const CHANCE: f64 = 0.05;
 
 /// A power law.
@@ -16,15 +16,15 @@ pub struct PowerLaw {
     pub factor: f64,
     /// N.
     pub exponent: f64,
-    /// Half width of the interval of 95 % of N; infinite with two feeds.
+    /// Half width of the 95 % interval of N; infinite with two feeds.
     pub exponent_limit: f64,
-    /// Share of the variance of the logarithms that it explains, 0 to 1.
+    /// Explained share of the variance of the logarithms, 0 to 1.
     pub explained: f64,
-    /// N where the first feed is left out, whose error is nearest to the noise; `None` below four feeds.
+    /// N without the first feed, whose error is nearest to the noise; `None` below four feeds.
     pub without_first: Option<f64>,
 }
 
-/// The law through pairs of feed (mm/min) and error; `None` with fewer than two of them above zero.
+/// The law through pairs of feed (mm/min) and error; `None` with fewer than two positive ones.
 #[must_use]
 pub fn power_law(pairs: &[(f64, f64)]) -> Option<PowerLaw> {
     let mut logs: Vec<(f64, f64)> =
@@ -70,8 +70,8 @@ mod tests {
 
     #[test]
     fn the_printed_table_has_these_exponents() {
-        // N 0.842, 0.568, 0.925 and κ 8.94e-4, 4.01e-3, 3.05e-4, R² .923, .992, .987 by an independent fit of the logarithms; the paper plots
-        // the lines and does not print them. Without the first feed x has 0.636: its 0.2 is rounded.
+        // N 0.842, 0.568, 0.925 and κ 8.94e-4, 4.01e-3, 3.05e-4, R² .923, .992, .987 from an independent fit of the logarithms; the paper plots the
+        // lines without numbers. Without the first feed x has 0.636: its 0.2 is rounded.
         let expected = [(0.842, 8.94e-4, 0.923), (0.568, 4.01e-3, 0.992), (0.925, 3.05e-4, 0.987)];
         for (direction, (exponent, factor, explained)) in expected.into_iter().enumerate() {
             let pairs = TABLE_4.map(|(feed, values)| (feed, values[direction]));

@@ -1,8 +1,8 @@
-//! What does not depend on the speed: link errors, motion errors, and the set-up of the instrument.
+//! The speed-independent part: link errors, motion errors, and the set-up of the instrument.
 //!
 //! All from the slowest run, which is the reference state (Andolfatto, Lavernhe and Mayer 2011, section 3.3): the link errors by the Jacobian of the
-//! machine's own chain, then smooth functions of what they leave. Along one path a part of the motion errors looks like link errors, and counts as
-//! such: this is a division of what was measured on this path, no calibration of the machine.
+//! machine's own chain, then smooth functions of the residual. Along one path a part of the motion errors resembles link errors, and counts as such:
+//! this decomposes the measurements on this path, and is not a calibration of the machine.
 
 use crate::measure::trace::TraceUnknown;
 use ncfix_base::geometry::{AxisVector, Vector};
@@ -13,40 +13,41 @@ use ncfix_model::{Model, ParameterName};
 use super::basis::Basis;
 use super::poses::RunPoses;
 
-/// Samples that are fitted.
+/// Maximum number of fitted samples.
 const SAMPLES: usize = 8_000;
-/// Smooth functions that differ by less than this along the path are one. Off the path by the lag of an axis, a thousandth of its range, they would else run
+/// Relative singular value below which smooth functions are equal along the path. Otherwise they would diverge off the path, by the lag of an axis, a
+/// thousandth of its range.
 /// away.
 const SMOOTH_LIMIT: f64 = 2e-3;
 
 /// A link error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// Which.
+    /// Its name.
     pub name: ParameterName,
-    /// Beyond what the machine file has, mm or rad.
+    /// Value relative to the machine file, mm or rad.
     pub value: f64,
-    /// Whether this path tells it from the others.
+    /// `true` if this path separates it from the others.
     pub is_told: bool,
 }
 
-/// The part of links and set-up.
+/// The contribution of links and set-up.
 #[derive(Clone, Debug)]
 pub(super) struct Links {
     /// The links.
     pub(super) links: Vec<Link>,
-    /// What is unknown of the set-up, and its three values, mm.
+    /// Unknowns of the set-up, with their three values, mm.
     pub(super) setup: Vec<(TraceUnknown, [f64; 3])>,
 }
 
-/// The smooth part: coefficients along X, Y, Z; the constant first.
+/// The smooth part: coefficients along X, Y, Z; the constant comes first.
 #[derive(Clone, Debug)]
 pub(super) struct SmoothMotion {
     basis: Basis,
     coefficients: [Vec<f64>; 3],
 }
 
-/// Finds the links in what is `left` of a run by sample, mm; `None` for samples without reading.
+/// Estimates the links from the residual `left` of a run by sample, mm; `None` for samples without reading.
 #[must_use]
 pub(super) fn links(
     model: &Model,
@@ -93,13 +94,13 @@ pub(super) fn links(
 }
 
 impl Links {
-    /// What the links do at a sample, mm.
+    /// Contribution of the links at a sample, mm.
     #[must_use]
     pub(super) fn at(&self, model: &Model, tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {
         self.links.iter().map(|link| effect(model, link.name, tool_mm, poses, number) * link.value).sum()
     }
 
-    /// What the set-up adds to a reading, mm.
+    /// Contribution of the set-up to a reading, mm.
     #[must_use]
     pub(super) fn setup_at(&self, poses: &RunPoses, number: usize) -> Vector {
         let all = self.setup.iter().flat_map(|(unknown, values)| (0..3).map(move |k| (*unknown, k, values[k])));
@@ -107,13 +108,13 @@ impl Links {
     }
 }
 
-/// What a link of 1 mm or rad does.
+/// Effect of a link error of 1 mm or rad.
 fn effect(model: &Model, name: ParameterName, tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {
     let weight = name.weight(&poses.encoder[number], &State::default());
     poses.effect(model, name.component, tool_mm, number) * weight
 }
 
-/// What 1 mm of the set-up does.
+/// Effect of 1 mm of a set-up unknown.
 fn of_setup(unknown: TraceUnknown, along: usize, poses: &RunPoses, number: usize) -> Vector {
     match unknown {
         TraceUnknown::Offset => Vector::ith(along, 1.0),
@@ -121,7 +122,7 @@ fn of_setup(unknown: TraceUnknown, along: usize, poses: &RunPoses, number: usize
     }
 }
 
-/// Fits smooth functions to what is `left` of a run.
+/// Fits smooth functions to the residual `left` of a run.
 #[must_use]
 pub(super) fn motion(basis: Basis, poses: &RunPoses, left: &[Option<Vector>]) -> Option<SmoothMotion> {
     let every = poses.count().div_ceil(SAMPLES).max(1);
@@ -143,7 +144,7 @@ pub(super) fn motion(basis: Basis, poses: &RunPoses, left: &[Option<Vector>]) ->
 }
 
 impl SmoothMotion {
-    /// Its value at a pose and a share of the path, mm.
+    /// Its value at a pose and a relative path position, mm.
     #[must_use]
     pub(super) fn at(&self, position: &AxisVector, share: f64) -> Vector {
         let mut row = vec![1.0];

@@ -1,39 +1,39 @@
-//! What lies between set-points and encoders: the delay of the recorder and the lag of the servo loops.
+//! Differences between set-points and encoders: the delay of the recorder and the lag of the servo loops.
 //!
-//! A recorder that notes encoders later than set-points delays all axes alike, whatever the feed; a position loop with velocity gain K and
-//! velocity feed-forward f follows with
+//! A recorder that samples encoders later than set-points delays all axes equally, at any feed; a position loop with velocity gain K and velocity
+//! feed-forward f follows with
 //!
 //! ```text
 //! x' = K (s − x) + f s'        s − x = (1 − f) z,   z' = s' − K z
 //! ```
 //!
-//! which at constant velocity is a delay of (1 − f)/K, but not where the axis accelerates: z takes 1/K to follow. Both together are fitted to what
-//! the encoders say, x(t) = s(t − d) − (1 − f) z(t − d), with one d for all axes and runs. For a given d and K the share 1 − f is a straight
-//! line, so that only two numbers are searched.
+//! At constant velocity this is a delay of (1 − f)/K, but not under acceleration: z needs 1/K to follow. Both are fitted together to the encoder
+//! positions, x(t) = s(t − d) − (1 − f) z(t − d), with one d for all axes and runs. For given d and K the share 1 − f is linear, so that only two
+//! numbers are searched.
 //!
-//! Andolfatto, Lavernhe and Mayer 2011, section 3.2, take the shift that fits best as that of their recorder (18 ms at all feeds). It is found here as
-//! well, axis by axis and run by run ([`AxisServoErrors::shift_s`]): it holds the lag too.
+//! Andolfatto, Lavernhe and Mayer 2011, section 3.2, use the best fitting shift as that of their recorder (18 ms at all feeds). It is determined here
+//! too, by axis and run ([`AxisServoErrors::shift_s`]): it includes the lag.
 
 use ncfix_base::geometry::Axis;
 use ncfix_base::numeric::{in_parts, peak};
 
 use super::signal::{Signal, inflation};
 
-/// Delays that are looked for, s.
+/// Largest searched delay, s.
 const MOST_S: f64 = 0.25;
 /// Time constants 1/K, s: 300 m/min/mm to 0.1 m/min/mm.
 const TIMES_S: [f64; 2] = [2e-4, 0.6];
-/// An axis that moves less does not tell how it follows, mm or rad.
+/// Minimum travel of an axis for determining its loop, mm or rad.
 const STILL: f64 = 1e-3;
-/// A lag that is this share of the noise at its largest is none.
+/// Minimum lag relative to the noise.
 const LEAST_LAG: f64 = 2.0;
-/// Samples of a run that are compared in the search: a long one has more than are needed.
+/// Maximum number of samples of a run in the search.
 const ENOUGH: usize = 10_000;
-/// Steps of searches.
+/// Maximum number of search steps.
 const STEPS: usize = 60;
-/// Delays are found to this, s.
+/// Convergence limit of delays, s.
 const CLOSE_S: f64 = 1e-7;
-/// How much further than the smallest shift the delay may be: noise, feed-forward that overshoots, s.
+/// Tolerance by which the delay may exceed the smallest shift, s: noise, overcompensating feed-forward.
 const OVER_S: f64 = 2e-3;
 
 /// The signals of an axis in a run.
@@ -41,7 +41,7 @@ const OVER_S: f64 = 2e-3;
 pub struct AxisSignals {
     /// Set-points.
     pub set: Signal,
-    /// By the encoder; the same times.
+    /// Encoder positions at the same times.
     pub encoder: Signal,
 }
 
@@ -50,13 +50,13 @@ pub struct AxisSignals {
 pub struct AxisServoErrors {
     /// The axis.
     pub axis: Axis,
-    /// By how much set-points must be shifted to fit the encoder best, with its standard uncertainty, s, by run; NaN where it stands.
+    /// Shift of the set-points that fits the encoder best, with its standard uncertainty, s, by run; NaN if the axis does not move.
     pub shift_s: Vec<(f64, f64)>,
-    /// K, 1/s; `None` where no lag is seen.
+    /// K, 1/s; `None` without a visible lag.
     pub velocity_gain: Option<f64>,
-    /// f; 1 where no lag is seen.
+    /// f; 1 without a visible lag.
     pub feed_forward: f64,
-    /// RMS of what is left, mm or rad.
+    /// RMS residual, mm or rad.
     pub rms: f64,
 }
 
@@ -71,15 +71,15 @@ impl AxisServoErrors {
 /// All loops.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ServoErrors {
-    /// Delay of the record of the encoders behind that of the set-points, s.
+    /// Delay of the encoder recording relative to the set-points, s.
     pub delay_s: f64,
     /// Its standard uncertainty, s.
     pub uncertainty_s: f64,
-    /// The axes that move.
+    /// The moving axes.
     pub axes: Vec<AxisServoErrors>,
 }
 
-/// What an axis does at one delay.
+/// Fit of an axis at one delay.
 #[derive(Clone, Copy, Debug)]
 struct Follows {
     squares: f64,
@@ -88,7 +88,7 @@ struct Follows {
     share: f64,
 }
 
-/// Finds delay and loops; `runs` are the pairs of each axis. `None` where no axis moves.
+/// Estimates delay and loops; `runs` are the pairs of each axis. `None` if no axis moves.
 #[must_use]
 pub fn servo(axes: &[(Axis, Vec<AxisSignals>)]) -> Option<ServoErrors> {
     let moving: Vec<&(Axis, Vec<AxisSignals>)> =
@@ -101,7 +101,7 @@ pub fn servo(axes: &[(Axis, Vec<AxisSignals>)]) -> Option<ServoErrors> {
     let counts: Vec<f64> =
         moving.iter().map(|(_, runs)| runs.iter().map(|pair| pair.set.values.len() as f64).sum()).collect();
     let likely = |delay: f64| -> f64 {
-        // Twice the logarithm of the likelihood, with the noise of each axis as it is.
+        // Twice the log-likelihood, with the actual noise of each axis.
         -at(delay)
             .iter()
             .zip(&counts)
@@ -109,7 +109,7 @@ pub fn servo(axes: &[(Axis, Vec<AxisSignals>)]) -> Option<ServoErrors> {
             .sum::<f64>()
     };
     let (low, high) = (smallest - MOST_S.min(0.1), smallest + OVER_S);
-    // Coarse first: a long delay and a slow loop look alike from afar.
+    // Coarse search first: a long delay and a slow loop are similar at a distance.
     let coarse = (0..=20).map(|k| low + (high - low) * f64::from(k) / 20.0);
     let (best, _) = coarse.map(|delay| (delay, likely(delay))).max_by(|a, b| a.1.total_cmp(&b.1))?;
     let step = (high - low) / 20.0;
@@ -174,13 +174,13 @@ fn shift(pair: &AxisSignals) -> (f64, f64) {
     (best, error)
 }
 
-/// Encoder less shifted set-points.
+/// Encoder minus shifted set-points.
 fn left(pair: &AxisSignals, shift: f64) -> Vec<f64> {
     let each = pair.encoder.values.iter().enumerate();
     each.map(|(k, value)| value - pair.set.at(pair.encoder.time(k) - shift)).collect()
 }
 
-/// z of [the module](self): what a loop without feed-forward lags behind, exactly for set-points that are straight between samples.
+/// z of [the module](self): the lag of a loop without feed-forward, exact for set-points that are linear between samples.
 fn lag(set: &Signal, time_s: f64) -> Vec<f64> {
     let fade = (-set.step_s / time_s).exp();
     let mut z = 0.0;
@@ -202,7 +202,7 @@ fn follows(runs: &[AxisSignals], delay: f64) -> Follows {
             let z = Signal { values: lag(&pair.set, time_s), ..pair.set };
             let every = left.len().div_ceil(ENOUGH).max(1);
             for (k, value) in left.iter().enumerate().step_by(every) {
-                // Each stands for those that are left out.
+                // Each sample represents the skipped ones.
                 let weight = every as f64;
                 let z = z.at(pair.encoder.time(k) - delay);
                 zz += weight * z * z;
@@ -210,7 +210,7 @@ fn follows(runs: &[AxisSignals], delay: f64) -> Follows {
                 ll += weight * value * value;
             }
         }
-        // From far ahead to no feed-forward at all.
+        // From far overcompensated to no feed-forward.
         let share = if zz > 0.0 { (zl / zz).clamp(-0.5, 1.0) } else { 0.0 };
         Follows { squares: (ll - 2.0 * share * zl + share * share * zz).max(0.0), time_s, share }
     };
@@ -223,7 +223,7 @@ fn follows(runs: &[AxisSignals], delay: f64) -> Follows {
     with(log)
 }
 
-/// From how sharp the likelihood is about the best delay, and how much neighbours of what is left are alike.
+/// From the curvature of the likelihood at the best delay, and the autocorrelation of the residuals.
 fn uncertainty(moving: &[&(Axis, Vec<AxisSignals>)], delay: f64, likely: &dyn Fn(f64) -> f64) -> f64 {
     let step = 2e-4;
     let bend = 2.0 * likely(delay) - likely(delay - step) - likely(delay + step);

@@ -1,4 +1,4 @@
-//! How much each source makes: shares, maxima and RMS (Andolfatto, Lavernhe and Mayer 2011, Tables 1 to 4).
+//! Shares of the sources: percentages, maxima and RMS (Andolfatto, Lavernhe and Mayer 2011, Tables 1 to 4).
 
 use ncfix_base::geometry::Vector;
 
@@ -8,7 +8,7 @@ pub const SOURCES: [&str; 5] = ["contouring", "link", "motion", "thermal", "dyna
 /// The sources of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SourceShares {
-    /// Mean share of the sum of the norms, % (eq. 21); NaN where nothing was measured.
+    /// Mean share of the sum of the norms, % (eq. 21); NaN if nothing was measured.
     pub percent: [f64; 5],
     /// Largest magnitude along X, Y, Z, mm (eq. 22).
     pub max_mm: [[f64; 3]; 5],
@@ -16,7 +16,7 @@ pub struct SourceShares {
     pub rms_mm: [[f64; 3]; 5],
 }
 
-/// Adds up what the sources do at every sample.
+/// Accumulates the contributions of the sources over all samples.
 #[must_use]
 pub(super) fn shares(samples: impl Iterator<Item = [Vector; 5]>) -> SourceShares {
     let mut out = SourceShares::default();
@@ -25,7 +25,7 @@ pub(super) fn shares(samples: impl Iterator<Item = [Vector; 5]>) -> SourceShares
         let norms = parts.map(|part| part.norm());
         let whole: f64 = norms.iter().sum();
         for (source, part) in parts.iter().enumerate() {
-            // Where all are zero none has a share.
+            // If all are zero, none has a share.
             out.percent[source] += if whole > 0.0 { 100.0 * norms[source] / whole } else { 0.0 };
             for k in 0..3 {
                 out.max_mm[source][k] = out.max_mm[source][k].max(part[k].abs());

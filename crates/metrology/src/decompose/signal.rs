@@ -1,6 +1,6 @@
-//! Signals at equal steps of time: values between samples, readings at the instants of others, second differences.
+//! Equidistant time signals: interpolation, readings at other instants, second differences.
 
-/// Values at equal steps.
+/// Equidistant values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Signal {
     /// Time of the first one, s.
@@ -12,10 +12,10 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// The value at a time by the cubic through the four samples around it; the first and last ones beyond the ends.
+    /// The value at a time by the cubic through the four surrounding samples; constant beyond the ends.
     ///
-    /// Its slope at a sample is half the difference of the neighbours (Catmull and Rom 1974), so that it has no kinks. What it is off by is of the
-    /// fourth order of the step.
+    /// Its slope at a sample is half the difference of the neighbours (Catmull and Rom 1974), so that it has no kinks. Its error is of the fourth
+    /// order of the step.
     #[must_use]
     pub fn at(&self, t_s: f64) -> f64 {
         let [before, low, high, behind, share] = self.around(t_s);
@@ -33,13 +33,13 @@ impl Signal {
         0.5 * (rise + share * (2.0 * bend + 3.0 * share * twist)) / self.step_s
     }
 
-    /// Four samples and the share of the step between the middle ones.
+    /// Indices of four samples and the fraction of the step between the middle ones.
     fn around(&self, t_s: f64) -> [f64; 5] {
         let last = self.values.len().saturating_sub(1);
         let place = ((t_s - self.start_s) / self.step_s).clamp(0.0, last as f64);
         let low = (place.floor() as usize).min(last.saturating_sub(1));
         let at = |k: usize| self.values.get(k.min(last)).copied().unwrap_or(0.0);
-        // Beyond the ends a machine stands.
+        // Beyond the ends the machine is at rest.
         [at(low.saturating_sub(1)), at(low), at(low + 1), at(low + 2), place - low as f64]
     }
 
@@ -49,15 +49,15 @@ impl Signal {
         self.start_s + self.step_s * number as f64
     }
 
-    /// How long it is, s.
+    /// Duration, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.step_s * self.values.len().saturating_sub(1) as f64
     }
 }
 
-/// Samples at any increasing times, brought to equal steps: quadratics fitted to those within half a `window_s` of each instant, or through the
-/// nearest three where they are sparse. A parabola leaves what is of the fourth order, and averages noise.
+/// Resamples samples at any increasing times to equal steps, by quadratics fitted to those within half a `window_s` of each instant, or through the
+/// nearest three if they are sparse. A parabola has a fourth-order error, and averages noise.
 #[must_use]
 pub fn even(t_s: &[f64], values: &[f64], start_s: f64, step_s: f64, count: usize, window_s: f64) -> Signal {
     let mut out = Vec::with_capacity(count);
@@ -73,7 +73,7 @@ pub fn even(t_s: &[f64], values: &[f64], start_s: f64, step_s: f64, count: usize
         }
         let (mut low, mut high) = (first, last);
         if high - low < 5 {
-            // Sparse samples: as many before it as behind, or what bends further would look earlier or later than it was.
+            // Sparse samples: equally many before and after, or higher-order terms would be shifted in time.
             let middle = t_s.partition_point(|&t| t < at);
             let away = |k: usize| t_s.get(k).map_or(f64::INFINITY, |&t| (t - at).abs());
             let nearest = if middle > 0 && away(middle - 1) < away(middle) { middle - 1 } else { middle };
@@ -89,7 +89,7 @@ pub fn even(t_s: &[f64], values: &[f64], start_s: f64, step_s: f64, count: usize
     Signal { start_s, step_s, values: out }
 }
 
-/// The value at an instant of the parabola that fits samples best.
+/// The value of the best-fitting parabola at an instant.
 fn parabola(t_s: &[f64], values: &[f64], at: f64, unit: f64) -> f64 {
     let mut sums = [0.0; 5];
     let mut products = [0.0; 3];
@@ -114,7 +114,7 @@ fn parabola(t_s: &[f64], values: &[f64], at: f64, unit: f64) -> f64 {
     (p0 * minor(s2, s3, s3, s4) - s1 * minor(p1, s3, p2, s4) + s2 * minor(p1, s2, p2, s3)) / determinant
 }
 
-/// Second differences over `reach` samples to both sides, by time squared; 0 at the ends. It is the mean of the second derivative with the
+/// Second differences over `reach` samples on both sides, divided by time squared; 0 at the ends. It is the mean of the second derivative with the
 /// weights of [`triangle`].
 #[must_use]
 pub fn second_difference(values: &[f64], reach: usize, step_s: f64) -> Vec<f64> {
@@ -128,7 +128,7 @@ pub fn second_difference(values: &[f64], reach: usize, step_s: f64) -> Vec<f64> 
         .collect()
 }
 
-/// Means with weights that fall linearly to zero `reach` samples away; as far as there are samples.
+/// Means with weights that decrease linearly to zero at `reach` samples, as far as samples exist.
 #[must_use]
 pub fn triangle(values: &[f64], reach: usize) -> Vec<f64> {
     let at = |k: Option<usize>| k.and_then(|k| values.get(k)).copied();
@@ -147,12 +147,12 @@ pub fn triangle(values: &[f64], reach: usize) -> Vec<f64> {
         .collect()
 }
 
-/// By how much less neighbours tell than independent values: 1 + 2 Σ ρ, over as many neighbours as are alike; at least 1.
+/// Variance inflation by autocorrelation: 1 + 2 Σ ρ, up to the last correlated neighbour; at least 1.
 #[must_use]
 pub fn inflation(values: &[f64]) -> f64 {
-    /// Neighbours beyond this many are not looked at.
+    /// Maximum number of neighbours.
     const MOST: usize = 2000;
-    /// Values beyond this many say nothing new of how alike neighbours are.
+    /// Maximum number of values for estimating the autocorrelation.
     const ENOUGH: usize = 20_000;
     let values = values.get(..ENOUGH).unwrap_or(values);
     let count = values.len().max(1) as f64;
@@ -167,7 +167,7 @@ pub fn inflation(values: &[f64]) -> f64 {
     let mut sum = 1.0;
     for lag in 1..values.len().min(MOST) {
         let share = along(lag) / whole;
-        // From where they are alike by chance only.
+        // Beyond this, correlations are due to chance.
         if share < 0.05 {
             break;
         }
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn sparse_samples_of_a_cubic_are_not_shifted_in_time() {
-        // About its middle a cubic is odd beside a parabola: what is symmetric does not see it.
+        // About its middle a cubic is odd relative to a parabola, and does not affect a symmetric fit.
         let times: Vec<f64> = (0..60).map(f64::from).collect();
         let cubic = |t: f64| 2.0 - t + 0.5 * t * t + 0.01 * (t - 20.0).powi(3);
         let values: Vec<f64> = times.iter().map(|&t| cubic(t)).collect();

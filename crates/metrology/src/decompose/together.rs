@@ -1,4 +1,4 @@
-//! A trace brought to one clock: the delays found, the runs at equal steps, the machine at every sample.
+//! A trace on a common clock: estimated delays, resampled runs, and the machine pose at every sample.
 
 use crate::measure::trace::{Trace, TraceRun};
 use ncfix_base::geometry::{Axis, Vector};
@@ -12,16 +12,16 @@ use super::parts::{Fault, Options};
 use super::poses::RunPoses;
 use super::servo::{ServoErrors, servo};
 
-/// Accelerations are means over this time to both sides, s.
+/// Averaging time of accelerations on both sides, s.
 const REACH_S: f64 = 0.009;
-/// Runs whose paths differ in length by more have not run the same program.
+/// Largest relative difference of the path lengths of runs of one program.
 const SAME_PATH: f64 = 0.02;
-/// A path shorter than this tells nothing, mm.
+/// Minimum path length, mm.
 const LEAST_MM: f64 = 1.0;
-/// Encoders that go so many times as far as set-points, or as little, are in another unit.
+/// Ratio of encoder travel to set-point travel above which, or below the inverse of which, the unit is wrong.
 const OTHER_UNIT: f64 = 2.0;
 
-/// The runs at equal steps, the slowest first, and their numbers in the trace.
+/// The resampled runs, the slowest first, and their indices in the trace.
 fn grids(machine: &Machine, trace: &Trace) -> (Vec<Axis>, Vec<usize>, Vec<RunGrid>) {
     let axes: Vec<Axis> = machine.axes.iter().flatten().map(|data| data.axis).collect();
     let mut order: Vec<usize> = (0..trace.runs.len()).collect();
@@ -32,7 +32,7 @@ fn grids(machine: &Machine, trace: &Trace) -> (Vec<Axis>, Vec<usize>, Vec<RunGri
     (axes, order, grids)
 }
 
-/// Finds the delay between the records, where it is not known.
+/// Estimates the delay between the recordings, if it is not known.
 fn find_servo(axes: &[Axis], grids: &[RunGrid], options: &Options) -> Option<ServoErrors> {
     let pairs: Vec<_> = axes
         .iter()
@@ -46,16 +46,16 @@ fn find_servo(axes: &[Axis], grids: &[RunGrid], options: &Options) -> Option<Ser
     Some(found)
 }
 
-/// A trace brought to one clock.
+/// A trace on a common clock.
 #[derive(Clone, Debug)]
 pub(super) struct Synchronous {
     /// The axes of the machine.
     pub(super) axes: Vec<Axis>,
-    /// The numbers of the runs in the trace, the slowest first; all lists are in this order.
+    /// The indices of the runs in the trace, the slowest first; all lists are in this order.
     pub(super) order: Vec<usize>,
-    /// The runs at equal steps.
+    /// The resampled runs.
     pub(super) grids: Vec<RunGrid>,
-    /// Where the machine is at them.
+    /// The machine poses at their samples.
     pub(super) poses: Vec<RunPoses>,
     /// χ − χenc by run and sample, mm.
     pub(super) left: Vec<Vec<Option<Vector>>>,
@@ -69,7 +69,7 @@ pub(super) struct Synchronous {
     pub(super) nominal: Model,
 }
 
-/// Brings a trace to one clock.
+/// Brings a trace to a common clock.
 ///
 /// # Errors
 /// [`Fault`].
@@ -104,7 +104,7 @@ pub(super) fn synchronous_telling(
     Ok(Synchronous { axes, order, grids, poses, left, servo, clock, tool_mm, nominal })
 }
 
-/// Whether the encoders go as far as the set-points do.
+/// Checks that the encoders travel as far as the set-points.
 fn check_units(grids: &[RunGrid]) -> Result<(), Fault> {
     let span = |values: &[f64]| {
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -120,7 +120,7 @@ fn check_units(grids: &[RunGrid]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whether all runs follow one path.
+/// Checks that all runs follow one path.
 fn check_paths(poses: &[RunPoses], order: &[usize]) -> Result<(), Fault> {
     let Some(first) = poses.first() else { return Err(Fault::Still) };
     if first.length_mm < LEAST_MM {

@@ -6,39 +6,39 @@ use ncfix_model::{ErrorModel, Model};
 
 use super::data::DataSet;
 
-/// The bar may leave the plane of its circle by this share of its length: ball-bars are mounted by hand.
+/// Permitted distance of the bar from the plane of its circle, as a share of its length: ball-bars are mounted by hand.
 const OFF_PLANE: f64 = 0.03;
-/// Two directions that differ by less do not tell the plane.
+/// Sine below which two directions do not determine a plane.
 const TOO_NEAR: f64 = 0.05;
-/// Rows whose bars are further apart, rad, do not follow each other on a circle.
+/// Angle between bars above which rows are not consecutive on a circle, rad.
 const JUMP: f64 = 1.1;
-/// The sense of a circle changes where it goes back by this much, rad: positions that were read are not exact.
+/// Angle of backward motion at which the direction of a circle changes, rad: measured positions are not exact.
 const BACK: f64 = 0.1;
-/// A run of less rows is no circle.
+/// Minimum number of rows of a circle.
 const FEWEST_ROWS: usize = 8;
 
 /// A circle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circle {
-    /// Number of the set-up.
+    /// Index of the set-up.
     pub setup: usize,
     /// The directions of angle 0 and of 90°; the normal of the plane is their cross product.
     pub basis: [Vector; 2],
-    /// Whether it was run counterclockwise, seen against the normal.
+    /// `true` if run counterclockwise, as seen against the normal.
     pub is_counterclockwise: bool,
     /// Rows and the angle of the bar in each, rad.
     pub rows: Vec<(usize, f64)>,
 }
 
 impl Circle {
-    /// The main plane in which it lies: 0 for XY, 1 for YZ, 2 for ZX.
+    /// The main plane of the circle: 0 for XY, 1 for YZ, 2 for ZX.
     #[must_use]
     pub fn main_plane(&self) -> Option<usize> {
         let normal = self.basis[0].cross(&self.basis[1]);
         (0..3).find(|k| normal[(k + 2) % 3].abs() > 1.0 - 1e-3)
     }
 
-    /// The angle of angle 0 about Z from X, rad.
+    /// The azimuth of angle 0 about Z from X, rad.
     #[must_use]
     pub fn azimuth(&self) -> f64 {
         self.basis[0].y.atan2(self.basis[0].x)
@@ -67,7 +67,7 @@ pub fn circles(machine: &Machine, data: &DataSet) -> Vec<Circle> {
         let fits = follows && normal.is_none_or(|normal| normal.dot(&bar).abs() < OFF_PLANE);
         if !fits {
             out.extend(circles_of(setup, &run, normal));
-            // The row in which two planes meet belongs to both.
+            // The row at which two planes meet belongs to both.
             let last = run.last().copied().filter(|_| follows);
             run.clear();
             normal = None;
@@ -87,14 +87,14 @@ pub fn circles(machine: &Machine, data: &DataSet) -> Vec<Circle> {
     out
 }
 
-/// A normal with the sense of the nearest main direction, exactly that where it is near.
+/// A normal oriented along the nearest main direction, and equal to it if close.
 fn upright(normal: Vector) -> Vector {
     let main = (0..3).fold(0, |main, k| if normal[k].abs() > normal[main].abs() + 1e-9 { k } else { main });
     let normal = if normal[main] < 0.0 { -normal } else { normal };
     if normal[main] > 1.0 - OFF_PLANE * OFF_PLANE / 2.0 { Vector::ith(main, 1.0) } else { normal }
 }
 
-/// The circles of a run in one plane, one for each sense.
+/// The circles of a run in one plane, one for each direction.
 fn circles_of(setup: usize, run: &[(usize, Vector)], normal: Option<Vector>) -> Vec<Circle> {
     let Some(normal) = normal else { return Vec::new() };
     // XY from X to Y, YZ from Y to Z, ZX from Z to X; other planes from the horizontal upwards.
@@ -119,11 +119,11 @@ fn circles_of(setup: usize, run: &[(usize, Vector)], normal: Option<Vector>) -> 
         .collect()
 }
 
-/// Parts of a run that go in one sense, each with whether it is counterclockwise; neighbours share the row of the reversal.
+/// Parts of a run with one direction, `true` for counterclockwise; neighbours share the row of the reversal.
 fn by_sense(rows: &[(usize, f64)]) -> Vec<(&[(usize, f64)], bool)> {
     let mut out = Vec::new();
     let (mut first, mut extreme, mut sense) = (0, 0, 0.0_f64);
-    // How far it went, and the furthest of it.
+    // The angle covered, and its extreme.
     let (mut turned, mut furthest) = (0.0_f64, 0.0_f64);
     for (k, pair) in rows.windows(2).enumerate() {
         let step = pair[1].1 - pair[0].1;
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_circle_ends_where_its_sense_changes() {
-        // There and back over the border of 180°, with a little trembling at the turning point.
+        // There and back across 180°, with some jitter at the turning point.
         let all = rows(&[90.0, 130.0, 170.0, 210.0, 250.0, 249.5, 250.2, 210.0, 170.0, 130.0, 90.0]);
         let found = by_sense(&all);
         let shown: Vec<(usize, usize, bool)> =

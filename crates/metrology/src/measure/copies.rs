@@ -1,41 +1,41 @@
-//! Tables that have the same readings: rounded, in another order, or at other times. Readings that were taken again at the same places differ by
-//! their noise.
+//! Detects tables with identical readings: rounded, reordered, or at other times. Readings that were repeated at the same places differ by their
+//! noise.
 
 use std::collections::BTreeMap;
 
 use super::data::{DataSet, Observation};
 use ncfix_base::geometry::AXES;
 
-/// Readings in common at least.
+/// Minimum number of common readings.
 const LEAST: usize = 20;
-/// Of those at the same places.
+/// Minimum share of the readings at the same places.
 const SHARE: f64 = 0.9;
-/// What is rounded is this small beside the noise,
+/// Largest rounding relative to the noise,
 const FINE: f64 = 0.3;
-/// and so often the same by chance at most.
+/// and largest expected number of chance matches.
 const CHANCE: f64 = 0.5;
-/// Decimals of µm or µrad that are looked at.
+/// Maximum number of decimals in µm or µrad.
 const DECIMALS: i32 = 7;
-/// Rounding of the numbers themselves, of a step.
+/// Rounding of the numbers themselves, as a share of a step.
 const ROUNDING: f64 = 1e-3;
 /// Median of the absolute values of normal noise, in standard deviations.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
-/// µm in a mm, µrad in a rad.
+/// µm per mm, µrad per rad.
 const MICRO: (f64, f64) = (1e3, 1e6);
 
-/// Readings that two tables have in common.
+/// Common readings of two tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Copied {
-    /// How many.
+    /// Number of common readings.
     pub readings: usize,
-    /// Of how many at the same places.
+    /// Number of readings at the same places.
     pub of: usize,
 }
 
-/// Readings by place and by what was read there, µm or µrad.
+/// Readings by place and by measured quantity, µm or µrad.
 type Places = BTreeMap<(Vec<i64>, String), Vec<f64>>;
 
-/// Whether two tables have readings in common that differ by their rounding only, although their noise is larger.
+/// The common readings of two tables that differ by rounding only, although their noise is larger.
 #[must_use]
 pub fn copied(one: &DataSet, other: &DataSet) -> Option<Copied> {
     let (of_one, of_other) = (places(one), places(other));
@@ -51,7 +51,7 @@ pub fn copied(one: &DataSet, other: &DataSet) -> Option<Copied> {
         let count = values.len().min(others.len());
         all += count;
         by_chance += count as f64 * (others.len().max(values.len()) as f64 * step / noise).min(1.0);
-        // Both in order: what is below all that is left of the other has no match.
+        // Both are sorted: a value below all remaining values of the other has no match.
         let (mut k, mut l) = (0, 0);
         while let (Some(one), Some(other)) = (values.get(k), others.get(l)) {
             let matches = (one - other).abs() <= close;
@@ -72,7 +72,7 @@ fn places(data: &DataSet) -> Places {
     let fine = |value: f64| (value * 1e3).round() as i64;
     let mut all = Places::new();
     for one in &data.observations {
-        // Numbers of balls and components are those of their table.
+        // Numbers of balls and components refer to their own table.
         let what = one.target.and_then(|target| data.targets.get(target)).cloned().unwrap_or_default();
         let mut key: Vec<i64> = AXES.iter().map(|&axis| fine(one.reading.position[axis])).collect();
         key.extend(one.reading.tool_mm.iter().map(|value| fine(*value)));
@@ -96,7 +96,7 @@ fn step(places: &Places) -> f64 {
     (-DECIMALS..=0).rev().map(|decimals| 10.0_f64.powi(decimals)).find(|step| is_of(*step)).unwrap_or(0.0)
 }
 
-/// Noise of the readings: what is stated, and no more than what neighbours differ by, µm or µrad.
+/// Noise of the readings: the stated value, but at most the difference of neighbours, µm or µrad.
 fn noise(data: &DataSet) -> f64 {
     let mut bends: Vec<f64> = data
         .observations

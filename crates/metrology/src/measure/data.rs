@@ -1,4 +1,4 @@
-//! One measurement: readings, the set-ups in which they were taken, and what is unknown of these.
+//! One measurement: readings, their set-ups, and the unknowns of the set-ups.
 
 mod bodies;
 mod condition;
@@ -26,55 +26,55 @@ use super::reading::{Reading, Readings};
 /// A measurement.
 #[derive(Clone, Debug)]
 pub struct DataSet {
-    /// The name of its files without ending.
+    /// The name of its files without extension.
     pub name: String,
-    /// What was measured.
+    /// Kind of the measurement.
     pub kind: &'static Kind,
-    /// Standard uncertainty of a reading of a length, mm; `None` where it is to be estimated.
+    /// Standard uncertainty of a length reading, mm; `None` if it is to be estimated.
     pub sigma: Option<f64>,
-    /// The same of an angle, rad.
+    /// Standard uncertainty of an angle reading, rad; `None` if it is to be estimated.
     pub sigma_rad: Option<f64>,
-    /// What is unknown of every set-up.
+    /// Unknowns of every set-up.
     pub free: Vec<Free>,
-    /// What set-ups have that the description does not name: where the artefact is the same in all of them.
+    /// Data of set-ups that the description does not name, if the artefact is the same in all of them.
     pub artefact: Setup,
     /// Mountings of the instrument.
     pub setups: Vec<Setup>,
     /// Labels of the extension rods of ball-bars: set-ups with the same rod have the same length.
     pub rods: Vec<String>,
-    /// Back-and-forth cycles of readings of one component, where a drift is unknown.
+    /// Back-and-forth cycles of readings of one component, if a drift is unknown.
     pub cycles: Vec<RepeatCycle>,
-    /// Labels of the repetitions, in the order in which they begin; one that is empty where there is no column `run`.
+    /// Labels of the repetitions, in the order of their start; a single empty one without the column `run`.
     pub runs: Vec<String>,
-    /// Names of balls of unknown place.
+    /// Names of balls of unknown position.
     pub targets: Vec<String>,
     /// Known distances between them.
     pub lengths: Vec<KnownLength>,
-    /// Where balls nominally are in the workpiece frame, mm, as far as the description says: what a simulation needs.
+    /// Nominal positions of balls in the workpiece frame, mm, as far as described; needed for a simulation.
     pub balls: Vec<(String, Vector)>,
-    /// Whether it is the plan of a measurement, without readings yet.
+    /// `true` for the plan of a measurement, without readings.
     pub is_plan: bool,
-    /// Where axes stood throughout that have no column, mm or rad.
+    /// Constant positions of axes without a column, mm or rad.
     pub fixed: Vec<(Axis, f64)>,
-    /// The conditions of the machine in which readings were taken; none where the table does not say: the reference state.
+    /// The conditions of the machine for the readings; empty for the reference state.
     pub conditions: Vec<Condition>,
-    /// Whether the senses of motion stand in the table, rather than following from the order of its rows.
+    /// `true` if the table contains directions of motion, `false` if they follow from the order of its rows.
     pub has_senses: bool,
     /// Readings in the order of the file.
     pub observations: Vec<Observation>,
-    /// Other columns of numbers.
+    /// Other numeric columns.
     pub drivers: Vec<Driver>,
 }
 
 impl DataSet {
-    /// The condition of the machine in a row; the reference state where the table does not say.
+    /// The condition of the machine in a row; the reference state if the table has none.
     #[must_use]
     pub fn condition(&self, observation: &Observation) -> &Condition {
         static REFERENCE: LazyLock<Condition> = LazyLock::new(Condition::default);
         self.conditions.get(observation.condition).unwrap_or(&REFERENCE)
     }
 
-    /// Lays the conditions of the rows over another one, which fills in what the table does not say.
+    /// Completes the conditions of the rows with another one where the table has no value.
     pub fn fill_in(&mut self, base: &Condition) {
         if self.conditions.is_empty() {
             self.conditions = vec![Condition::default()];
@@ -98,11 +98,11 @@ impl DataSet {
     }
 }
 
-/// What may be unknown of a set-up.
+/// Possible unknowns of a set-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Free {
-    /// Place of the table ball of a ball-bar.
+    /// Position of the table ball of a ball-bar.
     Centre,
     /// A drift that is linear in time within each back-and-forth cycle.
     Drift,
@@ -118,24 +118,24 @@ pub enum Free {
     Rotation,
     /// The tool vector.
     Tool,
-    /// What a kind of measurement that a caller brings calls by this word.
+    /// An unknown of a custom kind of measurement, by its word.
     Own(&'static str),
 }
 
 /// A mounting.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Setup {
-    /// Its label; empty where there is one without.
+    /// Its label; empty if there is a single one without label.
     pub label: String,
     /// Position (as in the flat stream: command plus tool vector) at which the balls of a ball-bar would coincide, mm.
     pub centre_mm: Vector,
     /// Nominal length of the ball-bar, mm.
     pub length_mm: f64,
-    /// Number of its extension rod.
+    /// Index of its extension rod.
     pub rod: usize,
-    /// Expansion of the rod or artefact per K; 0 where it counts as measured at 20 °C.
+    /// Expansion of the rod or artefact per K; 0 if it counts as measured at 20 °C.
     pub expansion_per_k: f64,
-    /// Its temperature, °C, where no row says more.
+    /// Its temperature, °C, unless a row states another.
     pub temperature_c: Option<f64>,
     /// The point from which an artefact expands, mm, in the workpiece frame.
     pub origin_mm: Option<Vector>,
@@ -144,61 +144,61 @@ pub struct Setup {
 /// A distance between two balls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KnownLength {
-    /// Their numbers.
+    /// Indices of the balls.
     pub between: [usize; 2],
     /// Calibrated value, mm.
     pub value_mm: f64,
-    /// Its standard uncertainty, mm, where it is known.
+    /// Its standard uncertainty, mm, if known.
     pub sigma_mm: Option<f64>,
 }
 
 /// A row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
-    /// Where the axes stood.
+    /// Positions of the axes.
     pub reading: Reading,
-    /// Number of its set-up.
+    /// Index of its set-up.
     pub setup: usize,
-    /// Number of its run.
+    /// Index of its run.
     pub run: usize,
-    /// When it was taken, where the table says so.
+    /// Time, s, if the table states it.
     pub t_s: Option<f64>,
-    /// Number of the condition of the machine.
+    /// Index of the condition of the machine.
     pub condition: usize,
     /// Temperature of the ball-bar or artefact, °C.
     pub temperature_c: Option<f64>,
     /// Feed, mm/min.
     pub feed: Option<f64>,
-    /// The number of its back-and-forth cycle, and its place in the time of it, -1/2 to 1/2: what a drift needs.
+    /// The index of its back-and-forth cycle, and its relative time in the cycle, -1/2 to 1/2, for a drift.
     pub cycle: Option<(usize, f64)>,
-    /// What was read: deviations along X, Y, Z, or one value; mm, or rad where an angle was read. `None` for an empty cell.
+    /// Values read: deviations along X, Y, Z, or one value; mm, or rad for an angle. `None` for an empty cell.
     pub values: [Option<f64>; 3],
     /// The ball that was probed.
     pub target: Option<usize>,
     /// The component that was measured.
     pub component: Option<ErrorName>,
-    /// By how much the spindle was turned, rad: an offset of the stylus turns with it.
+    /// Angle of the spindle, rad: an offset of the stylus turns with it.
     pub spindle_rad: f64,
     /// The row in its file.
     pub place: Place,
 }
 
 impl Observation {
-    /// Whether an angle was read.
+    /// `true` if an angle was read.
     #[must_use]
     pub fn is_angle(&self) -> bool {
         self.component.is_some_and(|name| name.direction.is_rotation())
     }
 }
 
-/// Reads a pair of files. All findings are reported in one run; there is data only where none of them is an error.
+/// Reads a pair of files. All diagnostics are reported in one run; there is data only if none of them is an error.
 #[must_use]
 pub fn load(name: &str, table: &Source, description: &Source, machine: &Machine) -> (Option<DataSet>, Vec<Diagnostic>) {
     load_with(&Instruments::default(), [table, description], name, machine, ReadAs::Readings)
 }
 
-/// Reads a pair of files in which sensors of temperature may be dead in some rows: these say nothing of them, but [`DataSet::drivers`] have what
-/// the cells say.
+/// Reads a pair of files in which temperature sensors may have failed in some rows. Those rows have no temperature of the sensor, but
+/// [`DataSet::drivers`] contains the raw cells.
 #[must_use]
 pub fn load_with_dead(
     name: &str,
@@ -209,7 +209,7 @@ pub fn load_with_dead(
     load_with(&Instruments::default(), [table, description], name, machine, ReadAs::WithDead)
 }
 
-/// Reads the plan of a measurement: a pair of files whose columns of readings are empty or not there yet. Every reading counts as 0.
+/// Reads the plan of a measurement: a pair of files whose columns of readings are empty or missing. Every reading counts as 0.
 #[must_use]
 pub fn load_plan(
     name: &str,
@@ -220,18 +220,18 @@ pub fn load_plan(
     load_with(&Instruments::default(), [table, description], name, machine, ReadAs::Plan)
 }
 
-/// How a pair of files is read.
+/// Mode of reading a pair of files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReadAs {
-    /// As [`load`] does.
+    /// As [`load`].
     Readings,
-    /// As [`load_with_dead`] does.
+    /// As [`load_with_dead`].
     WithDead,
-    /// As [`load_plan`] does.
+    /// As [`load_plan`].
     Plan,
 }
 
-/// Reads a pair of files, table and description, of one of these kinds of measurement.
+/// Reads a pair of files, table and description, for one of these kinds of measurement.
 #[must_use]
 pub fn load_with(
     instruments: &Instruments,
@@ -275,7 +275,7 @@ pub(super) fn text(row: &Row<'_>, column: usize) -> String {
     String::from_utf8_lossy(row.text(column)).trim().to_owned()
 }
 
-/// The number of a label, which is added where it is new.
+/// The index of a label; a new label is added.
 pub(super) fn number_of(labels: &mut Vec<String>, label: &str) -> usize {
     labels.iter().position(|known| known == label).unwrap_or_else(|| {
         labels.push(label.to_owned());

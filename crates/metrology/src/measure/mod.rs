@@ -1,11 +1,10 @@
-//! What was measured on the machine: the positions and readings in tables of data.
+//! Measurements on the machine: positions and readings in data tables.
 //!
-//! [`reading`] finds axis positions, tool vectors and senses of motion in the columns of a table ([`ncfix_base::csv`]), [`data`] reads a
-//! measurement with its description, [`kind`] has one file per kind of measurement: what it reads and what a reading should be.
-//! [`simulate`] goes the other way, with [`noise`]; [`plan`] makes measurements without readings and the way of the axes to them. [`mode`] takes the
-//! corrections out of positions that were read (measurement mode), [`iso230`] has the figures of the acceptance tests. [`strain`] finds readings
-//! of a strain gauge, [`weighing`] what load made them, [`copies`] tables with the same readings.
-//! [`trace`] has what a control and an instrument recorded while the machine moved.
+//! [`reading`] finds axis positions, tool vectors and directions of motion in the columns of a table ([`ncfix_base::csv`]). [`data`] reads a
+//! measurement with its description. [`kind`] has one file per kind of measurement, with its columns and equations. [`simulate`] does the inverse,
+//! with [`noise`]; [`plan`] makes measurements without readings, with the path of the axes to them. [`mode`] removes the corrections from measured
+//! positions (measurement mode), [`iso230`] has the figures of the acceptance tests. [`strain`] reads a strain gauge, [`weighing`] determines the
+//! load from it, [`copies`] detects tables with identical readings. [`trace`] has the recordings of a control and an instrument during motion.
 
 pub mod circles;
 pub mod copies;

@@ -1,27 +1,27 @@
-//! Measurement mode: where the tool was nominally, from what the axes read (Esmaeili 2021, eq. 33).
+//! Measurement mode: the nominal tool position from the axis positions (Esmaeili 2021, eq. 33).
 //!
-//! A machine that reads q has its tool where a machine without errors has it at q′, and q is what the correction makes of q′:
-//! q = q′ + Δq(q′). Eq. 33 takes Δq at q instead, which leaves the change of Δq over itself, a second-order error; here q′ is
-//! iterated until correcting it gives q, by the same function that corrects programs.
+//! A machine at the axis positions q has its tool where an error-free machine has it at q′, and q is the corrected q′: q = q′ + Δq(q′). Eq. 33 uses
+//! Δq at q instead, which neglects the change of Δq over itself, a second-order error. Here q′ is iterated until its correction gives q, with the
+//! function that corrects programs.
 
 use ncfix_base::geometry::{AXES, AxisVector};
 use ncfix_model::{Model, NotConverged, Solve};
 
 use super::reading::Reading;
 
-/// q′ is found when correcting it gives the reading to this, mm.
+/// Convergence limit of q′: distance of its correction from the reading, mm.
 const SAME_MM: f64 = 1e-10;
-/// What is promised, mm.
+/// Promised accuracy, mm.
 const PROMISED_MM: f64 = 1e-6;
-/// The arm at which rotary axes are judged.
+/// Arm for comparing rotary axes with lengths.
 const ROTARY_ARM_MM: f64 = 1000.0;
-/// Corrections of 0.1 mm that change by 1e-3 of themselves need three steps; near a singularity of the rotary axes more.
+/// Maximum number of iterations. Corrections of 0.1 mm that change by 1e-3 of themselves need three; near a singularity of the rotary axes more.
 const MAX_STEPS: usize = 60;
 
 /// The position whose correction is the reading: with [`Solve::Full`] of all axes, with [`Solve::PositionOnly`] of the linear ones.
 ///
 /// # Errors
-/// [`NotConverged`] where the tip cannot be brought to its place, or no position is corrected to the reading.
+/// [`NotConverged`] if the tip cannot be brought to its place, or no position is corrected to the reading.
 pub fn nominal(model: &Model, reading: &Reading, mode: Solve) -> Result<AxisVector, NotConverged> {
     let read = &reading.position;
     let mut nominal = *read;
@@ -39,7 +39,7 @@ pub fn nominal(model: &Model, reading: &Reading, mode: Solve) -> Result<AxisVect
         if size < best.0 {
             best = (size, nominal);
         } else {
-            // Where the correction changes faster than the position, as next to a pole, whole steps go astray.
+            // If the correction changes faster than the position, as near a pole, full steps diverge.
             damping = f64::max(damping / 2.0, 1.0 / 16.0);
         }
         if size < SAME_MM {

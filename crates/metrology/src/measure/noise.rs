@@ -1,8 +1,8 @@
-//! Normal noise that is the same for the same seed on every machine: SplitMix64 (Steele, Lea & Flood 2014) and the method of Box and Muller.
+//! Normal noise that is identical for the same seed on every platform: SplitMix64 (Steele, Lea & Flood 2014) and the Box–Muller method.
 
 use std::f64::consts::TAU;
 
-/// A source of numbers.
+/// A random number generator.
 #[derive(Clone, Debug)]
 pub struct Noise {
     state: u64,
@@ -11,7 +11,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Begins with a seed.
+    /// Creates a generator from a seed.
     #[must_use]
     pub fn new(seed: u64) -> Noise {
         Noise { state: seed, kept: None }
@@ -29,7 +29,7 @@ impl Noise {
         radius * cos
     }
 
-    /// A number from 0 to 1, without 1.
+    /// A uniform number from 0 to 1, exclusive.
     fn uniform(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }

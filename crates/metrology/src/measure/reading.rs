@@ -1,8 +1,8 @@
-//! Where the axes stood: positions, tool vector and senses of motion in the columns of a table.
+//! Axis positions, tool vector and directions of motion in the columns of a table.
 //!
-//! Columns: the axis letters of the machine (mm, deg), each needed; `tool_x_mm tool_y_mm tool_z_mm`, from the spindle gauge point to the
-//! tip, along F's directions at the zero pose, 0 where there is no column; `X_dir` …, the sense of the last motion, −1, 0 or 1. Without
-//! it, or where its cell is empty, the sense follows from the order of the rows within a `run`.
+//! Columns: the axis letters of the machine (mm, deg), all required; `tool_x_mm tool_y_mm tool_z_mm`, from the spindle gauge point to the tip, along
+//! F's directions at the zero pose, default 0; `X_dir` …, the direction of the last motion, −1, 0 or 1. Without such a column or value, the direction
+//! follows from the order of the rows within a `run`.
 
 use std::collections::HashMap;
 
@@ -12,22 +12,22 @@ use ncfix_machine::machine::{Machine, State};
 
 use ncfix_base::csv::{DecimalSign, Row, Table};
 
-/// A position this much beyond its limit is on it: the noise of the arithmetic, mm or rad.
+/// Tolerance within which a position counts as on its limit: rounding noise, mm or rad.
 const ON_LIMIT: f64 = 1e-9;
 const TOOL_COLUMNS: [&str; 3] = ["tool_x_mm", "tool_y_mm", "tool_z_mm"];
 
-/// The columns that say where the axes stood.
+/// The columns with axis positions.
 #[derive(Debug)]
 pub struct Readings<'a> {
     machine: &'a Machine,
     sign: DecimalSign,
     axes: Vec<(Axis, usize)>,
-    /// Where axes stand that have no column.
+    /// Positions of axes without a column.
     fixed: AxisVector,
     senses: Vec<(Axis, usize)>,
     tool: [Option<usize>; 3],
     run: Option<usize>,
-    /// Where each run stood in its last row, and its senses of motion.
+    /// Position and directions of motion in the last row of each run.
     last: HashMap<Vec<u8>, (AxisVector, State)>,
 }
 
@@ -36,9 +36,9 @@ pub struct Readings<'a> {
 pub struct Reading {
     /// Positions, mm and rad.
     pub position: AxisVector,
-    /// From the spindle gauge point to the tip, mm.
+    /// Vector from the spindle gauge point to the tip, mm.
     pub tool_mm: Vector,
-    /// Senses of motion.
+    /// Directions of motion.
     pub state: State,
 }
 
@@ -46,15 +46,15 @@ impl<'a> Readings<'a> {
     /// Finds the columns.
     ///
     /// # Errors
-    /// Findings for axes without a column, columns of axes that the machine lacks, and decimal signs that contradict each other.
+    /// Diagnostics for axes without a column, columns of missing axes, and contradictory decimal signs.
     pub fn new(table: &Table, machine: &'a Machine) -> Result<Readings<'a>, Vec<Diagnostic>> {
         Readings::with(table, machine, &[])
     }
 
-    /// Finds the columns, where axes that are `fixed` need none, mm and rad.
+    /// Finds the columns; axes in `fixed` need none, mm and rad.
     ///
     /// # Errors
-    /// As of [`Readings::new`].
+    /// As for [`Readings::new`].
     pub fn with(table: &Table, machine: &'a Machine, fixed: &[(Axis, f64)]) -> Result<Readings<'a>, Vec<Diagnostic>> {
         let mut standing = AxisVector::ZERO;
         fixed.iter().for_each(|&(axis, at)| standing[axis] = at);
@@ -101,13 +101,13 @@ impl<'a> Readings<'a> {
         &self.axes
     }
 
-    /// How the numbers of the table are written.
+    /// The decimal sign of the table.
     #[must_use]
     pub fn sign(&self) -> DecimalSign {
         self.sign
     }
 
-    /// Whether the table gives senses of motion, rather than the order of its rows.
+    /// `true` if the table contains directions of motion, `false` if they follow from the order of its rows.
     #[must_use]
     pub fn has_senses(&self) -> bool {
         !self.senses.is_empty()
@@ -116,7 +116,7 @@ impl<'a> Readings<'a> {
     /// Reads the next row; rows must come in order.
     ///
     /// # Errors
-    /// Findings for cells that are no numbers and positions outside the travel.
+    /// Diagnostics for cells that are not numbers and positions outside the travel.
     pub fn read(&mut self, row: &Row) -> Result<Reading, Vec<Diagnostic>> {
         let mut findings = Vec::new();
         let mut position = self.fixed;
@@ -185,7 +185,7 @@ impl<'a> Readings<'a> {
     }
 }
 
-/// The finding for an axis without a column, which may be written in another way.
+/// The diagnostic for an axis without a column, with a similar column name if there is one.
 fn missing(table: &Table, axis: Axis) -> Diagnostic {
     let letter = axis.to_string();
     let unit = if axis.is_rotary() { "deg" } else { "mm" };

@@ -1,7 +1,7 @@
-//! What instruments would read on a machine with errors: the equations of a calibration the other way round.
+//! Simulated readings of instruments on a machine with errors: the inverse of the equations of a calibration.
 //!
-//! A predicted reading comes from [`Kind::equations`](super::kind::Kind::equations), so that there is one formula for both. What is unknown of
-//! a set-up counts as described. Where a kind reads positions (probing) the linear axes move until its equations hold.
+//! A predicted reading uses [`Kind::equations`](super::kind::Kind::equations), so that there is one formula for both. Unknowns of a set-up have their
+//! described values. For a kind that reads positions (probing), the linear axes move until its equations are satisfied.
 
 use ncfix_base::geometry::{Axis, AxisVector, Matrix, Vector};
 use ncfix_machine::machine::Machine;
@@ -10,21 +10,21 @@ use ncfix_model::{ErrorModel, Model};
 use super::data::{DataSet, Observation};
 use super::kind::{Equation, Seen};
 
-/// The axes are in place when the equations hold to this, mm.
+/// Residual of the equations at which the axes are in place, mm.
 const LIMIT_MM: f64 = 1e-8;
-/// Errors of 1e-4 are divided by about 1e3 at each step.
+/// Maximum number of iterations; each divides errors of 1e-4 by about 1e3.
 const MAX_STEPS: usize = 30;
 
-/// What is read in a row.
+/// Result of reading a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Read {
     /// Values as in [`Observation::values`], mm or rad.
     Values([Option<f64>; 3]),
-    /// Where the axes stand, mm and rad.
+    /// Positions of the axes, mm and rad.
     Position(AxisVector),
 }
 
-/// Nothing can be read: the linear axes cannot bring the tip to its place.
+/// The row has no reading: the linear axes cannot bring the tip to its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutOfReach;
 
@@ -33,16 +33,16 @@ pub struct OutOfReach;
 pub struct Simulation<'a> {
     machine: &'a Machine,
     errors: &'a ErrorModel,
-    /// In the condition of this number.
+    /// For the condition of this index.
     model: Model,
     condition: usize,
     data: &'a DataSet,
-    /// What is unknown of the set-ups.
+    /// Values of the unknowns of the set-ups.
     values: Vec<f64>,
 }
 
 impl<'a> Simulation<'a> {
-    /// Balls lie where the description has them, else in the mean of the nominal tips of their rows.
+    /// Balls are at their described positions, otherwise at the mean of the nominal tips of their rows.
     #[must_use]
     pub fn new(machine: &'a Machine, errors: &'a ErrorModel, data: &'a DataSet) -> Simulation<'a> {
         let model = Model::new(machine, errors);
@@ -61,7 +61,7 @@ impl<'a> Simulation<'a> {
         Simulation { machine, errors, model, condition: usize::MAX, data, values }
     }
 
-    /// What is unknown of the set-ups has these values, as the kind lists its unknowns.
+    /// Creates a simulation with these values of the unknowns, in the order of the kind.
     #[must_use]
     pub fn with_unknowns(
         machine: &'a Machine,
@@ -73,7 +73,7 @@ impl<'a> Simulation<'a> {
         Simulation { machine, errors, model, condition: usize::MAX, data, values }
     }
 
-    /// What is read in a row of the plan, in the condition of the row.
+    /// The simulated reading of a row of the plan, in the condition of the row.
     ///
     /// # Errors
     /// [`OutOfReach`].
@@ -89,7 +89,7 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// What is left of the equations of a row.
+    /// Residuals of the equations of a row.
     fn residuals(&self, row: &Observation) -> Vec<f64> {
         let seen = Seen::new(self.machine, &self.model, &row.reading, &row.reading.tool_mm);
         let mut equations: Vec<Equation> = Vec::new();
@@ -99,7 +99,7 @@ impl<'a> Simulation<'a> {
 
     fn values_of(&self, row: &Observation) -> [Option<f64>; 3] {
         let at = |value: f64| self.residuals(&Observation { values: row.values.map(|old| old.map(|_| value)), ..*row });
-        // A residual is the reading less the prediction, times a factor that the kind may have for its unit.
+        // A residual is the reading minus the prediction, times an optional factor of the kind for its unit.
         let (zero, one) = (at(0.0), at(1.0));
         let mut predicted = zero.iter().zip(&one).map(|(zero, one)| -zero / (one - zero));
         row.values.map(|value| value.and_then(|_| predicted.next()))
@@ -109,7 +109,7 @@ impl<'a> Simulation<'a> {
         let mut now = *row;
         let tip = |command: &AxisVector| self.model.nominal(command, &row.reading.tool_mm).translation;
         let axes = [Axis::X, Axis::Y, Axis::Z];
-        // The nominal tip follows the linear axes evenly.
+        // The nominal tip is linear in the linear axes.
         let columns = axes.map(|axis| {
             let mut moved = row.reading.position;
             moved[axis] += 1.0;
@@ -132,7 +132,7 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// Whether what a row reads are positions: it has no values.
+/// `true` if the row reads positions: it has no values.
 fn reads_positions(row: &Observation) -> bool {
     row.values.iter().all(Option::is_none)
 }

@@ -1,7 +1,7 @@
 //! Readings of a strain gauge along an axis, from a table.
 //!
-//! Columns: the letter of the axis (mm, deg), `strain_um_m` (µm/m), and where they are there `run` (readings of one run share an offset; without
-//! the column all are one run) and `t_s` (s; the strain of a run may then drift evenly).
+//! Columns: the letter of the axis (mm, deg), `strain_um_m` (µm/m), and optionally `run` (readings of one run share an offset; default one run) and
+//! `t_s` (s; allows a linear drift of the strain in a run).
 
 use std::collections::HashMap;
 
@@ -20,18 +20,18 @@ pub struct Reading {
     pub position: f64,
     /// Strain, µm/m.
     pub strain_um_m: f64,
-    /// Number of its run, from 0.
+    /// Index of its run, from 0.
     pub run: usize,
-    /// When, s.
+    /// Time, s.
     pub time_s: Option<f64>,
-    /// Where the strain stands in its file.
+    /// Place of the strain in its file.
     pub place: Place,
 }
 
 /// The readings in a table.
 ///
 /// # Errors
-/// Findings for columns that are missing, cells that are no numbers, and positions at which the gauge is not known.
+/// Diagnostics for missing columns, cells that are not numbers, and positions outside the range of the gauge.
 pub fn read(table: &Table, gauge: &StrainGauge) -> Result<Vec<Reading>, Vec<Diagnostic>> {
     let mut findings = Vec::new();
     let axis = gauge.axis.to_string();

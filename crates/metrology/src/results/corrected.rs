@@ -26,9 +26,9 @@ const DECIMALS_DEG: usize = 10;
 pub struct CorrectedReadings {
     /// Axes with a column.
     pub axes: Vec<AxisCorrection>,
-    /// Rows of data.
+    /// Number of data rows.
     pub rows: u64,
-    /// Rows in which an axis with backlash has no sense of motion yet.
+    /// Number of rows in which an axis with backlash has no direction of motion yet.
     pub without_sense: u64,
     /// Name of the machine.
     pub machine: String,
@@ -38,7 +38,7 @@ pub struct CorrectedReadings {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AxisCorrection {
-    /// The axis.
+    /// Axis.
     pub axis: String,
     /// How large they are.
     #[serde(flatten)]
@@ -61,9 +61,9 @@ pub enum CorrectionSize {
 #[derive(Clone, Debug, Default)]
 struct CorrectionSums {
     rows: u64,
-    /// Sum of the sizes of the corrections, mm and rad.
+    /// Sum of the absolute corrections, mm and rad.
     sum: AxisVector,
-    /// The largest, mm and rad.
+    /// Largest absolute correction, mm and rad.
     max: AxisVector,
     without_sense: u64,
 }

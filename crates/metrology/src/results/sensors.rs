@@ -14,9 +14,9 @@ use ncfix_machine::machine::{Condition, Machine};
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorsResult {
-    /// By direction and place.
+    /// Selections by direction and place.
     pub selections: Vec<SensorChoice>,
-    /// The independent runs; `null` where the last third of every run was held back instead.
+    /// Independent runs; `null` if the last third of every run was held out instead.
     pub independent: Option<Vec<String>>,
 }
 
@@ -43,44 +43,44 @@ impl DriftDirection {
     }
 }
 
-/// One direction at one place.
+/// Selection for one direction at one place.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorChoice {
     /// The direction in which it drifts.
     pub direction: DriftDirection,
-    /// Axis and position; `null` where there is one place.
+    /// Axis and position; `null` if there is only one place.
     pub place: Option<String>,
-    /// Readings that were learned from.
+    /// Number of training readings.
     pub readings: usize,
     /// Drift on the independent readings (RMS).
     pub drift_um: f64,
-    /// What the chosen model leaves of it.
+    /// Residual of the selected model on them.
     pub left_um: Option<f64>,
-    /// The number of sensors; `null` where none tell the independent readings.
+    /// Selected number of sensors; `null` if none predicts the independent readings.
     pub chosen: Option<usize>,
-    /// The best sensors of each number.
+    /// Best sensors for each number.
     pub sizes: Vec<SensorSubset>,
 }
 
-/// The best sensors of one number.
+/// Best sensors for one number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorSubset {
-    /// Their names.
+    /// Names.
     pub sensors: Vec<String>,
-    /// Their coefficients.
+    /// Coefficients.
     #[serde(rename = "um_per_K")]
     pub um_per_k: Vec<f64>,
-    /// Their time constants.
+    /// Time constants.
     pub lag_s: Vec<f64>,
     /// Mallows' Cp.
     pub cp: Option<f64>,
-    /// Efficiency on the data, 1 for all.
+    /// Efficiency on the training readings, 1 if everything is explained.
     pub efficiency: f64,
     /// Efficiency on the independent readings.
     pub independent_efficiency: f64,
-    /// Whether the search was complete.
+    /// True if the search was exhaustive.
     pub is_exact: bool,
 }
 
@@ -116,7 +116,8 @@ pub fn read(texts: &SensorTexts<'_>, machine: &Machine, findings: &mut Vec<Diagn
     (!has_errors(findings)).then_some(runs)
 }
 
-/// Selects sensors from runs of which the first `learned` are learned from, and gives the text of drift entries for a machine file; `None` where findings forbid it.
+/// Selects sensors from runs, the first `learned` of which are training runs. The selections go into `result`. Returns the text of drift entries for a
+/// machine file; `None` if there are errors.
 pub fn selected(
     mut runs: Vec<SensorRun>,
     learned: usize,

@@ -14,46 +14,46 @@ use ncfix_machine::machine::Machine;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WeighingResult {
-    /// The weight; `null` where it could not be told.
+    /// Weight; `null` if it could not be determined.
     #[serde(rename = "force_N")]
     pub force_n: Option<f64>,
-    /// Its uncertainty.
+    /// Uncertainty of the weight.
     #[serde(rename = "force_sigma_N")]
     pub force_sigma_n: Option<f64>,
-    /// The place from the center of the table along X, Y and Z.
+    /// Position from the center of the table along X, Y and Z.
     pub place: Option<[LoadCoordinate; 3]>,
     /// Uncertainty of a reading.
     pub noise_um_m: Option<f64>,
-    /// Readings that are used less unknowns.
+    /// Degrees of freedom: readings used minus unknowns.
     pub degrees_of_freedom: usize,
-    /// Readings that are used.
+    /// Number of readings used.
     pub readings: usize,
-    /// Readings that are left out.
+    /// Number of readings left out.
     pub left_out: usize,
 }
 
-/// A coordinate of the load.
+/// Coordinate of the load.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LoadCoordinate {
-    /// Its value.
+    /// Value.
     pub value_mm: f64,
-    /// Its uncertainty; `null` where it was not measured.
+    /// Uncertainty; `null` if it was not measured.
     pub sigma_mm: Option<f64>,
-    /// Where it comes from.
+    /// Basis of the value.
     pub basis: PlaceBasis,
 }
 
-/// Where a coordinate comes from.
+/// Basis of a coordinate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum PlaceBasis {
-    /// From the readings.
+    /// Determined from the readings.
     Measured,
-    /// As stated.
+    /// Given.
     Known,
-    /// Taken for 0.
+    /// Assumed to be 0.
     #[default]
     Assumed,
 }
@@ -91,8 +91,8 @@ impl From<&Weighing> for WeighingResult {
     }
 }
 
-/// Weighs the workpiece from the text of a table of readings of the strain gauge of a machine; `known` coordinates of its place, mm, are not looked for. `None` where
-/// findings forbid it.
+/// Weighs the workpiece from a table of readings of the strain gauge of a machine. `known` coordinates of its position, mm, are not determined.
+/// `None` if there are errors.
 pub fn weigh(
     source: &Source,
     machine: &Machine,

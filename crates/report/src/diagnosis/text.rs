@@ -1,4 +1,4 @@
-//! A diagnosis for people: the text on the terminal, and the sentences that it shares with the page.
+//! Diagnosis for people: the text on the terminal, and the sentences that it shares with the page.
 
 use std::fmt::Write as _;
 
@@ -8,23 +8,23 @@ use ncfix_metrology::diagnose::Gate;
 use ncfix_metrology::diagnose::cause::Correctable;
 use ncfix_metrology::results::diagnosis::{Cause, InFile, NoiseFrom, Place};
 
-/// Rivals that are named for people.
+/// Maximum number of equivalent explanations that are named.
 const RIVALS: usize = 4;
-/// A chance below this is said to be this.
+/// Smallest p-value that is shown as a number.
 const LEAST_CHANCE: f64 = 1e-12;
-/// Places of a shape that are told.
+/// Maximum number of listed points of a shape.
 const PLACES: usize = 7;
-/// Causes that are told in the verdict.
+/// Maximum number of causes in the verdict.
 const CAUSES: usize = 4;
-/// What is in a file is so many times its expanded uncertainty.
+/// Multiple of its expanded uncertainty from which a cause is present in a file.
 const SEEN: f64 = 2.0;
-/// Noise that is so many times what is stated is told.
+/// Ratio of noise to stated noise from which it is reported.
 const TIMES: f64 = 2.5;
-/// Candidates that are told as rejected.
+/// Maximum number of listed rejected candidates.
 const REJECTED: usize = 5;
 
 impl DiagnosisReport {
-    /// The text for people.
+    /// Returns the text for people.
     #[must_use]
     pub fn page(&self) -> String {
         let mut out = format!("{}\n", self.before_sentence());
@@ -41,13 +41,13 @@ impl DiagnosisReport {
         out
     }
 
-    /// The unit of sizes of readings, as people write it.
+    /// Returns the symbol of the unit of readings.
     #[must_use]
     pub fn unit_sign(&self) -> &'static str {
         self.found.unit.unit().sign()
     }
 
-    /// What the model leaves, in a sentence.
+    /// Returns the residual of the model in one sentence.
     #[must_use]
     pub fn before_sentence(&self) -> String {
         let from = match self.found.noise_from {
@@ -73,7 +73,7 @@ impl DiagnosisReport {
         )
     }
 
-    /// Whether the model is still one.
+    /// Returns a sentence if the model is no longer valid.
     #[must_use]
     pub fn expired_sentence(&self) -> Option<String> {
         let without = self.found.without_model.holdout_rms_um.unwrap_or(self.found.without_model.rms_um);
@@ -86,7 +86,7 @@ impl DiagnosisReport {
         })
     }
 
-    /// What is left with all findings.
+    /// Returns the residual with all causes in one sentence.
     fn after_sentence(&self) -> Option<String> {
         (!self.found.findings.is_empty()).then(|| {
             format!(
@@ -138,7 +138,7 @@ impl DiagnosisReport {
         )
     }
 
-    /// The verdict in one paragraph.
+    /// Returns the verdict in one paragraph.
     #[must_use]
     pub fn verdict(&self) -> String {
         let mut out = vec![self.before_sentence()];
@@ -176,7 +176,7 @@ impl DiagnosisReport {
     fn tail(&self, out: &mut String) {
         for fault in &self.found.data_faults {
             let rows = match fault.rows.as_slice() {
-                // Outliers are rows one by one.
+                // Outliers are listed row by row.
                 [first, last] if fault.is_range => format!("rows {first} to {last}"),
                 [row] => format!("row {row}"),
                 rows => format!("{} rows", rows.len()),
@@ -262,17 +262,17 @@ impl DiagnosisReport {
     }
 }
 
-/// A cause in words.
+/// Texts of a cause.
 pub(crate) trait CauseText {
-    /// Effect and parameter.
+    /// Returns effect and parameter.
     fn name(&self) -> String;
-    /// The same with what it depends on, where it has no name.
+    /// Returns effect and parameter, and the drivers if the cause is unnamed.
     fn full_name(&self) -> String;
-    /// Value, uncertainty and unit.
+    /// Returns value, uncertainty and unit.
     fn size(&self) -> String;
-    /// What it depends on, with period and lag.
+    /// Returns the drivers, with period and lag.
     fn depends(&self) -> String;
-    /// What a program can do about it.
+    /// Returns how ncfix can correct it.
     fn remedy(&self) -> &'static str;
 }
 
@@ -309,7 +309,7 @@ impl CauseText for Cause {
     }
 }
 
-/// What a cause is in each file, where files differ: those that have it first.
+/// Returns the size of a cause in each file if files differ; those that have it come first.
 #[must_use]
 pub(crate) fn differing(files: &[InFile]) -> Option<String> {
     let size = |one: &&InFile| {
@@ -328,13 +328,13 @@ fn name(effect: &str, parameter: &str) -> String {
     format!("{effect} {parameter}").trim_end().to_owned()
 }
 
-/// A unit as people write it.
+/// Returns a unit with its usual symbol.
 #[must_use]
 pub(crate) fn sign(unit: &str) -> String {
     unit.replace("urad", "µrad").replace("um", "µm").replace("m/s2", "m/s²")
 }
 
-/// A chance in words.
+/// Formats a p-value.
 #[must_use]
 pub(crate) fn chance(p: f64) -> String {
     match p {
@@ -344,14 +344,14 @@ pub(crate) fn chance(p: f64) -> String {
     }
 }
 
-/// The shape over one driver in a line, over two as a small table.
+/// Appends the shape over one driver as a line, over two as a small table.
 fn shape(one: &Cause, out: &mut String) {
     let unit = one.shape_unit.unit();
     let along = |k: usize| -> Vec<f64> {
         let mut values: Vec<f64> = one.shape.iter().filter_map(|place| place.at.get(k).copied()).collect();
         values.sort_by(f64::total_cmp);
         values.dedup();
-        // The ends and some between; instead of the next of these where it is largest, which may be narrow.
+        // The ends and some values in between. The largest value, which may be narrow, replaces the nearest of these.
         let count = values.len();
         let most = if k == 0 && one.drivers.len() == 1 { PLACES } else { PLACES - 2 };
         if count > most {

@@ -1,20 +1,21 @@
-//! The pictures of a page as files of their own, for papers and slides.
+//! Pictures of a page as separate files, for papers and slides.
 
 use crate::plot::STYLE;
 
-/// Letters of the title in a name at most.
+/// Maximum number of letters of the title in a file name.
 const MOST: usize = 60;
 
-/// A picture of a page.
+/// Picture of a page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Single {
-    /// Name of its file: its number on the page and its title, in letters that every file system has: `01-residual-over-x.svg`.
+    /// File name: its number on the page and its title, in letters that every file system supports: `01-residual-over-x.svg`.
     pub name: String,
-    /// The text of the file.
+    /// Text of the file.
     pub text: String,
 }
 
-/// All pictures of a page that [`super::page`] wrote, in its order. A page has no `<` but those of its elements, so that they are found by their ends.
+/// Returns all pictures of a page that [`super::page`] wrote, in order. In a page `<` occurs only in element tags, so the pictures are found by their end
+/// tags.
 #[must_use]
 pub fn pictures(page: &str) -> Vec<Single> {
     let mut out: Vec<Single> = Vec::new();
@@ -28,14 +29,14 @@ pub fn pictures(page: &str) -> Vec<Single> {
     out
 }
 
-/// What stands before a title, the title, and what stands behind it.
+/// Splits into the text before a title, the title, and the text after it.
 fn titled(inside: &str) -> Option<(&str, &str, &str)> {
     let (head, rest) = inside.split_once("<title>")?;
     let (title, body) = rest.split_once("</title>")?;
     Some((head, title, body))
 }
 
-/// A title as a name: small letters, digits, and one dash for everything between.
+/// Converts a title to a file name: lower-case letters, digits, and one dash for everything between.
 fn plain(title: &str) -> String {
     let mut out = String::new();
     let signs = [("&lt;", " "), ("&gt;", " "), ("&quot;", " "), ("&amp;", " "), ("µ", "u")];

@@ -1,4 +1,4 @@
-//! The page of a calibration: what was found, how well it holds, and what is left of every reading.
+//! Page of a calibration: the result, its quality, and the residual of every reading.
 
 mod pictures;
 
@@ -12,7 +12,7 @@ use ncfix_base::diagnostic::Severity;
 use ncfix_base::units::Unit;
 use ncfix_metrology::results::calibration::{CalibrationResult, Data, Estimate};
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn calibration(report: &CalibrationReport) -> String {
     let found = &report.found;
@@ -83,7 +83,7 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
 }
 
-/// Measured, left, σ and efficiency as Spaan's Tables 3.2 – 3.4 have them.
+/// Writes measured RMS and maximum, residual, σ and efficiency, as in Tables 3.2 – 3.4 of Spaan.
 fn results(out: &mut Markup, data: &[Data]) {
     out.leaf("h2", &[], "Result by measurement");
     let mut rows = Vec::new();

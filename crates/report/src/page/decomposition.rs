@@ -1,4 +1,4 @@
-//! The page of a trace that was divided into its sources: shares by feed, tables, what happens along the path at the slowest and the fastest feed.
+//! Page of a decomposition: shares by feed, tables, and the course along the path at the slowest and the fastest feed.
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures, strip, table};
@@ -9,7 +9,7 @@ use crate::plot::{Chart, Series, Shape};
 use ncfix_metrology::decompose::SOURCES;
 use ncfix_metrology::results::decomposition::{Along, Compliance, DIRECTIONS, Decomposition, Link, Loop, Run};
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn decomposition(report: &DecompositionReport) -> String {
     let found = &report.found;
@@ -49,7 +49,7 @@ fn feed_of(run: &Run) -> String {
     run.feed_mm_min.map_or_else(|| run.run.clone(), |feed| grouped(feed.round() as u64))
 }
 
-/// Tables 1 to 4 and the pictures over the feed.
+/// Writes tables 1 to 4 and the pictures over the feed.
 fn feeds(out: &mut Markup, found: &Decomposition) {
     out.leaf("h2", &[], "By feed");
     if found.is_measured() {
@@ -164,7 +164,7 @@ fn laws(out: &mut Markup, found: &Decomposition) {
     table(out, &columns(["RMS of", "#κ, µm", "#N", "#95 %", "#R²", "#N without the slowest"]), &rows, note, MOST_ROWS);
 }
 
-/// The slowest and the fastest run.
+/// Draws the slowest and the fastest run.
 fn along(out: &mut Markup, found: &Decomposition) {
     let mut shown: Vec<&Run> = found.runs.first().into_iter().chain(found.runs.last()).collect();
     shown.dedup_by(|a, b| a == b);

@@ -1,4 +1,4 @@
-//! The page of a diagnosis: the verdict, the ranking, the evidence of every finding, the readings before and after, and what was rejected.
+//! Page of a diagnosis: verdict, ranking, evidence of every cause, readings before and after, and rejected candidates.
 
 mod evidence;
 mod pictures;
@@ -16,10 +16,10 @@ use ncfix_metrology::diagnose::cause::Correctable;
 use ncfix_metrology::results::diagnosis::{Cause, DataFault, Rejected, Sizes};
 use ncfix_metrology::results::readings::Tried;
 
-/// Rows of a table that are named one by one.
+/// Maximum number of table rows that are named individually.
 const MOST_NAMED: usize = 12;
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn diagnosis(report: &DiagnosisReport, shown: &Shown) -> String {
     let machine = if report.found.machine.is_empty() { "a machine" } else { &report.found.machine };
@@ -48,7 +48,7 @@ pub fn diagnosis(report: &DiagnosisReport, shown: &Shown) -> String {
 }
 
 fn percent(share: f64) -> String {
-    // No minus in front of a zero.
+    // No minus sign before a zero.
     format!("{:.1} %", (share * 1000.0).round() / 10.0 + 0.0)
 }
 
@@ -88,7 +88,7 @@ fn summary(out: &mut Markup, report: &DiagnosisReport) {
     }
 }
 
-/// Before and after, used and held out.
+/// Writes the sizes before and after, for used and held-out readings.
 fn levels(out: &mut Markup, report: &DiagnosisReport) {
     out.leaf("h2", &[], "Before and after");
     let between = |ends: Option<[f64; 2]>| {
@@ -131,7 +131,7 @@ fn levels(out: &mut Markup, report: &DiagnosisReport) {
     table(out, &heads, &rows, &caption, MOST_ROWS);
 }
 
-/// Causes by what each does alone, as tests with a ball-bar rank them by circularity.
+/// Ranks the causes by their individual effect, as ball-bar tests rank them by circularity.
 fn ranking(out: &mut Markup, report: &DiagnosisReport) {
     if report.found.findings.is_empty() {
         return;
@@ -220,7 +220,7 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
     }
     out.leaf("h2", &[], "Faults of the data");
     let named = |is_range: bool, rows: &[usize]| match rows {
-        // Outliers are rows one by one.
+        // Outliers are listed row by row.
         [first, last] if is_range => format!("{first} to {last}"),
         rows => {
             let more = rows.len().saturating_sub(MOST_NAMED);

@@ -1,5 +1,5 @@
-//! A report as one HTML file: it opens from the disk, asks no network for anything, needs no script, follows the light or dark scheme and
-//! prints. A page is XML at the same time ([`super::markup`]).
+//! Report as a single HTML file. It opens from the disk, loads nothing from a network, needs no script, follows the light or dark scheme, and can be printed.
+//! A page is also valid XML ([`super::markup`]).
 
 pub mod apart;
 pub mod calibration;
@@ -17,7 +17,7 @@ use std::fmt::Display;
 use super::markup::Markup;
 use super::plot::{Picture, STYLE};
 
-/// What a page needs beside the style of pictures. Not one character of it needs an escape.
+/// Style of a page in addition to that of pictures. None of its characters needs an escape.
 const PAGE_STYLE: &str = "\
 *{box-sizing:border-box}\n\
 body{margin:0 auto;padding:1.5rem clamp(1rem,3vw,3rem) 3rem;max-width:1800px;background:var(--paper);color:var(--ink);\
@@ -45,13 +45,13 @@ code{font-family:ui-monospace,Consolas,monospace;font-size:.92em}\n\
 @media print{body{font-size:10pt;max-width:none;padding:0}figure,tr,li{break-inside:avoid}h2,h3{break-after:avoid}\
 .pictures{grid-template-columns:1fr 1fr}.wide{overflow:visible}th,td{white-space:normal;padding:.1rem .35rem}}\n";
 
-/// A page with a title; `inside` writes what follows the heading.
+/// Returns a page with a title; `inside` writes the content after the heading.
 #[must_use]
 pub fn page(title: &str, inside: impl FnOnce(&mut Markup)) -> String {
     page_with(title, "", "default-src 'none'; style-src 'unsafe-inline'", inside)
 }
 
-/// The same with more style, and with what a browser may load or run.
+/// Returns a page with additional style, and with a policy for what a browser may load or run.
 fn page_with(title: &str, style: &str, policy: &str, inside: impl FnOnce(&mut Markup)) -> String {
     let mut out = Markup::new();
     out.element("html", &[("lang", &"en")], |out| {
@@ -63,7 +63,7 @@ fn page_with(title: &str, style: &str, policy: &str, inside: impl FnOnce(&mut Ma
             out.leaf("style", &[], STYLE);
             out.leaf("style", &[], PAGE_STYLE);
             if !style.is_empty() {
-                // One that would end itself is left out: the page can be read without.
+                // A style that would end its element is omitted: the page is readable without it.
                 let _ = out.verbatim("style", &[], style);
             }
         });
@@ -75,16 +75,16 @@ fn page_with(title: &str, style: &str, policy: &str, inside: impl FnOnce(&mut Ma
     format!("<!DOCTYPE html>\n{out}")
 }
 
-/// A column of a table.
+/// Column of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PageColumn {
-    /// Its heading.
+    /// Heading.
     pub title: &'static str,
-    /// Whether it has numbers, which are flush right.
+    /// True if it contains numbers, which are right-aligned.
     pub is_number: bool,
 }
 
-/// Columns of texts and, behind a `#`, of numbers.
+/// Creates columns of texts and, with a leading `#`, of numbers.
 #[must_use]
 pub fn columns<const N: usize>(titles: [&'static str; N]) -> [PageColumn; N] {
     titles.map(|title| match title.strip_prefix('#') {
@@ -93,16 +93,16 @@ pub fn columns<const N: usize>(titles: [&'static str; N]) -> [PageColumn; N] {
     })
 }
 
-/// A row of a table.
+/// Row of a table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Row {
-    /// `whole`, `part`, `bad`, `wrap` for long texts, or nothing.
+    /// Class: `whole`, `part`, `bad`, `wrap` for long texts, or empty.
     pub class: &'static str,
-    /// Its cells.
+    /// Cells.
     pub cells: Vec<String>,
 }
 
-/// A table with a note below. Rows beyond `most` are counted, not written.
+/// Writes a table with a caption below. Rows beyond `most` are counted, not written.
 pub fn table(out: &mut Markup, columns: &[PageColumn], rows: &[Row], caption: &str, most: usize) {
     let class = |column: Option<&PageColumn>| if column.is_some_and(|column| column.is_number) { "n" } else { "t" };
     out.element("div", &[("class", &"wide")], |out| {
@@ -132,7 +132,7 @@ pub fn table(out: &mut Markup, columns: &[PageColumn], rows: &[Row], caption: &s
     }
 }
 
-/// Numbers that sum a page up: what each is, and the number.
+/// Writes the key figures of a page: name and number.
 pub fn strip(out: &mut Markup, entries: &[(&str, String)]) {
     out.element("div", &[("class", &"strip")], |out| {
         for (what, number) in entries {
@@ -144,12 +144,12 @@ pub fn strip(out: &mut Markup, entries: &[(&str, String)]) {
     });
 }
 
-/// Pictures side by side as the window has room.
+/// Writes pictures side by side, as the window width permits.
 pub fn pictures(out: &mut Markup, inside: impl FnOnce(&mut Markup)) {
     out.element("div", &[("class", &"pictures")], inside);
 }
 
-/// A picture with what is said of it.
+/// Writes a picture with its caption.
 pub fn figure(out: &mut Markup, picture: &impl Picture, caption: impl Display) {
     let caption = caption.to_string();
     out.element("figure", &[], |out| {

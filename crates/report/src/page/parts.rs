@@ -1,14 +1,14 @@
-//! Parts that pages share: findings about the files, and where a result comes from.
+//! Parts that pages share: diagnostics of the files, and the input files of a result.
 
 use super::{Row, columns, table};
 use crate::inputs::Input;
 use crate::json::Finding;
 use crate::markup::Markup;
 
-/// Rows of a table at most: nobody reads more, and a page must not grow without bound.
+/// Maximum number of rows of a table: more are not read, and a page must not grow without bound.
 pub(super) const MOST_ROWS: usize = 500;
 
-/// Findings about the files, with what to do.
+/// Writes the diagnostics of the files, with advice.
 pub(super) fn diagnostics(out: &mut Markup, all: &[Finding]) {
     if all.is_empty() {
         return;
@@ -37,7 +37,7 @@ pub(super) fn diagnostics(out: &mut Markup, all: &[Finding]) {
     }
 }
 
-/// The files that it comes from, and `by` what.
+/// Writes the input files of the result; `by` names what produced it.
 pub(super) fn origin(out: &mut Markup, inputs: &[Input], by: &str) {
     const NOTE: &str = "Hash: first 12 digits of the SHA-256 of the length of the file (8 bytes, the lowest first) and its bytes, as in the head of a \
                         machine file.";

@@ -1,12 +1,12 @@
-//! The page about where a correction is looked up: limit cycle and virtual hysteresis under scale compensation, what is left of them under
-//! set-point compensation (Spaan 1995, Figs. 6.4–6.8).
+//! Page about the place of the table look-up: limit cycle and virtual hysteresis under scale compensation, and their residuals under set-point compensation
+//! (Spaan 1995, Figs. 6.4–6.8).
 
 use super::{figure, page, pictures};
 use crate::markup::Markup;
 use crate::plot::{Chart, Series, Shape};
 use ncfix_tables::realtime::stability::{AxisTrace, RestCurve, StabilityResult};
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn stability(data: &StabilityResult) -> String {
     page("Scale compensation and set-point compensation", |out| {

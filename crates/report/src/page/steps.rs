@@ -1,4 +1,4 @@
-//! The page about steps: how long the pieces of a move may be, and what they leave.
+//! Page about steps: permitted length of the pieces of a move, and the resulting residual.
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures, strip, table};
@@ -7,7 +7,7 @@ use crate::number::micrometers;
 use crate::residual::Residual;
 use crate::steps::{StepReport, three_digits};
 
-/// The page, and which files it comes from.
+/// Returns the page with its input files.
 #[must_use]
 pub fn steps(report: &StepReport, inputs: &[Input]) -> String {
     page(&format!("Steps on {}", report.machine), |out| {

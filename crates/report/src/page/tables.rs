@@ -1,4 +1,4 @@
-//! The page about compensation tables: what they leave over the volume, and what each of them adds.
+//! Page about compensation tables: their residual over the volume, and the contribution of each.
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures, strip, table};
@@ -6,10 +6,10 @@ use crate::inputs::Input;
 use crate::markup::Markup;
 use crate::number::{grouped, micrometers, significant};
 use crate::plot::{Chart, Histogram};
-use crate::tables::TablesReport;
+use crate::tables::{TablesReport, key};
 use ncfix_tables::results::result::TablesCheck;
 
-/// The page; `charts` are the pictures of the tables.
+/// Returns the page; `charts` are the pictures of the tables.
 #[must_use]
 pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[Input]) -> String {
     let machine = if report.found.machine.is_empty() { "a control" } else { &report.found.machine };
@@ -97,7 +97,7 @@ fn differences(out: &mut Markup, report: &TablesReport) {
         .iter()
         .map(|one| {
             let [rms, max] = [one.rms, one.max].map(significant);
-            Row { class: "", cells: vec![one.axis.clone(), rms, max, one.unit.word().to_owned()] }
+            Row { class: "", cells: vec![one.axis.clone(), rms, max, key(one.unit).to_owned()] }
         })
         .collect();
     table(out, &columns(["axis", "#RMS", "#largest", "unit"]), &rows, "", MOST_ROWS);

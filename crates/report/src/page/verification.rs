@@ -1,4 +1,4 @@
-//! The page about a verification: the errors of a program before and after its correction, along the path.
+//! Page of a verification: errors of a program before and after its correction, along the path.
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures, strip, table};
@@ -8,7 +8,7 @@ use crate::number::{duration, grouped, micrometers};
 use crate::plot::{Chart, Histogram, Series, Shape};
 use crate::verification::Verification;
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn verification(found: &Verification) -> String {
     let [original, corrected] = &found.files;
@@ -71,7 +71,7 @@ pub fn verification(found: &Verification) -> String {
     })
 }
 
-/// What the axes make of both programs.
+/// Writes the behavior of both programs at feed.
 fn at_feed(out: &mut Markup, pair: &[AtFeed; 2]) {
     let rows: Vec<Row> = pair
         .iter()
@@ -91,7 +91,7 @@ fn at_feed(out: &mut Markup, pair: &[AtFeed; 2]) {
     table(out, &columns(["program", "#RMS", "#max", "furthest off at", "#time"]), &rows, note, MOST_ROWS);
 }
 
-/// Errors before (0) and after (1) over the length of the path.
+/// Draws errors before (0) and after (1) over the length of the path.
 fn over_path(found: &Verification, which: &[usize], title: &str) -> Chart {
     const LABELS: [&str; 2] = ["original", "corrected"];
     let series = which.iter().filter_map(|&k| {

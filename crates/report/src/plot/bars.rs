@@ -8,41 +8,41 @@ use super::{Picture, WIDTH, color, shortened};
 use crate::markup::Markup;
 use crate::scale::Log;
 
-/// Where bars begin and end.
+/// Margins around the bars.
 const LEFT: f64 = 170.0;
 const RIGHT: f64 = 24.0;
 const TOP: f64 = 32.0;
 const BOTTOM: f64 = 44.0;
 /// Height of a bar with its gap.
 const STEP: f64 = 18.0;
-/// Bars at most; the others are counted.
+/// Maximum number of bars; the others are counted.
 const MOST_BARS: usize = 120;
 
-/// Bars.
+/// Bar chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bars {
-    /// What they show.
+    /// Title.
     pub title: String,
     /// Title of the axis, with its unit.
     pub across: String,
-    /// From top to bottom.
+    /// Bars from top to bottom.
     pub bars: Vec<Bar>,
-    /// Whether the axis is logarithmic, from 1 on.
+    /// True if the axis is logarithmic, beginning at 1.
     pub is_logarithmic: bool,
 }
 
-/// One of them.
+/// Bar.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bar {
-    /// Its name.
+    /// Name.
     pub label: String,
-    /// Its length; not drawn where it is no number.
+    /// Length; not drawn if it is not a number.
     pub value: f64,
-    /// Half of the length of its error bar; 0 for none.
+    /// Half the length of its error bar; 0 for none.
     pub error: f64,
 }
 
-/// Either kind of axis.
+/// Linear or logarithmic axis.
 enum Axis {
     Linear(Scale),
     Logarithmic(Log),

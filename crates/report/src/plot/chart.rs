@@ -8,54 +8,54 @@ use super::ticks::Scale;
 use super::{Picture, WIDTH, color, dash};
 use crate::markup::Markup;
 
-/// Points that are drawn one by one, in a picture together.
+/// Maximum number of points in a picture that are drawn individually.
 const MOST_POINTS: usize = 3000;
-/// The same where a page has many pictures.
+/// Maximum number of individual points on a page with many pictures.
 const SPARING: usize = 2000;
-/// Points beyond the quartiles by this many times their distance are far from the others.
+/// Multiple of the quartile distance beyond the quartiles from which points are outliers.
 const FAR: f64 = 5.0;
-/// With less points none is far.
+/// Number of points below which none is an outlier.
 const FEW: usize = 20;
-/// Half of the size of a marker.
+/// Half the size of a marker.
 const HALF: f64 = 2.2;
 
-/// Values over an axis.
+/// Chart of values over an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
-    /// What it shows.
+    /// Title.
     pub title: String,
-    /// Title of the axis across, with its unit.
+    /// Title of the horizontal axis, with its unit.
     pub across: String,
-    /// Title of the axis up, with its unit.
+    /// Title of the vertical axis, with its unit.
     pub up: String,
-    /// What is drawn.
+    /// Series.
     pub series: Vec<Series>,
-    /// Levels across the whole picture.
+    /// Horizontal lines across the whole picture.
     pub levels: Vec<Line>,
-    /// Whether 0 is in the middle of the axis up.
+    /// True if 0 is in the middle of the vertical axis.
     pub is_balanced: bool,
-    /// Whether points that are far from the others are drawn at the edge, so that one wrong value does not hide what the others say.
+    /// True if outliers are drawn at the edge, so that one wrong value does not hide the others.
     pub is_clipped: bool,
-    /// Whether it is one of many on its page: markers are dots, and columns take their place earlier.
+    /// True if it is one of many on its page: markers are dots, and columns replace them earlier.
     pub is_sparing: bool,
 }
 
-/// Points that belong together.
+/// Series of points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
-    /// Its name; without one it is not in the legend.
+    /// Name; without one it is not in the legend.
     pub label: String,
-    /// Across and up; points that are no numbers are left out.
+    /// Horizontal and vertical values; points that are not numbers are omitted.
     pub points: Vec<(f64, f64)>,
     /// Half the length of the error bar of each point; may be empty.
     pub errors: Vec<f64>,
-    /// How it is drawn.
+    /// Shape.
     pub shape: Shape,
-    /// The number of the series whose color it has: a line through its points, which stands out from them.
+    /// Number of the series whose color it shares: a line through its points, which stands out from them.
     pub like: Option<usize>,
 }
 
-/// How points are drawn.
+/// Shape in which points are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shape {
     /// A marker for each.
@@ -65,17 +65,17 @@ pub enum Shape {
     Line,
 }
 
-/// A level.
+/// Horizontal line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
-    /// Its height.
+    /// Height.
     pub value: f64,
-    /// Its name.
+    /// Name.
     pub label: String,
 }
 
 impl Chart {
-    /// The frame that holds all points, error bars and levels.
+    /// Returns the frame that contains all points, error bars and lines.
     fn frame(&self) -> PlotFrame {
         let points = || self.series.iter().flat_map(|series| &series.points);
         let across = Scale::around(points().map(|point| point.0), 8);
@@ -91,7 +91,7 @@ impl Chart {
         PlotFrame::new(across, up, self.height())
     }
 
-    /// Between which values points are not far from the others.
+    /// Returns the range outside which points are outliers.
     fn fence(&self) -> Option<[f64; 2]> {
         let all = self.series.iter().flat_map(|series| &series.points).map(|point| point.1);
         let mut sorted: Vec<f64> = all.filter(|value| value.is_finite()).collect();
@@ -101,7 +101,7 @@ impl Chart {
         (sorted.len() >= FEW && far > 0.0).then_some([first - far, third + far])
     }
 
-    /// The paths of a series: filled or stroked shapes, thin lines, and dots.
+    /// Returns the paths of a series: filled or stroked shapes, thin lines, and dots.
     fn paths(&self, number: usize, series: &Series, frame: &PlotFrame, is_dense: bool) -> [String; 3] {
         let [mut shapes, mut lines, mut dots] = [String::new(), String::new(), String::new()];
         let points = || series.points.iter().copied().filter(|point| point.0.is_finite() && point.1.is_finite());
@@ -121,7 +121,7 @@ impl Chart {
             Shape::Markers => points().for_each(|(x, y)| {
                 let [at, up] = [frame.x(x), frame.y(y)];
                 match frame.beyond(y) {
-                    // A triangle that points to where the value is.
+                    // A triangle that points towards the value.
                     beyond if beyond > 0.0 => shapes.push_str(&format!("M{at:.1} {:.1}l5 9h-10z", up - 6.0)),
                     beyond if beyond < 0.0 => shapes.push_str(&format!("M{at:.1} {:.1}l5-9h-10z", up + 6.0)),
                     _ if self.is_sparing => {
@@ -200,7 +200,7 @@ impl Picture for Chart {
                     out.empty("path", &[("stroke", &"none"), ("fill-opacity", &"0.75"), ("d", &shapes)]);
                 }
                 if !dots.is_empty() {
-                    // A dot is a line without a length: its caps are what is seen.
+                    // A dot is a line without length: only its caps are visible.
                     let cap = if number.is_multiple_of(2) { "round" } else { "square" };
                     out.empty(
                         "path",
@@ -249,7 +249,7 @@ impl Picture for Chart {
     }
 }
 
-/// A marker as a piece of a path: round, square, triangle, diamond, standing and lying bar.
+/// Returns a marker as part of a path: circle, square, triangle, diamond, vertical and horizontal bar.
 fn marker(number: usize, x: f64, y: f64) -> String {
     let (s, d) = (HALF, 2.0 * HALF);
     match number % 6 {

@@ -1,22 +1,22 @@
-//! Many points in few columns: what a picture can show of a million of them.
+//! Reduction of many points to few columns: the visible part of a million points.
 
-/// The points of one column of pixels.
+/// Points of one pixel column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelSpan {
-    /// The first of them.
+    /// First value.
     pub first: f64,
-    /// The last of them.
+    /// Last value.
     pub last: f64,
-    /// The smallest.
+    /// Smallest value.
     pub low: f64,
-    /// The largest.
+    /// Largest value.
     pub high: f64,
-    /// How many there are.
+    /// Number of points.
     pub count: usize,
 }
 
-/// The smallest and largest value in each of `columns` columns; `None` where a column has none. A place is 0 at the left end and 1 at the right
-/// one; points beyond, and those that are no number, are left out.
+/// Returns the range of values in each of `columns` columns; `None` if a column has none. A place is 0 at the left end and 1 at the right one. Points beyond,
+/// and those that are not numbers, are omitted.
 #[must_use]
 pub fn spans(points: impl IntoIterator<Item = (f64, f64)>, columns: usize) -> Vec<Option<PixelSpan>> {
     let mut out: Vec<Option<PixelSpan>> = vec![None; columns];

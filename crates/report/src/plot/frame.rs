@@ -1,4 +1,4 @@
-//! The frame of a picture with two axes: grid, marks with their numbers, titles, legend.
+//! Frame of a picture with two axes: grid, tick marks with their numbers, titles, legend.
 
 use super::ticks::Scale;
 use super::{WIDTH, color, shortened};
@@ -9,14 +9,14 @@ const LEFT: f64 = 66.0;
 const RIGHT: f64 = 40.0;
 const TOP: f64 = 54.0;
 const BOTTOM: f64 = 46.0;
-/// How far the base of a text is below its middle.
+/// Distance of the baseline of a text below its middle.
 pub(super) const HALF_LETTER: f64 = 4.0;
-/// Width of a letter, roughly.
+/// Approximate width of a letter.
 const LETTER: f64 = 7.2;
-/// Entries of a legend at most.
+/// Maximum number of legend entries.
 const MOST_ENTRIES: usize = 8;
 
-/// Where values are drawn.
+/// Area in which values are drawn.
 #[derive(Clone, Debug)]
 pub(super) struct PlotFrame {
     pub(super) across: Scale,
@@ -29,22 +29,22 @@ impl PlotFrame {
         PlotFrame { across, up, height }
     }
 
-    /// Place of a value across.
+    /// Returns the horizontal position of a value.
     pub(super) fn x(&self, value: f64) -> f64 {
         LEFT + self.across.share(value) * (WIDTH - LEFT - RIGHT)
     }
 
-    /// Height of a value, within the frame.
+    /// Returns the vertical position of a value, within the frame.
     pub(super) fn y(&self, value: f64) -> f64 {
         self.height - BOTTOM - self.up.share(value).clamp(0.0, 1.0) * (self.height - TOP - BOTTOM)
     }
 
-    /// A name beside a height, right of the frame.
+    /// Writes a name to the right of the frame at a height.
     pub(super) fn beside(&self, out: &mut Markup, value: f64, label: &str) {
         text(out, [WIDTH - RIGHT + 4.0, self.y(value) + HALF_LETTER], "start", label);
     }
 
-    /// On which side of the frame a value is: 1 above, −1 below, 0 inside.
+    /// Returns the side of the frame on which a value is: 1 above, −1 below, 0 inside.
     pub(super) fn beyond(&self, value: f64) -> f64 {
         match self.up.share(value) {
             share if share > 1.0 + 1e-9 => 1.0,
@@ -53,13 +53,13 @@ impl PlotFrame {
         }
     }
 
-    /// Columns of pixels.
+    /// Returns the number of pixel columns.
     pub(super) fn columns(&self) -> usize {
         // A small number.
         ((WIDTH - LEFT - RIGHT) / 1.25) as usize
     }
 
-    /// Grid, numbers and titles.
+    /// Draws grid, numbers and titles.
     pub(super) fn draw(&self, out: &mut Markup, title: &str, across: &str, up: &str) {
         let (bottom, right) = (self.height - BOTTOM, WIDTH - RIGHT);
         let mut grid = String::new();
@@ -86,18 +86,18 @@ impl PlotFrame {
     }
 }
 
-/// The title of a picture.
+/// Writes the title of a picture.
 pub(super) fn heading(out: &mut Markup, title: &str) {
     let title = shortened(title, 62);
     out.leaf("text", &[("x", &"10"), ("y", &"18"), ("font-size", &"14"), ("font-weight", &"600")], title);
 }
 
-/// A text at a place.
+/// Writes a text at a place.
 pub(super) fn text(out: &mut Markup, [x, y]: [f64; 2], anchor: &str, text: &str) {
     out.leaf("text", &[("x", &format_args!("{x:.1}")), ("y", &format_args!("{y:.1}")), ("text-anchor", &anchor)], text);
 }
 
-/// One line with what each color means; `sample` draws what stands for an entry at a place.
+/// Writes the legend in one line; `sample` draws the sample of an entry at a place.
 pub(super) fn legend(out: &mut Markup, labels: &[&str], sample: impl Fn(&mut Markup, usize, [f64; 2])) {
     let named: Vec<(usize, String)> = labels
         .iter()

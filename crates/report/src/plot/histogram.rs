@@ -1,4 +1,4 @@
-//! How often values occur, with the normal curve of an expected standard deviation.
+//! Histogram of values, with the normal curve of an expected standard deviation.
 
 use std::fmt::Write as _;
 
@@ -7,29 +7,28 @@ use super::ticks::Scale;
 use super::{Picture, WIDTH, color};
 use crate::markup::Markup;
 
-/// Bins at most and at least.
+/// Maximum and minimum number of bins.
 const MOST_BINS: usize = 60;
 const FEWEST_BINS: usize = 7;
-/// Values beyond this many times the quartile distance from the quartiles are counted, not drawn: one wrong row must not squeeze the rest
-/// into one bin.
+/// Multiple of the quartile distance beyond the quartiles from which values are counted, not drawn: one wrong row must not squeeze the rest into one bin.
 const FAR: f64 = 4.0;
 
-/// A histogram.
+/// Histogram.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Histogram {
-    /// What it shows.
+    /// Title.
     pub title: String,
     /// Title of the axis, with its unit.
     pub across: String,
-    /// What is counted: `readings`.
+    /// Counted items: `readings`.
     pub counted: &'static str,
-    /// The values; those that are no numbers are left out.
+    /// Values; those that are not numbers are omitted.
     pub values: Vec<f64>,
-    /// The standard deviation of the curve; none without it.
+    /// Standard deviation of the curve; no curve if `None`.
     pub sigma: Option<f64>,
 }
 
-/// What is drawn.
+/// Bins that are drawn.
 #[derive(Clone, Debug, PartialEq)]
 struct Bins {
     low: f64,
@@ -39,7 +38,7 @@ struct Bins {
 }
 
 impl Histogram {
-    /// Bins by the rule of Freedman and Diaconis: 2 · quartile distance / ∛n wide.
+    /// Returns bins by the rule of Freedman and Diaconis: width 2 · quartile distance / ∛n.
     fn bins(&self) -> Bins {
         let mut sorted: Vec<f64> = self.values.iter().copied().filter(|value| value.is_finite()).collect();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -54,7 +53,7 @@ impl Histogram {
         let range = if high > low { high - low } else { low.abs().max(1e-9) };
         let wanted = 2.0 * between / (near.len() as f64).cbrt();
         let count = if wanted > 0.0 { (range / wanted).ceil() } else { 0.0 };
-        // Small by the limits; what is too large for them saturates.
+        // Small because of the limits; larger numbers saturate.
         let count = (count as usize).clamp(FEWEST_BINS, MOST_BINS);
         let width = range / count as f64;
         let mut counts = vec![0; count];
@@ -86,7 +85,7 @@ impl Picture for Histogram {
         // Expected count of a bin at the top of the curve: n · w / (σ √(2π)).
         let top = sigma.map_or(0.0, |sigma| total as f64 * bins.width / (sigma * std::f64::consts::TAU.sqrt()));
         let most = bins.counts.iter().copied().max().unwrap_or(1) as f64;
-        // A curve much narrower than the bins would be all that there is to see.
+        // A curve much narrower than the bins would dominate the picture.
         let across = Scale::around([bins.low, high], 8);
         let frame = PlotFrame::new(across, Scale::around([0.0, most, top.min(2.0 * most)], 5), self.height());
         frame.draw(out, &self.title, &self.across, self.counted);

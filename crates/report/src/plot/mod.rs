@@ -1,9 +1,9 @@
-//! Pictures of plain data as SVG: points and lines over an axis, bars, histograms, traces of a ball-bar.
+//! Pictures of plain data as SVG: points and lines over an axis, bars, histograms, ball-bar traces.
 //!
-//! A picture is a value with public fields that draws itself: into a page with [`Picture::draw`], or as a file of its own with
-//! [`Picture::svg`]. A million points become what the columns of pixels can show, so that no picture outgrows some ten kilobytes. Colors are
-//! those of Okabe and Ito, which people with any color vision can tell; markers and dashes differ besides. In a page the colors follow the
-//! light or dark scheme by variables of [`STYLE`]; what knows no variables sees the light ones.
+//! A picture is a value with public fields that draws itself: into a page with [`Picture::draw`], or as a separate file with [`Picture::svg`]. A million
+//! points are reduced to what the pixel columns can show, so no picture exceeds about ten kilobytes. Colors are those of Okabe and Ito, which are
+//! distinguishable with any color vision; markers and dashes also differ. In a page the colors follow the light or dark scheme by variables of [`STYLE`]; a
+//! viewer without variables shows the light ones.
 
 mod bars;
 mod chart;
@@ -28,10 +28,10 @@ pub const WIDTH: f64 = 600.0;
 /// Colors of series on white paper.
 const COLORS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#b0508a", "#a67c00", "#4a5568"];
 
-/// Dashes of lines: their number shares no divisor with that of the colors, so that thirty lines differ.
+/// Dashes of lines. Their number and that of the colors have no common divisor, so thirty lines differ.
 const DASHES: [&str; 5] = ["none", "6 3", "2 3", "9 3 2 3", "1 4"];
 
-/// The rules of style that pictures need, for a page or a file.
+/// Style rules that pictures need, for a page or a file.
 pub const STYLE: &str = "\
 :root{color-scheme:light dark;--paper:#fff;--ink:#1b1f24;--soft:#59636e;--grid:#dde2e7;--bad:#b3261e;\
 --s0:#0072b2;--s1:#d55e00;--s2:#009e73;--s3:#b0508a;--s4:#a67c00;--s5:#4a5568}\n\
@@ -44,23 +44,23 @@ pub const STYLE: &str = "\
 .plot .s0{fill:var(--s0);stroke:var(--s0)}.plot .s1{fill:var(--s1);stroke:var(--s1)}.plot .s2{fill:var(--s2);stroke:var(--s2)}\
 .plot .s3{fill:var(--s3);stroke:var(--s3)}.plot .s4{fill:var(--s4);stroke:var(--s4)}.plot .s5{fill:var(--s5);stroke:var(--s5)}\n";
 
-/// Something that draws itself.
+/// Picture that draws itself.
 pub trait Picture {
-    /// What it shows, in a few words.
+    /// Returns a short title.
     fn title(&self) -> &str;
 
-    /// Its height in the units of [`WIDTH`].
+    /// Returns its height in the units of [`WIDTH`].
     fn height(&self) -> f64;
 
-    /// Draws what is inside, within [`WIDTH`] and the height.
+    /// Draws the content, within [`WIDTH`] and the height.
     fn inside(&self, out: &mut Markup);
 
-    /// Draws it as an element of a page whose style has [`STYLE`].
+    /// Draws it as an element of a page whose style contains [`STYLE`].
     fn draw(&self, out: &mut Markup) {
         drawing(self, out, false);
     }
 
-    /// The text of a file of its own.
+    /// Returns the text of a separate file.
     fn svg(&self) -> String {
         let mut out = Markup::new();
         drawing(self, &mut out, true);
@@ -98,7 +98,7 @@ fn drawing<P: Picture + ?Sized>(picture: &P, out: &mut Markup, is_alone: bool) {
     );
 }
 
-/// A text that is no longer than `most` characters.
+/// Shortens a text to at most `most` characters.
 fn shortened(text: &str, most: usize) -> String {
     if text.chars().count() <= most {
         return text.to_owned();
@@ -106,13 +106,13 @@ fn shortened(text: &str, most: usize) -> String {
     text.chars().take(most.saturating_sub(1)).chain(['…']).collect()
 }
 
-/// The class and the color of the series of a number.
+/// Returns class and color of the series with this number.
 fn color(number: usize) -> (String, &'static str) {
     let which = number % COLORS.len();
     (format!("s{which}"), COLORS.get(which).copied().unwrap_or("#000"))
 }
 
-/// The dashes of the line of a number.
+/// Returns the dashes of the line with this number.
 fn dash(number: usize) -> &'static str {
     DASHES.get(number % DASHES.len()).copied().unwrap_or("none")
 }

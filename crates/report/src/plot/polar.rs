@@ -1,4 +1,4 @@
-//! Traces of a ball-bar about the nominal circle, with the deviations exaggerated.
+//! Ball-bar traces about the nominal circle, with magnified deviations.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -9,43 +9,43 @@ use super::ticks::round_step;
 use super::{Picture, WIDTH, color, dash};
 use crate::markup::Markup;
 
-/// Size and place of the nominal circle.
+/// Height of the picture, and center and radius of the nominal circle.
 const HEIGHT: f64 = 470.0;
 const CENTER: [f64; 2] = [WIDTH / 2.0, 260.0];
 const RADIUS: f64 = 130.0;
-/// Deviations of this many divisions reach the edge.
+/// Number of divisions up to the edge.
 const DIVISIONS: f64 = 4.0;
 /// Length of a division.
 const DIVISION: f64 = 15.0;
-/// Directions of a trace that a picture can show.
+/// Number of directions that a picture can resolve.
 const DIRECTIONS: usize = 720;
 
-/// Traces.
+/// Polar chart of traces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polar {
-    /// What they show.
+    /// Title.
     pub title: String,
-    /// What lies across at angle 0, and up at 90°.
+    /// Names of the directions at angle 0 and at 90°.
     pub axes: [String; 2],
-    /// The unit of the deviations.
+    /// Unit of the deviations.
     pub unit: String,
-    /// The nominal radius, mm, for the exaggeration.
+    /// Nominal radius, mm, for the magnification.
     pub radius_mm: f64,
-    /// What is drawn.
+    /// Traces.
     pub traces: Vec<Trace>,
 }
 
-/// One of them.
+/// Trace.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
-    /// Its name.
+    /// Name.
     pub label: String,
-    /// Angles, rad, and deviations of the radius, µm, in the order of time.
+    /// Angles, rad, and deviations of the radius, µm, in order of time.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Polar {
-    /// How large a division is.
+    /// Returns the size of a division.
     #[must_use]
     pub fn division(&self) -> f64 {
         let points = self.traces.iter().flat_map(|trace| &trace.points);
@@ -127,7 +127,7 @@ fn circle(out: &mut Markup, radius: f64) {
     out.empty("circle", &[("cx", &x), ("cy", &y), ("r", &radius)]);
 }
 
-/// The path of a trace. One of many points becomes its extremes in every direction.
+/// Returns the path of a trace. A trace with many points is reduced to its extremes in every direction.
 fn path(points: &[(f64, f64)], place: impl Fn(f64, f64) -> [f64; 2]) -> String {
     let mut out = String::new();
     let mut add = |angle: f64, deviation: f64, is_first: bool| {

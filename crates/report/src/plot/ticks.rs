@@ -1,11 +1,11 @@
-//! The linear axis of a picture: a range that begins and ends at round numbers, and marks at 1, 2 or 5 times a power of ten.
+//! Linear axis of a picture: a range between round numbers, and tick marks at 1, 2 or 5 times a power of ten.
 
-/// Values beyond this are drawn as if they were there: differences of them must stay finite.
+/// Largest magnitude; values beyond it are drawn at it, as their differences must stay finite.
 const LARGEST: f64 = 1e300;
-/// More marks than this are never drawn.
+/// Maximum number of marks.
 const MOST_MARKS: usize = 100;
 
-/// A range of values and its marks.
+/// Range of values with its marks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     low: f64,
@@ -14,7 +14,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// From the smallest to the largest of the values with about `marks` marks, ends at marks; 0 to 1 where no value is finite.
+    /// Creates a scale from the smallest to the largest value with about `marks` marks, ends at marks; 0 to 1 if no value is finite.
     #[must_use]
     pub fn around(values: impl IntoIterator<Item = f64>, marks: usize) -> Scale {
         let all = values.into_iter().filter(|value| value.is_finite()).map(|value| value.clamp(-LARGEST, LARGEST));
@@ -24,7 +24,7 @@ impl Scale {
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        // One value has room around it, also one so large that its neighbours are far.
+        // A single value gets a margin, even one so large that the next representable number is far away.
         let least = (low.abs().max(high.abs()) * 1e-12).max(1e-12);
         if high - low < least {
             let half = if low == 0.0 { 0.5 } else { low.abs() * 0.1 };
@@ -34,7 +34,7 @@ impl Scale {
         Scale { low: (low / step + 1e-9).floor() * step, high: (high / step - 1e-9).ceil() * step, step }
     }
 
-    /// The same with 0 in its middle.
+    /// Creates a scale with 0 in its middle.
     #[must_use]
     pub fn balanced(values: impl IntoIterator<Item = f64>, marks: usize) -> Scale {
         let all = values.into_iter().filter(|value| value.is_finite());
@@ -42,37 +42,37 @@ impl Scale {
         Scale::around([-most, most], marks)
     }
 
-    /// The ends.
+    /// Returns the ends.
     #[must_use]
     pub fn ends(&self) -> [f64; 2] {
         [self.low, self.high]
     }
 
-    /// The distance of marks.
+    /// Returns the distance between marks.
     #[must_use]
     pub fn step(&self) -> f64 {
         self.step
     }
 
-    /// Where a value lies: 0 at the low end, 1 at the high one.
+    /// Returns the place of a value: 0 at the low end, 1 at the high one.
     #[must_use]
     pub fn share(&self, value: f64) -> f64 {
         (value - self.low) / (self.high - self.low)
     }
 
-    /// The marks from the low end to the high one.
+    /// Returns the marks from the low end to the high one.
     pub fn marks(&self) -> impl Iterator<Item = f64> + use<> {
         let Scale { low, high, step } = *self;
         let first = (low / step - 1e-6).ceil();
         (0..MOST_MARKS).map(move |k| (first + k as f64) * step).take_while(move |mark| *mark <= high + 1e-6 * step)
     }
 
-    /// A mark with as many decimals as its distance to the next needs.
+    /// Formats a mark with the number of decimals that its distance to the next needs.
     #[must_use]
     pub fn label(&self, mark: f64) -> String {
         // The range of exponents of a double is small.
         let exponent = (self.step.log10() + 1e-9).floor() as i32;
-        // No minus in front of a zero.
+        // No minus sign before a zero.
         let mark = if mark.abs() < self.step * 1e-6 { 0.0 } else { mark };
         let text = match exponent {
             ..=-5 | 7.. => format!("{mark:.1e}"),
@@ -83,7 +83,7 @@ impl Scale {
     }
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that is no smaller than `least`.
+/// Returns the smallest of 1, 2, 5 times a power of ten that is not below `least`.
 #[must_use]
 pub fn round_step(least: f64) -> f64 {
     if !(least > 0.0 && least.is_finite()) {

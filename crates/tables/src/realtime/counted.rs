@@ -1,4 +1,4 @@
-//! What is counted while set-points are answered.
+//! Statistics of answered set-points.
 
 use std::time::{Duration, Instant};
 
@@ -6,14 +6,14 @@ use super::cycle::{Answer, Cycle, Signals};
 use super::histogram::LatencyHistogram;
 use ncfix_base::geometry::AxisVector;
 
-/// Set-points that were answered, by signals, and how long each took.
+/// Answered set-points by status bits, and their durations.
 #[derive(Clone, Debug, Default)]
 pub struct CycleCounts {
-    /// Set-points.
+    /// Number of set-points.
     pub set_points: u64,
-    /// Of them with each signal, in the order of [`Signals::NAMED`].
+    /// Number of set-points with each status bit, in the order of [`Signals::NAMED`].
     pub by_signal: [u64; Signals::NAMED.len()],
-    /// How long they took.
+    /// Durations.
     pub times: Box<LatencyHistogram>,
 }
 
@@ -26,7 +26,7 @@ impl CycleCounts {
         answer
     }
 
-    /// Counts an answer that took `time`.
+    /// Counts an answer with the duration `time`.
     pub fn note(&mut self, signals: Signals, time: Duration) {
         self.times.note(time);
         self.set_points += 1;

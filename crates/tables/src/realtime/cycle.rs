@@ -1,27 +1,27 @@
-//! The cycle: one set-point in, one correction out. It allocates nothing, waits for nothing and takes the same time whatever comes in.
+//! The cycle: one set-point in, one correction out. It does not allocate or wait, and its duration does not depend on the input.
 
 use super::dosing::Dosing;
 use super::sense::Senses;
 use super::update::Subscriber;
 use ncfix_base::geometry::AxisVector;
 
-/// What is to be known of an answer beside the correction: bits, as the ring passes them on.
+/// Status bits of an answer, as the ring transmits them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Signals(pub u64);
 
 impl Signals {
-    /// A set-point was no number, or an infinite one: the correction is that of the cycle before.
+    /// A set-point was not finite: the correction is that of the previous cycle.
     pub const HELD: Signals = Signals(1);
-    /// An axis was beyond the end of its travel: the correction is that of the end.
+    /// An axis was beyond its travel: the correction is that of the limit.
     pub const BEYOND: Signals = Signals(2);
-    /// The correction has not got to the one that is wanted: it is dosed.
+    /// The correction has not reached its target value: it is rate-limited.
     pub const DOSED: Signals = Signals(4);
-    /// No command brings the tip to its place: the correction is that of the cycle before.
+    /// No command brings the tip to its place: the correction is that of the previous cycle.
     pub const UNSOLVED: Signals = Signals(8);
-    /// A new kernel was taken over in this cycle.
+    /// A new kernel was installed in this cycle.
     pub const RENEWED: Signals = Signals(16);
 
-    /// All of them with their names.
+    /// All status bits with their names.
     pub const NAMED: [(Signals, &str); 5] = [
         (Signals::HELD, "held"),
         (Signals::BEYOND, "beyond"),
@@ -30,14 +30,14 @@ impl Signals {
         (Signals::RENEWED, "renewed"),
     ];
 
-    /// `beyond dosed`: the names of those that are set.
+    /// `beyond dosed`: the names of the set bits.
     #[must_use]
     pub fn words(self) -> String {
         let set = Signals::NAMED.into_iter().filter(|&(signal, _)| self.has(signal));
         set.map(|(_, word)| word).collect::<Vec<_>>().join(" ")
     }
 
-    /// Whether all bits of the other are set.
+    /// `true` if all bits of `other` are set.
     #[must_use]
     pub fn has(self, other: Signals) -> bool {
         self.0 & other.0 == other.0
@@ -53,13 +53,13 @@ impl Signals {
 /// The answer to a set-point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answer {
-    /// What is added to the set-point, mm and rad.
+    /// Correction to add to the set-point, mm and rad.
     pub correction: AxisVector,
-    /// How it came about.
+    /// Status bits.
     pub signals: Signals,
 }
 
-/// What a control calls once in every cycle.
+/// The function that a control calls once per cycle.
 #[derive(Debug)]
 pub struct Cycle {
     kernels: Subscriber,
@@ -68,13 +68,13 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// A cycle. An axis that comes back by more than `band_mm` or `band_rad` has reversed: the increments of the control.
+    /// Creates a cycle. An axis that returns by more than `band_mm` or `band_rad` has reversed; use the increments of the control.
     #[must_use]
     pub fn new(kernels: Subscriber, dosing: Dosing, band_mm: f64, band_rad: f64) -> Cycle {
         Cycle { kernels, dosing, senses: Senses::new(band_mm, band_rad) }
     }
 
-    /// The correction for the uncompensated set-point of all axes, mm and rad; axes that the machine lacks do not count.
+    /// The correction for the uncompensated set-point of all axes, mm and rad; axes that the machine lacks are ignored.
     pub fn step(&mut self, set_point: &AxisVector) -> Answer {
         let mut signals = Signals::default();
         let (kernel, is_new) = self.kernels.latest();
@@ -92,7 +92,7 @@ impl Cycle {
         Answer { correction: *self.dosing.in_force(), signals }
     }
 
-    /// Back to no correction and no sense of motion, as behind a reference run.
+    /// Resets to zero correction and unknown directions, as after a reference run.
     pub fn reset(&mut self) {
         self.dosing.reset();
         self.senses.reset();

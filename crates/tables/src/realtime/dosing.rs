@@ -1,8 +1,8 @@
-//! Dosing: the correction that is in force follows the one that is wanted by no more than a dose in a cycle (Spaan 1995, Fig. 6.8).
+//! Rate limit: the active correction follows its target by at most one dose per cycle (Spaan 1995, Fig. 6.8).
 
 use ncfix_base::geometry::{AXES, AxisSet, AxisVector};
 
-/// The correction in force, and how fast it may change.
+/// The active correction, and its rate limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dosing {
     dose_mm: f64,
@@ -11,25 +11,25 @@ pub struct Dosing {
 }
 
 impl Dosing {
-    /// Doses per cycle of linear axes, mm, and of rotary axes, rad; [`f64::INFINITY`] for none. The first correction starts from zero.
+    /// Doses per cycle of linear axes, mm, and of rotary axes, rad; [`f64::INFINITY`] for no limit. The first correction starts from zero.
     #[must_use]
     pub fn new(dose_mm: f64, dose_rad: f64) -> Dosing {
         Dosing { dose_mm, dose_rad, in_force: AxisVector::ZERO }
     }
 
-    /// The correction in force, mm and rad.
+    /// The active correction, mm and rad.
     #[must_use]
     pub fn in_force(&self) -> &AxisVector {
         &self.in_force
     }
 
-    /// Goes towards a correction; the axes that have not got there.
+    /// Moves towards a target correction. Returns the axes that have not reached it.
     pub(super) fn follow(&mut self, wanted: &AxisVector) -> AxisSet {
         let mut behind = AxisSet::EMPTY;
         for axis in AXES {
             let dose = if axis.is_rotary() { self.dose_rad } else { self.dose_mm };
             let change = wanted[axis] - self.in_force[axis];
-            // A last bit that the sums of doses left is no dose.
+            // A rounding error of accumulated doses does not count as a dose.
             if change.abs() <= dose * (1.0 + 1e-9) {
                 self.in_force[axis] = wanted[axis];
             } else {
@@ -40,7 +40,7 @@ impl Dosing {
         behind
     }
 
-    /// Back to no correction, as when an axis was referenced (Spaan 1995, Fig. 6.2, process 5).
+    /// Resets the correction to zero, as when an axis is referenced (Spaan 1995, Fig. 6.2, process 5).
     pub(super) fn reset(&mut self) {
         self.in_force = AxisVector::ZERO;
     }

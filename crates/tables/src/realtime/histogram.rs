@@ -1,16 +1,16 @@
-//! How long cycles took: counts in classes that are 3 % wide, in a fixed place.
+//! Cycle times: counts in bins 3 % wide, without heap allocation.
 //!
-//! Own code: `hdrhistogram` has classes of 6 % or 0.8 % and keeps them on the heap; those of the table that is printed are 3 % wide, and a note within the cycle
-//! is one shift and one addition.
+//! A separate implementation: `hdrhistogram` has bins of 6 % or 0.8 % on the heap. The bins of the printed table are 3 % wide, and recording a time
+//! within the cycle is one shift and one addition.
 
 use std::time::Duration;
 
-/// Classes in every doubling of the time.
+/// Bins per doubling of the time.
 const PER_DOUBLING: usize = 32;
 /// Doublings of [`PER_DOUBLING`] ns: up to 18 min.
 const DOUBLINGS: usize = 36;
 
-/// Counts of times. Noting one allocates nothing.
+/// Counts of times. Recording a time does not allocate.
 #[derive(Clone, Debug)]
 pub struct LatencyHistogram {
     counts: [u64; PER_DOUBLING * DOUBLINGS],
@@ -25,7 +25,7 @@ impl Default for LatencyHistogram {
 }
 
 impl LatencyHistogram {
-    /// Notes a time.
+    /// Records a time.
     pub fn note(&mut self, time: Duration) {
         let ns = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
         self.max_ns = self.max_ns.max(ns);
@@ -35,7 +35,7 @@ impl LatencyHistogram {
         }
     }
 
-    /// Times that were noted.
+    /// Number of recorded times.
     #[must_use]
     pub fn total(&self) -> u64 {
         self.total
@@ -47,7 +47,7 @@ impl LatencyHistogram {
         self.max_ns
     }
 
-    /// The time that a share of all did not exceed, ns: the upper end of its class, no more than the longest. 0 without any.
+    /// A quantile of the times, ns: the upper end of its bin, at most the longest time. 0 without any.
     #[must_use]
     pub fn quantile_ns(&self, share: f64) -> u64 {
         let wanted = (share * self.total as f64).ceil().max(1.0) as u64;
@@ -61,14 +61,14 @@ impl LatencyHistogram {
         self.max_ns
     }
 
-    /// The classes that have counts: from, to (exclusive), ns, and how many.
+    /// The non-empty bins: lower limit, upper limit (exclusive), ns, and count.
     pub fn classes(&self) -> impl Iterator<Item = (u64, u64, u64)> {
         let counted = self.counts.iter().enumerate().filter(|(_, count)| **count > 0);
         counted.map(|(class, &count)| (start_of(class), start_of(class + 1), count))
     }
 }
 
-/// The first [`PER_DOUBLING`] classes are single nanoseconds.
+/// The first [`PER_DOUBLING`] bins are single nanoseconds.
 fn class_of(ns: u64) -> usize {
     let base = PER_DOUBLING.trailing_zeros();
     let doubling = (63 - (ns | 1).leading_zeros()).saturating_sub(base - 1);
@@ -81,7 +81,7 @@ fn class_of(ns: u64) -> usize {
     shift as usize * PER_DOUBLING + within
 }
 
-/// Where a class begins, ns.
+/// Lower limit of a bin, ns.
 fn start_of(class: usize) -> u64 {
     if class < 2 * PER_DOUBLING {
         return class as u64;

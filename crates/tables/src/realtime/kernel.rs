@@ -10,36 +10,36 @@ pub const INTERVALS: usize = 200;
 /// Primes whose digits spread poses evenly over the travel (Halton's sequence).
 const BASES: [u32; AXIS_COUNT] = [2, 3, 5, 7, 11, 13, 17, 19, 23];
 
-/// Model, tool and ends of travel, as the cycle needs them.
+/// Model, tool and travel limits in the form for the cycle.
 #[derive(Clone, Debug)]
 pub struct Kernel {
     model: Model,
     tool_mm: Vector,
     mode: Solve,
     axes: AxisSet,
-    /// mm or rad, by slot; of an axis without ends everything.
+    /// mm or rad, by slot; infinite for an axis without limits.
     travel: [[f64; 2]; AXIS_COUNT],
 }
 
-/// How well a kernel agrees with the model that it was made from.
+/// Agreement of a kernel with its model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Agreement {
-    /// Poses that were compared.
+    /// Number of compared poses.
     pub poses: usize,
-    /// Largest distance between the tips that both corrections lead to, on the model itself, mm.
+    /// Largest distance between the tips for both corrections, on the model itself, mm.
     pub position_mm: f64,
     /// Largest angle between the directions of the tool, rad.
     pub direction_rad: f64,
-    /// Poses for which the model has a correction and the kernel has none: there it holds the last one.
+    /// Number of poses for which the model has a correction and the kernel has none: it then holds the last one.
     pub unequal: usize,
-    /// Poses for which the model has none.
+    /// Number of poses for which the model has no correction.
     pub unsolved: usize,
     /// Largest correction of a linear axis, mm.
     pub largest_mm: f64,
 }
 
 impl Kernel {
-    /// Prepares a model. `tool_mm` runs from the spindle gauge point to the tip, in F at the zero pose; the mode says whether rotary axes are
+    /// Prepares a model. `tool_mm` leads from the spindle gauge point to the tip, in F at the zero pose; the mode determines whether rotary axes are
     /// corrected too.
     #[must_use]
     pub fn new(machine: &Machine, model: &Model, tool_mm: &Vector, mode: Solve) -> Kernel {
@@ -59,20 +59,19 @@ impl Kernel {
         self.axes
     }
 
-    /// Functions of an axis that are evaluated one by one, because they depend on two axes, or bend too much for the intervals.
+    /// Number of functions of an axis that are evaluated directly, because they depend on two axes or bend too much for the intervals.
     #[must_use]
     pub fn direct_functions(&self, axis: Axis) -> usize {
         self.model.direct_functions(axis)
     }
 
-    /// What is added to a set-point, mm and rad, for the senses in which the axes moved last; `None` where no command brings the tip to its
-    /// place.
+    /// Correction to add to a set-point, mm and rad, for the last directions of motion; `None` if no command brings the tip to its place.
     #[must_use]
     pub fn correction(&self, set_point: &AxisVector, state: &State) -> Option<AxisVector> {
         Some(self.model.solve_in_cycle(set_point, &self.tool_mm, state, self.mode)? - *set_point)
     }
 
-    /// Takes a set-point back to the ends of the travel; which axes were beyond.
+    /// Clamps a set-point to the travel. Returns the axes that were beyond it.
     pub(super) fn clamp(&self, set_point: &mut AxisVector) -> AxisSet {
         let mut beyond = AxisSet::EMPTY;
         for axis in self.axes.iter() {
@@ -86,8 +85,8 @@ impl Kernel {
         beyond
     }
 
-    /// Holds the kernel against the iterated solution of the model that it was made from, at poses all over the travel and for both senses of
-    /// motion. Not for the cycle.
+    /// Compares the kernel with the iterated solution of its model, at poses over the whole travel and for both directions of motion. Not for use in
+    /// the cycle.
     #[must_use]
     pub fn agreement(&self, machine: &Machine, model: &Model, poses: usize) -> Agreement {
         let mut found = Agreement { poses, ..Agreement::default() };
@@ -113,7 +112,7 @@ impl Kernel {
         found
     }
 
-    /// A pose of Halton's sequence within the travel; axes without ends run over ±1000 mm or ±180°.
+    /// A pose of Halton's sequence within the travel; axes without limits use ±1000 mm or ±180°.
     fn pose(&self, number: usize) -> AxisVector {
         let mut pose = AxisVector::ZERO;
         for axis in self.axes.iter() {
@@ -126,7 +125,7 @@ impl Kernel {
     }
 }
 
-/// The digits of a number behind the point in reverse order.
+/// The radical inverse of a number: its digits in reverse order after the point.
 fn radical_inverse(mut number: usize, base: u32) -> f64 {
     let (mut value, mut weight) = (0.0, 1.0 / f64::from(base));
     while number > 0 {

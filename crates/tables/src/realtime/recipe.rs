@@ -1,4 +1,4 @@
-//! Makes kernels that may be used: what they correct is possible, bounded, and what the model says.
+//! Creates kernels that are safe to use: their corrections are possible, bounded, and agree with the model.
 
 use super::kernel::{Agreement, Kernel};
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -8,25 +8,25 @@ use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::Machine;
 use ncfix_model::{Model, Solve};
 
-/// Poses at which a kernel is held against its model.
+/// Number of poses for comparing a kernel with its model.
 const POSES: usize = 1000;
-/// More than a kernel may differ from its model without a word.
+/// Differences between kernel and model above which a diagnostic is reported.
 const LIMIT_UM: f64 = 0.5;
 const LIMIT_URAD: f64 = 5.0;
 
-/// How kernels are made.
+/// Settings for creating kernels.
 #[derive(Clone, Copy, Debug)]
 pub struct KernelRecipe {
-    /// From the spindle gauge point to the tip, mm.
+    /// Vector from the spindle gauge point to the tip, mm.
     pub tool_mm: Vector,
-    /// Whether rotary axes are corrected too.
+    /// Selects whether rotary axes are corrected too.
     pub mode: Solve,
-    /// Larger corrections of a linear axis are refused, mm.
+    /// Largest accepted correction of a linear axis, mm.
     pub max_correction_mm: f64,
 }
 
 impl KernelRecipe {
-    /// A kernel for the model of a machine in one condition, and how well it agrees with it; `None` where diagnostics forbid it.
+    /// Creates a kernel for the model of a machine in one condition, with its agreement; `None` if diagnostics forbid it.
     pub fn make(&self, machine: &Machine, model: &Model, found: &mut Vec<Diagnostic>) -> Option<(Kernel, Agreement)> {
         let kernel = Kernel::new(machine, model, &self.tool_mm, self.mode);
         let agreement = kernel.agreement(machine, model, POSES);

@@ -1,6 +1,6 @@
-//! Two rings in shared memory: set-points from a control in another process, corrections back. One writer and one reader each, no lock.
+//! Two rings in shared memory: set-points from a control in another process, and corrections back. One writer and one reader each, without a lock.
 //!
-//! All is in words of 8 bytes, little endian. Layout of version 1, `n` axes, `c` records (a power of two), `w` words in each (a multiple of 8):
+//! All data are words of 8 bytes, little endian. Layout of version 1, `n` axes, `c` records (a power of two), `w` words in each (a multiple of 8):
 //!
 //! ```text
 //! word      byte    written by  what
@@ -20,8 +20,8 @@
 //! 128 + cw          ncfix       c records of corrections: number of the set-point, signals, n values (f64; mm, rad)
 //! ```
 //!
-//! A writer fills the record `count mod c`, then adds one to its count (release); a reader looks at the count (acquire), copies the record and
-//! then adds one to its own. A ring is full when both counts are c apart. Every set-point gets one correction, in order.
+//! A writer fills the record `count mod c`, then increments its count (release). A reader reads the count (acquire), copies the record and then
+//! increments its own count. A ring is full when both counts are c apart. Every set-point gets one correction, in order.
 
 use std::fs::File;
 use std::io;
@@ -35,7 +35,7 @@ use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector};
 /// The first word.
 const MAGIC: u64 = u64::from_le_bytes(*b"NCFIXRT1");
 const VERSION: u64 = 1;
-/// Words of the head that are said above.
+/// Word indices of the header described above.
 const AXES: usize = 2;
 const LETTERS: usize = 3;
 const CAPACITY: usize = 5;
@@ -47,10 +47,10 @@ const CORRECTIONS_READ: usize = 64;
 const ALIVE: usize = 80;
 const STOP: usize = 96;
 const RECORDS: usize = 128;
-/// Records of the largest ring.
+/// Maximum number of records of a ring.
 const MOST_RECORDS: u64 = 1 << 20;
 
-/// The words of a file that others may have mapped too.
+/// The words of a file that other processes may have mapped too.
 #[derive(Debug)]
 struct Words {
     map: MmapRaw,
@@ -61,12 +61,12 @@ impl Words {
         Ok(Words { map: MmapOptions::new().map_raw(file)? })
     }
 
-    /// All words. Every access is atomic, so that what another process writes meanwhile is a value and no fault.
+    /// All words. Every access is atomic, so that a concurrent write by another process is not undefined behaviour.
     #[allow(unsafe_code, reason = "memory that another process shares has no other type; this is the one place")]
     fn all(&self) -> &[AtomicU64] {
         let count = self.map.len() / size_of::<AtomicU64>();
-        // SAFETY: a map begins at a page and is therefore aligned for words of 8 bytes; `count` of them lie within it; it stays mapped, readable and
-        // writable, as long as `self`; any bits are an AtomicU64; and nothing here makes another reference to it.
+        // SAFETY: a map begins at a page and is therefore aligned for words of 8 bytes; `count` of them are within it. It stays mapped, readable and
+        // writable, as long as `self`. Any bits are a valid AtomicU64, and no other reference to it is created here.
         unsafe { std::slice::from_raw_parts(self.map.as_mut_ptr().cast::<AtomicU64>(), count) }
     }
 
@@ -85,7 +85,7 @@ impl Words {
     }
 }
 
-/// What both sides know of the layout.
+/// The layout as known to both sides.
 #[derive(Clone, Copy, Debug)]
 struct Shape {
     axes: [Axis; AXIS_COUNT],
@@ -118,24 +118,24 @@ impl Shape {
     }
 }
 
-/// Counts that do not fit: more than a ring apart, or behind where they were.
+/// Inconsistent counts: more than a ring apart, or decreased.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overrun {
-    /// So many set-points were written and not read.
+    /// This number of set-points were written and not read.
     SetPoints(u64),
-    /// The count of set-points written is so many below that of those read: it went back.
+    /// The count of written set-points is lower than that of read ones by this number: it has decreased.
     WentBack(u64),
-    /// So many corrections more were read than there are.
+    /// This number of corrections were read without being available.
     CorrectionsRead(u64),
-    /// The count of corrections read went back: so many were written and, it says, not read.
+    /// The count of read corrections has decreased: this number appear written and not read.
     Corrections(u64),
 }
 
 impl Overrun {
-    /// What is wrong with how far the control is ahead with its set-points, or else with the corrections that it has not read.
+    /// Determines the inconsistency from the number of waiting set-points or, if that is consistent, of unread corrections.
     #[cold]
     fn of(waiting: u64, open: u64, capacity: u64) -> Overrun {
-        // A difference that went below zero stands in the upper half.
+        // A negative difference wraps into the upper half.
         let is_below = |difference: u64| difference > u64::MAX / 2;
         match waiting > capacity {
             true if is_below(waiting) => Overrun::WentBack(waiting.wrapping_neg()),
@@ -146,7 +146,7 @@ impl Overrun {
     }
 }
 
-/// The side of ncfix: makes the rings and answers.
+/// The server side: creates the rings and answers.
 #[derive(Debug)]
 pub struct Ring {
     words: Words,
@@ -161,10 +161,10 @@ pub struct Client {
 }
 
 impl Ring {
-    /// Lays the rings out in an empty file that is open for reading and writing, with room for `capacity` records, a power of two.
+    /// Creates the rings in an empty file that is open for reading and writing, with `capacity` records, a power of two.
     ///
     /// # Errors
-    /// Where the file cannot be made long enough or mapped, or the capacity is none.
+    /// An I/O error if the file cannot be extended or mapped, or the capacity is invalid.
     pub fn create(file: &File, axes: AxisSet, capacity: u64) -> io::Result<Ring> {
         if !capacity.is_power_of_two() || capacity > MOST_RECORDS {
             return Err(io::Error::new(
@@ -191,11 +191,12 @@ impl Ring {
         Ok(Ring { words, shape })
     }
 
-    /// Answers one set-point and returns the signals of the answer; `None` where there is none, or no room for the answer. Allocates nothing and
+    /// Answers one set-point and returns the status bits of the answer; `None` if there is none, or no room for the answer. Does not allocate or
+    /// wait.
     /// waits for nothing.
     ///
     /// # Errors
-    /// [`Overrun`]: then some set-points were written over before they were answered, and no answer would belong to its set-point.
+    /// [`Overrun`]: some set-points were overwritten before they were answered, so answers would not match their set-points.
     pub fn serve(&self, cycle: &mut Cycle) -> Result<Option<Signals>, Overrun> {
         let read = self.words.get(SET_POINTS_READ, Ordering::Relaxed);
         let written = self.words.get(CORRECTIONS_WRITTEN, Ordering::Relaxed);
@@ -225,7 +226,7 @@ impl Ring {
         Ok(Some(answer.signals))
     }
 
-    /// Shows that this side lives; whether the control wants it to end.
+    /// Signals that this side is alive. Returns `true` if the control requests the end.
     pub fn beat(&self) -> bool {
         self.words.set(ALIVE, self.words.get(ALIVE, Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
         self.words.get(STOP, Ordering::Acquire) != 0
@@ -233,10 +234,10 @@ impl Ring {
 }
 
 impl Client {
-    /// Opens rings that ncfix has laid out.
+    /// Opens existing rings.
     ///
     /// # Errors
-    /// Where the file cannot be mapped, or is none of this version.
+    /// An I/O error if the file cannot be mapped or does not have this version.
     pub fn open(file: &File) -> io::Result<Client> {
         let none = || io::Error::new(io::ErrorKind::InvalidData, "the file holds no rings of this version");
         let words = Words::new(file)?;
@@ -263,7 +264,7 @@ impl Client {
         self.shape.axes()
     }
 
-    /// Gives a set-point with a number; `false` where the ring is full.
+    /// Writes a set-point with a number; `false` if the ring is full.
     #[must_use]
     pub fn put(&self, number: u64, set_point: &AxisVector) -> bool {
         let written = self.words.get(SET_POINTS_WRITTEN, Ordering::Relaxed);
@@ -280,7 +281,7 @@ impl Client {
         true
     }
 
-    /// The next correction, with the number of its set-point; `None` where there is none yet.
+    /// The next correction, with the number of its set-point; `None` if there is none yet.
     #[must_use]
     pub fn take(&self) -> Option<(u64, Answer)> {
         let read = self.words.get(CORRECTIONS_READ, Ordering::Relaxed);
@@ -297,7 +298,7 @@ impl Client {
         Some((number, answer))
     }
 
-    /// Asks ncfix to end.
+    /// Requests the end of the server side.
     pub fn stop(&self) {
         self.words.set(STOP, 1, Ordering::Release);
     }

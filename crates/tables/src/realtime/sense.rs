@@ -1,10 +1,10 @@
-//! The sense of the last motion of every axis from its set-points.
+//! The last direction of motion of every axis, derived from its set-points.
 
 use ncfix_base::geometry::{AXES, AxisVector};
 use ncfix_machine::machine::State;
 
-/// Senses, with the farthest set-point in each: a reversal counts when the axis has come back from there by more than a band, so that a
-/// last digit that flickers is none.
+/// Directions, with the farthest set-point in each: a reversal counts once the axis has returned from there by more than a band, so that a
+/// fluctuating last digit is not a reversal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Senses {
     state: State,
@@ -18,7 +18,7 @@ impl Senses {
         Senses { state: State::default(), farthest: None, band_mm, band_rad }
     }
 
-    /// Notes a set-point; the senses with which the axes get there.
+    /// Adds a set-point. Returns the directions in which the axes reach it.
     pub(super) fn note(&mut self, set_point: &AxisVector) -> &State {
         let Some(farthest) = &mut self.farthest else {
             self.farthest = Some(*set_point);
@@ -38,7 +38,7 @@ impl Senses {
         &self.state
     }
 
-    /// Forgets all motion.
+    /// Resets all directions.
     pub(super) fn reset(&mut self) {
         *self = Senses::new(self.band_mm, self.band_rad);
     }
@@ -52,7 +52,7 @@ mod tests {
     fn a_reversal_is_more_than_a_flicker() {
         let mut senses = Senses::new(1e-3, 1e-6);
         let mut sense = |x: f64| senses.note(&AxisVector([x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])).direction[0];
-        // Creeping counts as motion in the sense that is known, and as one in the other sense from the farthest point on.
+        // Creeping counts as motion in the known direction; motion in the other direction is measured from the farthest point.
         let path = [10.0, 10.0, 10.5, 10.5004, 10.4998, 10.4993, 10.4990, 10.5010];
         assert_eq!(path.map(&mut sense), [0, 0, 1, 1, 1, -1, -1, 1]);
     }

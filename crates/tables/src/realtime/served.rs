@@ -1,4 +1,4 @@
-//! Serves the rings in shared memory until the control, a person or a fault ends it.
+//! Serves the rings in shared memory until the control, the operator or an error ends it.
 
 use std::time::{Duration, Instant};
 
@@ -6,22 +6,22 @@ use super::counted::CycleCounts;
 use super::cycle::Cycle;
 use super::ring::{Overrun, Ring};
 
-/// Looks at an empty ring before the thread rests, and for how long it does.
+/// Number of polls of an empty ring before the thread sleeps, and the sleep time.
 const LOOKS: u32 = 2000;
 const REST: Duration = Duration::from_micros(50);
 
-/// How serving ended.
+/// Reason of the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ServingEnd {
     /// The control ended it.
     Control,
-    /// It was told to end.
+    /// The operator ended it.
     Told,
-    /// The control went over the end of a ring.
+    /// The control overran a ring.
     Overrun(Overrun),
 }
 
-/// Answers the set-points of a ring until the control ends it, it goes over the end of a ring, or `is_over` says so.
+/// Answers the set-points of a ring until the control ends it, a ring is overrun, or `is_over` returns `true`.
 pub fn serve(ring: &Ring, cycle: &mut Cycle, counts: &mut CycleCounts, is_over: impl Fn() -> bool) -> ServingEnd {
     let mut looks = 0;
     loop {

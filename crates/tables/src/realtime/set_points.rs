@@ -1,38 +1,38 @@
-//! Set-points as lines of text, read one by one as they come.
+//! Set-points as lines of text, read one by one as they arrive.
 
 use std::io::{BufRead, Read as _};
 
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector};
 
-/// Bytes of the longest line: nine numbers need far less.
+/// Maximum bytes of a line: nine numbers need far less.
 const LONGEST: u64 = 4096;
 
-/// Why there is no next set-point.
+/// Reason why there is no next set-point.
 #[derive(Debug)]
 pub enum NoSetPoint {
     /// The input cannot be read.
     Unreadable(std::io::Error),
-    /// A line is no set-point.
+    /// A line is not a set-point.
     Wrong {
         /// The line, from 1.
         line: u64,
         /// The byte in it, from 1.
         column: usize,
-        /// Why it is none.
+        /// The reason.
         what: String,
     },
 }
 
-/// How a line is read.
+/// Format of a line.
 #[derive(Clone, Debug)]
 enum Form {
-    /// By letters, axes that are left out stay.
+    /// With axis letters; axes that are left out stay.
     Words,
-    /// By columns.
+    /// In columns.
     Table(Vec<Axis>, char),
 }
 
-/// The set-points of a text, mm and degrees: words of axes, or a table whose first line has their letters.
+/// The set-points of a text, mm and degrees: words with axis letters, or a table whose first line has the letters.
 #[derive(Debug)]
 pub struct SetPointLines<R: BufRead> {
     input: R,
@@ -45,7 +45,7 @@ pub struct SetPointLines<R: BufRead> {
 }
 
 impl<R: std::io::Read> SetPointLines<std::io::BufReader<R>> {
-    /// Whether a whole line more has come already.
+    /// `true` if a further whole line has already arrived.
     #[must_use]
     pub fn has_more(&self) -> bool {
         self.input.buffer().contains(&b'\n')
@@ -53,7 +53,7 @@ impl<R: std::io::Read> SetPointLines<std::io::BufReader<R>> {
 }
 
 impl<R: BufRead> SetPointLines<R> {
-    /// Set-points of these axes, of which each must be stated.
+    /// Set-points of these axes, each of which must be stated.
     #[must_use]
     pub fn new(input: R, axes: AxisSet) -> SetPointLines<R> {
         let buffer = Vec::new();
@@ -63,8 +63,8 @@ impl<R: BufRead> SetPointLines<R> {
     /// The next set-point, mm and rad; `None` at the end.
     ///
     /// # Errors
-    /// Where the line is no set-point.
-    pub fn next(&mut self) -> Result<Option<AxisVector>, NoSetPoint> {
+    /// An error if the line is not a set-point.
+    pub fn next_set_point(&mut self) -> Result<Option<AxisVector>, NoSetPoint> {
         while self.read()? {
             let text = String::from_utf8_lossy(&self.buffer).into_owned();
             let text = text.trim_end();
@@ -103,7 +103,7 @@ impl<R: BufRead> SetPointLines<R> {
         NoSetPoint::Wrong { line: self.line, column, what: what.into() }
     }
 
-    /// The columns of a first line that has letters of axes and no number.
+    /// The columns of a first line with axis letters and without numbers.
     fn heading(&self, text: &str) -> Result<Option<Form>, NoSetPoint> {
         if text.bytes().any(|byte| byte.is_ascii_digit()) || text.trim().is_empty() {
             return Ok(None);
@@ -133,7 +133,7 @@ impl<R: BufRead> SetPointLines<R> {
         Ok(Some(Form::Table(columns, separator)))
     }
 
-    /// Every axis must be stated.
+    /// Checks that every axis is stated.
     fn demand(&self, stated: AxisSet) -> Result<(), NoSetPoint> {
         let missing = self.axes.difference(stated);
         if missing.is_empty() {
@@ -214,13 +214,13 @@ fn letters(axes: AxisSet) -> String {
 mod tests {
     use super::*;
 
-    /// The set-points of X, Y and C in degrees, and where and why it ended.
+    /// The set-points of X, Y and C in degrees, and the position and reason of the end.
     fn read(text: &str) -> (Vec<[f64; 3]>, Option<String>) {
         let axes = [Axis::X, Axis::Y, Axis::C].into_iter().collect();
         let mut lines = SetPointLines::new(text.as_bytes(), axes);
         let mut all = Vec::new();
         loop {
-            match lines.next() {
+            match lines.next_set_point() {
                 Ok(Some(at)) => all.push([at[Axis::X], at[Axis::Y], at[Axis::C].to_degrees().round()]),
                 Ok(None) => return (all, None),
                 Err(NoSetPoint::Wrong { line, column, what }) => {

@@ -1,15 +1,15 @@
-//! Why the correction is looked up at the set-point: a position loop with one table, corrected in both ways (Spaan 1995, Figs. 6.4–6.8).
+//! The reason for looking up the correction at the set-point: a position loop with one table, corrected in both ways (Spaan 1995, Figs. 6.4–6.8).
 //!
-//! The table has one step, at position 0. Under *scale compensation* the correction is looked up at the position that was measured. With a step down
-//! no position satisfies the loop for set-points just above the grid point: before it the axis must go on, behind it back, a limit cycle. With a
-//! step up two positions satisfy it, and which one depends on where the axis came from: a virtual hysteresis, and a jump between them. Under
-//! *set-point compensation* nothing that the axis does changes the correction. What stays is a position that belongs to two set-points, or positions
-//! that belong to none.
+//! The table has one step, at position 0. Under *scale compensation* the correction is looked up at the measured position. With a downward step no
+//! position satisfies the loop for set-points just above the grid point: before it the axis must advance, after it return, which is a limit cycle.
+//! With an upward step two positions satisfy the loop, depending on the direction of approach: a virtual hysteresis, with a jump between them. Under
+//! *set-point compensation* the motion of the axis does not affect the correction. There remain only positions that belong to two set-points, or to
+//! none.
 //!
-//! The loop, once in every cycle of 15 ms: e = p + c − m with set-point p, correction c and measured position m (whole increments); friction
-//! holds an axis that stands while |e| is no more than an increment; else its velocity follows Kv e with the lag of the drive. The correction takes
-//! effect [`DELAY`] cycles after what it was looked up at. The drive of the Maho 700S is not published, so that sizes of cycles are those
-//! of this loop; where there is one and where not depends on increment and step alone.
+//! The loop, once per cycle of 15 ms: e = p + c − m with set-point p, correction c and measured position m (whole increments). Friction holds a
+//! stationary axis while |e| is at most an increment; otherwise its velocity follows Kv e with the lag of the drive. The correction takes effect
+//! [`DELAY`] cycles after its lookup. The drive of the Maho 700S is not published, so the amplitudes of limit cycles are those of this loop. Their
+//! existence depends on increment and step alone.
 
 use serde::Serialize;
 
@@ -17,16 +17,16 @@ use serde::Serialize;
 pub const CYCLE_S: f64 = 0.015;
 /// An increment of the measuring system, µm (Spaan 1995, ch. 6).
 pub const INCREMENT_UM: f64 = 1.0;
-/// Cycles between the measurement and the correction that follows from it: one to compute it, one to take it over.
+/// Cycles between the measurement and the resulting correction: one to compute it, one to apply it.
 pub const DELAY: usize = 2;
 /// Gain of the position loop times the cycle: 27 / s, 1.6 m/min per mm of lag.
 const GAIN: f64 = 0.4;
-/// How much of a change of velocity a drive does in a cycle.
+/// Share of a velocity change that a drive executes per cycle.
 const RESPONSE: f64 = 0.6;
-/// A velocity below which friction can hold the axis, µm per cycle.
+/// Velocity below which friction can hold the axis, µm per cycle.
 const STANDSTILL_UM: f64 = 0.3;
 
-/// Where the correction is looked up.
+/// Position at which the correction is looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compensation {
     /// At the measured position (Fig. 6.4).
@@ -35,27 +35,27 @@ pub enum Compensation {
     SetPoint,
 }
 
-/// The axis at one cycle.
+/// State of the axis in one cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {
     /// s.
     pub time_s: f64,
     /// The uncompensated set-point, µm from the grid point.
     pub set_point_um: f64,
-    /// What the measuring system shows, µm.
+    /// Measured position, µm.
     pub measured_um: f64,
-    /// Where the axis is, µm.
+    /// Actual position, µm.
     pub position_um: f64,
-    /// The correction in force, µm.
+    /// Active correction, µm.
     pub correction_um: f64,
 }
 
-/// The correction that a table with a step at 0 has at a position, µm.
+/// The correction of a table with a step at 0, µm.
 fn table_um(position_um: f64, step_um: f64) -> f64 {
     if position_um >= 0.0 { step_um } else { 0.0 }
 }
 
-/// Runs an axis along set-points, one in each cycle, µm from the grid point; it begins at the first, at rest.
+/// Simulates an axis along set-points, one per cycle, µm from the grid point; it begins at the first one, at rest.
 #[must_use]
 pub fn run(compensation: Compensation, step_um: f64, set_points_um: &[f64]) -> Vec<Moment> {
     let Some(&first) = set_points_um.first() else { return Vec::new() };
@@ -83,14 +83,14 @@ pub fn run(compensation: Compensation, step_um: f64, set_points_um: &[f64]) -> V
     set_points_um.iter().enumerate().map(cycle).collect()
 }
 
-/// Set-points that go to a place from 20 µm below it, 0.5 µm a cycle, and stay there for 300 cycles.
+/// Set-points that approach a position from 20 µm below, 0.5 µm per cycle, and stay there for 300 cycles.
 #[must_use]
 pub fn approach_um(place_um: f64) -> Vec<f64> {
     let way = (0..40).map(|index| place_um - 20.0 + 0.5 * f64::from(index));
     way.chain(std::iter::repeat_n(place_um, 300)).collect()
 }
 
-/// How far the measured position still goes to and fro at the end, from peak to peak, µm: over the last 150 cycles.
+/// Peak-to-peak oscillation of the measured position in the last 150 cycles, µm.
 #[must_use]
 pub fn unrest_um(moments: &[Moment]) -> f64 {
     let last = moments.iter().rev().take(150).map(|moment| moment.measured_um);
@@ -98,11 +98,11 @@ pub fn unrest_um(moments: &[Moment]) -> f64 {
     if high >= low { high - low } else { 0.0 }
 }
 
-/// Where the axis comes to rest at set-points from −`reach_um` to `reach_um`, every quarter of an increment: set-point and position, µm, upwards and
-/// downwards again.
+/// Rest positions of the axis at set-points from −`reach_um` to `reach_um`, every quarter of an increment: set-point and position, µm, upwards and
+/// then downwards.
 #[must_use]
 pub fn there_and_back_um(compensation: Compensation, step_um: f64, reach_um: f64) -> [Vec<(f64, f64)>; 2] {
-    /// Cycles at each place, enough to come to rest.
+    /// Cycles at each set-point, enough to come to rest.
     const STAY: usize = 60;
     let count = (8.0 * reach_um / INCREMENT_UM).round() as usize;
     let place = |index: usize| 0.25 * INCREMENT_UM * index as f64 - reach_um;
@@ -119,11 +119,11 @@ pub fn there_and_back_um(compensation: Compensation, step_um: f64, reach_um: f64
     [up.to_vec(), down.to_vec()]
 }
 
-/// Steps of the table in the pictures over time, µm: that of the limit cycle, and the one of an increment, both as measured by Spaan.
+/// Steps of the table in the time plots, µm: the one with a limit cycle, and one of an increment, both as measured by Spaan.
 const STEPS_UM: [f64; 2] = [-2.0, -1.0];
-/// Where the axis is sent, µm from the grid point: where the step of 2 µm leaves no rest.
+/// Target position of the axis, µm from the grid point, where the step of 2 µm has no rest position.
 const PLACE_UM: f64 = 0.25;
-/// How far from the grid point the axis is looked at, µm.
+/// Range around the grid point in the plots, µm.
 const REACH_UM: f64 = 6.0;
 
 /// An axis over time.
@@ -132,21 +132,21 @@ const REACH_UM: f64 = 6.0;
 pub struct AxisTrace {
     /// Step of the table at the grid point, µm.
     pub step_um: f64,
-    /// How far it goes to and fro at the end, from peak to peak, µm.
+    /// Peak-to-peak oscillation at the end, µm.
     pub unrest_um: f64,
     /// Time, s, and measured position, µm from the grid point.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Where an axis comes to rest.
+/// Rest positions of an axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RestCurve {
     /// Step of the table at the grid point, µm.
     pub step_um: f64,
-    /// Set-point and position, µm from the grid point, with set-points that rise.
+    /// Set-point and position, µm from the grid point, for rising set-points.
     pub up: Vec<(f64, f64)>,
-    /// The same with set-points that fall.
+    /// Set-point and position, µm from the grid point, for falling set-points.
     pub down: Vec<(f64, f64)>,
 }
 
@@ -158,11 +158,11 @@ pub struct StabilityResult {
     pub scale: [AxisTrace; 2],
     /// Under set-point compensation.
     pub set_point: [AxisTrace; 2],
-    /// Scale compensation, a step up.
+    /// Scale compensation, an upward step.
     pub hysteresis: RestCurve,
-    /// Set-point compensation, a step down.
+    /// Set-point compensation, a downward step.
     pub ambiguity: RestCurve,
-    /// Set-point compensation, a step up.
+    /// Set-point compensation, an upward step.
     pub forbidden: RestCurve,
 }
 

@@ -1,8 +1,8 @@
-//! A new kernel every minute, handed over to the cycle without a lock.
+//! A new kernel every minute, passed to the cycle without a lock.
 //!
-//! Kernels form a chain in which each points to its successor. The cycle holds the one in force and looks, with one atomic load, whether it has
-//! got a successor; then it moves on. The other side keeps every kernel until the cycle has let go of it, so that memory is freed there and never
-//! in the cycle. Spaan's control takes tables over every 60 s (1995, ch. 6); the dosing makes that no jump.
+//! Kernels form a chain in which each points to its successor. The cycle holds the active one and checks, with one atomic load, whether it has a
+//! successor; then it moves on. The other side keeps every kernel until the cycle has released it, so that memory is freed there and never in the
+//! cycle. Spaan's control takes tables over every 60 s (1995, ch. 6); the rate limit smooths the transition.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use super::kernel::Kernel;
 
-/// How often the other side looks whether the cycle has moved on.
+/// Interval at which the other side checks whether the cycle has moved on.
 const PUMP: Duration = Duration::from_millis(50);
 
 #[derive(Debug)]
@@ -26,13 +26,13 @@ impl Node {
     }
 }
 
-/// The side that makes kernels.
+/// The side that creates kernels.
 #[derive(Debug)]
 pub struct Publisher {
     last: Arc<Node>,
-    /// The one before, until the cycle has let go of it.
+    /// The previous one, until the cycle has released it.
     before: Option<Arc<Node>>,
-    /// The latest that could not be handed over yet.
+    /// The latest one that is not passed on yet.
     waiting: Option<Kernel>,
 }
 
@@ -50,21 +50,21 @@ pub fn handover(kernel: Kernel) -> (Publisher, Subscriber) {
 }
 
 impl Publisher {
-    /// Hands a kernel over. While the cycle has not taken the one before, the newest waits; [`Self::pump`] hands it over later.
+    /// Publishes a kernel. Until the cycle has taken the previous one, the newest waits; [`Self::pump`] passes it on later.
     pub fn publish(&mut self, kernel: Kernel) {
         self.waiting = Some(kernel);
         self.pump();
     }
 
-    /// Frees what the cycle has let go of, and hands over what waits; whether nothing waits any more.
+    /// Frees kernels that the cycle has released, and passes on a waiting one. Returns `true` if none is waiting any more.
     pub fn pump(&mut self) -> bool {
-        // Its only other owner is the cycle, and only until it moves on.
+        // Its only other owner is the cycle, until it moves on.
         self.before.take_if(|before| Arc::strong_count(before) == 1);
         if self.before.is_none()
             && let Some(kernel) = self.waiting.take()
         {
             let node = Node::new(kernel);
-            // Nobody else sets it, so that it is empty.
+            // Only this side sets it, so it is empty.
             let _ = self.last.next.set(Arc::clone(&node));
             self.before = Some(std::mem::replace(&mut self.last, node));
         }
@@ -73,7 +73,7 @@ impl Publisher {
 }
 
 impl Subscriber {
-    /// The kernel in force, and whether it is a new one. Without a publisher the one in force stays, because letting go would free it.
+    /// The active kernel, and `true` if it is new. Without a publisher the active one stays, because releasing it would free it.
     pub(super) fn latest(&mut self) -> (&Kernel, bool) {
         let next = self.current.next.get().filter(|_| Arc::strong_count(&self.current) > 1).cloned();
         let is_new = next.is_some();
@@ -84,7 +84,7 @@ impl Subscriber {
     }
 }
 
-/// A thread that makes a kernel in every period and hands it over.
+/// A thread that creates and publishes a kernel in every period.
 #[derive(Debug)]
 pub struct Updater {
     is_over: Arc<AtomicBool>,
@@ -92,7 +92,7 @@ pub struct Updater {
 }
 
 impl Updater {
-    /// Starts it; `make` may have nothing new, and then the kernel in force stays. The first one is made a period from now.
+    /// Starts the thread; if `make` returns nothing new, the active kernel stays. The first one is made after one period.
     #[must_use]
     pub fn start(
         mut publisher: Publisher,
@@ -124,7 +124,7 @@ impl Drop for Updater {
         self.is_over.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
             thread.thread().unpark();
-            // A thread that failed has said so itself.
+            // A failed thread has reported its error itself.
             let _ = thread.join();
         }
     }

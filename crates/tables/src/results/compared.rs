@@ -1,22 +1,22 @@
-//! Compares what two sets of compensation tables add.
+//! Compares the effects of two sets of compensation tables.
 
 use std::fmt;
 
 use super::request::SEED;
-use super::result::{DifferenceUnit, TablesDifference};
+use super::result::TablesDifference;
 use crate::tables::check::stands;
 use crate::tables::region::Region;
 use crate::tables::{Control, Tables};
 use ncfix_base::geometry::{AXES, Axis, Vector};
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::units::{UnitKey, um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{ActiveCompensation as _, Machine};
 
-/// Why two sets of tables cannot be compared.
+/// Reason why two sets of tables cannot be compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotComparable {
-    /// Error functions go through the kinematics of a machine, and there is none.
+    /// Error functions need the kinematics of a machine, but no machine is given.
     NeedsMachine,
-    /// The machine that stands in where none is needed cannot be read: a slip of this program.
+    /// The built-in substitute machine cannot be read, which is a defect of this program.
     NoDemo,
 }
 
@@ -31,10 +31,10 @@ impl fmt::Display for NotComparable {
 
 impl std::error::Error for NotComparable {}
 
-/// What two sets of tables add at `count` poses of a region, axis by axis; without a machine the tables must need none.
+/// Differences of two sets of tables at `count` poses of a region, axis by axis; without a machine the tables must not need one.
 ///
 /// # Errors
-/// Where error functions lack the kinematics of a machine.
+/// An error if error functions lack the kinematics of a machine.
 pub fn difference(
     both: [&Tables; 2],
     machine: Option<&Machine>,
@@ -62,12 +62,17 @@ pub fn difference(
     let report = |(axis, squares, most): (Axis, f64, f64)| {
         let rms = (squares / poses.len().max(1) as f64).sqrt();
         let scale = if axis.is_rotary() { urad_from_rad } else { um_from_mm };
-        TablesDifference { axis: axis.to_string(), unit: DifferenceUnit::of(axis), rms: scale(rms), max: scale(most) }
+        TablesDifference {
+            axis: axis.to_string(),
+            unit: UnitKey::of(axis.is_rotary()),
+            rms: scale(rms),
+            max: scale(most),
+        }
     };
     Ok(axes.into_iter().map(report).collect())
 }
 
-/// A machine for tables that need none.
+/// A substitute machine for tables that need none.
 fn demo() -> Option<Machine> {
     let text = ncfix_machine::machine::file::DEMO.as_bytes().to_vec();
     let source = ncfix_base::source::Source::new(ncfix_base::source::FileId(0), "<demo machine>", text).ok()?;
@@ -75,7 +80,7 @@ fn demo() -> Option<Machine> {
     loaded.map(|(machine, _)| machine)
 }
 
-/// The positions that tables cover.
+/// The positions covered by the tables.
 #[must_use]
 pub fn range_of(both: [&Tables; 2]) -> Region {
     let mut region = Region::default();

@@ -1,4 +1,4 @@
-//! Makes compensation tables for a format, and refuses those that would leave more than none, or nothing.
+//! Makes compensation tables for a format, and rejects tables that increase the error or have no effect.
 
 use super::request::TablesRequest;
 use super::result::{TablesCheck, TablesResult, TriedScheme};
@@ -11,37 +11,37 @@ use ncfix_base::number::significant;
 use ncfix_base::units::um_from_mm;
 use ncfix_model::Accumulator;
 
-/// How tables are filled.
+/// Settings for filling tables.
 #[derive(Clone, Copy, Debug)]
 pub struct Filling<'a> {
-    /// The format that shall hold them.
+    /// The format of the tables.
     pub format: &'static Format,
-    /// What fills them; `None` for the fewest tables that reach the tolerance.
+    /// The scheme; `None` for the fewest tables that reach the tolerance.
     pub scheme: Option<&'a Scheme>,
-    /// The schemes among which is chosen.
+    /// The schemes to select from.
     pub schemes: &'a Schemes,
-    /// Points of a table.
+    /// Number of points of a table.
     pub points: usize,
-    /// How much of the error may be left, mm: its root mean square over the region.
+    /// Permitted residual error, mm: root mean square over the region.
     pub tolerance_mm: f64,
 }
 
-/// Tables that are better than none.
+/// Tables that reduce the error.
 #[derive(Clone, Debug)]
 pub struct MadeTables {
     /// The tables.
     pub tables: Tables,
     /// The scheme that filled them.
     pub scheme: &'static str,
-    /// What they leave.
+    /// Their residual errors.
     pub checked: TablesCheck,
 }
 
-/// Makes tables and notes in the result what was made and tried.
+/// Makes tables and records the result and the tried schemes.
 ///
 /// # Errors
-/// The diagnostic that says why there are none: the scheme does not fit the format, none reaches the tolerance, all values would be 0, or they would leave more
-/// than no tables.
+/// The diagnostic with the reason: the scheme does not fit the format, no scheme reaches the tolerance, all values would be 0, or the tables would
+/// increase the error.
 pub fn make(
     request: &TablesRequest<'_>,
     filling: &Filling<'_>,
@@ -93,7 +93,7 @@ pub fn make(
     Ok(MadeTables { tables, scheme: name, checked })
 }
 
-/// What of tables the control of a format cannot take, a diagnostic each.
+/// The limits of a format's control that tables exceed, one diagnostic each.
 #[must_use]
 pub fn misfits(format: &Format, tables: &Tables, wiring: &Wiring) -> Vec<Diagnostic> {
     let help = "try --scheme auto, fewer --points or a larger --tolerance; ncfix tables --list shows the limits";
@@ -101,10 +101,10 @@ pub fn misfits(format: &Format, tables: &Tables, wiring: &Wiring) -> Vec<Diagnos
     faults.map(|fault| Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, fault, help)).collect()
 }
 
-/// The diagnostic for tables that leave more than no tables over `where_`, at the tip or in the direction of the tool.
+/// The diagnostic for tables that increase the error over `where_`, at the tip or in the tool direction.
 #[must_use]
 pub fn worse(checked: &TablesCheck, where_: &str) -> Option<Diagnostic> {
-    /// What two ways to add up the same may differ by, µm and µrad.
+    /// Rounding difference between two summation orders, µm and µrad.
     const NOISE: f64 = 1e-3;
     let (before, with) = (checked.before, checked.tables);
     let kinds = [
@@ -123,14 +123,14 @@ pub fn worse(checked: &TablesCheck, where_: &str) -> Option<Diagnostic> {
     Some(Diagnostic::nowhere(Code::TABLES_MAKE_WORSE, message, help))
 }
 
-/// The axes whose sense of motion counts and which the format has no tables for.
+/// The axes with direction-dependent errors for which the format has no tables.
 fn plays(task: &Task<'_>) -> Vec<String> {
     let has_play = |axis: &Axis| task.target.model.features(*axis).backlash;
     let is_left = !task.format.can_hold(Holds::Senses);
     task.region.axes().filter(has_play).filter(|_| is_left).map(|axis| axis.to_string()).collect()
 }
 
-/// What to do where tables do not fit.
+/// The help text for tables that do not fit.
 fn help(task: &Task<'_>) -> String {
     let mut help =
         "ncfix tables --list shows what each format holds; try --scheme auto or a larger --tolerance".to_owned();
@@ -146,7 +146,7 @@ fn help(task: &Task<'_>) -> String {
     help
 }
 
-/// Why tables would be all zeros, and what to do.
+/// The reason for all-zero tables, and the help text.
 fn idle(checked: &TablesCheck, task: &Task<'_>) -> (String, String) {
     let before = checked.before;
     let is_nothing = |um: f64, urad: f64| um < 1e-3 && urad < 1e-3;

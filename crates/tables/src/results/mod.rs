@@ -1,4 +1,4 @@
-//! Typed results of what is done with compensation tables (made, checked, compared) and in the cycle of a control; what `--json` prints and pages draw.
+//! Typed results for compensation tables (made, checked, compared) and for the cycle of a control, as printed by `--json` and drawn on pages.
 
 pub mod compared;
 pub mod made;

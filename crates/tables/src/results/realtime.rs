@@ -1,28 +1,28 @@
-//! What was answered in the cycle of a control, and how good the kernel was that did it.
+//! Results of the cycle of a control, and the agreement of its kernel.
 
 use serde::Serialize;
 
 use crate::realtime::{Agreement, CycleCounts, INTERVALS, Kernel, Signals};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 
-/// A kernel that is in force.
+/// The active kernel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KernelResult {
     /// Intervals of every axis.
     pub intervals: usize,
-    /// Functions of an axis that are evaluated beside them, of axes that have any.
+    /// Number of directly evaluated functions, for each axis that has any.
     pub direct_functions: Vec<(String, usize)>,
-    /// Largest distance between the tips to which it and its model lead, µm.
+    /// Largest distance between the tips according to kernel and model, µm.
     pub position_um: f64,
-    /// Largest angle between the directions of the tool, µrad.
+    /// Largest angle between the tool directions, µrad.
     pub direction_urad: f64,
-    /// Poses at which both were compared.
+    /// Number of compared poses.
     pub poses: usize,
 }
 
 impl KernelResult {
-    /// That of a kernel and how it agrees with its model.
+    /// Creates the result from a kernel and its agreement with its model.
     #[must_use]
     pub fn new(kernel: &Kernel, agreement: &Agreement) -> KernelResult {
         let direct = kernel.axes().iter().map(|axis| (axis.to_string(), kernel.direct_functions(axis)));
@@ -36,31 +36,31 @@ impl KernelResult {
     }
 }
 
-/// Set-points that were answered.
+/// Answered set-points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RealtimeResult {
-    /// How many.
+    /// Number of set-points.
     pub set_points: u64,
-    /// Of them with a signal, for each that there was.
+    /// Number of set-points with each status bit that occurred.
     pub signals: Vec<(&'static str, u64)>,
-    /// How long they took, in classes.
+    /// Their durations, in bins.
     pub times: Vec<LatencyClass>,
-    /// The time that a half, 99 % and 99.9 % of them did not exceed, ns.
+    /// Median, 99 % and 99.9 % quantile of the durations, ns.
     pub quantiles_ns: [u64; 3],
-    /// The longest, ns.
+    /// The longest duration, ns.
     pub max_ns: u64,
 }
 
-/// Set-points that took about as long.
+/// Set-points with similar durations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LatencyClass {
-    /// From, ns.
+    /// Lower limit, ns.
     pub from_ns: u64,
-    /// To, ns.
+    /// Upper limit, ns.
     pub to_ns: u64,
-    /// How many.
+    /// Number of set-points.
     pub count: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What compensation tables are made and checked for: a machine in its condition, a part of its volume, the names of its axes, a tool.
+//! The request for making and checking compensation tables: a machine in its condition, a part of its volume, axis names, a tool.
 
 use std::fmt::{self, Write as _};
 
@@ -10,42 +10,42 @@ use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::{ErrorModel, Model};
 
-/// Start of the generator of the poses of a check: none of those of a scheme.
+/// Seed of the generator of check poses, which differ from those of the schemes.
 pub(super) const SEED: u64 = 0x43_4845_434b;
 
-/// What tables are made and checked for.
+/// The request for making and checking tables.
 #[derive(Clone, Debug)]
 pub struct TablesRequest<'a> {
-    /// The machine, without tables that are active in its control.
+    /// The machine, without active tables of its control.
     pub machine: &'a Machine,
     /// Its errors.
     pub errors: &'a ErrorModel,
     /// Its condition.
     pub condition: &'a Condition,
-    /// The part of its volume.
+    /// The part of its working volume.
     pub region: Region,
-    /// The ranges that were asked for in place of the travel, mm or deg.
+    /// Requested ranges in place of the travel, mm or deg.
     pub ranges: Vec<(Axis, [f64; 2])>,
-    /// How the control names the axes.
+    /// The control's axis names.
     pub wiring: Wiring,
-    /// From the gauge point to the tip, mm.
+    /// Tool vector from the gauge point to the tip, mm.
     pub tool_mm: Vector,
-    /// What the rotary axes do about the direction of the tool; `None` for what each scheme is at home in.
+    /// Orientation option; `None` for the default of each scheme.
     pub orientation: Option<Orientation>,
-    /// What the control does with products, where it is known.
+    /// The control's interpretation of products, if known.
     pub multiplication: Option<Multiplication>,
-    /// Poses at which tables are checked.
+    /// Number of poses for the check.
     pub poses: usize,
 }
 
-/// Why a machine has no such part of its volume.
+/// Reason why a machine does not have such a region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoRegion {
     /// An axis has no travel.
     NoTravel(Axis),
-    /// The machine lacks an axis of which a range was asked.
+    /// The machine lacks an axis with a requested range.
     NoAxis(Axis),
-    /// A range goes beyond the travel, which is this, mm or rad.
+    /// A range exceeds the travel, given here in mm or rad.
     BeyondTravel(Axis, [f64; 2]),
 }
 
@@ -66,10 +66,10 @@ impl fmt::Display for NoRegion {
 
 impl std::error::Error for NoRegion {}
 
-/// The travel of a machine, with ranges of some axes in place of theirs, mm or deg.
+/// The travel of a machine, with requested ranges of some axes, mm or deg.
 ///
 /// # Errors
-/// Where an axis has no travel, a range is of none, or goes beyond the travel.
+/// An error if an axis has no travel, or a range is for a missing axis or exceeds the travel.
 pub fn region(machine: &Machine, ranges: &[(Axis, [f64; 2])]) -> Result<Region, NoRegion> {
     let mut region = Region::travel(machine).map_err(NoRegion::NoTravel)?;
     for &(axis, range) in ranges {
@@ -85,7 +85,7 @@ pub fn region(machine: &Machine, ranges: &[(Axis, [f64; 2])]) -> Result<Region, 
     Ok(region)
 }
 
-/// A number with the digits that people write, without those that conversions make.
+/// A number without conversion noise in its digits.
 fn short(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -93,7 +93,7 @@ fn short(value: f64) -> String {
 }
 
 impl TablesRequest<'_> {
-    /// `X -130 .. 130, A -55 .. 55`: all of the volume, mm and deg.
+    /// `X -130 .. 130, A -55 .. 55`: the region, mm and deg.
     #[must_use]
     pub fn volume(&self) -> String {
         let text = |&(axis, [low, high]): &(Axis, [f64; 2])| {
@@ -103,7 +103,7 @@ impl TablesRequest<'_> {
         self.region.ranges.iter().map(text).collect::<Vec<_>>().join(", ")
     }
 
-    /// `A -55 .. 55 deg` for each range that was asked for.
+    /// `A -55 .. 55 deg` for each requested range.
     #[must_use]
     pub fn asked_ranges(&self) -> Vec<String> {
         let text = |&(axis, [low, high]): &(Axis, [f64; 2])| {
@@ -119,14 +119,14 @@ impl TablesRequest<'_> {
         Model::at(self.machine, self.errors, self.condition)
     }
 
-    /// The corrections that tables shall give.
+    /// The target corrections of tables.
     #[must_use]
     pub fn target<'t>(&'t self, model: &'t Model) -> Target<'t> {
         let orientation = self.orientation.unwrap_or(Orientation::Smooth);
         Target { machine: self.machine, model, tool_mm: self.tool_mm, orientation }
     }
 
-    /// What tables leave over the volume; a grid knows no rotary axes.
+    /// Residual errors of tables over the region; a grid does not include rotary axes.
     #[must_use]
     pub fn check(&self, tables: &Tables) -> TablesCheck {
         let mut region = self.region.reached(self.machine);
@@ -139,8 +139,8 @@ impl TablesRequest<'_> {
         self.check_in(&region, tables)
     }
 
-    /// What tables leave where the machine is used: the range of every axis, the rotary ones too, for which a grid has no tables but which turn all
-    /// the same. `checked` is what [`check`](Self::check) found.
+    /// Residual errors over the range of every axis. This includes rotary axes that turn although a grid has no tables for them. `checked` is the
+    /// result of [`check`](Self::check).
     #[must_use]
     pub fn everywhere(&self, tables: &Tables, checked: &TablesCheck) -> TablesCheck {
         if tables.grid.is_none() && tables.matrix.is_none() {

@@ -1,42 +1,42 @@
-//! What was found about compensation tables: each of them, what they leave of the error, what two sets differ by.
+//! Results for compensation tables: the tables, their residual errors, and the differences of two sets.
 
 use serde::Serialize;
 
 use crate::tables::check::{Check, Errors};
 use crate::tables::scheme::Tried;
 use crate::tables::{Lookup, Sense, Tables};
-use ncfix_base::geometry::{Axis, Vector};
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::geometry::Vector;
+use ncfix_base::units::{UnitKey, um_from_mm, urad_from_rad};
 
 /// Compensation tables that were made or read.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TablesResult {
-    /// Name of the machine; empty where none was needed.
+    /// Name of the machine; empty if none was needed.
     pub machine: String,
     /// Format that was written or read.
     pub format: String,
-    /// Scheme that filled them; empty for tables that were read.
+    /// Scheme that filled the tables; empty for tables that were read.
     pub scheme: String,
-    /// How many tables.
+    /// Number of tables.
     pub tables: usize,
-    /// How many values.
+    /// Number of values.
     pub entries: usize,
-    /// Nodes of a grid.
+    /// Number of grid nodes along X, Y, Z.
     pub grid: Option<[usize; 3]>,
     /// Rows.
     pub rows: Vec<TableRow>,
-    /// What they leave.
+    /// Residual errors.
     pub check: Option<TablesCheck>,
-    /// The tool that the file says its tables are for, mm from the gauge point, where another one was checked.
+    /// Tool vector for which the file says its tables are made, mm from the gauge point, if another one was checked.
     pub made_for_tool_mm: Option<[f64; 3]>,
-    /// What two sets of tables differ by, µm or µrad: root mean square and largest for each axis.
+    /// Difference of two sets of tables, µm or µrad: root mean square and largest for each axis.
     pub difference: Vec<TablesDifference>,
-    /// What `auto` aimed at: less than the tolerance, for the poses that it did not see.
+    /// Target of `auto`: below the tolerance, as a margin for poses that were not checked.
     pub aim: Option<String>,
-    /// Ranges that were asked for in place of the travel.
+    /// Ranges that were requested in place of the travel.
     pub ranges: Vec<String>,
-    /// What was tried by `auto`.
+    /// Schemes that `auto` tried.
     pub tried: Vec<TriedScheme>,
 }
 
@@ -44,25 +44,25 @@ pub struct TablesResult {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TableRow {
-    /// Its number, from 1.
+    /// Number, from 1.
     pub number: usize,
     /// Corrected axis.
     pub output: String,
-    /// Axis that is looked up.
+    /// Axis whose position is looked up.
     pub input: String,
-    /// Points.
+    /// Number of points.
     pub points: usize,
     /// First and last position, mm or deg.
     pub range: [f64; 2],
-    /// Largest value without its sign, mm or deg.
+    /// Largest absolute value, mm or deg.
     pub largest: f64,
-    /// Number of the table that it is multiplied by.
+    /// Number of the table by which it is multiplied.
     pub times: Option<usize>,
-    /// In which sense of the motion of its axis it adds.
+    /// Direction of motion of its axis for which it is valid.
     pub sense: Sense,
-    /// Whether it repeats.
+    /// True if it is periodic.
     pub modulo: bool,
-    /// Whether the control evaluates it.
+    /// True if the control evaluates it.
     pub enabled: bool,
 }
 
@@ -70,19 +70,19 @@ pub struct TableRow {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TablesCheck {
-    /// Poses.
+    /// Number of poses.
     pub poses: usize,
     /// Without correction.
     pub before: VolumeErrors,
     /// With the tables.
     pub tables: VolumeErrors,
-    /// With the exact correction of the kinematics.
+    /// Errors with the exact correction of the kinematics.
     pub exact: VolumeErrors,
-    /// Where the tables leave most.
+    /// Place of the largest residual with the tables.
     pub worst: String,
-    /// From the gauge point to the tip, mm.
+    /// Tool vector from the gauge point to the tip, mm.
     pub tool_mm: [f64; 3],
-    /// Axes whose sense of motion counts: every pose was reached in both.
+    /// Axes whose direction of motion matters: every pose was reached in both directions.
     pub senses: Vec<String>,
     /// Tip errors of all poses without correction and with the tables, µm, for pictures.
     #[serde(skip)]
@@ -101,30 +101,18 @@ pub struct VolumeErrors {
     pub tilt_max_urad: f64,
 }
 
-/// What two sets of tables differ by.
+/// Difference of two sets of tables.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct TablesDifference {
     pub axis: String,
-    pub unit: DifferenceUnit,
+    pub unit: UnitKey,
     pub rms: f64,
     pub max: f64,
 }
 
-/// The unit of a difference of corrections.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub enum DifferenceUnit {
-    /// µm, of a linear axis.
-    #[serde(rename = "um")]
-    Micrometer,
-    /// µrad, of a rotary axis.
-    #[serde(rename = "urad")]
-    Microradian,
-}
-
-/// A scheme that `auto` tried.
+/// Scheme that `auto` tried.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
@@ -136,23 +124,6 @@ pub struct TriedScheme {
     pub rms_um: Option<f64>,
     pub tilt_rms_urad: Option<f64>,
     pub reason: Option<String>,
-}
-
-impl DifferenceUnit {
-    /// That of the corrections of an axis.
-    #[must_use]
-    pub fn of(axis: Axis) -> DifferenceUnit {
-        if axis.is_rotary() { DifferenceUnit::Microradian } else { DifferenceUnit::Micrometer }
-    }
-
-    /// In letters that every terminal has: `um`, `urad`.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        match self {
-            DifferenceUnit::Micrometer => "um",
-            DifferenceUnit::Microradian => "urad",
-        }
-    }
 }
 
 impl From<&Errors> for VolumeErrors {
@@ -167,14 +138,14 @@ impl From<&Errors> for VolumeErrors {
     }
 }
 
-/// A tool to a nanometre, without the digits that a direction of the spindle makes and without a minus in front of zero, mm.
+/// Rounds a tool vector to one nanometre, mm, to remove rounding noise of the spindle direction and negative zero.
 #[must_use]
 pub fn rounded_mm(tool_mm: &Vector) -> [f64; 3] {
     [0, 1, 2].map(|index| (tool_mm[index] * 1e6).round() / 1e6 + 0.0)
 }
 
 impl TablesCheck {
-    /// The figures of a check; `worst` says where, the tool runs from the gauge point to the tip.
+    /// Creates the results of a check; `worst` is the place, the tool vector leads from the gauge point to the tip.
     #[must_use]
     pub fn new(check: &Check, worst: String, tool_mm: &Vector) -> TablesCheck {
         TablesCheck {
@@ -191,7 +162,7 @@ impl TablesCheck {
 }
 
 impl TablesResult {
-    /// Takes the tables into the result.
+    /// Adds the tables to the result.
     pub fn note(&mut self, tables: &Tables) {
         self.tables = tables.count();
         self.entries = tables.entries();

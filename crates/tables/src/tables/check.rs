@@ -1,4 +1,4 @@
-//! What tables leave: the error over the volume, as the control interpolates, against the exact correction.
+//! The residual error of tables over the volume, with the interpolation of the control, compared to the exact correction.
 
 use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::State;
@@ -10,37 +10,37 @@ use super::{Control, Orientation};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_machine::machine::ActiveCompensation as _;
 
-/// A pose and the senses in which the axes came there.
+/// A pose and the directions in which the axes reached it.
 pub type CheckedPose = (AxisVector, State);
 
-/// Start of the generator of senses.
+/// Seed of the generator of directions.
 const SEED: u64 = 0x53_454e_5345;
 
 /// Errors at poses: of the tip in mm and of the direction of the tool in rad.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Distance of the tip from its place, mm.
+    /// Distance of the tip from its nominal place, mm.
     pub tip_mm: Vec<f64>,
-    /// Angle of the tool axis to its direction, rad.
+    /// Angle of the tool axis to its nominal direction, rad.
     pub tilt_rad: Vec<f64>,
 }
 
-/// Errors without a correction, with tables, and with the exact correction of the same orientation choice and of the kinematics.
+/// Errors without correction, with tables, and with the exact correction for the same orientation option and kinematics.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// Without.
+    /// Without correction.
     pub before: Errors,
-    /// With the tables as they are written.
+    /// With the tables as written.
     pub tables: Errors,
     /// With the correction that programs get.
     pub exact: Errors,
-    /// Where the tables leave most at the tip.
+    /// The pose with the largest tip error under the tables.
     pub worst: AxisVector,
-    /// Axes whose sense of motion counts; every pose is reached in both senses of them.
+    /// Axes with direction-dependent errors; every pose is reached in both directions of them.
     pub senses: Vec<Axis>,
 }
 
-/// Poses, each reached in senses of some axes that are any with any, and in the opposite ones; once where there are no such axes, in the middle of both.
+/// Poses, each reached in a random combination of directions of some axes and in the opposite one; without such axes once, in the mean state.
 #[must_use]
 pub fn stands(poses: &[AxisVector], axes: &[Axis]) -> Vec<CheckedPose> {
     if axes.is_empty() {
@@ -64,19 +64,19 @@ impl Errors {
         self.tilt_rad.push(wanted.cross(&found).norm());
     }
 
-    /// Root mean square at the tip, mm.
+    /// Root mean square of the tip error, mm.
     #[must_use]
     pub fn rms_mm(&self) -> f64 {
         rms(&self.tip_mm)
     }
 
-    /// Mean at the tip, mm.
+    /// Mean tip error, mm.
     #[must_use]
     pub fn mean_mm(&self) -> f64 {
         self.tip_mm.iter().sum::<f64>() / self.tip_mm.len().max(1) as f64
     }
 
-    /// Largest at the tip, mm.
+    /// Largest tip error, mm.
     #[must_use]
     pub fn max_mm(&self) -> f64 {
         self.tip_mm.iter().copied().fold(0.0, f64::max)
@@ -99,7 +99,7 @@ fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// What a control with tables leaves at poses.
+/// Residual errors of a control with tables at poses.
 #[must_use]
 pub fn left(target: &Target<'_>, control: &Control, poses: &[CheckedPose]) -> Errors {
     let mut errors = Errors::default();
@@ -111,7 +111,7 @@ pub fn left(target: &Target<'_>, control: &Control, poses: &[CheckedPose]) -> Er
     errors
 }
 
-/// Compares no correction, tables and the exact correction at poses, in both senses of the axes whose sense counts.
+/// Compares no correction, tables and the exact correction at poses, in both directions of the axes with direction-dependent errors.
 #[must_use]
 pub fn check(target: &Target<'_>, control: &Control, poses: &[AxisVector]) -> Check {
     let (mut before, mut exact) = (Errors::default(), Errors::default());

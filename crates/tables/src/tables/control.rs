@@ -1,4 +1,4 @@
-//! What a control does with its tables: the correction that it adds to a set-point.
+//! Evaluation of tables as in a control: the correction added to a set-point.
 
 use super::{ErrorTables, Multiplication, Tables};
 use ncfix_base::geometry::{Axis, AxisVector, LINEAR_AXES, Vector};
@@ -8,19 +8,19 @@ use ncfix_model::motion::{Function, MotionError, table};
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorModel, ErrorName, Model, Solve};
 
-/// A control with its tables, ready to be asked.
+/// A control with its tables, ready for evaluation.
 #[derive(Clone, Debug)]
 pub struct Control {
     tables: Tables,
-    /// What it does with error functions: the kinematics that it knows, with these errors.
+    /// Kinematics of the control with these error functions.
     kinematics: Option<Model>,
 }
 
 impl Control {
-    /// A control of a machine; the machine gives the kinematics for error functions.
+    /// Creates a control of a machine; the machine gives the kinematics for error functions.
     #[must_use]
     pub fn new(machine: &Machine, tables: &Tables) -> Control {
-        // The control knows its tables once: those that are active already are not part of its kinematics.
+        // The control has its tables once: active tables are not part of its kinematics.
         let kinematics = tables.errors.as_ref().map(|errors| {
             let bare = Machine { active_tables: ActiveTables::default(), ..machine.clone() };
             Model::new(&bare, &error_model(errors))
@@ -28,10 +28,10 @@ impl Control {
         Control { tables: tables.clone(), kinematics }
     }
 
-    /// What is added to the commands of the axes at a set-point, mm and rad. The set-point is that before compensation; `state` has the senses in
-    /// which the axes move. `tool_mm` runs from the gauge point to the tip, in F at the zero pose; only error functions depend on it.
+    /// Correction added to the axis commands at a set-point, mm and rad. The set-point is uncompensated; `state` has the directions of motion.
+    /// `tool_mm` leads from the gauge point to the tip, in F at the zero pose; only error functions depend on it.
     ///
-    /// A control with error functions corrects the position of the tip with the linear axes and leaves the direction of the tool as it is.
+    /// A control with error functions corrects the tip position with the linear axes and leaves the tool direction unchanged.
     #[must_use]
     pub fn correction(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> AxisVector {
         let mut sum = self.looked_up(command, state);
@@ -45,7 +45,7 @@ impl Control {
             }
         }
         if let Some(model) = &self.kinematics {
-            // Where the tip cannot be brought to its place the control leaves it where it is.
+            // If the tip cannot be brought to its place, the control leaves it unchanged.
             if let Ok(solved) = model.solve(command, tool_mm, state, command, Solve::PositionOnly) {
                 sum = sum + (solved - *command);
             }
@@ -103,7 +103,7 @@ impl ActiveCompensation for Control {
     }
 }
 
-/// Error functions as a model of errors.
+/// Error functions as an error model.
 fn error_model(errors: &ErrorTables) -> ErrorModel {
     let location = errors.location.iter().map(|&(name, value)| LocationError { name, value }).collect();
     let mut motion = Vec::new();

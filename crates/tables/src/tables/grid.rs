@@ -5,26 +5,26 @@ use ncfix_base::geometry::{Axis, AxisVector};
 /// Corrections at the nodes of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// The linear axes whose positions are looked up and that are corrected.
+    /// The linear axes that are looked up and corrected.
     pub axes: [Axis; 3],
-    /// First node of each, mm.
+    /// First node of each axis, mm.
     pub start: [f64; 3],
-    /// Distance of two nodes of each, mm.
+    /// Node spacing of each axis, mm.
     pub step: [f64; 3],
-    /// Nodes of each, at least 2.
+    /// Number of nodes of each axis, at least 2.
     pub count: [usize; 3],
-    /// What is added to the three commands at each node, mm; the first axis runs fastest.
+    /// Corrections added to the three commands at each node, mm; the first axis varies fastest.
     pub values: Vec<[f64; 3]>,
 }
 
 impl Grid {
-    /// The number of a node.
+    /// The index of a node.
     #[must_use]
     pub fn index(&self, node: [usize; 3]) -> usize {
         (node[2] * self.count[1] + node[1]) * self.count[0] + node[0]
     }
 
-    /// The node of a number.
+    /// The node of an index.
     #[must_use]
     pub fn node(&self, index: usize) -> [usize; 3] {
         let [nx, ny, _] = self.count;
@@ -37,7 +37,7 @@ impl Grid {
         std::array::from_fn(|i| self.start[i] + self.step[i] * node[i] as f64)
     }
 
-    /// The correction at a position, mm; that of the border outside.
+    /// The correction at a position, mm; outside the grid, that of the border.
     #[must_use]
     pub fn at(&self, command: &AxisVector) -> [f64; 3] {
         let mut lower = [0; 3];
@@ -64,7 +64,7 @@ impl Grid {
 mod tests {
     use super::*;
 
-    /// x·y·z and sums of it lie in the span of trilinear functions: the interpolation is exact.
+    /// x·y·z and sums of it are trilinear functions: the interpolation is exact.
     #[test]
     fn products_of_positions_are_exact() {
         let mut grid = Grid {

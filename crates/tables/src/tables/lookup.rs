@@ -8,47 +8,47 @@ use ncfix_machine::machine::State;
 /// A function of one axis that corrects an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lookup {
-    /// The axis whose position is looked up: the basic axis.
+    /// The basic axis, whose position is looked up.
     pub input: Axis,
-    /// The axis that is corrected: the compensation axis.
+    /// The compensation axis, which is corrected.
     pub output: Axis,
-    /// Where the points are.
+    /// Positions of the points.
     pub nodes: Nodes,
-    /// What is added to the command of the output at each point, mm or degrees; for the factor of a product what the control multiplies.
+    /// Values added to the command of the output at each point, mm or degrees; for the factor of a product, the value that the control multiplies.
     pub values: Vec<f64>,
-    /// In which sense of motion of the basic axis the table holds.
+    /// Direction of motion of the basic axis for which the table is valid.
     pub sense: Sense,
-    /// Whether the table repeats behind its end: the value there is followed by that at the start.
+    /// `true` if the table is periodic: after the value at its end comes the one at its start.
     pub modulo: bool,
-    /// The index of the table that it is multiplied by.
+    /// Index of the table by which it is multiplied.
     pub factor: Option<usize>,
-    /// What the values count.
+    /// Weight of the values.
     pub weight: f64,
-    /// Whether the control evaluates it.
+    /// `true` if the control evaluates it.
     pub is_enabled: bool,
 }
 
 /// Positions of the points of a table, mm or degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Nodes {
-    /// In equal steps from a start. The last step may be shorter: the end need not be a multiple of it.
+    /// Equally spaced from a start. The last step may be shorter: the range need not be a multiple of the step.
     Even {
-        /// The first.
+        /// First position.
         start: f64,
-        /// Distance of two.
+        /// Spacing.
         step: f64,
-        /// The last.
+        /// Last position.
         end: f64,
     },
-    /// Anywhere, strictly increasing.
+    /// Arbitrary, strictly increasing.
     At(Vec<f64>),
 }
 
-/// Senses of motion in which a table holds.
+/// Directions of motion for which a table is valid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Sense {
-    /// Both.
+    /// Both directions.
     #[default]
     #[serde(rename = "both")]
     Both,
@@ -71,7 +71,7 @@ impl Sense {
         }
     }
 
-    /// What a table counts in a sense of motion; half of both where it is not known.
+    /// Weight of a table in a direction of motion; half for each if the direction is unknown.
     fn share(self, direction: i8) -> f64 {
         match (self, direction) {
             (Sense::Both, _) => 1.0,
@@ -82,19 +82,19 @@ impl Sense {
     }
 }
 
-/// Whole steps in a range, where a rest that only rounding makes is no step; no more than any memory could hold points of.
+/// Number of whole steps in a range, ignoring a remainder due to rounding; limited to a number of points that fits in memory.
 fn whole_steps(range: f64, step: f64) -> f64 {
     (range / step + 1e-9).floor().min(1e12)
 }
 
 impl Nodes {
-    /// How many points a table with these nodes uses: those from the start to the end.
+    /// The number of points of a table with these nodes, from the start to the end.
     #[must_use]
     pub fn count(&self) -> usize {
         match self {
             Nodes::Even { start, step, end } if *step > 0.0 && end > start => {
                 let whole = whole_steps(end - start, *step);
-                // A rest behind the last whole step has a point of its own at the end.
+                // A remainder after the last whole step has a separate point at the end.
                 let rest = (end - start) - whole * step > 1e-9 * step;
                 whole as usize + 1 + usize::from(rest)
             }
@@ -123,7 +123,7 @@ impl Nodes {
         }
     }
 
-    /// The points around a position, and the share of the way from the lower to the upper one.
+    /// The points around a position, and the fraction of the distance from the lower to the upper one.
     fn around(&self, position: f64) -> (usize, usize, f64) {
         let last = self.count().saturating_sub(1);
         let lower = match self {
@@ -140,7 +140,7 @@ impl Nodes {
 }
 
 impl Lookup {
-    /// A table that is added, in both senses.
+    /// An additive table for both directions.
     #[must_use]
     pub fn added(input: Axis, output: Axis, nodes: Nodes, values: Vec<f64>) -> Lookup {
         Lookup {
@@ -156,7 +156,7 @@ impl Lookup {
         }
     }
 
-    /// Its value times its weight at a position of its axis, mm or degrees of the output.
+    /// Its weighted value at a position of its axis, mm or degrees of the output.
     #[must_use]
     pub fn value(&self, position: f64) -> f64 {
         let [start, end] = self.nodes.range();
@@ -168,7 +168,7 @@ impl Lookup {
         self.weight * if share == 0.0 { low } else { low + (value(upper) - low) * share }
     }
 
-    /// The value at commands in mm and rad, and the sense in which the axis moves; 0 where the control does not evaluate it.
+    /// The value at commands in mm and rad, for a direction of motion; 0 if the control does not evaluate it.
     #[must_use]
     pub fn at(&self, command: &AxisVector, state: &State) -> f64 {
         if !self.is_enabled {

@@ -1,4 +1,4 @@
-//! Compensation tables of a control: what they do, how they are made from the error model, and how each control writes and reads them.
+//! Compensation tables of a control: their effect, their derivation from the error model, and the file formats of each control.
 //!
 //! ```text
 //! Model ──scheme──▶ Tables ──format: round, check limits, write──▶ text of the control
@@ -7,13 +7,12 @@
 //!                     └──▶ Control::correction, as the control interpolates ──▶ check: the error that is left
 //! ```
 //!
-//! [`Tables`] is what a control is told, whatever its file looks like: functions of one axis that are added or multiplied in pairs
-//! ([`Lookup`]), a grid of corrections ([`Grid`]), or error functions that the control puts through its own kinematics
-//! ([`ErrorTables`]). A [`Scheme`] fills them, a [`Format`] writes and reads them. [`Control`] does what the control does with them. A format is a
-//! file in `format/` and a line in [`FORMATS`], a scheme a file in `scheme/` and a line in [`SCHEMES`]; a caller adds its own to [`Formats`] and
-//! [`Schemes`].
+//! [`Tables`] is the content of a control's tables in any file format: functions of one axis that are added or multiplied in pairs ([`Lookup`]), a
+//! grid of corrections ([`Grid`]), or error functions for the control's own kinematics ([`ErrorTables`]). A [`Scheme`] fills them, a [`Format`]
+//! writes and reads them. [`Control`] evaluates them as the control does. A format is a file in `format/` and a line in [`FORMATS`], a scheme a file
+//! in `scheme/` and a line in [`SCHEMES`]; a caller adds its own to [`Formats`] and [`Schemes`].
 //!
-//! Positions and values are kept in mm and degrees, the units of the controls: a table that was read is written again digit by digit.
+//! Positions and values are stored in mm and degrees, the units of the controls: a table that was read is written again with identical digits.
 
 pub mod check;
 mod control;
@@ -38,12 +37,12 @@ pub use wiring::Wiring;
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::TableProducts;
 
-/// What a control is told. Kinds that a format does not have stay empty.
+/// The tables of a control. Kinds that a format does not have stay empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tables {
     /// Functions of one axis, in the order of their numbers; products name each other by their index.
     pub lookups: Vec<Lookup>,
-    /// What a table with a factor adds.
+    /// Effect of a table with a factor.
     pub multiplication: Multiplication,
     /// Corrections of three axes on a grid of their positions.
     pub grid: Option<Grid>,
@@ -53,14 +52,14 @@ pub struct Tables {
     pub matrix: Option<[[f64; 3]; 3]>,
 }
 
-/// What a table adds that is multiplied by another one. The manuals can be read in two ways (SINUMERIK 840D sl, Extended Functions K3:
-/// "the product is added"; Esmaeili 2021, 2.4.5.3: the table is multiplied instead of added).
+/// Effect of a table that is multiplied by another one. The manuals are ambiguous (SINUMERIK 840D sl, Extended Functions K3: "the product is added";
+/// Esmaeili 2021, 2.4.5.3: the table is multiplied instead of added).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Multiplication {
-    /// The product in place of its own value. A table without a factor of its own that others name is added too.
+    /// The product replaces the table's own value. A table without factor that serves as one is added too.
     #[default]
     Instead,
-    /// The product beside its own value.
+    /// The product is added to the table's own value.
     Beside,
 }
 
@@ -74,14 +73,14 @@ impl From<TableProducts> for Multiplication {
 }
 
 impl Tables {
-    /// How many tables a control must hold: functions of one axis, or one for each grid, matrix and axis with error functions.
+    /// Number of tables that a control must hold: functions of one axis, or one for each grid, matrix and axis with error functions.
     #[must_use]
     pub fn count(&self) -> usize {
         let axes = self.errors.as_ref().map_or(0, |errors| errors.axes.len());
         self.lookups.len() + usize::from(self.grid.is_some()) + axes + usize::from(self.matrix.is_some())
     }
 
-    /// Takes what others hold beside its own: a control with both adds both. `false` where both have what a control has once.
+    /// Adds other tables: a control with both adds both. `false` if both have a kind that a control has only once.
     #[must_use]
     pub fn add(&mut self, others: Tables) -> bool {
         let first = self.lookups.len();
@@ -98,7 +97,7 @@ impl Tables {
         is_once
     }
 
-    /// Whether a table depends on an axis or corrects it.
+    /// `true` if a table depends on an axis or corrects it.
     #[must_use]
     pub fn names(&self, axis: Axis) -> bool {
         self.lookups.iter().any(|one| one.input == axis || one.output == axis)
@@ -107,7 +106,7 @@ impl Tables {
             || self.errors.iter().flat_map(|errors| &errors.location).any(|(name, _)| name.axis() == Some(axis))
     }
 
-    /// How many values they hold.
+    /// Number of values.
     #[must_use]
     pub fn entries(&self) -> usize {
         let lookups: usize = self.lookups.iter().map(|lookup| lookup.values.len()).sum();
@@ -116,7 +115,7 @@ impl Tables {
         lookups + grid + axes + self.matrix.map_or(0, |_| 9)
     }
 
-    /// Whether every value is one that corrects nothing.
+    /// `true` if no value has an effect.
     #[must_use]
     pub fn are_zeros(&self) -> bool {
         let is_identity = |matrix: &[[f64; 3]; 3]| {
@@ -133,7 +132,7 @@ impl Tables {
             && self.matrix.as_ref().is_none_or(is_identity)
     }
 
-    /// Whether nothing would be corrected.
+    /// `true` if nothing would be corrected.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.count() == 0

@@ -10,21 +10,21 @@ use ncfix_machine::machine::{AxisData, Machine, State};
 pub struct Region {
     /// Axes with the lowest and highest command, in slot order.
     pub ranges: Vec<(Axis, [f64; 2])>,
-    /// Axes whose range somebody chose.
+    /// Axes whose range was set by the caller.
     chosen: Vec<Axis>,
 }
 
 impl Region {
-    /// The travel of the axes: a turn from zero of rotary axes without end, a turn around zero of others that turn further. `Err` names a linear axis without travel.
+    /// The travel of the axes. Modulo axes use a turn from zero, rotary axes with more than a turn a turn around zero.
     ///
     /// # Errors
-    /// The axis that has no travel.
+    /// The linear axis that has no travel.
     pub fn travel(machine: &Machine) -> Result<Region, Axis> {
         let ranges = machine.axes.iter().flatten().map(|data| Ok((data.axis, range(data).ok_or(data.axis)?)));
         Ok(Region { ranges: ranges.collect::<Result<_, Axis>>()?, chosen: Vec::new() })
     }
 
-    /// Takes another range for an axis, mm or rad.
+    /// Sets the range of an axis, mm or rad.
     pub fn set(&mut self, axis: Axis, range: [f64; 2]) {
         if let Some(entry) = self.ranges.iter_mut().find(|(one, _)| *one == axis) {
             entry.1 = range;
@@ -32,8 +32,8 @@ impl Region {
         }
     }
 
-    /// Where commands really come: all of the travel of rotary axes of which this holds a turn, and a turn more on either side of those without
-    /// end. Tables that do not repeat are wrong there. Ranges that were chosen stay.
+    /// The range of actual commands: the whole travel of rotary axes of which this holds a turn, and one more turn on either side for modulo axes.
+    /// Tables that are not periodic are wrong there. Ranges set by the caller stay.
     #[must_use]
     pub fn reached(&self, machine: &Machine) -> Region {
         let mut region = self.clone();
@@ -51,7 +51,7 @@ impl Region {
         region
     }
 
-    /// The range of an axis; that of a point at zero where it is not in the region.
+    /// The range of an axis; zero if the axis is not in the region.
     #[must_use]
     pub fn range(&self, axis: Axis) -> [f64; 2] {
         self.ranges.iter().find(|(one, _)| *one == axis).map_or([0.0; 2], |&(_, range)| range)
@@ -70,7 +70,7 @@ impl Region {
         middle
     }
 
-    /// Poses that are spread evenly at random; the same for the same seed.
+    /// Uniformly distributed random poses, identical for the same seed.
     #[must_use]
     pub fn poses(&self, count: usize, seed: u64) -> Vec<AxisVector> {
         let mut random = Random(seed);
@@ -93,14 +93,14 @@ fn range(data: &AxisData) -> Option<[f64; 2]> {
             Some([middle - PI, middle + PI])
         }
         Some(travel) => Some(travel),
-        // As the error functions of an axis without end, and the positions that its control shows.
+        // As the error functions of a modulo axis, and the positions that its control shows.
         None if data.modulo => Some([0.0, TAU]),
         None if data.axis.is_rotary() => Some([-PI, PI]),
         None => None,
     }
 }
 
-/// Senses of motion of some axes, any with any.
+/// Random combinations of directions of motion of some axes.
 #[must_use]
 pub fn senses(axes: &[Axis], count: usize, seed: u64) -> Vec<State> {
     let mut random = Random(seed);
@@ -112,7 +112,7 @@ pub fn senses(axes: &[Axis], count: usize, seed: u64) -> Vec<State> {
     (0..count).map(|_| state()).collect()
 }
 
-/// SplitMix64 (Steele, Lea & Flood 2014): a few lines give the same poses everywhere.
+/// SplitMix64 (Steele, Lea & Flood 2014): a few lines give identical poses on every platform.
 #[derive(Clone, Debug)]
 struct Random(u64);
 

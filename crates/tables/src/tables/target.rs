@@ -1,27 +1,27 @@
-//! The correction that tables shall give: that of the exact kinematics, with a direction of the tool that tables can hold.
+//! The target correction of tables: that of the exact kinematics, with a tool direction that tables can represent.
 
 use ncfix_base::geometry::{Axis, AxisVector, LINEAR_AXES, Matrix, ROTARY_AXES, Vector};
 use ncfix_machine::machine::{Machine, State};
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorName, Model, Solve, Twist};
 
-/// What the rotary axes do about the direction of the tool. The tip is brought to its place in every case.
+/// Correction of the tool direction by the rotary axes. The tip is placed exactly in every case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Orientation {
-    /// As much as goes without turning the tool about its own axis much: the least squares of tilt and roll, the roll counting as a cost. A
-    /// smooth function without poles, so that tables can hold it; some tilt is left where the tool is almost parallel to a rotary axis.
+    /// As much as possible without much roll of the tool: the least squares of tilt and roll, with a weight for the roll. A smooth function without
+    /// poles, so that tables can represent it; some tilt remains if the tool is almost parallel to a rotary axis.
     #[default]
     Smooth,
-    /// The pseudo-inverse of all six rows (Esmaeili 2021, eq. 37): the roll of the tool about its own axis is corrected as if it mattered, and more
-    /// tilt is left for it. Its functions are trigonometric polynomials of low degree, which the 23 tables of chapter 6 rest on.
+    /// The pseudo-inverse of all six rows (Esmaeili 2021, eq. 37): the roll of the tool is corrected with the same weight as tilt, and more tilt
+    /// remains. Its functions are trigonometric polynomials of low degree, on which the 23 tables of chapter 6 are based.
     SixRows,
-    /// All, as programs are corrected: steep near a pole.
+    /// Full correction, as for programs: steep near a pole.
     Exact,
-    /// Nothing.
+    /// No correction.
     Off,
 }
 
-/// What is asked of tables.
+/// Input of the target correction.
 #[derive(Clone, Copy, Debug)]
 pub struct Target<'a> {
     /// The machine.
@@ -30,18 +30,18 @@ pub struct Target<'a> {
     pub model: &'a Model,
     /// From the gauge point to the tip, in F at the zero pose, mm.
     pub tool_mm: Vector,
-    /// What the rotary axes do.
+    /// Correction of the tool direction.
     pub orientation: Orientation,
 }
 
-/// What a roll counts in the least squares of [`Orientation::Smooth`], a tilt counting 1.
+/// Weight of a roll in the least squares of [`Orientation::Smooth`], relative to tilt.
 const ROLL_COST: f64 = 0.1;
 
-/// The ridge that keeps three rotary axes, of which two may be parallel, from a division by zero.
+/// Regularization that avoids a division by zero with three rotary axes, two of which may be parallel.
 const RIDGE: f64 = 1e-9;
 
 impl Target<'_> {
-    /// What is added to the commands, mm and rad; `None` where the tip cannot be brought to its place.
+    /// Correction to add to the commands, mm and rad; `None` if the tip cannot be brought to its place.
     #[must_use]
     pub fn correction(&self, nominal: &AxisVector, state: &State) -> Option<AxisVector> {
         let mut start = *nominal;
@@ -58,8 +58,8 @@ impl Target<'_> {
         Some(solved - *nominal)
     }
 
-    /// The correction per mm or rad of an error component, to the first order: the linear inverse kinematics of its linear forward kinematics
-    /// (Esmaeili 2021, eq. 48 and 51, with the sign that they lack). Not for [`Orientation::Exact`].
+    /// The first-order correction per mm or rad of an error component: the linear inverse kinematics of its linear forward kinematics (Esmaeili 2021,
+    /// eq. 48 and 51, with the missing sign). Not for [`Orientation::Exact`].
     #[must_use]
     pub fn first_order(&self, name: ErrorName, nominal: &AxisVector) -> Option<AxisVector> {
         let error = self.model.sensitivity(name, nominal, &self.tool_mm);
@@ -94,7 +94,7 @@ impl Target<'_> {
         ROTARY_AXES.into_iter().filter(|&axis| self.machine.axis(axis).is_some())
     }
 
-    /// What a command does to the tool, per mm or rad, in the nominal tool frame.
+    /// Motion of the tool per mm or rad of a command, in the nominal tool frame.
     fn column(&self, axis: Axis, nominal: &AxisVector) -> Twist {
         let mut sum = Twist { translation: Vector::zeros(), rotation: Vector::zeros() };
         let Some(data) = self.machine.axis(axis) else { return sum };
@@ -107,13 +107,13 @@ impl Target<'_> {
         sum
     }
 
-    /// The rotary corrections that take a rotation of the tool away in the least-squares sense, tilt and roll weighed.
+    /// The rotary corrections that cancel a rotation of the tool in the least-squares sense, with weights for tilt and roll.
     fn turned(&self, nominal: &AxisVector, rotation: &Vector) -> AxisVector {
         let axis_of_tool = self.machine.spindle.axis;
         let tilt = |rotation: &Vector| rotation - axis_of_tool * axis_of_tool.dot(rotation);
         let is_smooth = self.orientation == Orientation::Smooth;
         let wanted = if is_smooth { tilt(rotation) } else { *rotation };
-        // A roll of cost c counts √c of its angle.
+        // A roll with cost c has the weight √c.
         let weighed = |column: Vector| {
             if is_smooth {
                 tilt(&column) + axis_of_tool * (axis_of_tool.dot(&column) * ROLL_COST.sqrt())

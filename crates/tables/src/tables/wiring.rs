@@ -1,4 +1,4 @@
-//! Which axis of the machine a control's name for an axis is: `AX1`, `X1`, `X`.
+//! Assignment of a control's axis names to the axes of the machine: `AX1`, `X1`, `X`.
 
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_machine::machine::Machine;
@@ -13,22 +13,22 @@ pub struct Wiring {
 #[derive(Clone, Debug, PartialEq)]
 struct Named {
     axis: Axis,
-    /// How the control writes it in tables.
+    /// Its name in tables of the control.
     name: String,
-    /// How programs name it beside its letter.
+    /// Its name in programs, besides its letter.
     other: Option<String>,
 }
 
-/// The order in which axes are numbered where nothing else is said: linear axes first.
+/// The default order of axis numbers: linear axes first.
 const USUAL: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 
 impl Wiring {
-    /// The axes of a machine, numbered in the order that its file gives, else X Y Z, U V W, A B C as far as there are: `AX1`, `AX2` …
+    /// The axes of a machine, numbered in the order of its file, otherwise X Y Z, U V W, A B C as available: `AX1`, `AX2` …
     #[must_use]
     pub fn of(machine: &Machine) -> Wiring {
         let is_left = |axis: &Axis| machine.axis(*axis).is_some() && !machine.axis_order.contains(axis);
         let axes = machine.axis_order.iter().copied().chain(AXES.into_iter().filter(is_left));
-        // An axis of the order that the machine lacks keeps its number from the others.
+        // An axis of the order that the machine lacks still occupies its number.
         let named = axes.enumerate().filter_map(|(index, axis)| {
             let data = machine.axis(axis)?;
             Some(Named { axis, name: format!("AX{}", index + 1), other: data.name.clone() })
@@ -36,7 +36,7 @@ impl Wiring {
         Wiring { axes: named.collect() }
     }
 
-    /// The usual order, for files that are read without a machine.
+    /// The default order, for files that are read without a machine.
     #[must_use]
     pub fn usual() -> Wiring {
         let named = USUAL.into_iter().enumerate();
@@ -45,7 +45,7 @@ impl Wiring {
         }
     }
 
-    /// Gives an axis another name; it takes the place of one that another axis had.
+    /// Renames an axis; another axis with this name loses it.
     pub fn rename(&mut self, axis: Axis, name: &str) {
         self.axes.retain(|named| named.axis == axis || !named.name.eq_ignore_ascii_case(name));
         match self.axes.iter_mut().find(|named| named.axis == axis) {
@@ -59,14 +59,14 @@ impl Wiring {
         self.axes.iter().map(|named| named.axis)
     }
 
-    /// How the control names an axis.
+    /// The control's name of an axis.
     #[must_use]
     pub fn name(&self, axis: Axis) -> String {
         let named = self.axes.iter().find(|named| named.axis == axis);
         named.map_or_else(|| axis.to_string(), |named| named.name.clone())
     }
 
-    /// The axis of a name; quotation marks, brackets and blanks around it do not matter.
+    /// The axis of a name; quotation marks, brackets and blanks around it are ignored.
     #[must_use]
     pub fn axis(&self, text: &str) -> Option<Axis> {
         let bare = text.trim_matches(|c: char| c.is_whitespace() || matches!(c, '(' | ')' | '"' | '\''));
@@ -74,7 +74,7 @@ impl Wiring {
         let known = self.axes.iter().find(|named| is(&named.name) || named.other.as_deref().is_some_and(is));
         known.map(|named| named.axis).or_else(|| match bare.as_bytes() {
             [letter] => Axis::from_letter(*letter),
-            // X1, Y1 …: the usual names of machine axes.
+            // X1, Y1 …: the common names of machine axes.
             [letter, b'1'] => Axis::from_letter(*letter),
             _ => None,
         })

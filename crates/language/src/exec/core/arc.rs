@@ -1,18 +1,18 @@
-//! Arcs of the working plane, whatever the language: the center of a radius, and what a frame makes of an arc.
+//! Arcs of the working plane in any language: the center for a radius, and the transformation of an arc by a frame.
 
 use super::path::Shape;
 use super::sagitta::chord_count;
 use ncfix_base::geometry::{Arc, AxisVector, PlaneBasis};
 use ncfix_machine::snc::Setup;
 
-/// Why there is no arc of a radius.
+/// Reason why there is no arc of a radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::exec) enum RadiusFault {
     /// Start and end coincide, or the radius is 0.
     NoChord,
-    /// Start and end are further apart than twice the radius, mm.
+    /// Start and end are farther apart than twice the radius, mm.
     TooFar {
-        /// Size of the radius.
+        /// Magnitude of the radius.
         radius_mm: f64,
         /// Half the distance.
         half_chord_mm: f64,
@@ -20,7 +20,7 @@ pub(in crate::exec) enum RadiusFault {
 }
 
 impl RadiusFault {
-    /// In words; `word` is the address of the radius.
+    /// The message; `word` is the address of the radius.
     pub(in crate::exec) fn message(&self, word: &str) -> String {
         match self {
             RadiusFault::NoChord => format!("start and end of an arc with {word} coincide, or {word} is 0"),
@@ -31,11 +31,11 @@ impl RadiusFault {
     }
 }
 
-/// Center of an arc of a signed radius between two points of the plane, mm: above 0 at most half a turn, below 0 more than that.
-/// `tolerance` says by how much half the chord may exceed a radius.
+/// Center of an arc of a signed radius between two points of the plane, mm: above 0 at most half a turn, below 0 more. `tolerance` is the largest
+/// excess of half the chord over the radius.
 ///
 /// # Errors
-/// Where no arc has this radius.
+/// A reason if no arc has this radius.
 pub(in crate::exec) fn center_of_radius(
     radius_mm: f64,
     start: [f64; 2],
@@ -53,15 +53,14 @@ pub(in crate::exec) fn center_of_radius(
         return Err(RadiusFault::TooFar { radius_mm: radius_mm.abs(), half_chord_mm: half });
     }
     let height = (radius_mm * radius_mm - half * half).max(0.0).sqrt();
-    // The center of the short clockwise arc lies to the right of the chord.
+    // The center of the short clockwise arc is to the right of the chord.
     let side = if clockwise == (radius_mm > 0.0) { 1.0 } else { -1.0 };
     let right = [chord[1] / length, -chord[0] / length];
     Ok([start[0].midpoint(end[0]) + side * height * right[0], start[1].midpoint(end[1]) + side * height * right[1]])
 }
 
-/// A programmed arc behind the frame: an arc where circles stay circles, else chords of the ellipse. `programmed` are its start and
-/// end as programmed, or in base coordinates where the frame only shifts and the arc is meant there; `target` is its end in base
-/// coordinates.
+/// A programmed arc after the frame: an arc if circles stay circles, otherwise chords of the ellipse. `programmed` are its start and end as
+/// programmed, or in base coordinates if the frame is a pure shift and the arc is defined there. `target` is its end in base coordinates.
 pub(in crate::exec) fn behind_frame(
     arc: &Arc,
     programmed: [&AxisVector; 2],
@@ -81,7 +80,7 @@ pub(in crate::exec) fn behind_frame(
         center[ordinate] = arc.center_mm[1];
         return Shape::Arc { clockwise, center: basis.flat(&setup.command(&center)), extra_turns };
     }
-    // No direction grows by more than the norm of the matrix.
+    // No direction is scaled by more than the norm of the matrix.
     let radius_mm = arc.radius_mm(programmed[0]) * frame.linear().norm();
     let sweep_rad = arc.sweep_rad(programmed[0], programmed[1]);
     let count = chord_count(radius_mm, sweep_rad, chord_tolerance_mm);

@@ -1,4 +1,4 @@
-//! What drives an executor: a step at a time, as far as the stream needs it.
+//! The driver of an executor: one step at a time, as far as the stream needs it.
 
 use std::collections::VecDeque;
 
@@ -6,21 +6,21 @@ use super::ledger::{Ledger, Stage};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_machine::snc::Element;
 
-/// What an executor of a language is.
+/// The executor of a language.
 pub(in crate::exec) trait Executor {
-    /// Its books.
+    /// The ledger of the run.
     fn ledger(&self) -> &Ledger;
 
-    /// Its books, and the elements that are final.
+    /// The ledger, and the elements that are final.
     fn books(&mut self) -> (&mut Ledger, &mut VecDeque<Element>);
 
     /// Executes a block.
     fn step(&mut self);
 
-    /// Ends what is held back when no more blocks are executed; called once.
+    /// Emits what is held back after the last block; called once.
     fn finish(&mut self);
 
-    /// The next finding or element.
+    /// The next diagnostic or element.
     fn advance(&mut self) -> Option<Result<Element, Diagnostic>> {
         loop {
             let (ledger, queue) = self.books();

@@ -1,4 +1,4 @@
-//! What a family of languages is made of: its tree, and what it keeps for each file, level and call.
+//! The types of a family of languages: its tree, and its data per file, level and call.
 
 use std::fmt::Debug;
 use std::hash::Hash;
@@ -7,23 +7,23 @@ use super::program::{LoadedFile, ProgramText};
 
 /// A family of languages.
 pub(in crate::exec) trait Family: Sized {
-    /// A file as its grammar reads it.
+    /// A file as parsed by its grammar.
     type Program: ProgramText;
-    /// What is worked out of a file once, when it is loaded.
+    /// Data derived once from a file when it is loaded.
     type Prepared;
-    /// How a program is named where it is looked for.
+    /// Name of a program in searches.
     type Name: Eq + Hash;
-    /// Where a program begins.
+    /// Start of a program.
     type Entry: Copy;
-    /// A call that a block asks for.
+    /// A call requested by a block.
     type Call: Debug;
-    /// Where a return leads.
+    /// Target of a return.
     type Return: Debug;
-    /// How a program says that it ends.
+    /// Form of a program end.
     type End: Debug;
-    /// What happens with each pass of a repetition; nothing is `()`.
+    /// Action at each pass of a repetition; `()` for none.
     type Pass: Copy + Debug;
-    /// What a level keeps beside its place: how it was called, what it gives back.
+    /// Data of a level other than its position: its call, and the state to restore.
     type Level;
 }
 

@@ -1,9 +1,9 @@
-//! A finding while it still lacks its file.
+//! An error or warning before its file is known.
 
 use ncfix_base::diagnostic::{Code, Diagnostic, Place, Unset};
 use ncfix_base::source::{FileId, Span};
 
-/// A finding in the program that is being executed. Boxed, because it travels through every result.
+/// An error or warning in the running program. Boxed to keep results small.
 pub(in crate::exec) type Fault = Box<FaultData>;
 
 /// Its contents.
@@ -11,39 +11,39 @@ pub(in crate::exec) type Fault = Box<FaultData>;
 pub(in crate::exec) struct FaultData {
     pub(in crate::exec) code: Code,
     pub(in crate::exec) span: Span,
-    /// Where it is not the file of the block that is being executed.
+    /// The file, if it is not that of the current block.
     pub(in crate::exec) file: Option<FileId>,
     pub(in crate::exec) message: String,
     pub(in crate::exec) help: String,
     unset: Option<Box<Unset>>,
 }
 
-/// Makes a finding.
+/// Creates a fault.
 pub(in crate::exec) fn fault(code: Code, span: Span, message: impl Into<String>, help: impl Into<String>) -> Fault {
     let (message, help) = (message.into(), help.into());
     Box::new(FaultData { code, span, file: None, message, help, unset: None })
 }
 
 impl FaultData {
-    /// The same finding in a file of its own.
+    /// Sets the file.
     pub(in crate::exec) fn of_file(mut self: Box<Self>, file: FileId) -> Fault {
         self.file = Some(file);
         self
     }
 
-    /// The same finding about a variable without a value: what comes of it elsewhere is no finding of its own.
+    /// Marks it as caused by a variable without value: its consequences elsewhere are not reported separately.
     pub(in crate::exec) fn of_variable(mut self: Box<Self>, name: impl Into<String>) -> Fault {
         self.unset.get_or_insert_default().read = Some(name.into());
         self
     }
 
-    /// The same finding in a block that would have given a variable its value.
+    /// Marks it as in a block that would have assigned a variable.
     pub(in crate::exec) fn leaves_unset(mut self: Box<Self>, name: impl Into<String>) -> Fault {
         self.unset.get_or_insert_default().left.push(name.into());
         self
     }
 
-    /// The finding with its file.
+    /// Converts it to a diagnostic with its file.
     pub(in crate::exec) fn in_file(self, file: FileId) -> Diagnostic {
         let file = self.file.unwrap_or(file);
         let place = Place { file, span: self.span };
@@ -52,12 +52,12 @@ impl FaultData {
     }
 }
 
-/// A finding about a part of a block.
+/// A fault at a part of a block.
 pub(in crate::exec) fn at(span: Span, code: Code, message: impl Into<String>, help: &str) -> Fault {
     fault(code, span, message, help)
 }
 
-/// A finding about a value.
+/// A fault for an invalid value.
 pub(in crate::exec) fn bad_value(span: Span, message: impl Into<String>, help: &str) -> Fault {
     fault(Code::BAD_WORD_VALUE, span, message, help)
 }

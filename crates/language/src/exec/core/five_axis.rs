@@ -1,7 +1,7 @@
-//! From paths of the tip in the workpiece to moves of the axes, for five-axis transformations.
+//! Converts paths of the tip in the workpiece to axis moves, for five-axis transformations.
 //!
-//! The tip follows the programmed way in the workpiece while the tool turns; the axes then move along curves. These become pieces that
-//! are linear in the axes and so short that the tip stays within the chord tolerance of the way, at the same part of it.
+//! The tip follows the programmed path in the workpiece while the tool turns; the axes then move along curves. These are divided into pieces that are
+//! linear in the axes. They are so short that the tip stays within the chord tolerance of the path at the same parameter.
 
 use super::fault::{Fault, fault};
 use super::path::{Path, Shape};
@@ -11,29 +11,29 @@ use ncfix_base::geometry::{Arc, AxisSet, AxisVector, LINEAR_AXES, Plane, Vector}
 use ncfix_machine::machine::{Control, Kinematics};
 use ncfix_machine::snc::{Move, Turning};
 
-/// Places at which a piece is compared with the way: none at which a symmetrical curve would meet its chord.
+/// Positions at which a piece is compared with the path; a symmetrical curve crosses its chord at none of them.
 const SAMPLES: [f64; 5] = [0.11, 0.29, 0.5, 0.73, 0.91];
-/// Share of the tolerance that pieces of a divided way use, so that the same piece, executed again, is not divided again.
+/// Share of the tolerance used for divided paths, so that the same piece is not divided again in a further execution.
 const PIECE_SHARE: f64 = 0.7;
-/// The orientation may be off by what the chord tolerance is at this distance from the tool axis, mm.
+/// Arm at which the orientation may deviate by the chord tolerance, mm.
 const ORIENTATION_ARM_MM: f64 = 5.0;
-/// Directions nearer than this are the same, rad.
+/// Directions nearer to each other than this are equal, rad.
 const SAME_DIRECTION_RAD: f64 = 1e-9;
-/// A great circle that meets a pole by less passes through it, rad.
+/// Distance from a pole below which a great circle passes through it, rad.
 const THROUGH_POLE_RAD: f64 = 1e-6;
-/// Rotary commands nearer than this are the same, rad.
+/// Rotary commands nearer to each other than this are equal, rad.
 const SAME_ANGLE_RAD: f64 = 1e-6;
-/// Shortest piece, as a share of the way.
+/// Shortest piece, as a share of the path.
 const SHORTEST_SHARE: f64 = 1e-6;
-/// Pieces of one way at most.
+/// Maximum number of pieces of one path.
 const MOST_PIECES: usize = 100_000;
-/// Steps in which a great circle is followed to find where the rotary axes end, rad.
+/// Step of following a great circle to find the end of the rotary axes, rad.
 const FOLLOW_RAD: f64 = 0.02;
 
-/// Calls `out` with every move of the axes that a path becomes, in order.
+/// Calls `out` with every axis move of a path, in order.
 ///
 /// # Errors
-/// Where a direction is out of reach or the way passes a pole.
+/// A fault if a direction is unreachable or the path passes a pole.
 pub(in crate::exec) fn moves(
     kinematics: &Kinematics,
     turning: Turning,
@@ -43,14 +43,14 @@ pub(in crate::exec) fn moves(
 ) -> Result<(), Fault> {
     let needed: AxisSet = LINEAR_AXES.into_iter().take(3).chain(kinematics.rotary_axes()).collect();
     if !needed.difference(path.start_known).is_empty() {
-        // The way begins anywhere: only its end says something.
+        // The start is unknown: only the end is defined.
         let leg = Leg { kinematics, path, start: path.start, end: path.motion.target, arc: None, great_circle: None };
         let target = leg.command_at(1.0, &path.motion.target)?;
         out(Move { target, ..path.motion });
         return Ok(());
     }
     let mut first = true;
-    // `share` is that of the way, and of the time; `off_curve_mm` how far the tip may be off the way.
+    // `share` is the share of the path and of the time; `off_curve_mm` is the largest distance of the tip from the path.
     let mut out = |target: AxisVector, share: f64, off_curve_mm: f64| {
         let is_first = std::mem::take(&mut first);
         let named = if is_first { path.motion.named } else { AxisSet::EMPTY };
@@ -82,9 +82,9 @@ pub(in crate::exec) fn moves(
     }
 }
 
-/// The rotary commands at the end of a path that turns the tool to a direction; `None` where it is out of reach.
+/// The rotary commands at the end of a path that turns the tool to a direction; `None` if unreachable.
 ///
-/// Where the tool follows a great circle, so do the rotary axes, without a jump; else they go the shortest way.
+/// If the tool follows a great circle, the rotary axes follow it without a jump; otherwise they take the shortest direction.
 pub(in crate::exec) fn turned_to(
     kinematics: &Kinematics,
     turning: Turning,
@@ -106,7 +106,7 @@ pub(in crate::exec) fn turned_to(
     (1..=count).try_fold(start, |near, k| kinematics.orientation(&circle.at(f64::from(k) / f64::from(count)), &near))
 }
 
-/// Lets the rotary axes of chords follow in proportion to their number.
+/// Distributes the motion of the rotary axes over chords in proportion to their number.
 pub(in crate::exec) fn spread_rotaries(
     kinematics: &Kinematics,
     start: &AxisVector,
@@ -122,7 +122,7 @@ pub(in crate::exec) fn spread_rotaries(
     }
 }
 
-/// Lengths of chords as shares of their sum; equal ones where nothing moves.
+/// Lengths of chords as shares of their sum; equal shares if nothing moves.
 fn leg_lengths(start: &AxisVector, ends: &[AxisVector]) -> Vec<f64> {
     let starts = std::iter::once(start).chain(ends);
     let lengths: Vec<f64> = starts.zip(ends).map(|(from, to)| (to.xyz() - from.xyz()).norm()).collect();
@@ -131,7 +131,7 @@ fn leg_lengths(start: &AxisVector, ends: &[AxisVector]) -> Vec<f64> {
     lengths.iter().map(|length| if is_long { length / sum } else { 1.0 / ends.len() as f64 }).collect()
 }
 
-/// A straight or circular way of the tip.
+/// A straight or circular path of the tip.
 struct Leg<'a> {
     kinematics: &'a Kinematics,
     path: &'a Path,
@@ -182,7 +182,7 @@ impl<'a> Leg<'a> {
         fault(Code::THROUGH_POLE, self.path.span, message, help)
     }
 
-    /// The position fixed to the workpiece at a part of the way; its rotary axes are in proportion.
+    /// The position in the workpiece at a share of the path; its rotary axes are in proportion.
     fn position_at(&self, share: f64) -> AxisVector {
         if share >= 1.0 {
             return self.end;
@@ -200,7 +200,7 @@ impl<'a> Leg<'a> {
         position
     }
 
-    /// The axis command at a part of the way, its rotary axes as near as can be to another.
+    /// The axis command at a share of the path, with rotary axes as near as possible to `near`.
     fn command_at(&self, share: f64, near: &AxisVector) -> Result<AxisVector, Fault> {
         let mut position = self.position_at(share);
         if let Some(circle) = &self.great_circle {
@@ -219,7 +219,7 @@ impl<'a> Leg<'a> {
         })
     }
 
-    /// Calls `out` with the end of every piece, its share of the way, and how far the tip is off the way, mm.
+    /// Calls `out` with the end of every piece, its share of the path, and the distance of the tip from the path, mm.
     fn divide(&self, tolerance_mm: f64, out: &mut impl FnMut(AxisVector, f64, f64)) -> Result<(), Fault> {
         let mut command = self.command_at(0.0, &self.start)?;
         if self.is_straight_in_axes() {
@@ -248,12 +248,12 @@ impl<'a> Leg<'a> {
         Err(self.through_pole("a rotary axis would have to jump where the tool passes the pole of the transformation"))
     }
 
-    /// Whether rotary axes at rest leave a line a line.
+    /// `true` if a line stays a line because the rotary axes are at rest.
     fn is_straight_in_axes(&self) -> bool {
         self.arc.is_none() && self.kinematics.rotary_axes().all(|axis| self.start[axis] == self.end[axis])
     }
 
-    /// How far the tip is off the way when the axes go straight between two commands, mm; `None` where tip or tool do not stay near enough.
+    /// Distance of the tip from the path for a straight axis motion between two commands, mm; `None` if tip or tool deviate too far.
     fn off_mm(&self, [from, to]: [f64; 2], [start, end]: [&AxisVector; 2], tolerance_mm: f64) -> Option<f64> {
         let tool_mm = &self.path.setup.tool_mm;
         SAMPLES.into_iter().try_fold(0.0, |most: f64, sample| {
@@ -269,7 +269,7 @@ impl<'a> Leg<'a> {
         })
     }
 
-    /// The great circle must lead to the angles that were programmed.
+    /// Checks that the great circle leads to the programmed angles.
     fn check_end(&self, end: &AxisVector) -> Result<(), Fault> {
         let off = |axis: &ncfix_base::geometry::Axis| (end[*axis] - self.end[*axis]).abs() > SAME_ANGLE_RAD;
         match self.kinematics.rotary_axes().find(off) {
@@ -283,16 +283,16 @@ impl<'a> Leg<'a> {
     }
 }
 
-/// Directions from one to another in their common plane.
+/// Directions between two directions in their common plane.
 struct GreatCircle {
     start: Vector,
-    /// At a right angle to the start.
+    /// Perpendicular to the start.
     across: Vector,
     angle: f64,
 }
 
 impl GreatCircle {
-    /// `None` where both are the same or opposite.
+    /// `None` if both are equal or opposite.
     fn between(start: &Vector, end: &Vector) -> Option<GreatCircle> {
         let cosine = start.dot(end);
         let rest = end - start * cosine;
@@ -315,11 +315,11 @@ impl GreatCircle {
         })
     }
 
-    /// The least angle between the inner part of the way and a pole, where it passes one.
+    /// The smallest angle between the inner part of the path and a pole, if it passes one.
     fn distance_from_pole(&self, kinematics: &Kinematics) -> Option<f64> {
         let pole = kinematics.pole()?;
         let (along, across) = (pole.dot(&self.start), pole.dot(&self.across));
-        // The nearest places of the whole circle, to the pole and to its opposite.
+        // The nearest points of the whole circle to the pole and to its opposite.
         let nearest = across.atan2(along).rem_euclid(std::f64::consts::PI);
         (nearest < self.angle)
             .then(|| pole.cross(&(self.start * nearest.cos() + self.across * nearest.sin())).norm().min(1.0).asin())

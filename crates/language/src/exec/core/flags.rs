@@ -1,6 +1,6 @@
 //! One bit for each block of a program.
 
-/// Whether something has been done with a block.
+/// A bit for each block: set once it has been handled.
 #[derive(Clone, Debug, Default)]
 pub(in crate::exec) struct Flags {
     bits: Vec<u64>,
@@ -8,12 +8,12 @@ pub(in crate::exec) struct Flags {
 }
 
 impl Flags {
-    /// Of so many blocks: nothing has been done.
+    /// Cleared flags for `count` blocks.
     pub(in crate::exec) fn new(count: usize) -> Flags {
         Flags { bits: vec![0; count.div_ceil(64)], count }
     }
 
-    /// Notes that it has been done; whether it had been before. `None` where there is no such block.
+    /// Sets a flag and returns its previous value. `None` if there is no such block.
     pub(in crate::exec) fn note(&mut self, number: usize) -> Option<bool> {
         let bit = 1 << (number % 64);
         let bits = self.bits.get_mut(number / 64).filter(|_| number < self.count)?;
@@ -22,7 +22,7 @@ impl Flags {
         Some(before)
     }
 
-    /// Notes it of all.
+    /// Sets all flags.
     pub(in crate::exec) fn note_all(&mut self) {
         self.bits.fill(u64::MAX);
     }

@@ -1,36 +1,35 @@
-//! The grid of the control: its least increment, on which words lie, and on which it is decided whether two points are one.
+//! The grid of the control: its smallest increment, to which words are rounded, and at which two points are compared.
 
 use super::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 
-/// A value this near to the middle between two increments is in the middle, as a share of one: what the writing of a decimal number as a
-/// double adds to it.
+/// Tolerance of the midpoint between two increments, in increments: the representation error of a decimal number as a double.
 const MIDDLE: f64 = 1e-7;
-/// Points nearer than this are one whatever the grid, mm: far below every increment, far above what a double loses.
+/// Distance below which points are equal on any grid, mm: far below every increment, far above double precision.
 const NOISE_MM: f64 = 1e-9;
-/// An arc of LinuxCNC that turns by less than this, rad, is a full circle: `CIRCLE_FUZZ` of its motion control.
+/// Angle below which an arc of LinuxCNC is a full circle, rad: `CIRCLE_FUZZ` of its motion control.
 const LEAST_ANGLE: f64 = 1e-6;
 
-/// A value on a grid of so many increments in its unit; what lies in the middle goes away from zero.
+/// Rounds a value to a grid of `per_unit` increments per unit; midpoints are rounded away from zero.
 pub(in crate::exec) fn on_grid(value: f64, per_unit: f64) -> f64 {
     let increments = (value.abs() * per_unit + 0.5 + MIDDLE).floor();
-    // A whole number over a power of ten is the double that the decimal number itself would be; zero has no sign.
+    // A whole number divided by a power of ten is the double nearest to the decimal number; zero has no sign.
     if increments == 0.0 { 0.0 } else { (increments / per_unit).copysign(value) }
 }
 
-/// Whether two points of the working plane are one for the control.
+/// Comparison of two points of the working plane at the control's resolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::exec) enum Meeting {
-    /// They are one.
+    /// The points are equal.
     Same,
-    /// They are two.
+    /// The points are different.
     Apart,
-    /// They lie within one increment on both sides of the middle between two places of the grid.
+    /// They are within one increment on both sides of a rounding midpoint.
     Unsure,
 }
 
-/// Whether two points are one on a grid of so many increments in a millimeter.
+/// Compares two points on a grid of `per_mm` increments per millimeter.
 pub(in crate::exec) fn meeting(a: [f64; 2], b: [f64; 2], per_mm: f64) -> Meeting {
     let apart = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
     if is_one_place(a, b) {
@@ -44,18 +43,18 @@ pub(in crate::exec) fn meeting(a: [f64; 2], b: [f64; 2], per_mm: f64) -> Meeting
     }
 }
 
-/// Whether two points of the working plane are one whatever the grid.
+/// `true` if two points of the working plane are equal on any grid.
 pub(in crate::exec) fn is_one_place(a: [f64; 2], b: [f64; 2]) -> bool {
     (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) < NOISE_MM
 }
 
-/// Whether an arc of LinuxCNC about a center ends where it starts: it works in doubles and has no grid.
+/// `true` if an arc of LinuxCNC about a center ends at its start: it works in doubles without a grid.
 pub(in crate::exec) fn closes_in_linuxcnc(start: [f64; 2], end: [f64; 2], center: [f64; 2]) -> bool {
     let chord = (start[0] - end[0]).hypot(start[1] - end[1]);
     chord < LEAST_ANGLE * (start[0] - center[0]).hypot(start[1] - center[1])
 }
 
-/// An arc of which it is not sure whether it is a full circle or nearly nothing. `setting` says what in the machine file decides it.
+/// The fault for an arc that may be a full circle or almost nothing. `setting` names the machine file setting that decides it.
 pub(in crate::exec) fn unsure(span: Span, start: [f64; 2], end: [f64; 2], setting: &str) -> Fault {
     let apart_um = 1e3 * (start[0] - end[0]).hypot(start[1] - end[1]);
     let message = format!(

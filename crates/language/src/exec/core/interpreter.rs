@@ -1,4 +1,4 @@
-//! The interpreter: levels, the files of the run, and the way from block to block, whatever the language.
+//! The interpreter for any language: levels, the files of the run, and the sequence of blocks.
 
 use std::borrow::Borrow;
 use std::collections::{HashMap, VecDeque};
@@ -17,36 +17,36 @@ use ncfix_base::source::{FileId, Source, Span};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Element, Origin};
 
-/// What a family of languages does in the places that the core leaves open.
+/// The functions that a family of languages provides to the core.
 pub(in crate::exec) trait Execute: Family {
     /// The state of the control, and the outlet.
     type Channel<'a>: HasOutlet<'a>;
-    /// What a run keeps beside it.
+    /// State of a run in addition to the channel.
     type Run;
 
-    /// Reads a file that a call has named.
+    /// Parses a file named by a call.
     fn parse(run: &Runner<'_, Self>, source: &Source) -> (Self::Program, Vec<Diagnostic>);
 
-    /// The block behind the last one of a level.
+    /// The index after the last block of a level.
     fn end_of(channel: &Self::Channel<'_>, file: &FileOf<Self>, level: &ProgramLevel<Self>) -> usize;
 
-    /// A block is about to be executed: whose place its elements have, and what stands before them.
+    /// Prepares the execution of a block: sets the origin of its elements and emits what comes before them.
     fn begin(run: &mut Runner<'_, Self>, block: &BlockOf<Self>, own: Origin);
 
-    /// Executes a block; `index` is its place.
+    /// Executes a block; `index` is its index in the program.
     fn block(run: &mut Runner<'_, Self>, block: &BlockOf<Self>, index: usize) -> Result<AfterBlock<Self>, Fault>;
 
-    /// The program that is called behind a block that has moved; whether there is one, and its level has begun.
+    /// Begins the level of the modal call after a block with motion. Returns `false` if there is none.
     fn modal_call(_run: &mut Runner<'_, Self>, _block: &BlockOf<Self>) -> Result<bool, Fault> {
         Ok(false)
     }
 
-    /// Refuses one repetition too many within others.
+    /// Reports too many nested repetitions.
     fn check_repetition(_run: &Runner<'_, Self>, _span: Span) -> Result<(), Fault> {
         Ok(())
     }
 
-    /// A pass of a repetition begins.
+    /// Begins a pass of a repetition.
     fn begin_pass(_run: &mut Runner<'_, Self>, _pass: Self::Pass) -> Result<(), Fault> {
         Ok(())
     }
@@ -54,24 +54,24 @@ pub(in crate::exec) trait Execute: Family {
     /// Begins a call.
     fn call(run: &mut Runner<'_, Self>, call: Self::Call, block: &BlockOf<Self>) -> Result<(), Fault>;
 
-    /// Goes back to a caller.
+    /// Returns to a caller.
     fn return_to(run: &mut Runner<'_, Self>, target: Self::Return, span: Span) -> Result<(), Fault>;
 
-    /// A block has ended its program.
+    /// Handles a block that ends its program.
     fn end_of_program(run: &mut Runner<'_, Self>, end: Self::End);
 
-    /// The blocks of a level have come to their end.
+    /// Handles the end of a level's blocks.
     fn end_of_blocks(run: &mut Runner<'_, Self>);
 
-    /// A block had a fault.
+    /// Handles an error in a block.
     fn behind_fault(_run: &mut Runner<'_, Self>) {}
 
-    /// A finding with the place that means something to the user.
+    /// Moves a diagnostic to the place that is meaningful to the user.
     fn as_seen_by_user(_run: &Runner<'_, Self>, finding: Diagnostic) -> Diagnostic {
         finding
     }
 
-    /// Ends what is held back when no more blocks are executed; called once.
+    /// Emits what is held back after the last block; called once.
     fn finish(run: &mut Runner<'_, Self>);
 }
 
@@ -80,19 +80,19 @@ pub(in crate::exec) struct Runner<'a, F: Execute> {
     pub(in crate::exec) machine: &'a Machine,
     pub(in crate::exec) library: Box<dyn Library + 'a>,
     pub(in crate::exec) ledger: Ledger,
-    /// The files of the run; the first one has the main program.
+    /// The files of the run; the first one contains the main program.
     pub(in crate::exec) programs: Vec<FileOf<F>>,
-    /// The programs that run, that of the last call last.
+    /// The running programs; the innermost is last.
     pub(in crate::exec) levels: Vec<ProgramLevel<F>>,
     pub(in crate::exec) channel: F::Channel<'a>,
-    /// What its family keeps.
+    /// State of the family.
     pub(in crate::exec) own: F::Run,
-    /// Programs that were looked for.
+    /// Programs that were searched.
     found: HashMap<F::Name, Option<F::Entry>>,
 }
 
 impl<'a, F: Execute> Runner<'a, F> {
-    /// Starts the main program, the level of which is given.
+    /// Starts the main program at its given level.
     pub(in crate::exec) fn start(
         machine: &'a Machine,
         library: Box<dyn Library + 'a>,
@@ -164,7 +164,7 @@ impl<'a, F: Execute> Runner<'a, F> {
         }
     }
 
-    /// What a block does to the order of execution waits for the modal call that it triggers.
+    /// Postpones the flow action of a block until after the modal call that it triggers.
     fn behind_block(&mut self, action: AfterBlock<F>, block: &BlockOf<F>) -> Result<(), Fault> {
         if !F::modal_call(self, block)? {
             return self.act(action, block);
@@ -176,7 +176,7 @@ impl<'a, F: Execute> Runner<'a, F> {
         Ok(())
     }
 
-    /// Does what a block does to the order of execution.
+    /// Executes the flow action of a block.
     pub(in crate::exec) fn act(&mut self, action: AfterBlock<F>, block: &BlockOf<F>) -> Result<(), Fault> {
         match action {
             AfterBlock::Next => {}
@@ -199,13 +199,13 @@ impl<'a, F: Execute> Runner<'a, F> {
         Ok(())
     }
 
-    /// The call chain of a program that a line of the running one calls.
+    /// The call chain of a program called in a line of the running one.
     pub(in crate::exec) fn chain(&mut self, line: u32) -> u32 {
         let caller = self.levels.last().map_or(0, |level| level.calls);
         self.ledger.chain(caller, line)
     }
 
-    /// A program that is looked for once: what was found the first time is so the next.
+    /// Searches a program once, and stores the result.
     pub(in crate::exec) fn find_once<N>(
         &mut self,
         name: &N,
@@ -223,17 +223,17 @@ impl<'a, F: Execute> Runner<'a, F> {
         found
     }
 
-    /// What was not there may be there now.
+    /// Forgets failed searches, as missing programs may exist now.
     pub(in crate::exec) fn forget_missing(&mut self) {
         self.found.retain(|_, found| found.is_some());
     }
 
-    /// Reads a file that becomes one of the run; its findings are reported. `None` where there are too many, or it is none.
+    /// Reads a file into the run and reports its diagnostics. `None` if there are too many files or it is unreadable.
     pub(in crate::exec) fn read(&mut self, shown: &str, bytes: Vec<u8>) -> Option<F::Program> {
         let id = self.ledger.next_file()?;
         let source = Source::new(id, shown, bytes).ok()?;
         let (program, findings) = F::parse(self, &source);
-        // With what its macros made of it.
+        // Including its macro expansions.
         self.ledger.sources.push(program.source().clone());
         for finding in findings {
             self.report(finding);
@@ -241,19 +241,19 @@ impl<'a, F: Execute> Runner<'a, F> {
         Some(program)
     }
 
-    /// Keeps a file; its number.
+    /// Stores a file. Returns its index.
     pub(in crate::exec) fn keep(&mut self, file: FileOf<F>) -> usize {
         self.programs.push(file);
         self.programs.len() - 1
     }
 
-    /// Reports a finding.
+    /// Reports a diagnostic.
     pub(in crate::exec) fn report(&mut self, finding: Diagnostic) {
         let finding = F::as_seen_by_user(self, finding);
         self.ledger.report(finding);
     }
 
-    /// Reports what the stages behind a block have found.
+    /// Reports the warnings of the stages after a block.
     pub(in crate::exec) fn report_warnings(&mut self, file: FileId) {
         for found in std::mem::take(&mut self.channel.outlet().warnings) {
             self.report(found.in_file(file));

@@ -1,4 +1,4 @@
-//! What every run keeps whatever its language: the files, the findings, how far it is, who called whom.
+//! State of every run in any language: files, diagnostics, progress, and call chains.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
@@ -9,33 +9,33 @@ use ncfix_machine::snc::Origin;
 
 /// Default of [`Options::max_blocks`].
 const MAX_BLOCKS: u64 = 10_000_000;
-/// After the first error so many blocks more are executed in search of others.
+/// Number of blocks executed after the first error, to find further errors.
 const BLOCKS_AFTER_ERROR: u64 = 1_000_000;
-/// After so many different errors the run ends.
+/// Number of different errors after which the run ends.
 const MAX_ERRORS: usize = 100;
 
-/// How far a run is.
+/// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::exec) enum Stage {
-    /// Blocks are executed.
+    /// Blocks are being executed.
     Runs,
     /// No more blocks are executed.
     Over,
-    /// What was held back has come out.
+    /// Held elements have been emitted.
     Finished,
 }
 
-/// The books of a run.
+/// The ledger of a run.
 pub(in crate::exec) struct Ledger {
     /// All files of the run so far, by [`FileId`].
     pub(in crate::exec) sources: Vec<Source>,
-    /// What is still to be handed out.
+    /// Diagnostics that are not handed out yet.
     pub(in crate::exec) findings: VecDeque<Diagnostic>,
-    /// How far it is.
+    /// Progress of the run.
     pub(in crate::exec) stage: Stage,
     skip_levels: [bool; 10],
     reported: HashSet<(Code, Option<Place>)>,
-    /// Variables without a value that a finding was about, or that have none because of it, by the file.
+    /// Variables, by file, without a value that were reported, or that have no value as a consequence.
     without_value: HashSet<(FileId, String)>,
     errors: usize,
     executed: u64,
@@ -46,12 +46,12 @@ pub(in crate::exec) struct Ledger {
 }
 
 impl Ledger {
-    /// Whether an error was found.
+    /// `true` if an error was reported.
     pub(in crate::exec) fn has_errors(&self) -> bool {
         self.errors > 0
     }
 
-    /// Of a main program of so many blocks.
+    /// The ledger for a main program with `blocks` blocks.
     pub(in crate::exec) fn new(main: Source, blocks: usize, options: &Options) -> Ledger {
         Ledger {
             sources: vec![main],
@@ -68,9 +68,9 @@ impl Ledger {
         }
     }
 
-    /// No more blocks are executed.
+    /// Ends the execution of blocks.
     pub(in crate::exec) fn end(&mut self) {
-        // What comes out behind the end may find more, and does not end the run anew.
+        // Elements emitted after the end may cause further diagnostics, but do not restart the run.
         if self.stage == Stage::Runs {
             self.stage = Stage::Over;
         }
@@ -84,7 +84,7 @@ impl Ledger {
     /// Counts a block that is about to be executed.
     ///
     /// # Errors
-    /// Where there were too many; the run is over then. Behind errors that is no finding.
+    /// `None` or a diagnostic if the limit is exceeded; the run is then over. After errors there is no diagnostic.
     pub(in crate::exec) fn count(&mut self, file: FileId, span: Span) -> Result<(), Option<Diagnostic>> {
         if self.executed < self.limit {
             self.executed += 1;
@@ -99,15 +99,15 @@ impl Ledger {
         Err(Some(Diagnostic::at(Code::TOO_MANY_BLOCKS, Place { file, span }, message, help)))
     }
 
-    /// Whether blocks with this skip level are left out.
+    /// `true` if blocks with this skip level are skipped.
     pub(in crate::exec) fn leaves_out(&self, level: u8) -> bool {
         self.skip_levels.get(usize::from(level)).copied().unwrap_or(false)
     }
 
-    /// Whether a block with this skip level is left out; that this is decided now is a finding.
+    /// `true` if a block with this skip level is skipped; reports that this is decided here.
     pub(in crate::exec) fn skips(&mut self, level: u8, file: FileId, span: Span) -> bool {
         let is_skipped = self.leaves_out(level);
-        // One finding a run: every further block would say the same.
+        // One diagnostic per run suffices for all skipped blocks.
         if !self.reported.iter().any(|(code, _)| *code == Code::SKIP_EXECUTED) {
             let done = if is_skipped { "skipped" } else { "executed" };
             let message = format!("blocks with / are decided now; this one is {done}");
@@ -117,9 +117,9 @@ impl Ledger {
         is_skipped
     }
 
-    /// Takes a finding, unless it is known. After the first error the run ends soon, after many at once.
+    /// Reports a diagnostic, unless it is known. After the first error the run ends soon, after many errors immediately.
     pub(in crate::exec) fn report(&mut self, mut finding: Diagnostic) {
-        // A place in the text of a macro is shown where the macro is used.
+        // A place in the text of a macro is shown at the use of the macro.
         if let Some(place) = &mut finding.place
             && let Some(source) = self.sources.get(usize::from(place.file.0))
         {
@@ -140,8 +140,8 @@ impl Ledger {
         self.findings.push_back(finding);
     }
 
-    /// Whether a finding is about a variable without a value, and an earlier one in the file was too: that one says it all. Other
-    /// variables that have no value because of it are known from here on.
+    /// `true` if a diagnostic is about a variable without a value that was already reported in the file. Other variables without value as a
+    /// consequence are recorded.
     fn is_known_variable(&mut self, finding: &mut Diagnostic) -> bool {
         let (Some(unset), Some(place)) = (finding.unset.take(), finding.place) else { return false };
         let is_known = unset.read.is_some_and(|name| !self.without_value.insert((place.file, name)));
@@ -149,12 +149,12 @@ impl Ledger {
         is_known
     }
 
-    /// The number of the next file; `None` where there are too many.
+    /// The id of the next file; `None` if there are too many.
     pub(in crate::exec) fn next_file(&self) -> Option<FileId> {
         u16::try_from(self.sources.len()).ok().map(FileId)
     }
 
-    /// The call chain of a program that is called in a line of another; 0 is the chain of the main program.
+    /// The call chain of a program called in a line of another; 0 is the chain of the main program.
     pub(in crate::exec) fn chain(&mut self, caller: u32, line: u32) -> u32 {
         let next_id = u32::try_from(self.chains.len() + 1).unwrap_or(u32::MAX);
         let id = *self.chain_ids.entry((caller, line)).or_insert(next_id);

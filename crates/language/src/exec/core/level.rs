@@ -1,76 +1,76 @@
-//! Program levels: which program runs, where it is, what it repeats, and what a block does to the order of execution.
+//! Program levels: the running program, its position, its repetitions, and the effect of a block on the order of execution.
 
 use std::fmt::Debug;
 
 use super::family::{BlockOf, Family};
 
-/// What comes after a block.
+/// Action after a block.
 #[derive(Debug)]
 pub(in crate::exec) enum AfterBlock<F: Family> {
     /// The next block.
     Next,
-    /// This block, around the blocks of a control structure.
+    /// This block, as part of a control structure.
     Jump(usize),
-    /// This block, where the program jumps to it.
+    /// This block, as the target of a program jump.
     Goto(usize),
-    /// A section, so many times, and then the next block.
+    /// A section, repeated, and then the next block.
     Repeat(RepeatedSection<F::Pass>),
     /// A program, and then the next block.
     Call(F::Call),
-    /// Back to a caller.
+    /// Return to a caller.
     Return(F::Return),
     /// The program has ended.
     End(F::End),
 }
 
 impl<F: Family> AfterBlock<F> {
-    /// Whether the order of the blocks is that of the text.
+    /// `true` if the next block in the text follows.
     pub(in crate::exec) fn is_next(&self) -> bool {
         matches!(self, AfterBlock::Next)
     }
 }
 
-/// Blocks of a program that are to be repeated.
+/// A section of blocks to repeat.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::exec) struct RepeatedSection<P> {
     /// Its first and last block.
     pub(in crate::exec) first: usize,
     pub(in crate::exec) last: usize,
-    /// How many passes it has.
+    /// Number of passes.
     pub(in crate::exec) passes: u64,
-    /// What happens with each pass.
+    /// Action at each pass.
     pub(in crate::exec) pass: P,
 }
 
-/// A section that is being repeated.
+/// A section under repetition.
 #[derive(Clone, Copy, Debug)]
 struct Repetition<P> {
     first: usize,
     last: usize,
-    /// How many passes are still to come.
+    /// Number of remaining passes.
     left: u64,
-    /// Where it goes on behind the last pass.
+    /// Block after the last pass.
     resume: usize,
     pass: P,
 }
 
-/// A program that runs.
+/// A running program.
 pub(in crate::exec) struct ProgramLevel<F: Family> {
-    /// Its file.
+    /// Index of its file.
     pub(in crate::exec) program: usize,
-    /// Its part of the file.
+    /// Index of its part of the file.
     pub(in crate::exec) part: usize,
-    /// The block to execute next.
+    /// The next block to execute.
     pub(in crate::exec) next: usize,
-    /// The call chain that led here.
+    /// The call chain of the level.
     pub(in crate::exec) calls: u32,
-    /// How many runs of this program are left, this one included.
+    /// Remaining runs of this program, including the current one.
     pub(in crate::exec) repeats: u32,
-    /// What a block still does behind the modal call that it triggered.
+    /// Flow action of a block, postponed until after its modal call.
     pub(in crate::exec) pending: Option<Box<(AfterBlock<F>, BlockOf<F>)>>,
-    /// What its family keeps.
+    /// Data of the family.
     pub(in crate::exec) own: F::Level,
-    /// Sections that are being repeated, the innermost last.
+    /// Sections under repetition; the innermost is last.
     repetitions: Vec<Repetition<F::Pass>>,
 }
 
@@ -79,12 +79,12 @@ impl<F: Family> ProgramLevel<F> {
         ProgramLevel { program, part, next, calls, repeats: 1, pending: None, own, repetitions: Vec::new() }
     }
 
-    /// Sections within one another that are being repeated.
+    /// Number of nested repetitions.
     pub(in crate::exec) fn repetitions(&self) -> usize {
         self.repetitions.len()
     }
 
-    /// Begins to repeat a section, and goes on at `resume` behind it. Whether it has a pass.
+    /// Begins the repetition of a section, and continues at `resume` afterwards. Returns `true` if it has a pass.
     pub(in crate::exec) fn repeat(&mut self, section: RepeatedSection<F::Pass>, resume: usize) -> bool {
         let RepeatedSection { first, last, passes, pass } = section;
         let Some(left) = passes.checked_sub(1) else { return false };
@@ -93,7 +93,7 @@ impl<F: Family> ProgramLevel<F> {
         true
     }
 
-    /// At the end of a repeated section: back to its start, or on behind it. What happens with the pass that begins.
+    /// At the end of a repeated section, returns to its start or continues after it. Returns the action of the pass that begins.
     pub(in crate::exec) fn end_sections(&mut self) -> Option<F::Pass> {
         while let Some(section) = self.repetitions.last_mut().filter(|section| self.next == section.last + 1) {
             if section.left > 0 {
@@ -107,8 +107,8 @@ impl<F: Family> ProgramLevel<F> {
         None
     }
 
-    /// Goes to a block; a section that is left by this is not repeated further. A jump of the program to the block behind the section
-    /// leaves it too, the way around a branch does not.
+    /// Moves to a block; sections that this leaves are not repeated further. A program jump to the block after a section leaves the section too, but
+    /// a structural jump does not.
     pub(in crate::exec) fn go_to(&mut self, target: usize, is_jump: bool) {
         self.next = target;
         while let Some(section) = self.repetitions.last() {

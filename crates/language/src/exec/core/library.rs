@@ -1,29 +1,29 @@
-//! Where programs come from that are not in the file of the main program.
+//! Sources of programs outside the main program's file.
 
-/// Finds subprograms that are not in the file of the main program.
+/// Finds subprograms outside the main program's file.
 pub trait Library {
-    /// The file of the subprogram `name` (upper case, without ending): the name to show, and its bytes.
+    /// The file of the subprogram `name` (upper case, without extension): its display name, and its bytes.
     fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)>;
 
-    /// The file of a program that is named with its path (`/_N_WKS_DIR/_N_PART_WPD/NAME`), if the library knows paths.
+    /// The file of a program named with its path (`/_N_WKS_DIR/_N_PART_WPD/NAME`), if the library supports paths: its display name, and its bytes.
     fn load_path(&mut self, _path: &str, _name: &str) -> Option<(String, Vec<u8>)> {
         None
     }
 
-    /// The first of these files that there is, whatever the case of its name: the name to show, and its bytes.
+    /// The first existing file of these names in any case: its display name, and its bytes.
     fn load_file(&mut self, _names: &[String]) -> Option<(String, Vec<u8>)> {
         None
     }
 
-    /// Why the file that was looked for last is not read though there is one, in words; it is asked for once.
+    /// The reason why the last searched file exists but is not read; returned once.
     fn refusal(&mut self) -> Option<String> {
         None
     }
 
-    /// One more folder to search (CALLPATH); an empty name takes the added ones away.
+    /// Adds a folder to the search (CALLPATH); an empty name removes the added ones.
     fn add_folder(&mut self, _path: &str) {}
 
-    /// The definition files of the control, macros first: the name to show, and the bytes.
+    /// The definition files of the control, macros first: display names and bytes.
     fn definitions(&mut self) -> Vec<(String, Vec<u8>)> {
         Vec::new()
     }

@@ -1,71 +1,70 @@
-//! The interpreter core: all that executing a program has in common, whatever the language.
+//! The interpreter core: the language-independent parts of program execution.
 //!
 //! | concept | file |
 //! | --- | --- |
-//! | the way from block to block, skip levels, modal calls, findings | [`interpreter`] |
-//! | levels, sections in repetition, what a block does to the order | [`level`] |
-//! | files of the run; where programs come from | [`program`], [`library`] |
-//! | what a family is made of | [`family`] |
-//! | modal groups: what is in force of each, saved states | [`modal`] |
-//! | tools: selected and in the spindle, what is in force, data that a run writes | [`tool`] |
-//! | where the axes are, and of which the program has said so | [`position`] |
-//! | the way to reference points and back | [`reference`] |
-//! | frame, tool length and plane in force | [`standing`] |
+//! | sequence of blocks, skip levels, modal calls, diagnostics | [`interpreter`] |
+//! | levels, repeated sections, effect of a block on the order | [`level`] |
+//! | files and sources of programs | [`program`], [`library`] |
+//! | types of a family | [`family`] |
+//! | modal groups: active codes, saved states | [`modal`] |
+//! | tools: selected, in the spindle, active; data written by a run | [`tool`] |
+//! | axis positions, and axes with stated positions | [`position`] |
+//! | paths to reference points and back | [`reference`] |
+//! | active frame, tool length and plane | [`standing`] |
 //! | radius compensation, roundings, chamfers | [`contour`] |
 //! | steps of cycles | [`step`] |
-//! | paths, and what the outlet makes of them | [`path`], [`outlet`], [`resolve`], [`five_axis`] |
-//! | findings, books, limits of a run | [`fault`], [`ledger`], [`options`], [`settings`] |
+//! | paths, and their conversion by the outlet | [`path`], [`outlet`], [`resolve`], [`five_axis`] |
+//! | faults, ledger, limits of a run | [`fault`], [`ledger`], [`options`], [`settings`] |
 //!
-//! # What a family brings
+//! # Parts of a family
 //!
-//! 1. **A tree.** Its grammar lives in `syntax`; [`program::ProgramText`] and [`program::Statement`] tell the core where blocks are, their lines,
+//! 1. **A tree.** Its grammar lives in `syntax`; [`program::ProgramText`] and [`program::Statement`] give the core the blocks with their lines,
 //!    numbers and skip levels.
-//! 2. **Types**, [`family::Family`]: what is worked out of a file once, what a call is, what a level keeps.
-//! 3. **A channel**: plain state and an [`outlet::Outlet`]. The state is made of [`modal::Modes`] with the family's kinds of motion,
-//!    [`modal::CodesInForce`] with its other groups and their codes at the start, a [`tool::ToolState`] with its length, a
-//!    [`tool::ToolTable`] with what its control keeps of an edge, and a [`position::Position`]. Gathering words, working out values, and executing a block in the order of
-//!    the control are its own; motions become a [`path::Path`] with a [`contour::Wish`] and go to the outlet.
-//! 4. **Answers**, [`interpreter::Execute`]: what a block does, how a call is found and begun, what an end means.
+//! 2. **Types**, [`family::Family`]: the derived data of a file, calls, and the data of a level.
+//! 3. **A channel**: plain state and an [`outlet::Outlet`]. The state consists of [`modal::Modes`] with the family's motion modes,
+//!    [`modal::CodesInForce`] with its other groups and their codes at the start, a [`tool::ToolState`] with its length, a [`tool::ToolTable`] with
+//!    the edge data of its control, and a [`position::Position`]. The family itself gathers words, evaluates values, and executes a block in the
+//!    order of the control; motions become a [`path::Path`] with a [`contour::Wish`] and go to the outlet.
+//! 4. **Functions**, [`interpreter::Execute`]: the effect of a block, the search and start of calls, and the meaning of an end.
 //!
-//! In return the core counts blocks and ends endless programs, leaves skipped blocks out, gives each element its origin, repeats
-//! sections, holds what a block does to the order back behind a modal call, loads each file once, and hands findings out once.
+//! In return the core counts blocks and ends endless programs, skips blocks by level, sets the origin of each element, and repeats sections. It
+//! postpones flow actions until after a modal call, loads each file once, and reports each diagnostic once.
 //!
-//! Not shared, because sharing would be a list of options: which words select a code (RS274/NGC and Fanuc count tenths, Sinumerik has names,
-//! Grundig takes codes out of a list in its order); which number names an offset (D of an edge, H and D of a table, hundredths of T); what
-//! a saved state brings back and in which words the output says so (SAVE, M72); where reference points are.
+//! Some parts are not shared, as sharing would need a list of options: the words that select a code (RS274/NGC and Fanuc use tenths, Sinumerik has
+//! names, Grundig takes codes from a list in its order); the numbers of offsets (D of an edge, H and D of a table, hundredths of T); the content of
+//! a restored state and its words in the output (SAVE, M72); the positions of reference points.
 //!
 //! # A fourth family: Klartext
 //!
 //! | in the program | for the core |
 //! | --- | --- |
 //! | `CALL LBL 5` | `AfterBlock::Call`; `call` begins a level in the same file at the block of the label |
-//! | `LBL 0` | `AfterBlock::Return` where a call is open, else `AfterBlock::Next` |
+//! | `LBL 0` | `AfterBlock::Return` if a call is open, otherwise `AfterBlock::Next` |
 //! | `CALL LBL 5 REP 3` | `AfterBlock::Repeat` of the section from the label to the block before, three passes |
 //! | `FN 9: IF Q1 EQU Q2 GOTO LBL 7` | `AfterBlock::Goto`; labels are looked up once and kept in `Family::Prepared` |
-//! | `CALL PGM SUB` | `AfterBlock::Call`; `find_once` by name; the level keeps the QL of its caller, gives them back when it ends |
+//! | `CALL PGM SUB` | `AfterBlock::Call`; `find_once` by name; the level keeps the QL of its caller, restores them at its end |
 //! | `M2`, `M30`, `END PGM` | `AfterBlock::End`, the latter by `end_of_blocks` |
-//! | `Q1 = Q2 + SIN 30` | no business of the core: the channel keeps Q, QL, QR, QS |
+//! | `Q1 = Q2 + SIN 30` | not part of the core: the channel keeps Q, QL, QR, QS |
 //! | `L X+10 IY+5 R0 FMAX M3` | words gathered, axis by axis absolute or incremental; `Shape::Line`, `ContourModal::side` of R0, RL, RR |
-//! | `CC`, `C`, `CR`, `CT` | the pole is state; `Shape::Arc`; `CT` takes the direction of the path before |
-//! | `RND`, `CHF`, `APPR`, `DEP` | `Wish::corner`, `Wish::soft`, as contour words of Grundig are |
-//! | cycle 7, 8, 10, 11, 26, `PLANE` | frames of the channel; [`standing::InForce`] puts what they add up to in force |
-//! | `CYCL DEF 200 …` | state: the parameters are Q; DEF-active cycles act at once |
-//! | `CYCL CALL`, `M99` | [`step`]s of the cycle, carried out at the position |
-//! | `M89` | `modal_call`: there is one behind each block that has moved |
-//! | `TOOL CALL 5 Z S2500` | [`tool::ToolState`] with its one length, found by [`tool::ToolTable`]; the axis chooses the plane |
-//! | `TOOL DEF 5`, `DL`, `DR` | `ToolState::selected`; allowances are the family's, as G39 of Grundig is |
+//! | `CC`, `C`, `CR`, `CT` | the pole is state; `Shape::Arc`; `CT` uses the final direction of the previous path |
+//! | `RND`, `CHF`, `APPR`, `DEP` | `Wish::corner`, `Wish::soft`, as contour words of Grundig |
+//! | cycle 7, 8, 10, 11, 26, `PLANE` | frames of the channel; [`standing::InForce`] holds their product |
+//! | `CYCL DEF 200 …` | state: the parameters are Q; DEF-active cycles act immediately |
+//! | `CYCL CALL`, `M99` | [`step`]s of the cycle, executed at the position |
+//! | `M89` | `modal_call`: begun after each block with motion |
+//! | `TOOL CALL 5 Z S2500` | [`tool::ToolState`] with its single length, found by [`tool::ToolTable`]; the axis selects the plane |
+//! | `TOOL DEF 5`, `DL`, `DR` | `ToolState::selected`; allowances belong to the family, as G39 of Grundig |
 //! | `F MAX`, `FU`, `M136` | [`modal::Modes`]; M functions with a group in [`modal::CodesInForce`] |
-//! | `M91`, `M92` | positions of the machine for one block; where the axes are is a [`position::Position`] as ever |
+//! | `M91`, `M92` | positions of the machine for one block; axis positions are a [`position::Position`] as usual |
 //!
-//! A program of the control that only it knows (a cycle of its builder) passes through, as `[[opaque]]` says.
+//! A program that only the control knows (such as a cycle of the machine builder) is passed through, as `[[opaque]]` defines.
 //!
 //! # Turning, in every family
 //!
-//! Diameters are read by the gatherer of a family: inside there are radii. The working plane is ZX; nose radius compensation is radius
-//! compensation about a center that [`contour`] shifts by the vector of the tip. G71 to G73 and their kin read a contour between two
-//! blocks: those blocks are executed into a list of paths in place of the outlet, and the cycle makes its steps of them; execution goes
-//! on with `AfterBlock::Goto` behind the last. Threads are moves with `Manner::Thread`. Feed per turn and constant cutting speed are state
-//! that moves carry already.
+//! The gatherer of a family converts diameters: internally there are radii. The working plane is ZX. Nose radius compensation is radius compensation
+//! about a center that [`contour`] shifts by the vector of the tip. G71 to G73 and related cycles read a contour between two blocks: those blocks are
+//! executed into a list of paths in place of the outlet, and the cycle derives its steps from them. Execution continues with `AfterBlock::Goto` after
+//! the last block. Threads are moves with `Manner::Thread`. Feed per turn and constant cutting speed are state that moves already carry.
 
 pub(in crate::exec) mod arc;
 pub(in crate::exec) mod contour;

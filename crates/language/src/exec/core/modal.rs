@@ -1,34 +1,33 @@
-//! Modal groups: what is in force of each from block to block.
+//! Modal groups: the active code of each, from block to block.
 //!
-//! Groups that every language has are kept as what their codes mean, in [`Modes`]. Of any other group [`CodesInForce`] holds the code
-//! itself; a family says which groups there are and which codes are in force at the start. Both are plain values: a saved state is a
-//! clone, and what brings it back asks which codes differ.
+//! Groups common to all languages are stored by meaning, in [`Modes`]. For all other groups [`CodesInForce`] stores the code itself; a family defines
+//! its groups and their codes at the start. Both are plain values: a saved state is a clone, and a restore compares codes.
 
 use ncfix_base::geometry::Plane;
 use ncfix_base::units::MM_PER_INCH;
 use ncfix_machine::snc::FeedUnit;
 
-/// What the groups mean that every language has; `M` is the kind of motion.
+/// State of the groups common to all languages; `M` is the motion mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::exec) struct Modes<M> {
-    /// The kind of motion in force.
+    /// The active motion mode.
     pub(in crate::exec) motion: M,
     /// The working plane.
     pub(in crate::exec) plane: Plane,
-    /// Positions count from the one before.
+    /// `true` if positions are relative to the previous one.
     pub(in crate::exec) incremental: bool,
-    /// Lengths are inches.
+    /// `true` if lengths are in inches.
     pub(in crate::exec) inch: bool,
-    /// The feed in mm and in units of `feed_unit`; 0 for none yet.
+    /// The feed in mm and in units of `feed_unit`; 0 if none yet.
     pub(in crate::exec) feed: f64,
-    /// What F counts.
+    /// Unit of F.
     pub(in crate::exec) feed_unit: FeedUnit,
-    /// Last speed of the spindle.
+    /// Last spindle speed.
     pub(in crate::exec) speed: Option<f64>,
 }
 
 impl<M> Modes<M> {
-    /// Absolute millimeters, and no feed.
+    /// Absolute, millimeters, no feed.
     pub(in crate::exec) fn new(motion: M, plane: Plane) -> Self {
         Modes { motion, plane, incremental: false, inch: false, feed: 0.0, feed_unit: FeedUnit::default(), speed: None }
     }
@@ -38,7 +37,7 @@ impl<M> Modes<M> {
         if self.inch { MM_PER_INCH } else { 1.0 }
     }
 
-    /// Selects what F counts. A feed of another unit is none: it must be programmed again.
+    /// Selects the unit of F. A feed in another unit is dropped: it must be programmed again.
     pub(in crate::exec) fn select_feed_unit(&mut self, unit: FeedUnit) {
         if unit != self.feed_unit {
             self.feed_unit = unit;
@@ -47,37 +46,37 @@ impl<M> Modes<M> {
     }
 }
 
-/// The code in force of each group `G`.
+/// The active code of each group `G`.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::exec) struct CodesInForce<G: 'static, C: 'static> {
-    /// At the start.
+    /// Codes at the start.
     initial: &'static [(G, C)],
-    /// Programmed since, in the order in which the program came to the groups.
+    /// Codes programmed since, in the order in which their groups were first programmed.
     programmed: Vec<(G, C)>,
 }
 
 impl<G: Copy + PartialEq, C: Copy + PartialEq> CodesInForce<G, C> {
-    /// These are in force at the start.
+    /// Creates the state with these initial codes.
     pub(in crate::exec) fn new(initial: &'static [(G, C)]) -> Self {
         CodesInForce { initial, programmed: Vec::new() }
     }
 
-    /// The code in force of a group; `None` where neither the program nor the start has one.
+    /// The active code of a group; `None` if neither the program nor the start has one.
     pub(in crate::exec) fn code(&self, group: G) -> Option<C> {
         self.programmed(group).or_else(|| find(self.initial, group))
     }
 
-    /// The code of a group that was programmed last.
+    /// The last programmed code of a group.
     pub(in crate::exec) fn programmed(&self, group: G) -> Option<C> {
         find(&self.programmed, group)
     }
 
-    /// Whether this code is in force.
+    /// `true` if this code is active.
     pub(in crate::exec) fn is(&self, group: G, code: C) -> bool {
         self.code(group) == Some(code)
     }
 
-    /// Puts a code in force.
+    /// Activates a code.
     pub(in crate::exec) fn set(&mut self, group: G, code: C) {
         match self.programmed.iter_mut().find(|(known, _)| *known == group) {
             Some(entry) => entry.1 = code,
@@ -85,14 +84,14 @@ impl<G: Copy + PartialEq, C: Copy + PartialEq> CodesInForce<G, C> {
         }
     }
 
-    /// Brings the code of a group back from a saved state; gives it where another one was in force.
+    /// Restores the code of a group from a saved state; returns it if another one was active.
     pub(in crate::exec) fn bring_back(&mut self, saved: &Self, group: G) -> Option<C> {
         let code = saved.code(group).filter(|&code| self.code(group) != Some(code))?;
         self.set(group, code);
         Some(code)
     }
 
-    /// What of these codes `left` has otherwise, in the order in which the program that ends came to the groups.
+    /// The codes that differ in `left`, in the order in which the ending program first programmed their groups.
     pub(in crate::exec) fn other_than(&self, left: &Self) -> Vec<C> {
         let of = |&(group, code): &(G, C)| self.code(group).filter(|&before| before != code);
         left.programmed.iter().filter_map(of).collect()
@@ -127,7 +126,7 @@ mod tests {
         left.set(7, "G40");
         left.set(10, "G64");
         left.set(24, "FFWON");
-        // Nothing says what was in force of group 24.
+        // The previous code of group 24 is unknown.
         assert_eq!(caller.other_than(&left), ["G94", "G60"]);
         assert_eq!((left.bring_back(&caller, 10), left.bring_back(&caller, 10)), (Some("G60"), None));
         assert!(left.is(10, "G60"));

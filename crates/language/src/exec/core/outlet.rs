@@ -1,7 +1,7 @@
-//! The lower half of every executor: takes elements and paths of blocks and puts the flat stream together.
+//! The output side of every executor: converts elements and paths of blocks into the flat stream.
 //!
-//! A path goes through the contour stage where something may still change it, is resolved to moves of the axes, and queues up with the
-//! elements around it in the order of the program.
+//! A path passes the contour stage if that may still change it, is resolved into axis moves, and is queued with the surrounding elements in program
+//! order.
 
 use std::collections::VecDeque;
 
@@ -15,39 +15,39 @@ use ncfix_base::source::FileId;
 use ncfix_machine::machine::{Kinematics, Machine};
 use ncfix_machine::snc::{BlockNumber, Element, Kind, Origin};
 
-/// Blocks that begin radius compensation and are named at the end of a correction, at most.
+/// Maximum number of blocks that are listed at the end of a correction as starts of radius compensation.
 const MOST_NOTED: usize = 20;
 
-/// Registers of tools that are named there, at most.
+/// Maximum number of tool registers that are listed there.
 const MOST_REGISTERS: usize = 1000;
 
-/// Who has an outlet.
+/// Types that have an outlet.
 pub(in crate::exec) trait HasOutlet<'a> {
-    /// Where it puts what its blocks do.
+    /// The outlet.
     fn outlet(&mut self) -> &mut Outlet<'a>;
 }
 
-/// Where an executor puts what its blocks do.
+/// The outlet of an executor.
 pub(in crate::exec) struct Outlet<'a> {
     pub(in crate::exec) machine: &'a Machine,
-    /// Of the machine, once a transformation was in force.
+    /// Kinematics of the machine, once a transformation was active.
     pub(in crate::exec) kinematics: Option<Box<Kinematics>>,
-    /// What is final.
+    /// Final elements.
     pub(in crate::exec) queue: VecDeque<Element>,
-    /// Findings of the block that do not stop it.
+    /// Faults of the block that do not stop it.
     pub(in crate::exec) warnings: Vec<Fault>,
-    /// The block that is being executed.
+    /// The current block.
     pub(in crate::exec) origin: Origin,
     contour: ContourStage,
     released: Vec<Item>,
     number: Option<BlockNumber>,
     starts_block: bool,
-    /// Blocks in which radius compensation began, and whether it is on.
+    /// Blocks in which radius compensation began, and `true` while it is active.
     compensated: Vec<Origin>,
     compensates: bool,
-    /// Registers of the control whose radius these have.
+    /// Registers of the control with their radius.
     registers: Vec<String>,
-    /// The control has the wear, and the words that begin and end compensation.
+    /// `true` if the control handles the wear, and receives the words that begin and end compensation.
     pub(in crate::exec) keeps_wear: bool,
     tells_compensation: bool,
 }
@@ -72,14 +72,14 @@ impl<'a> Outlet<'a> {
         }
     }
 
-    /// A new block: its elements carry this origin and number.
+    /// Begins a block: its elements carry this origin and number.
     pub(in crate::exec) fn begin_block(&mut self, origin: Origin, number: Option<BlockNumber>) {
         self.origin = origin;
         self.number = number;
         self.starts_block = true;
     }
 
-    /// A new line of the output for the same block; the first has the number of the block.
+    /// Begins a new output line for the same block; the first line has the number of the block.
     pub(in crate::exec) fn begin_line(&mut self) {
         if !self.starts_block {
             self.number = None;
@@ -92,26 +92,26 @@ impl<'a> Outlet<'a> {
         self.origin.file
     }
 
-    /// An element of the block, the first of them with its number.
+    /// Creates an element of the block; the first one has the block's number.
     pub(in crate::exec) fn element(&mut self, kind: Kind) -> Element {
         let starts_block = std::mem::take(&mut self.starts_block);
         let number = if starts_block { self.number } else { None };
         Element { origin: self.origin, starts_block, number, kind }
     }
 
-    /// Whether an M function moves axes by what the machine file says (`control.opaque`, `[[opaque]]`).
+    /// `true` if an M function moves axes according to the machine file (`control.opaque`, `[[opaque]]`).
     pub(in crate::exec) fn function_moves(&self, number: f64) -> bool {
         let control = &self.machine.control;
         !control.opaque.is_empty() && control.opaque_moves(&format!("M{number}")) == Some(true)
     }
 
-    /// Puts something without motion into the stream.
+    /// Emits an element without motion.
     pub(in crate::exec) fn push(&mut self, kind: Kind) {
         let element = self.element(kind);
         self.pass(element);
     }
 
-    /// Before the call of a program of the control: it finds the feed of the program, whatever a corner, an arc or one block had.
+    /// Restores the programmed feed before the call of a program of the control, independent of corner, arc and block feeds.
     pub(in crate::exec) fn feed_for_call(&mut self, feed: f64) {
         if feed > 0.0 {
             let kind = Kind::Feed(feed);
@@ -119,7 +119,7 @@ impl<'a> Outlet<'a> {
         }
     }
 
-    /// Puts an element without motion into the stream.
+    /// Emits an element without motion.
     pub(in crate::exec) fn pass(&mut self, element: Element) {
         if !self.contour.is_holding() {
             self.queue.push_back(element);
@@ -128,17 +128,17 @@ impl<'a> Outlet<'a> {
         self.through_contour(Item::Element(element));
     }
 
-    /// The block reads what the control knows only when it has got there: it looks no further ahead.
+    /// Records a read access to the main run: the control looks no further ahead.
     pub(in crate::exec) fn stop_look_ahead(&mut self, name: &'static str) {
         self.contour.stop(self.origin, name);
     }
 
-    /// Whether motions are held back, so that whatever comes must wait behind them.
+    /// `true` if motions are held back, so that following elements must wait.
     pub(in crate::exec) fn is_holding(&self) -> bool {
         self.contour.is_holding()
     }
 
-    /// Puts a motion of the block into the stream that wants nothing of the contour stage, while that holds nothing back.
+    /// Emits a motion that requests nothing from the contour stage while the stage holds nothing.
     #[inline]
     pub(in crate::exec) fn pass_plain(&mut self, path: &Path) {
         if matches!(path.shape, Shape::Line) && path.setup.transform.is_none() {
@@ -150,19 +150,19 @@ impl<'a> Outlet<'a> {
         self.resolve(path, element);
     }
 
-    /// Puts a motion into the stream through the contour stage. The kind of the element is a placeholder.
+    /// Emits a motion through the contour stage. The kind of the element is a placeholder.
     pub(in crate::exec) fn pass_path(&mut self, path: Path, element: Element, wish: Wish) {
         self.note_compensation(&element, &wish);
         self.through_contour(Item::Path(Box::new(Moving::new(path, element, wish))));
     }
 
-    /// Holds a motion back until [`Self::close`] says where it ends.
+    /// Holds a motion back until [`Self::close`] gives its end.
     pub(in crate::exec) fn open(&mut self, path: Path, element: Element, wish: Wish) {
         self.note_compensation(&element, &wish);
         self.contour.open(Box::new(Moving::new(path, element, wish)));
     }
 
-    /// The end of the motion of [`Self::open`], or that it has none.
+    /// Sets the end of the motion of [`Self::open`]; `None` if it has none.
     pub(in crate::exec) fn close(&mut self, end: Option<AxisVector>, axes: AxisSet) {
         let mut released = std::mem::take(&mut self.released);
         self.contour.close(end, axes, &mut released);
@@ -178,10 +178,10 @@ impl<'a> Outlet<'a> {
         self.compensates = compensates;
     }
 
-    /// The program has ended: ends what is held back. A correction says where it has worked radius compensation out.
+    /// Emits what is held back at the end of the program. A correction reports where it has converted radius compensation.
     pub(in crate::exec) fn end(&mut self, has_errors: bool) {
         self.finish();
-        // What is not written needs no advice.
+        // Output that is not written needs no advice.
         let is_written = !has_errors && !self.warnings.iter().any(|found| found.code.severity() == Severity::Error);
         let tells = self.tells_compensation && is_written;
         let Some(first) = self.compensated.first().filter(|_| tells) else { return };
@@ -204,7 +204,7 @@ impl<'a> Outlet<'a> {
         self.warnings.push(fault(code, first.span, message, help).of_file(first.file));
     }
 
-    /// Before a motion that begins radius compensation: where the control has the radius.
+    /// Records the control's radius register before a motion that begins radius compensation.
     pub(in crate::exec) fn name_register(&mut self, wish: &Wish, name: impl FnOnce() -> String) {
         if !self.keeps_wear || !wish.compensates() || self.compensates {
             return;
@@ -215,15 +215,15 @@ impl<'a> Outlet<'a> {
         }
     }
 
-    /// Ends what is held back.
+    /// Emits what is held back.
     pub(in crate::exec) fn finish(&mut self) {
         let mut released = std::mem::take(&mut self.released);
         self.contour.finish(&mut released);
         self.release(released);
     }
 
-    /// The control looks where the axes are: where the tool center is if radius compensation by the rules of RS274/NGC has ended and nothing
-    /// has led back to the contour yet. From here on it is where the program is.
+    /// Handles a read of the axis positions by the control. If radius compensation by the rules of RS274/NGC has ended and no motion has led back to
+    /// the contour, this is the tool center. From here on it is the programmed position.
     pub(in crate::exec) fn settle(&mut self) -> Option<AxisVector> {
         let mut released = std::mem::take(&mut self.released);
         let place = self.contour.settle(&mut released);
@@ -231,14 +231,14 @@ impl<'a> Outlet<'a> {
         place
     }
 
-    /// Puts an item into the stage and takes out what is final.
+    /// Passes an item through the stage and emits the final ones.
     fn through_contour(&mut self, item: Item) {
         let mut released = std::mem::take(&mut self.released);
         self.contour.take(item, &mut released);
         self.release(released);
     }
 
-    /// Resolves a motion; where it begins or ends compensation at the control, with the words for that.
+    /// Resolves a motion, with the words that begin or end compensation at the control.
     fn moved(&mut self, moving: Box<Moving>) {
         let Some(words) = moving.switch_words() else {
             self.resolve(&moving.path, moving.element);
@@ -275,7 +275,7 @@ impl<'a> Outlet<'a> {
     }
 }
 
-/// The comment of lines that carry on with the motion of the line before, as the output has it.
+/// The comment of lines that continue the motion of the previous line.
 fn further_line() -> Kind {
     Kind::Comment(b";+".to_vec())
 }

@@ -1,7 +1,7 @@
-//! A motion between its block and the stream: what contour transitions and radius compensation may still change.
+//! A motion between its block and the stream: the data that contour transitions and radius compensation may still change.
 //!
-//! Positions are **base coordinates**: the frame is applied and the tool at its zero pose taken off. Without a transformation these
-//! are the axis commands; under a transformation [`super::resolve`] turns them into such.
+//! Positions are **base coordinates**: the frame is applied and the tool at its zero pose subtracted. Without a transformation these are the axis
+//! commands; under a transformation [`super::resolve`] converts them to axis commands.
 
 use std::sync::Arc as Shared;
 
@@ -14,21 +14,21 @@ use ncfix_machine::snc::{Move, Setup};
 pub(in crate::exec) struct Path {
     /// Its target in base coordinates; [`Move::arc`] is not set yet.
     pub(in crate::exec) motion: Move,
-    /// Where it starts, base coordinates.
+    /// Its start, base coordinates.
     pub(in crate::exec) start: AxisVector,
-    /// Axes whose place there the program has stated.
+    /// Axes whose start position the program has stated.
     pub(in crate::exec) start_known: AxisSet,
-    /// The working plane behind the frame.
+    /// The working plane after the frame.
     pub(in crate::exec) basis: PlaneBasis,
-    /// Its way.
+    /// Its shape.
     pub(in crate::exec) shape: Shape,
-    /// Frame and tool that hold.
+    /// Active frame and tool.
     pub(in crate::exec) setup: Shared<Setup>,
-    /// Where its block stands.
+    /// Span of its block.
     pub(in crate::exec) span: Span,
 }
 
-/// The way of a motion.
+/// The shape of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::exec) enum Shape {
     /// Every axis in proportion.
@@ -42,7 +42,7 @@ pub(in crate::exec) enum Shape {
         /// Full turns beyond the arc itself.
         extra_turns: u32,
     },
-    /// Straight pieces along a curve, by their ends; the last is the target. Near enough to the curve by
+    /// Straight pieces along a curve, by their ends; the last is the target. Their distance from the curve is within
     /// [`ncfix_machine::machine::Control::chord_tolerance_mm`].
     Chords(Vec<AxisVector>),
 }

@@ -1,4 +1,4 @@
-//! Where the axes are, and of which the program has said so.
+//! The positions of the axes, and the axes whose position the program has stated.
 
 use super::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
@@ -6,24 +6,23 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Machine;
 
-/// Where the axes are.
+/// The positions of the axes.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::exec) struct Position {
     /// Axis commands, mm and rad; under a transformation positions fixed to the workpiece.
     pub(in crate::exec) command: AxisVector,
-    /// Axes whose position the program has stated, in the frame in force.
+    /// Axes whose position the program has stated, in the active frame.
     pub(in crate::exec) known: AxisSet,
 }
 
 impl Position {
-    /// Before the first block: what the caller has said, or nowhere.
+    /// The state before the first block: given by the caller, or unknown.
     pub(in crate::exec) fn at_start(start: Option<AxisVector>, machine: &Machine) -> Self {
         let known = if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY };
         Position { command: start.unwrap_or_default(), known }
     }
 
-    /// Where some axes are is unknown from here on. Those that a transformation or the frame mixes are unknown together; gives all that
-    /// are.
+    /// Makes the position of axes unknown. Axes that a transformation or frame mixes become unknown together. Returns all unknown axes.
     pub(in crate::exec) fn forget(&mut self, axes: AxisSet, turns: bool, frame: &Frame) -> AxisSet {
         let mut lost = axes;
         if turns {
@@ -36,7 +35,7 @@ impl Position {
     }
 }
 
-/// The finding about an axis whose place the program has not stated.
+/// The fault for an axis whose position the program has not stated.
 pub(in crate::exec) fn unknown_start(span: Span, axis: Axis) -> Fault {
     fault(
         Code::UNKNOWN_START,

@@ -1,11 +1,11 @@
-//! Files of programs that are loaded.
+//! Loaded program files.
 
 use super::flags::Flags;
 use crate::syntax::words;
 use ncfix_base::source::{Source, Span};
 use ncfix_machine::snc::BlockNumber;
 
-/// A block as the core sees it.
+/// A block as used by the core.
 pub(in crate::exec) trait Statement: Copy {
     /// The line without its line end.
     fn span(&self) -> Span;
@@ -20,7 +20,7 @@ pub(in crate::exec) trait Statement: Copy {
     fn number(&self) -> Option<BlockNumber>;
 }
 
-/// A file as a grammar has read it.
+/// A file as parsed by a grammar.
 pub(in crate::exec) trait ProgramText {
     /// Its blocks.
     type Block: Statement;
@@ -28,38 +28,38 @@ pub(in crate::exec) trait ProgramText {
     /// The bytes that all spans refer to.
     fn source(&self) -> &Source;
 
-    /// How many blocks it has.
+    /// Number of its blocks.
     fn block_count(&self) -> usize;
 
-    /// Sees to it that a block, and what belongs to it, is there.
+    /// Loads a block with everything that belongs to it.
     fn ensure(&mut self, block: usize);
 
-    /// A block that is there.
+    /// A loaded block.
     fn block(&self, block: usize) -> Option<&Self::Block>;
 }
 
-/// A file, ready to run.
+/// A file, ready for execution.
 pub(in crate::exec) struct LoadedFile<P, T> {
     pub(in crate::exec) program: P,
-    /// What its family has worked out of it.
+    /// Data that its family has derived from it.
     pub(in crate::exec) own: T,
-    /// Blocks whose comments were passed on already.
+    /// Blocks whose comments were already passed on.
     commented: Flags,
 }
 
 impl<P: ProgramText, T> LoadedFile<P, T> {
-    /// Of a file, and what its family has worked out of it.
+    /// Creates it from a file and the derived data.
     pub(in crate::exec) fn with(program: P, own: T) -> Self {
         let commented = Flags::new(program.block_count());
         LoadedFile { program, own, commented }
     }
 
-    /// Whether the comments of a block are to be passed on: the first time it is executed, a loop does not repeat them.
+    /// `true` if the comments of a block are to be passed on: only at its first execution, as a loop does not repeat them.
     pub(in crate::exec) fn takes_comments_of(&mut self, block: usize) -> bool {
         self.commented.note(block) == Some(false)
     }
 
-    /// Its comments are nobody's.
+    /// Drops all comments.
     pub(in crate::exec) fn drop_comments(&mut self) {
         self.commented.note_all();
     }

@@ -1,19 +1,19 @@
-//! Which radius G41 and G42 work with.
+//! The radius for G41 and G42.
 
-/// Which radius of the tool radius compensation works with, and so who has its wear: this program or the control.
+/// The part of the tool radius that compensation uses; the wear is then handled by this program or by the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Radius {
-    /// That of the tool, wear included.
+    /// The tool radius including wear.
     #[default]
     Whole,
-    /// That of the tool without its wear, and so much more, mm.
+    /// The tool radius without wear, plus an amount, mm.
     Beside(f64),
-    /// This alone, mm: the register of the control holds nothing of the tool.
+    /// This value alone, mm: the control's register contains nothing of the tool.
     Alone(f64),
 }
 
 impl Radius {
-    /// The radius in force for a tool of a radius that has so much wear in it, mm.
+    /// The effective radius, mm, for a tool radius that includes a wear, mm.
     pub(in crate::exec) fn of(self, whole_mm: f64, wear_mm: f64) -> f64 {
         match self {
             Radius::Whole => whole_mm,

@@ -1,21 +1,21 @@
-//! The way to reference points, and back.
+//! Paths to reference points, and back.
 //!
-//! Where a reference point is, is a matter of the family: RS274/NGC lets the program set it, for a Fanuc the machine file says it, and of Sinumerik and
-//! Grundig only the control knows: there a block is passed on, and its axes are unknown behind it.
+//! The position of a reference point depends on the family: RS274/NGC lets the program set it, for a Fanuc the machine file gives it. For Sinumerik
+//! and Grundig only the control knows it: a block is passed through, and its axes are unknown afterwards.
 
 use ncfix_base::geometry::{AxisSet, AxisVector};
 
-/// The point by way of which axes went to a reference point: the way back leads through it again.
+/// The intermediate point of a motion to a reference point; the way back passes it again.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::exec) struct Via(Option<AxisVector>);
 
 impl Via {
-    /// Axes went by way of this point, axis commands.
+    /// Stores the intermediate point as axis commands.
     pub(in crate::exec) fn note(&mut self, command: AxisVector) {
         self.0 = Some(command);
     }
 
-    /// Where axes come back to by way of it, the others staying where they are; `None` where none has gone.
+    /// The intermediate point for a way back with these axes, the others staying; `None` if there is none.
     pub(in crate::exec) fn back(&self, axes: AxisSet, here: AxisVector) -> Option<AxisVector> {
         let through = self.0?;
         let mut target = here;

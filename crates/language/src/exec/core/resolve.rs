@@ -1,4 +1,4 @@
-//! From paths in base coordinates to moves of the axes.
+//! Converts paths in base coordinates to axis moves.
 
 use super::five_axis;
 use super::outlet::Outlet;
@@ -8,7 +8,7 @@ use ncfix_base::geometry::{Arc, AxisVector};
 use ncfix_machine::snc::{Element, Kind, Move};
 
 impl Outlet<'_> {
-    /// Puts the moves of a path into the stream.
+    /// Emits the moves of a path.
     pub(in crate::exec) fn resolve(&mut self, path: &Path, mut element: Element) {
         let queue = &mut self.queue;
         let first = queue.len();
@@ -33,7 +33,7 @@ impl Outlet<'_> {
     }
 }
 
-/// Calls `out` with every move that a path becomes, in order.
+/// Calls `out` with every move of a path, in order.
 fn moves(path: &Path, chord_tolerance_mm: f64, mut out: impl FnMut(Move)) {
     match &path.shape {
         Shape::Line => out(path.motion),
@@ -58,7 +58,7 @@ fn moves(path: &Path, chord_tolerance_mm: f64, mut out: impl FnMut(Move)) {
     }
 }
 
-/// Gives each of the moves of one block its share of the block's time (G93), by their lengths.
+/// Assigns each move of a block its share of the block's time (G93), by length.
 fn share_time<'a>(start: &AxisVector, elements: impl Iterator<Item = &'a mut Element>) {
     let mut from = *start;
     let mut parts: Vec<(&mut Move, f64)> = Vec::new();
@@ -77,7 +77,7 @@ fn share_time<'a>(start: &AxisVector, elements: impl Iterator<Item = &'a mut Ele
     }
 }
 
-/// Ends of the chords of an arc in a tilted plane, and how far they are off it, mm.
+/// Ends of the chords of an arc in a tilted plane, and their distance from the arc, mm.
 fn arc_chords(
     path: &Path,
     clockwise: bool,
@@ -85,7 +85,7 @@ fn arc_chords(
     extra_turns: u32,
     tolerance_mm: f64,
 ) -> (impl Iterator<Item = AxisVector>, f64) {
-    // An arc of the XY plane stands for it in plane coordinates.
+    // An arc of the XY plane represents it in plane coordinates.
     let arc = Arc { plane: ncfix_base::geometry::Plane::XY, clockwise, center_mm: center, extra_turns };
     let place = |position: &AxisVector| {
         let flat = path.basis.flat(position);

@@ -1,5 +1,5 @@
-//! Absolute positions of rotary axes that turn without end, on controls without words for the way: a parameter of the control decides
-//! how the axis gets there (Fanuc parameter 1008; WRAPPED_ROTARY of LinuxCNC).
+//! Absolute positions of modulo axes on controls without words for the direction: a parameter of the control determines it (Fanuc parameter 1008;
+//! WRAPPED_ROTARY of LinuxCNC).
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::source::Span;
 use ncfix_machine::machine::{Machine, Rollover};
 
-/// Where an absolute word leads, counted on from `here` with its turns, rad. `here` is `None` where the program has not stated it.
+/// Target of an absolute word, counted from `here` with its turns, rad. `here` is `None` if the program has not stated it.
 pub(in crate::exec) fn position(
     machine: &Machine,
     axis: Axis,

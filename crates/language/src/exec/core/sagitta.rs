@@ -1,17 +1,17 @@
-//! How far a curve is off the chords that stand for it.
+//! Distance of a curve from its chords.
 //!
-//! What has made the chords may have been changed since: an offset of a curve by the radius of a tool turns harder, or less hard, than the curve.
-//! So this looks at the chords alone: the curve through the ends of three of them turns like their circle.
+//! The curve that produced the chords may have been changed since: an offset of a curve by the tool radius has another curvature. This module
+//! therefore uses the chords alone: the curve through the ends of three chords has the curvature of their circle.
 
 use ncfix_base::geometry::AxisVector;
 
-/// Curvatures at both ends of a chord that differ by more are those of a corner.
+/// Ratio of the curvatures at both ends of a chord above which one of them belongs to a corner.
 const CORNER: f64 = 3.0;
-/// Where only one bend is known, the curve is off by at most this many times the tolerance of chords.
+/// Upper bound of the distance in chord tolerances if only one curvature is known.
 const MOST_TOLERANCES: f64 = 4.0;
 
-/// How far the curve may be off chord `k` of those that lead from `start` to `ends` one after the other, mm. A single chord says nothing of a bend:
-/// it was made to keep the tolerance.
+/// Largest distance of the curve from chord `k` of consecutive chords from `start` to `ends`, mm. A single chord has no known curvature: it was made
+/// within the tolerance.
 pub(in crate::exec) fn off_mm(start: &AxisVector, ends: &[AxisVector], k: usize, tolerance_mm: f64) -> f64 {
     let point = |place: usize| if place == 0 { Some(start) } else { ends.get(place - 1) };
     let bend = |place: usize| {
@@ -26,14 +26,14 @@ pub(in crate::exec) fn off_mm(start: &AxisVector, ends: &[AxisVector], k: usize,
     };
     match (bend(k), bend(k + 1)) {
         (Some(one), Some(other)) => of(smooth(one, other)),
-        // The first and the last chord: what comes beside it tells a corner.
+        // First and last chord: the neighbouring chord reveals a corner.
         (None, near) => beside(near, bend(k + 2)).map_or(tolerance_mm, of),
         (near, None) => beside(near, k.checked_sub(1).and_then(bend)).map_or(tolerance_mm, of),
     }
     .min(if ends.len() < 3 { MOST_TOLERANCES * tolerance_mm } else { f64::INFINITY })
 }
 
-/// The larger of two curvatures; the smaller one where the larger one is a corner.
+/// The larger of two curvatures, or the smaller one if the larger one is a corner.
 fn smooth(one: f64, other: f64) -> f64 {
     let (least, most) = (one.min(other), one.max(other));
     if most > CORNER * least { least } else { most }
@@ -46,10 +46,10 @@ fn curvature(a: &AxisVector, b: &AxisVector, c: &AxisVector) -> f64 {
     if sides > 0.0 { 2.0 * ab.cross(&bc).norm() / sides } else { 0.0 }
 }
 
-/// Chords of one arc at most; a tolerance that asks for more is not met.
+/// Maximum number of chords of one arc; a tolerance that needs more is not met.
 const MOST_CHORDS: f64 = 100_000.0;
 
-/// How many equal chords keep within a tolerance of an arc: the sagitta of a chord of angle a is r (1 − cos a/2).
+/// The number of equal chords within a tolerance of an arc: the sagitta of a chord of angle a is r (1 − cos a/2).
 pub(in crate::exec) fn chord_count(radius_mm: f64, sweep_rad: f64, tolerance_mm: f64) -> u32 {
     let share = (1.0 - tolerance_mm / radius_mm).clamp(0.0, 1.0);
     let widest = (2.0 * share.acos()).max(1e-6);

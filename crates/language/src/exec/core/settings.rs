@@ -1,18 +1,18 @@
-//! What does not change in a run: the machine, and what the caller has chosen.
+//! Constants of a run: the machine, and the options of the caller.
 
 use super::options::{Options, RapidOrder};
 use super::radius::Radius;
 use ncfix_machine::machine::Machine;
 
-/// The machine, and what the caller has chosen.
+/// The machine, and the options of the caller.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::exec) struct RunSettings<'a> {
     pub(in crate::exec) machine: &'a Machine,
-    /// Refuse what a correction must not assume.
+    /// Rejects input that a correction must not assume.
     pub(in crate::exec) strict: bool,
-    /// Which radius G41 and G42 work with.
+    /// Radius for G41 and G42.
     pub(in crate::exec) radius: Radius,
-    /// Which rapid moves are taken apart.
+    /// Splitting of rapid moves.
     pub(in crate::exec) rapid_order: RapidOrder,
 }
 

@@ -1,10 +1,9 @@
-//! Steps of a cycle: what it does at a position, whatever the language. Families make them of their words, and carry them out with the
-//! motions of their channel.
+//! Steps of a cycle at a position, in any language. Families derive them from their words, and execute them with the motions of their channel.
 
 /// A point of the plane: abscissa and ordinate, mm.
 pub(in crate::exec) type Flat = [f64; 2];
 
-/// A place: in the plane, and along the tool axis; program coordinates, mm.
+/// A position in the plane and along the tool axis; program coordinates, mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::exec) struct Place {
     pub(in crate::exec) plane: Flat,
@@ -12,16 +11,16 @@ pub(in crate::exec) struct Place {
     pub(in crate::exec) height: f64,
 }
 
-/// What a feed motion is for.
+/// Purpose of a feed motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::exec) enum Feed {
-    /// Cutting: the feed in force.
+    /// Cutting: the active feed.
     Cut,
-    /// Into the material or out of it: a feed of its own, where there is one.
+    /// Into the material or out of it: a separate feed, if given.
     Plunge,
 }
 
-/// What the spindle does.
+/// Spindle command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::exec) enum Turn {
     /// M3
@@ -30,16 +29,16 @@ pub(in crate::exec) enum Turn {
     CounterClockwise,
     /// M5
     Off,
-    /// M19: stands at an angle.
+    /// M19: oriented stop.
     Oriented,
-    /// The other way round than before the cycle.
+    /// Opposite to the direction before the cycle.
     Reversed,
     /// As before the cycle.
     Again,
 }
 
 impl Turn {
-    /// The other sense.
+    /// The opposite direction.
     pub(in crate::exec) fn reversed(self) -> Turn {
         match self {
             Turn::Clockwise => Turn::CounterClockwise,
@@ -48,7 +47,7 @@ impl Turn {
         }
     }
 
-    /// The number of the M code; `before` is that of the sense before the cycle.
+    /// The number of the M code; `before` is that of the direction before the cycle.
     pub(in crate::exec) fn m_code(self, before: u16) -> u16 {
         match self {
             Turn::Clockwise => 3,
@@ -64,19 +63,19 @@ impl Turn {
 /// A step of a cycle, in the coordinates of the plane and along the tool axis, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::exec) enum Step {
-    /// At rapid; what is `None` stays.
+    /// At rapid; `None` keeps a coordinate.
     Rapid { plane: Option<Flat>, height: Option<f64> },
     /// Straight with feed.
     Line { plane: Option<Flat>, height: Option<f64>, feed: Feed },
-    /// On an arc of the plane with the cutting feed; where it begins is its end, it is a full circle.
+    /// On an arc of the plane with the cutting feed; a full circle if it ends at its start.
     Arc { end: Flat, center: Flat, clockwise: bool },
-    /// Seconds.
+    /// Dwell, s.
     Dwell(f64),
-    /// The spindle.
+    /// A spindle command.
     Spindle(Turn),
-    /// The operator goes on: M0.
+    /// Program stop M0, for the operator.
     Stop,
-    /// Something else has brought the tool to a place.
+    /// Something outside the program has moved the tool to a position.
     Brought(Place),
 }
 

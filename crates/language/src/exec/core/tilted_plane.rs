@@ -1,7 +1,7 @@
-//! A working plane that is tilted in the workpiece: where the tool must point, and the frame that follows when the rotary axes turn.
+//! A working plane that is tilted in the workpiece: the required tool direction, and the frame after the rotary axes have turned.
 //!
-//! `below` is the frame of the zero offset, `tilt` the plane in it: a point p of the plane is the point `tilt`·p of the workpiece while the
-//! rotary axes stand at the zero of the offset.
+//! `below` is the frame of the zero offset, `tilt` the plane in it: a point p of the plane is the point `tilt`·p of the workpiece with the rotary
+//! axes at the zero of the offset.
 
 use super::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
@@ -9,9 +9,9 @@ use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Matrix, ROTARY_AXES
 use ncfix_base::source::Span;
 use ncfix_machine::machine::{Kinematics, Machine};
 
-/// Where a point of the plane is in the workpiece.
+/// Position of a point of the plane in the workpiece.
 fn on_workpiece(kinematics: &Kinematics, below: &Frame, tilt: &Frame, tool_mm: &Vector, point: &Vector) -> Vector {
-    // The pose at which the zero offset holds.
+    // The pose for which the zero offset is defined.
     let mut command = AxisVector::ZERO;
     for axis in ROTARY_AXES {
         command[axis] = below.shift(axis);
@@ -22,7 +22,7 @@ fn on_workpiece(kinematics: &Kinematics, below: &Frame, tilt: &Frame, tool_mm: &
     kinematics.tip_mm(&command, tool_mm)
 }
 
-/// The direction across the plane in the workpiece.
+/// The normal of the plane in the workpiece.
 pub(in crate::exec) fn workpiece_normal(
     kinematics: &Kinematics,
     below: &Frame,
@@ -33,8 +33,8 @@ pub(in crate::exec) fn workpiece_normal(
     at(&Vector::z()) - at(&Vector::zeros())
 }
 
-/// The frame that brings the tip to the points of the plane while the rotary axes stand as in `turned`: linear axes for a turned
-/// workpiece are an affine function of the point. `None` where the linear axes cannot place the tip.
+/// The frame that brings the tip to the points of the plane with the rotary axes at `turned`: linear axes for a turned workpiece are an affine
+/// function of the point. `None` if the linear axes cannot place the tip.
 pub(in crate::exec) fn turned_frame(
     kinematics: &Kinematics,
     below: &Frame,
@@ -54,7 +54,7 @@ pub(in crate::exec) fn turned_frame(
     Frame::new(linear, offset)
 }
 
-/// The finding about a plane that is tilted while the program has not stated where these axes are; `words` begin a block that does so.
+/// The fault for a plane that is tilted while the positions of these axes are not stated; `words` begin a block that states them.
 pub(in crate::exec) fn unknown_places(span: Span, axes: AxisSet, words: &str) -> Fault {
     let names: Vec<String> = axes.iter().map(|axis| axis.to_string()).collect();
     let message =
@@ -66,7 +66,7 @@ pub(in crate::exec) fn unknown_places(span: Span, axes: AxisSet, words: &str) ->
     fault(Code::UNKNOWN_START, span, message, help)
 }
 
-/// The rotary axis that tilts the tool: the one most across it at the zero pose.
+/// The rotary axis that tilts the tool: the one most perpendicular to the tool at the zero pose.
 pub(in crate::exec) fn tilting_axis(kinematics: &Kinematics, machine: &Machine) -> Option<Axis> {
     let along = |axis: &Axis| {
         let direction = machine.axis(*axis).map_or_else(Vector::zeros, |data| data.direction);

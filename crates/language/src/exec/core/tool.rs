@@ -1,4 +1,4 @@
-//! Tools: which is selected and which is in the spindle, what of it is in force, and the data that a run writes over those of the machine file.
+//! Tools: the selected one, the one in the spindle, the active data, and data written by a run in addition to the machine file.
 
 use std::collections::BTreeMap;
 
@@ -8,18 +8,18 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_machine::machine::{Machine, Tool};
 
-/// The tool of a channel. `T` names a tool; `L` is the length in force as the control counts it.
+/// The tool of a channel. `T` identifies a tool; `L` is the active length in the form of the control.
 #[derive(Clone, Debug)]
 pub(in crate::exec) struct ToolState<T, L> {
-    /// Selected, not yet changed to.
+    /// The selected tool, before the change.
     pub(in crate::exec) selected: Option<T>,
-    /// In the spindle.
+    /// The tool in the spindle.
     pub(in crate::exec) active: Option<T>,
-    /// Length in force, mm.
+    /// Active length, mm.
     pub(in crate::exec) length_mm: L,
-    /// Radius in force, mm.
+    /// Active radius, mm.
     pub(in crate::exec) radius_mm: f64,
-    /// What is in force has no value in the machine file.
+    /// `true` if the active data have no value in the machine file.
     pub(in crate::exec) assumed: bool,
 }
 
@@ -30,21 +30,21 @@ impl<T, L: Default> Default for ToolState<T, L> {
 }
 
 impl<T: Clone, L: Default> ToolState<T, L> {
-    /// The selected tool comes into the spindle; where none is selected, the one in it stays.
+    /// Puts the selected tool into the spindle; without a selection, the current one stays.
     pub(in crate::exec) fn change(&mut self) {
         if self.selected.is_some() {
             self.active.clone_from(&self.selected);
         }
     }
 
-    /// Puts length and radius in force; `None` is a tool of which nothing is known: 0 is taken.
+    /// Activates length and radius; `None` is an unknown tool, for which 0 is used.
     pub(in crate::exec) fn put_size(&mut self, size: Option<(L, f64)>) {
         self.assumed = size.is_none();
         (self.length_mm, self.radius_mm) = size.unwrap_or_default();
     }
 }
 
-/// A tool or an offset that has no value in the machine file: refused where nothing may be assumed, else a warning that `used` is taken.
+/// Reports a tool or offset without value in the machine file: an error if nothing may be assumed, otherwise a warning that `used` is used.
 pub(in crate::exec) fn without_value(
     strict: bool,
     warnings: &mut Vec<Fault>,
@@ -65,28 +65,28 @@ pub(in crate::exec) fn without_value(
 pub(in crate::exec) struct ToolSize {
     /// L1, L2, L3, mm.
     pub(in crate::exec) length_mm: [f64; 3],
-    /// With its wear, mm.
+    /// Radius including wear, mm.
     pub(in crate::exec) radius_mm: f64,
-    /// The wear in it, mm.
+    /// The included wear, mm.
     pub(in crate::exec) radius_wear_mm: f64,
 }
 
 impl ToolSize {
-    /// What the machine file says of a tool.
+    /// The data of a tool in the machine file.
     pub(in crate::exec) fn of(tool: &Tool, machine: &Machine) -> Self {
         let wear = machine.radius_wear_mm.get(&(tool.number, tool.edge)).copied().unwrap_or(0.0);
         ToolSize { length_mm: tool.length_mm, radius_mm: tool.radius_mm, radius_wear_mm: wear }
     }
 
-    /// The radius that compensation works with, mm.
+    /// The radius used by compensation, mm.
     pub(in crate::exec) fn compensated_mm(&self, radius: Radius) -> f64 {
         radius.of(self.radius_mm, self.radius_wear_mm)
     }
 }
 
-/// What a control keeps of a cutting edge.
+/// Data of a cutting edge in a control.
 pub(in crate::exec) trait ToolEntry: Clone + Default {
-    /// What the machine file says of a tool.
+    /// The data of a tool in the machine file.
     fn of(tool: &Tool, machine: &Machine) -> Self;
 
     /// Length and radius.
@@ -103,27 +103,27 @@ impl ToolEntry for ToolSize {
     }
 }
 
-/// Data of tools that a run has written, by number and edge, over those of the machine file.
+/// Tool data written by a run, by number and edge, with priority over the machine file.
 #[derive(Clone, Debug, Default)]
 pub(in crate::exec) struct ToolTable<E> {
     places: BTreeMap<(u32, u32), usize>,
-    /// In the order in which they were written first.
+    /// In the order in which they were first written.
     edges: Vec<((u32, u32), E)>,
 }
 
 impl<E: ToolEntry> ToolTable<E> {
-    /// An edge that the run has written.
+    /// An edge written by the run.
     pub(in crate::exec) fn written(&self, number: u32, edge: u32) -> Option<&E> {
         let place = self.places.get(&(number, edge))?;
         self.edges.get(*place).map(|(_, edge)| edge)
     }
 
-    /// All that the run has written, with number and edge.
+    /// All edges written by the run, with number and edge.
     pub(in crate::exec) fn all_written(&self) -> impl ExactSizeIterator<Item = ((u32, u32), &E)> {
         self.edges.iter().map(|(place, edge)| (*place, edge))
     }
 
-    /// An edge as run and machine file have it.
+    /// An edge from run or machine file.
     pub(in crate::exec) fn find(&self, machine: &Machine, number: u32, edge: u32) -> Option<E> {
         let written = self.written(number, edge).cloned();
         written.or_else(|| machine.tool(number, edge).map(|tool| E::of(tool, machine)))

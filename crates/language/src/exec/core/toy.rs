@@ -1,4 +1,4 @@
-//! A family of moderate size that only the tests know: jumps, calls, repetitions, a shift and a cycle on the core.
+//! A moderate family for tests: jumps, calls, repetitions, a shift and a cycle on the core.
 
 use super::contour::{ContourModal, Wish};
 use super::executor::Executor;
@@ -92,7 +92,7 @@ impl Family for Toy {
     type Level = ();
 }
 
-/// The state: parameters, the shift, the depth of the cycle, the position; and the outlet.
+/// The state: parameters, shift, depth of the cycle, position; and the outlet.
 struct Channel<'a> {
     outlet: Outlet<'a>,
     standing: InForce,
@@ -107,7 +107,7 @@ impl<'a> HasOutlet<'a> for Channel<'a> {
     }
 }
 
-/// A straight motion to a place of the program.
+/// A straight motion to a program position.
 fn line(channel: &mut Channel<'_>, place: AxisVector, rapid: bool, span: Span) {
     let setup = Arc::clone(&channel.standing.setup);
     let (start, target) = (setup.command(&channel.place), setup.command(&place));
@@ -235,7 +235,7 @@ fn demo() -> Machine {
     read_machine(&MachineFile::parse(&source).unwrap()).0.unwrap()
 }
 
-/// Ends of the moves, X Y Z, and the codes of the findings.
+/// Ends of the moves, X Y Z, and the codes of the diagnostics.
 fn run(text: &str) -> (Vec<[f64; 3]>, Vec<Code>) {
     let (machine, options) = (demo(), Options { max_blocks: Some(1000), ..Options::default() });
     let source = Source::new(FileId(0), "toy", text.as_bytes().to_vec()).unwrap();
@@ -270,7 +270,7 @@ fn run(text: &str) -> (Vec<[f64; 3]>, Vec<Code>) {
 fn a_section_is_repeated_and_a_jump_out_of_it_ends_that() {
     let (ends, found) = run("LBL 1\nADD 0 1\nL 1 0\nREP 1 2\nL 2 0");
     assert_eq!((ends, found), (vec![[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], vec![]));
-    // The second pass finds the parameter at 2 and leaves: the block behind the label is the last one.
+    // The second pass finds the parameter at 2 and leaves: the block after the label is the last one.
     let (ends, _) = run("LBL 1\nADD 0 1\nIFLESS 0 2 2\nL 9 9\nIFLESS 0 9 3\nLBL 2\nREP 1 5\nLBL 3\nL 3 0");
     assert_eq!(ends, [[9.0, 9.0, 0.0], [3.0, 0.0, 0.0]]);
 }

@@ -1,9 +1,9 @@
-//! What is said of a fit that does not settle.
+//! Diagnostics of a fit that does not converge.
 
 use super::*;
 use crate::calibrate::bench;
 
-/// Ten readings of a component, described as 1 µm, of which each leaves this and counts with a weight.
+/// Ten readings of a component, described as 1 µm, each with this residual and a weight.
 fn unsettled(residual: f64, weight: impl Fn(usize) -> f64) -> Option<Unsettled> {
     let machine = bench::machine();
     let rows = (0..10).fold("X,Y,Z,component,value_um\n".to_owned(), |rows, x| rows + &format!("{x},0,0,EXX,0\n"));
@@ -20,7 +20,7 @@ fn unsettled(residual: f64, weight: impl Fn(usize) -> f64) -> Option<Unsettled> 
 
 #[test]
 fn a_measurement_is_named_that_leaves_more_than_it_says_or_counts_too_little() {
-    // Twice what is described and two rows of ten that count for nothing are no reason.
+    // Twice the described value and two rejected rows of ten are not a reason.
     assert_eq!(unsettled(2e-3, |row| if row < 2 { 0.0 } else { 1.0 }), None);
     let found = unsettled(5e-3, |_| 1.0).unwrap();
     assert!(found.set == 0 && (found.times - 5.0).abs() < 1e-9 && found.rejected == [0, 10], "{found:?}");

@@ -1,9 +1,9 @@
 //! Records of drift: a log of temperatures with displacements in it.
 //!
-//! A table with `t_s`, `T_NAME_C` for every sensor and `dx_um`, `dy_um`, `dz_um` (any of them): displacement of the tool relative to the
-//! workpiece along F's directions. Columns of axis letters (mm, deg) say where it was measured; the one whose positions change is the axis over
-//! which the drift is given. One table is one run: its drift counts from its first reading. Temperatures may stand in a log of their own with
-//! the same clock. An empty cell is no reading.
+//! A table with `t_s`, `T_NAME_C` for every sensor and `dx_um`, `dy_um`, `dz_um` (any of them): displacement of the tool relative to the workpiece
+//! along F's directions. Columns with axis letters (mm, deg) give the measuring position; the axis with varying positions is the one over which the
+//! drift is given. One table is one run, whose drift is relative to its first reading. Temperatures may be in a separate log with the same clock. An
+//! empty cell is not a reading.
 
 use ncfix_base::csv::{DecimalSign, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -12,11 +12,11 @@ use ncfix_base::source::Source;
 use ncfix_machine::machine::condition::log;
 use ncfix_machine::machine::{Condition, Machine};
 
-/// More positions than this are no places at which drift was measured, but a move.
+/// Maximum number of measuring positions; more indicate a moving axis.
 const MOST_POSITIONS: usize = 20;
-/// An exact search through more would take too long.
+/// Maximum number of sensors; an exact search through more would take too long.
 const MOST_SENSORS: usize = 64;
-/// More findings than this help nobody.
+/// Maximum number of diagnostics.
 const MOST_FINDINGS: usize = 50;
 const COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 
@@ -25,32 +25,32 @@ const COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 pub struct SensorRun {
     /// Name of its file.
     pub name: String,
-    /// Time of every row, s; it does not go back.
+    /// Time of every row, s, not decreasing.
     pub times_s: Vec<f64>,
     /// Displacement of every row along X, Y and Z, µm.
     pub drift_um: Vec<[Option<f64>; 3]>,
-    /// Where the axes that have a column stood, in mm or degrees.
+    /// Positions of the axes with a column, mm or degrees.
     pub positions: Vec<(Axis, Vec<f64>)>,
     /// Temperatures.
     pub condition: Condition,
-    /// The header, for findings.
+    /// The header, for diagnostics.
     pub place: Place,
-    /// What is wrong with it and does not forbid to use it.
+    /// Warnings that do not prevent its use.
     pub warnings: Vec<Diagnostic>,
 }
 
 impl SensorRun {
-    /// Where an axis stood in a row.
+    /// Position of an axis in a row.
     #[must_use]
     pub fn position(&self, axis: Axis, row: usize) -> Option<f64> {
         self.positions.iter().find(|(known, _)| *known == axis).and_then(|(_, values)| values.get(row).copied())
     }
 }
 
-/// Reads a run; temperatures are those of `temperatures` where it is given, otherwise of the table itself.
+/// Reads a run; temperatures come from `temperatures` if given, otherwise from the table itself.
 ///
 /// # Errors
-/// Findings for everything that is no number, for columns that are missing and readings that contradict each other.
+/// Diagnostics for cells that are not numbers, missing columns and contradictory readings.
 pub fn read(
     source: &Source,
     temperatures: Option<&Condition>,
@@ -101,7 +101,7 @@ pub fn read(
         let mut number = |column: usize| match row.number(column, sign) {
             Ok(value) => Some(value),
             Err(finding) => {
-                // The log has said so already.
+                // The log has already reported it.
                 if column != time || temperatures.is_some() {
                     findings.push(finding);
                 }
@@ -146,10 +146,10 @@ pub fn read(
     Ok(run)
 }
 
-/// The axis over which the drift was measured, with its positions in rising order; `None` where it was at one place.
+/// The axis over which the drift was measured, with its positions in ascending order; `None` for a single position.
 ///
 /// # Errors
-/// A finding where several axes have been moved, or one all the way.
+/// A diagnostic if several axes have moved, or one continuously.
 pub fn over(runs: &[SensorRun]) -> Result<Option<(Axis, Vec<f64>)>, Diagnostic> {
     let mut found: Option<(Axis, Vec<f64>)> = None;
     for axis in AXES {

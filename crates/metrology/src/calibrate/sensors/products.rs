@@ -1,4 +1,4 @@
-//! One direction at one position: drift and rises of temperature row by row, and the products that a fit needs.
+//! One direction at one position: drift and temperature rises row by row, and the products for a fit.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -7,14 +7,14 @@ use ncfix_base::geometry::Axis;
 use super::data::SensorRun;
 use super::subset::Products;
 
-/// Rows that a fit takes: a slow process has nothing more to say in more of them.
+/// Maximum number of rows of a fit: a slow process has no more information in more rows.
 const MOST_ROWS: usize = 4000;
-/// Rows that each run has, if there are so many.
+/// Minimum number of rows per run, if available.
 const LEAST_ROWS: usize = 100;
-/// A sensor whose readings stay within this, K, root of the mean square, tells nothing.
+/// Root mean square of readings below which a sensor counts as constant, K.
 const STILL_K: f64 = 1e-6;
 
-/// A sensor by its number and the lag with which it is followed, s.
+/// A sensor by index, and the lag with which it is followed, s.
 pub(super) type LaggedSensor = (usize, f64);
 
 /// The rows of one run.
@@ -22,11 +22,11 @@ pub(super) type LaggedSensor = (usize, f64);
 pub(super) struct RunRows<'a> {
     pub(super) run: &'a SensorRun,
     pub(super) times_s: Vec<f64>,
-    /// Since the first of them, µm.
+    /// Drift relative to the first row, µm.
     pub(super) drift_um: Vec<f64>,
 }
 
-/// Which rows of every piece.
+/// Selected rows of every piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RowPart {
     All,
@@ -59,7 +59,7 @@ pub(super) fn pieces<'a>(runs: &'a [SensorRun], direction: usize, at: Option<(Ax
 }
 
 impl RunRows<'_> {
-    /// Rise of a sensor since the first row, K; zero where it has no readings.
+    /// Rise of a sensor since the first row, K; zero if it has no readings.
     pub(super) fn rise_k(&self, sensor: &str, lag_s: f64) -> Vec<f64> {
         let rise = self.run.condition.trace(sensor).map(|trace| trace.lagged_at(&self.times_s, lag_s));
         let rise = rise.filter(|rise| rise.len() == self.times_s.len());
@@ -79,21 +79,21 @@ impl RunRows<'_> {
     }
 }
 
-/// Products of all candidates, each run without its mean.
+/// Products of all candidates, with the mean of each run removed.
 #[derive(Clone, Debug)]
 pub(super) struct Bank {
     pub(super) candidates: Vec<LaggedSensor>,
-    /// Of columns of unit length.
+    /// Products of columns of unit length.
     pub(super) products: Products,
     /// Length of every column, K.
     lengths: Vec<f64>,
     pub(super) rows: usize,
-    /// Runs, each with an offset of its own.
+    /// Number of runs, each with its own offset.
     pub(super) offsets: usize,
 }
 
 impl Bank {
-    /// The products of a part of the rows; candidates that do not change are left out.
+    /// The products of a part of the rows; constant candidates are left out.
     pub(super) fn new(pieces: &[RunRows<'_>], sensors: &[String], candidates: &[LaggedSensor], part: RowPart) -> Bank {
         let gather = |of: &dyn Fn(&RunRows<'_>) -> Vec<f64>| -> Vec<f64> {
             let mut out = Vec::new();
@@ -123,12 +123,12 @@ impl Bank {
         Bank { candidates: kept, products, lengths, rows: values.len(), offsets: pieces.len() }
     }
 
-    /// Where a candidate stands.
+    /// Index of a candidate.
     pub(super) fn place(&self, candidate: LaggedSensor) -> Option<usize> {
         self.candidates.iter().position(|&known| known == candidate)
     }
 
-    /// Coefficients of some candidates, µm/K, shrunk for readings that are wrong by `fault_k`; `None` where they depend on each other.
+    /// Coefficients of some candidates, µm/K, shrunk for reading errors `fault_k`; `None` if they are linearly dependent.
     pub(super) fn coefficients(&self, members: &[usize], fault_k: f64) -> Option<Vec<f64>> {
         let mut part = self.products.of(members);
         let lengths: Vec<f64> = members.iter().filter_map(|&member| self.lengths.get(member).copied()).collect();

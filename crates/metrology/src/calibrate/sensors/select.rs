@@ -1,4 +1,4 @@
-//! The sensors of one direction at one position: the best of each number of them, and the number.
+//! The sensors of one direction at one position: the best of each number, and the selected number.
 
 use ncfix_base::geometry::Axis;
 
@@ -6,31 +6,31 @@ use super::data::SensorRun;
 use super::products::{Bank, LaggedSensor, RowPart, RunRows, pieces};
 use super::subset::Subset;
 
-/// Products of numbers that a search may take: some seconds.
+/// Maximum number of multiplications of a search: some seconds.
 const WORK: u64 = 8_000_000_000;
-/// Time constants that are tried.
+/// Number of time constants tried.
 const LAGS: usize = 14;
 /// The shortest of them, s.
 const SHORTEST_S: f64 = 30.0;
-/// A run is at least so many times as long as the longest: below, the time constant cannot be told from the coefficient.
+/// Minimum length of a run relative to the longest time constant: below, time constant and coefficient are not distinguishable.
 const RUNS_PER_LAG: f64 = 3.0;
-/// Rounds of search and lags in turn.
+/// Number of alternations between search and lags.
 const ROUNDS: usize = 4;
-/// Blocks of time of the independent rows.
+/// Number of time blocks of the independent rows.
 const BLOCKS: usize = 10;
-/// Readings for each offset and sensor, at least.
+/// Minimum number of readings for each offset and sensor.
 const ROWS_PER_UNKNOWN: usize = 3;
-/// A sensor that leaves so little more in place of another may stand for it.
+/// Largest ratio of residuals at which a sensor may replace another.
 const ALIKE: f64 = 1.01;
 
-/// What to do.
+/// Options of the selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelectionOptions {
     /// The largest number of sensors.
     pub most: usize,
-    /// Whether time constants are searched.
+    /// `true` to search time constants.
     pub lags: bool,
-    /// Readings may be wrong by this, K; 0 for no shrinkage.
+    /// Assumed reading error, K; 0 for no shrinkage.
     pub fault_k: f64,
 }
 
@@ -43,7 +43,7 @@ pub struct SensorTerm {
     pub um_per_k: f64,
     /// Its time constant.
     pub lag_s: f64,
-    /// Sensors that leave hardly more in its place: which of them is the cause cannot be told.
+    /// Alternative sensors with hardly larger residuals: the actual cause is not identifiable.
     pub alike: Vec<String>,
 }
 
@@ -52,32 +52,32 @@ pub struct SensorTerm {
 pub struct SubsetSize {
     /// Its sensors, with coefficients of all data.
     pub terms: Vec<SensorTerm>,
-    /// Mallows' Cp; `None` where all sensors together leave no degree of freedom.
+    /// Mallows' Cp; `None` if all sensors together leave no degree of freedom.
     pub cp: Option<f64>,
     /// Efficiency on the data.
     pub efficiency: f64,
-    /// Efficiency on the independent rows, of coefficients that have not seen them.
+    /// Efficiency on the independent rows, with coefficients from the other rows.
     pub independent: f64,
-    /// Root of the mean square that is left on the independent rows, µm.
+    /// Root mean square residual on the independent rows, µm.
     pub left_um: f64,
-    /// Whether no other sensors of this number (with these lags) tell the data better.
+    /// `true` if no other sensors of this number (with these lags) fit the data better.
     pub is_exact: bool,
 }
 
-/// What was found for one direction and position.
+/// Result for one direction and position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorSelection {
     /// 0 to 2 for X, Y, Z.
     pub direction: usize,
     /// The position, mm or degrees.
     pub at: Option<(Axis, f64)>,
-    /// Readings.
+    /// Number of readings.
     pub rows: usize,
-    /// Root of the mean square of the drift on the independent rows, µm.
+    /// Root mean square of the drift on the independent rows, µm.
     pub drift_um: f64,
     /// By number of sensors, from 1.
     pub sizes: Vec<SubsetSize>,
-    /// Place of the chosen one in `sizes`; `None` where none tells the independent rows.
+    /// Index of the selected one in `sizes`; `None` if none predicts the independent rows.
     pub chosen: Option<usize>,
 }
 
@@ -89,8 +89,7 @@ impl SensorSelection {
     }
 }
 
-/// Selects sensors for a direction and position; `None` where there are too few readings. Without independent runs the last third of every run
-/// is held back.
+/// Selects sensors for a direction and position; `None` with too few readings. Without independent runs the last third of every run is held out.
 #[must_use]
 pub fn select(
     runs: &[SensorRun],
@@ -154,7 +153,7 @@ pub fn select(
     Some(SensorSelection { direction, at, rows: bank.rows, drift_um: root_mean_square(&drift[0]), sizes, chosen })
 }
 
-/// The sensors that every run has, in the order of their names.
+/// The sensors common to all runs, sorted by name.
 fn common_sensors<'a>(mut runs: impl Iterator<Item = &'a SensorRun>) -> Vec<String> {
     let Some(first) = runs.next() else { return Vec::new() };
     let mut sensors: Vec<String> = first.condition.sensors().map(str::to_owned).collect();
@@ -172,14 +171,14 @@ fn candidates(data: &[RunRows<'_>], sensors: usize, lags: bool) -> Vec<LaggedSen
     let mut grid = vec![0.0];
     if lags && longest_s > SHORTEST_S {
         let ratio = (longest_s / SHORTEST_S).powf(1.0 / (LAGS - 1) as f64);
-        // Whole seconds: no more is known.
+        // Whole seconds, the available precision.
         grid.extend((0..LAGS).map(|step| (SHORTEST_S * ratio.powf(step as f64)).round()));
     }
     (0..sensors).flat_map(|sensor| grid.iter().map(move |&lag_s| (sensor, lag_s))).collect()
 }
 
-/// For each number of sensors: search and lags in turn. The lags of chosen sensors are those that leave least (profile, one after the other), those
-/// of the others are those with which each would help most beside them.
+/// For each number of sensors, alternates search and lags. Lags of selected sensors minimize the residual (profile, one after the other); lags of the
+/// others are those with the largest improvement.
 fn with_lags(bank: &Bank, sensors: usize, most: usize) -> Vec<Subset> {
     let of_sensor: Vec<Vec<usize>> = (0..sensors)
         .map(|sensor| {
@@ -217,7 +216,7 @@ fn with_lags(bank: &Bank, sensors: usize, most: usize) -> Vec<Subset> {
     out
 }
 
-/// The best lag of one sensor after the other until none changes.
+/// Optimizes the lag of one sensor after the other until none changes.
 fn refine(bank: &Bank, of_sensor: &[Vec<usize>], members: &mut [usize]) {
     for _ in 0..ROUNDS {
         let before = members.to_vec();
@@ -246,7 +245,7 @@ fn least(choices: &[usize], mut value: impl FnMut(usize) -> f64) -> Option<usize
     values.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, choice)| choice)
 }
 
-/// Mean square that all sensors together leave, with the lags of the largest model.
+/// Mean square residual of all sensors, with the lags of the largest model.
 fn full_mean_square(bank: &Bank, largest: Option<&Subset>) -> Option<f64> {
     let taken: Vec<usize> = largest.map_or(Vec::new(), |subset| subset.members.clone());
     let mut seen: Vec<usize> = taken.iter().filter_map(|&k| Some(bank.candidates.get(k)?.0)).collect();
@@ -264,7 +263,7 @@ fn full_mean_square(bank: &Bank, largest: Option<&Subset>) -> Option<f64> {
     (squares > 0.0).then(|| squares / freedom as f64)
 }
 
-/// Measured, and measured less simulated, row by row, µm; with an offset of the fit, or from the first reading.
+/// Measured, and measured minus simulated, row by row, µm; with the fitted offset, or relative to the first reading.
 fn rest(
     pieces: &[RunRows<'_>],
     part: RowPart,
@@ -322,7 +321,7 @@ fn named(bank: &Bank, sensors: &[String], subset: &Subset, um_per_k: &[f64]) -> 
     out
 }
 
-/// The smallest size whose rest is within one standard error of the least, where that tells anything.
+/// The smallest size whose residual is within one standard error of the minimum, if any predicts the data.
 fn choose(sizes: &[SubsetSize], rests: &[Vec<f64>]) -> Option<usize> {
     let best = (0..sizes.len()).max_by(|&a, &b| sizes[a].independent.total_cmp(&sizes[b].independent))?;
     if sizes.get(best)?.independent <= 0.0 {

@@ -1,37 +1,37 @@
 //! The best subset of each size, by exact search.
 //!
-//! Which columns, so many of them, leave the smallest sum of squares? The tree of all subsets is walked in a fixed order; a column that is taken
-//! is swept out of the rest (Schur complement), and the last two of a subset are looked at as pairs without another step. What all columns
-//! from one on leave together is a bound for every subset of them (leaps and bounds: Furnival and Wilson, Technometrics 16, 1974): where it is
-//! no better than the best subset so far, nothing of the rest needs to be looked at. Columns whose loss is worst come first, so that the bounds
-//! rise fast, and a search by steps and swaps gives the first best.
+//! The task is to find the columns, of a given number, with the smallest residual sum of squares. The tree of all subsets is visited in a fixed
+//! order. A taken column is swept out of the rest (Schur complement), and the last two of a subset are evaluated as pairs without another step. The
+//! joint residual of all columns from one on is a bound for every subset of them (leaps and bounds: Furnival and Wilson, Technometrics 16, 1974): if
+//! it is no better than the best subset so far, the rest is skipped. The most important columns come first, so that the bounds rise fast, and a
+//! stepwise search with swaps gives the initial best.
 
 use nalgebra::{DMatrix, DVector};
 
-/// What is left of a column of unit length beside others, squared, below which it says nothing of its own.
+/// Squared residual of a unit column below which it depends on others.
 const INDEPENDENT: f64 = 1e-9;
-/// Bounds of the rest cost as much as looking at all triples of it.
+/// Minimum number of columns for bounds: computing them costs as much as evaluating all triples.
 const LEAST_FOR_BOUNDS: usize = 4;
 
-/// Products of columns of unit length with each other and with the values.
+/// Products of unit columns with each other and with the values.
 #[derive(Clone, Debug)]
 pub struct Products {
-    /// Of columns with columns.
+    /// Columns times columns.
     pub columns: DMatrix<f64>,
-    /// Of columns with the values.
+    /// Columns times values.
     pub values: DVector<f64>,
-    /// Of the values with themselves.
+    /// Values times values.
     pub total: f64,
 }
 
 /// A subset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subset {
-    /// Numbers of its columns, rising.
+    /// Indices of its columns, ascending.
     pub members: Vec<usize>,
-    /// Sum of squares that it leaves.
+    /// Its residual sum of squares.
     pub squares: f64,
-    /// Whether no other subset of this size leaves less; false where the search was given up.
+    /// `true` if no other subset of this size has a smaller residual; `false` if the search was cut short.
     pub is_exact: bool,
 }
 
@@ -44,7 +44,7 @@ impl Products {
         Products { columns, values, total: self.total }
     }
 
-    /// What some columns leave; those that depend on others add nothing.
+    /// Residual sum of squares of some columns; dependent ones have no effect.
     #[must_use]
     pub fn squares(&self, members: &[usize]) -> f64 {
         let mut rest = Rest::of(self, members);
@@ -56,7 +56,7 @@ impl Products {
         squares.max(0.0)
     }
 
-    /// How many of the columns are independent.
+    /// The number of independent columns.
     #[must_use]
     pub fn rank(&self) -> usize {
         let mut rest = Rest::of(self, &(0..self.values.len()).collect::<Vec<_>>());
@@ -68,7 +68,7 @@ impl Products {
         rank
     }
 
-    /// The best subset of each size up to `most`, as far as `work` (products of numbers) allows; sizes that the columns cannot have are left out.
+    /// The best subset of each size up to `most`, within the limit `work` (multiplications); impossible sizes are left out.
     #[must_use]
     pub fn best(&self, most: usize, work: u64) -> Vec<Subset> {
         let order = self.order();
@@ -81,7 +81,7 @@ impl Products {
         out
     }
 
-    /// The best subset of one size; `None` where the columns cannot have it.
+    /// The best subset of one size; `None` if the columns do not allow it.
     #[must_use]
     pub fn best_of(&self, size: usize, work: u64) -> Option<Subset> {
         if size == 0 || size > self.rank() {
@@ -104,7 +104,7 @@ impl Products {
         Some(Subset { squares: self.squares(&members), members, is_exact: *left > 0 })
     }
 
-    /// One column more, the best one, and then swaps as long as they help.
+    /// Adds the best further column, and then swaps as long as it helps.
     fn stepped(&self, mut members: Vec<usize>) -> Vec<usize> {
         let count = self.values.len();
         let best_for = |members: &mut Vec<usize>, place: usize| {
@@ -126,7 +126,7 @@ impl Products {
         members.push(free);
         let last = members.len() - 1;
         best_for(&mut members, last);
-        // Each swap leaves less; few rounds find nearly all there is to find, and the search finds the rest.
+        // Each swap reduces the residual; few iterations are nearly optimal, and the search completes the rest.
         for _ in 0..10 {
             let before = members.clone();
             for place in 0..members.len() {
@@ -139,7 +139,7 @@ impl Products {
         members
     }
 
-    /// Columns in the order of the search: the one first that is taken out last when the least loss goes first.
+    /// Columns in search order: the reverse of stepwise elimination by least loss.
     fn order(&self) -> Vec<usize> {
         let mut kept: Vec<usize> = (0..self.values.len()).collect();
         let mut order = Vec::new();
@@ -150,7 +150,7 @@ impl Products {
                     let solution = &inverse * self.of(&kept).values;
                     (0..kept.len()).map(|i| solution[i].powi(2) / inverse[(i, i)]).collect()
                 }
-                // Columns that depend on each other lose nothing.
+                // Dependent columns lose nothing.
                 None => kept.iter().map(|&column| self.values[column].powi(2)).collect(),
             };
             let least = losses.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(place, _)| place);
@@ -161,7 +161,7 @@ impl Products {
     }
 }
 
-/// What is left of columns and values beside the columns that are taken, in the order of the search.
+/// The remainder of columns and values after eliminating the taken columns, in search order.
 #[derive(Clone, Debug)]
 struct Rest {
     width: usize,
@@ -184,13 +184,13 @@ impl Rest {
         self.columns[i * self.width + j]
     }
 
-    /// What a column takes off the sum of squares.
+    /// Reduction of the sum of squares by a column.
     fn gain(&self, i: usize) -> f64 {
         let own = self.at(i, i);
         if own > INDEPENDENT { self.values[i] * self.values[i] / own } else { 0.0 }
     }
 
-    /// The columns behind one that is taken.
+    /// The columns after a taken one.
     fn without(&self, i: usize) -> Rest {
         let width = self.width - i - 1;
         let own = self.at(i, i);
@@ -206,7 +206,7 @@ impl Rest {
         Rest { width, columns, values }
     }
 
-    /// What all columns from each one on take off together.
+    /// Joint reduction by all columns from each one on.
     fn gains_from(&self) -> Vec<f64> {
         let width = self.width;
         let (mut columns, mut values) = (self.columns.clone(), self.values.clone());
@@ -239,7 +239,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Looks at all subsets of `need` columns of the rest, beside those that are taken, which leave `squares`.
+    /// Visits all subsets of `need` columns of the rest, in addition to the taken ones, whose residual is `squares`.
     fn walk(&mut self, rest: &Rest, squares: f64, need: usize) {
         let width = rest.width;
         if width < need || self.left == 0 {
@@ -285,7 +285,7 @@ impl Search<'_> {
                 let factor = shared * inverse;
                 let other = rest.columns[j * width + j] - factor * shared;
                 let left = rest.values[j] - factor * value;
-                // The same as after − left²/other < best, without a division.
+                // Equivalent to after − left²/other < best, without a division.
                 if other > INDEPENDENT && (after - self.best) * other < left * left {
                     self.note(after - left * left / other, &[offset + i, offset + j]);
                 }

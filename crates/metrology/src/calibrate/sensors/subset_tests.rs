@@ -9,7 +9,7 @@ fn random(seed: &mut u64) -> f64 {
     (*seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
 }
 
-/// Columns that share some causes, as the sensors of a machine do, and values of these causes.
+/// Columns with common causes, as the sensors of a machine have, and values of these causes.
 fn plant(rows: usize, columns: usize, own: f64, seed: &mut u64) -> (DMatrix<f64>, DVector<f64>) {
     let causes = DMatrix::from_fn(rows, 5, |_, _| random(seed));
     let mix = DMatrix::from_fn(5, columns, |_, _| random(seed));
@@ -27,7 +27,7 @@ fn products(columns: &DMatrix<f64>, values: &DVector<f64>) -> Products {
     Products { columns: unit.tr_mul(&unit), values: unit.tr_mul(values), total: values.norm_squared() }
 }
 
-/// What columns leave, by the singular values of the columns themselves.
+/// Residual of columns, from the singular values of the columns themselves.
 fn left(columns: &DMatrix<f64>, values: &DVector<f64>, members: &[usize]) -> f64 {
     let part = columns.select_columns(members);
     let solution = part.clone().svd(true, true).solve(values, 1e-12).unwrap();
@@ -56,7 +56,7 @@ fn it_is_the_best_of_all_subsets() {
 
 #[test]
 fn steps_alone_would_miss_a_pair() {
-    // Neither of the first two says anything alone, together they are the values; the third says most alone.
+    // Neither of the first two is informative alone, together they are the values; the third is the best single one.
     let mut seed = 5;
     let hidden = DVector::from_fn(50, |_, _| random(&mut seed));
     let values = DVector::from_fn(50, |_, _| random(&mut seed));
@@ -94,7 +94,7 @@ fn forty_sensors_and_nine_of_them() {
         let (columns, values) = plant(1440, 40, own, &mut seed);
         let started = std::time::Instant::now();
         let found = products(&columns, &values).best(9, 20_000_000_000);
-        // Tens of milliseconds; a walk through all 273 million subsets of nine would take far longer in a test build.
+        // Tens of milliseconds; visiting all 273 million subsets of nine would take far longer in a test build.
         assert!(started.elapsed().as_secs() < 20, "noise {own}: {:?}", started.elapsed());
         assert!(found.len() == 9 && found.iter().all(|subset| subset.is_exact));
         assert!(found.windows(2).all(|pair| pair[1].squares <= pair[0].squares));

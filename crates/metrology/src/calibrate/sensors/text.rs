@@ -1,10 +1,10 @@
-//! What was selected as `[[drift]]` entries of a machine file, with what they are worth as comments.
+//! The selection as `[[drift]]` entries of a machine file, with its quality as comments.
 
 use std::fmt::Write as _;
 
 use super::select::SensorSelection;
 
-/// The entries; directions and positions without a model have a comment that says so.
+/// The entries; directions and positions without a model have a comment.
 #[must_use]
 pub fn entries(selections: &[SensorSelection]) -> String {
     let mut out = String::new();

@@ -1,8 +1,7 @@
-//! Rods of ball-bars and artefacts: which set-ups share one, how warm they are, and by how much they are longer for it.
+//! Rods of ball-bars and artefacts: sharing between set-ups, temperature, and thermal expansion.
 //!
-//! Lengths are those at 20 °C. A rod is longer by its expansion × (temperature − 20 °C); an artefact grows by the same share from a point of its
-//! own. Which point does not matter where the place of the artefact is unknown; it is the first one that was measured unless the description
-//! has one.
+//! Lengths are those at 20 °C. A rod is longer by its expansion × (temperature − 20 °C); an artefact expands by the same factor from an origin. The
+//! origin has no effect if the position of the artefact is unknown; it defaults to the first measured point.
 
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Vector;
@@ -12,27 +11,27 @@ use ncfix_machine::machine::{Kinematics, Machine};
 use super::super::kind::Measurand;
 use super::{DataSet, Free, Observation, Setup, number_of};
 
-/// Where lengths count, °C.
+/// Reference temperature of lengths, °C.
 const REFERENCE_C: f64 = 20.0;
-/// Temperatures of rods and artefacts, °C.
+/// Accepted temperatures of rods and artefacts, °C.
 const RANGE_C: std::ops::RangeInclusive<f64> = -30.0..=150.0;
-/// What they should be.
+/// Help for temperatures.
 pub(super) const PLAUSIBLE: &str = "write a temperature of -30 to 150 °C, or leave the cell empty";
-/// Expansion beyond that of any solid, per K.
+/// Upper bound of the expansion of solids, per K.
 const MOST_PER_K: f64 = 1e-3;
 
-/// What is wrong with a temperature, if something is.
+/// The error of an implausible temperature, if it is one.
 pub(super) fn implausible(celsius: Option<f64>) -> Option<String> {
     celsius
         .filter(|celsius| !RANGE_C.contains(celsius))
         .map(|celsius| format!("{celsius} °C is no temperature of a room"))
 }
 
-/// Reads what a set-up says of its rod or artefact; `rods` has the labels of all.
+/// Reads the rod or artefact data of a set-up; `rods` has all labels.
 pub(super) fn read_setup(section: &mut Section<'_>, measurand: Measurand, setup: &mut Setup, rods: &mut Vec<String>) {
     match measurand {
         Measurand::BallDistance => {
-            // A set-up that names none has one of its own.
+            // A set-up without a rod name has its own rod.
             let rod = section.text("rod").filter(|rod| !rod.is_empty());
             setup.rod = match rod {
                 Some(rod) => number_of(rods, rod),
@@ -90,7 +89,7 @@ fn lacks(section: &mut Section<'_>, key: &str, example: &str) {
     );
 }
 
-/// What is unknown must be able to be told: the reason where it is not.
+/// The reason why an unknown is not identifiable, if any.
 pub(super) fn contradiction(data: &DataSet) -> Option<(&'static str, &'static str)> {
     let has = |free: Free| data.free.contains(&free);
     let no_expansion = |setup: &Setup| setup.expansion_per_k <= 0.0;
@@ -122,7 +121,7 @@ fn differs(one: &Setup, other: &Setup) -> bool {
     (one.length_mm - other.length_mm).abs() > 0.0 || (one.expansion_per_k - other.expansion_per_k).abs() > 0.0
 }
 
-/// Fills in from which point artefacts expand.
+/// Fills in the origins of the expansion of artefacts.
 pub(super) fn finish(data: &mut DataSet, machine: &Machine) {
     let kinematics = Kinematics::new(machine);
     let mut first: Vec<Option<Vector>> = vec![None; data.setups.len()];
@@ -137,7 +136,7 @@ pub(super) fn finish(data: &mut DataSet, machine: &Machine) {
 }
 
 impl DataSet {
-    /// By how much the rod or artefact of a row is longer than at 20 °C: a factor.
+    /// Length of the rod or artefact of a row relative to 20 °C: a factor.
     #[must_use]
     pub fn stretch(&self, row: &Observation) -> f64 {
         let Some(setup) = self.setups.get(row.setup).filter(|setup| setup.expansion_per_k > 0.0) else { return 1.0 };

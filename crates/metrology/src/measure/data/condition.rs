@@ -1,10 +1,10 @@
 //! The condition of the machine at every reading: temperatures, load and time in the columns of NAME.csv.
 //!
-//! The columns are those of a log ([`ncfix_machine::machine::condition::columns`]). With `t_s` the readings of a sensor are one trace, so that what follows
-//! with a lag knows what was before; time does not go back, but a new run may begin again, which begins a new trace. Without `t_s` every row
-//! stands for itself, as if it had been like this for ever.
+//! The columns are those of a log ([`ncfix_machine::machine::condition::columns`]). With `t_s` the readings of a sensor form one trace, so that
+//! lagging effects have a history. Time does not decrease, but a new run may restart it, which begins a new trace. Without `t_s` every row is a
+//! steady state.
 //!
-//! Drift counts from the first row of each set-up in each run: there the instrument was set to zero, as a zero point is.
+//! Drift is relative to the first row of each set-up in each run, in which the instrument was zeroed.
 
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ use ncfix_machine::machine::condition::ConditionLog;
 use ncfix_machine::machine::condition::columns::{Column, NO_LOAD, OfDead, check_load, read_cell};
 use ncfix_machine::machine::{Condition, Load};
 
-/// Reads the conditions of one table; rows come in their order.
+/// Reads the conditions of one table, row by row.
 #[derive(Debug)]
 pub(super) struct Conditions {
     columns: Vec<Column>,
@@ -26,7 +26,7 @@ pub(super) struct Conditions {
     /// The clock of each run.
     of_run: HashMap<usize, usize>,
     moments: Vec<Moment>,
-    /// Where zero was set: the first moment of each set-up in each run.
+    /// The zero of each set-up in each run: its first moment.
     zeros: HashMap<(usize, usize), usize>,
 }
 
@@ -36,7 +36,7 @@ struct Clock {
     /// By column.
     traces: Vec<ConditionLog>,
     last_s: f64,
-    /// Whether no temperature has changed so far.
+    /// `true` while no temperature has changed.
     is_steady: bool,
 }
 
@@ -46,11 +46,11 @@ struct Moment {
     clock: usize,
     time_s: f64,
     load: Load,
-    /// The moment from which drift counts.
+    /// The moment of zero drift.
     zero: usize,
 }
 
-/// Whether a table says anything of its conditions, beside the column of the instrument's own temperature; findings where it does so by halves.
+/// Prepares the reading of conditions, if a table has any besides the temperature of the instrument; reports incomplete ones.
 pub(super) fn begin(
     table: &Table,
     own: Option<&str>,
@@ -58,7 +58,7 @@ pub(super) fn begin(
     findings: &mut Vec<Diagnostic>,
 ) -> Option<Conditions> {
     let mut columns = Column::all(table);
-    // The temperature of the instrument is none of the machine.
+    // The temperature of the instrument is not one of the machine.
     if let Some(own) = own.and_then(|own| columns.get_mut(table.column(own)?)) {
         *own = Column::Other;
     }
@@ -89,10 +89,10 @@ pub(super) fn begin(
 }
 
 impl Conditions {
-    /// The number of the condition of a row.
+    /// The index of the condition of a row.
     ///
     /// # Errors
-    /// Findings for cells that are no temperatures or loads, and for times that go back.
+    /// Diagnostics for cells that are not temperatures or loads, and for decreasing times.
     pub(super) fn read(
         &mut self,
         row: &Row<'_>,
@@ -132,7 +132,7 @@ impl Conditions {
         if !findings.is_empty() {
             return Err(findings);
         }
-        // What does not depend on temperatures does not depend on time.
+        // Without temperatures there is no dependence on time.
         let time_s = t_s.filter(|_| self.has_temperatures).unwrap_or(0.0);
         let clock = self.clock(run, time_s).map_err(|message| {
             let column = self.columns.iter().position(|column| *column == Column::Time);
@@ -143,7 +143,7 @@ impl Conditions {
         Ok(self.moment(clock, time_s, run, setup))
     }
 
-    /// The clock of a row. Without times each row has its own, but for rows that are alike.
+    /// The clock of a row. Without times each row has its own, except for equal rows.
     fn clock(&mut self, run: usize, time_s: f64) -> Result<usize, String> {
         if !self.has_time || !self.has_temperatures {
             return Ok(self.clocks.len());
@@ -163,7 +163,7 @@ impl Conditions {
         Ok(clock)
     }
 
-    /// Notes temperatures on a clock, which begins where it is new.
+    /// Adds temperatures to a clock; a new clock begins.
     fn note(&mut self, clock: usize, time_s: f64, temperatures: &[Option<f64>]) {
         if clock == self.clocks.len() {
             let traces = vec![ConditionLog::default(); self.columns.len()];
@@ -179,7 +179,7 @@ impl Conditions {
         }
     }
 
-    /// The number of the condition of a row, the last one where nothing has changed.
+    /// The index of the condition of a row; the last one if nothing has changed.
     fn moment(&mut self, clock: usize, time_s: f64, run: usize, setup: usize) -> usize {
         let next = self.moments.len();
         let zero = self.zeros.get(&(run, setup)).copied();
@@ -210,7 +210,7 @@ impl Conditions {
         self.clocks.get(one).zip(self.clocks.get(other)).is_some_and(|(one, other)| one.traces == other.traces)
     }
 
-    /// All conditions, by their numbers.
+    /// All conditions, by index.
     pub(super) fn finish(self) -> Vec<Condition> {
         let clocks: Vec<Condition> = self
             .clocks

@@ -1,7 +1,7 @@
-//! Back-and-forth cycles of readings of one component: within each a drift is a straight line in time.
+//! Back-and-forth cycles of readings of one component: within each cycle a drift is linear in time.
 //!
-//! Readings of one component in one set-up follow each other in the order of the rows. A cycle ends where its axis comes back to the sense of
-//! its begin, or where another run begins in the sense of the last one. Time is `t_s`, or where there is no such column the number of the reading.
+//! Readings of one component in one set-up follow each other in the order of the rows. A cycle ends when its axis returns to the direction of its
+//! start, or when another run begins in the direction of the last one. Time is `t_s`, or the index of the reading without such a column.
 
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -11,27 +11,27 @@ use super::DataSet;
 /// A cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RepeatCycle {
-    /// Number of its set-up.
+    /// Index of its set-up.
     pub setup: usize,
-    /// Number of its component among the targets.
+    /// Index of its component among the targets.
     pub target: usize,
-    /// Its number among those of the component in the set-up, from 1.
+    /// Its number among the cycles of the component in the set-up, from 1.
     pub number: usize,
-    /// Where its zero stands among the zeros of cycles; the first one has that of the set-up.
+    /// Index of its zero among the zeros of cycles; the first one uses that of the set-up.
     pub level: Option<usize>,
 }
 
-/// A reading on its way into a cycle.
+/// A reading to be assigned to a cycle.
 struct Member {
     row: usize,
     run: usize,
     sense: i8,
-    /// Where the axis stood, unless the table says its sense.
+    /// Axis position, unless the table states its direction.
     place: Option<f64>,
     time: f64,
 }
 
-/// Finds the cycles of all readings, and notes them in the rows.
+/// Finds the cycles of all readings, and records them in the rows.
 pub(super) fn find(data: &mut DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
     let with_time = data.observations.iter().filter(|row| row.t_s.is_some()).count();
     if let Some(row) = data.observations.iter().find(|row| with_time > 0 && row.t_s.is_none()) {
@@ -54,7 +54,7 @@ pub(super) fn find(data: &mut DataSet, table: &Table, findings: &mut Vec<Diagnos
     }
     let mut levels = 0;
     for (place, mut group) in groups.into_iter().enumerate().filter(|(_, group)| !group.is_empty()) {
-        // Where the axis came from to the first position is not known: it goes on from there, and so does a reading where the last one was.
+        // The direction of approach of the first position is unknown: that of the next motion is assumed, also for a repeated position.
         for k in (0..group.len().saturating_sub(1)).rev() {
             let begins = group[k].place.is_some() && (k == 0 || group[k].place == group[k - 1].place);
             if group[k].sense == 0 || begins {

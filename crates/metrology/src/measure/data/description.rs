@@ -9,7 +9,7 @@ use ncfix_machine::machine::file::{MachineFile, Section};
 use super::super::kind::{self, Instruments, Measurand};
 use super::{DataSet, KnownLength, Setup, bodies, number_of};
 
-/// Reads it; there is a measurement, without rows yet, where its kind is known.
+/// Reads the description; the result is a measurement without rows, if its kind is known.
 pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (Option<DataSet>, Vec<Diagnostic>) {
     let file = match MachineFile::parse(source) {
         Ok(file) => file,
@@ -81,7 +81,7 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
     (data, findings)
 }
 
-/// `X_mm = 350`, `B_deg = 0`: where axes stood that have no column.
+/// `X_mm = 350`, `B_deg = 0`: constant positions of axes without a column.
 fn read_fixed(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(Axis, f64)> {
     let mut fixed = Vec::new();
     for axis in AXES {

@@ -1,14 +1,14 @@
-//! What else a table has: every column of numbers that is no position, set-up or reading may be what an error depends on.
+//! Additional numeric columns of a table: anything other than positions, set-ups and readings may be an influence on an error.
 
 use ncfix_base::csv::{DecimalSign, Table};
 use ncfix_machine::machine::Machine;
 
 use super::DataSet;
 
-/// A column of numbers by its name, one for each row; NaN for an empty cell.
+/// A numeric column by name, one value per row; NaN for an empty cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Driver {
-    /// As the header has it: `feed_mm_min`, `T_nose_C`, `humidity`.
+    /// The column name: `feed_mm_min`, `T_nose_C`, `humidity`.
     pub name: String,
     /// In the order of the rows.
     pub values: Vec<f64>,
@@ -16,10 +16,10 @@ pub struct Driver {
 
 /// The column with the time of a row, s.
 pub const TIME: &str = "t_s";
-/// Columns that have a meaning of their own.
+/// Columns with a meaning of their own.
 const OWN: [&str; 8] = ["setup", "run", TIME, "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
 
-/// Reads all columns that only have numbers.
+/// Reads all purely numeric columns.
 pub(super) fn read(table: &Table, machine: &Machine, sign: DecimalSign, data: &DataSet) -> Vec<Driver> {
     let is_axis = |name: &str| {
         let letter = name.strip_suffix("_dir").unwrap_or(name);

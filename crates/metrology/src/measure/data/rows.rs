@@ -23,7 +23,7 @@ pub(super) fn read(
     let [temperature_column, feed_column] = [data.kind.temperature, Some("feed_mm_min")].map(|name| rows.column(name?));
     let mut seen: HashMap<(Vec<u64>, usize, usize), Place> = HashMap::new();
     let mut copies: Vec<(Place, Place)> = Vec::new();
-    // A column of another meaning may have as many labels as rows.
+    // A wrongly used column may have as many labels as rows.
     let mut runs: HashMap<String, usize> = HashMap::new();
     data.has_senses = readings.has_senses();
     let is_described = !data.setups.is_empty();
@@ -107,7 +107,7 @@ pub(super) fn read(
             }
         }
         let key = (bits(&observation, readings.has_senses()), setup, observation.target.unwrap_or(usize::MAX));
-        // A plan may go to the same pose again.
+        // A plan may repeat a pose.
         if let Some(first) = (!data.is_plan).then(|| seen.insert(key, observation.place)).flatten() {
             copies.push((observation.place, first));
         }
@@ -121,9 +121,9 @@ pub(super) fn read(
     }
 }
 
-/// Rows that stand there twice: the first of them, and how many more.
+/// The warning for repeated rows: the first of them, and their number.
 fn copied(rows: &Table, copies: &[(Place, Place)]) -> Option<Diagnostic> {
-    /// Lines that are told.
+    /// Maximum number of reported lines.
     const LINES: usize = 5;
     let &(place, first) = copies.first()?;
     let mut message = format!("the row is the same as that in line {}", row_line(rows, first));
@@ -138,10 +138,10 @@ fn copied(rows: &Table, copies: &[(Place, Place)]) -> Option<Diagnostic> {
     Some(Diagnostic::at(Code::DATA_REPEATED, place, message, help))
 }
 
-/// Everything that a row says, to tell copies.
+/// The content of a row as bits, for detecting copies.
 ///
-/// A sense that follows from the order of the rows is none of it: a copy elsewhere in the table would have another. But a single value without a
-/// time may well be read again on the way back.
+/// A direction that follows from the order of the rows is excluded: a copy elsewhere in the table would have another. A single value without a time
+/// may be repeated on the way back.
 fn bits(observation: &Observation, has_senses: bool) -> Vec<u64> {
     let count = observation.values.iter().flatten().count();
     let is_single = observation.t_s.is_none() && (1..3).contains(&count);

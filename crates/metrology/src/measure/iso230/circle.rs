@@ -1,10 +1,10 @@
-//! Circular tests (ISO 230-4): figures of the paths of a ball-bar, one clockwise and one the other way round.
+//! Circular tests (ISO 230-4): figures of the paths of a ball-bar, one clockwise and one counterclockwise.
 //!
-//! | figure | what it is |
+//! | figure | meaning |
 //! | --- | --- |
 //! | G | circular deviation: width of the minimum zone of one path |
-//! | G(b) | the same of both paths together |
-//! | F | radial deviation: largest and smallest distance of a path from the nominal circle, about the centre that both paths have together (least squares): the eccentricity of the set-up is none of the machine |
+//! | G(b) | circular deviation of both paths together |
+//! | F | radial deviation: extreme distances of a path from the nominal circle about the common least-squares centre (no set-up eccentricity) |
 //! | D | mean bidirectional radial deviation: middle of the largest and smallest distance of the mean of both paths from the nominal circle |
 //! | H | hysteresis: largest distance between the two paths at one angle |
 
@@ -14,11 +14,11 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::zone::minimum_zone;
 
-/// Steps of the grid on which two paths are compared: 0.1°.
+/// Number of angles for comparing two paths: steps of 0.1°.
 const STEPS: usize = 3600;
-/// A path with a larger gap has no value in between, rad.
+/// Gap above which a path is not interpolated, rad.
 const GAP: f64 = 0.1;
-/// Rounds of the centre by least squares; each is exact to the square of the last shift.
+/// Iterations of the least-squares centre; the error of each is the square of the last shift.
 const ROUNDS: usize = 6;
 
 /// A reading of a ball-bar.
@@ -26,32 +26,32 @@ const ROUNDS: usize = 6;
 pub struct CirclePoint {
     /// Angle on the nominal circle, rad.
     pub angle: f64,
-    /// Measured less nominal radius, mm.
+    /// Measured minus nominal radius, mm.
     pub deviation_mm: f64,
 }
 
-/// The figures; those of a path that there is not are `None`. mm.
+/// The figures, mm; `None` for those of a missing path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CircleFigures {
-    /// Circular deviation of the path against the clock.
+    /// Circular deviation of the counterclockwise path.
     pub g_counter: Option<f64>,
-    /// Circular deviation of the path with the clock.
+    /// Circular deviation of the clockwise path.
     pub g_clock: Option<f64>,
-    /// Of both.
+    /// Circular deviation of both paths.
     pub g_both: Option<f64>,
-    /// Largest and smallest radial deviation of the path against the clock.
+    /// Largest and smallest radial deviation of the counterclockwise path.
     pub f_counter: Option<[f64; 2]>,
-    /// Largest and smallest radial deviation of the path with the clock.
+    /// Largest and smallest radial deviation of the clockwise path.
     pub f_clock: Option<[f64; 2]>,
     /// Mean bidirectional radial deviation.
     pub d: Option<f64>,
     /// Hysteresis.
     pub h: Option<f64>,
-    /// Eccentricity of the set-up, which F, D and H are free of.
+    /// Eccentricity of the set-up, which is removed from F, D and H.
     pub centre_mm: [f64; 2],
 }
 
-/// The figures of two paths on a circle of a radius; an empty one was not measured. `None` where neither is a circle.
+/// The figures of two paths on a circle of a radius; a path that was not measured is empty. `None` if neither is a circle.
 #[must_use]
 pub fn figures(radius_mm: f64, counter: &[CirclePoint], clock: &[CirclePoint]) -> Option<CircleFigures> {
     let place = |point: &CirclePoint| {
@@ -86,7 +86,7 @@ pub fn figures(radius_mm: f64, counter: &[CirclePoint], clock: &[CirclePoint]) -
     })
 }
 
-/// The centre from which the squares of the differences of the radii are least.
+/// The centre with the least squares of the radius differences.
 fn centre(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     let mut centre = minimum_zone(points)?.centre;
     for _ in 0..ROUNDS {
@@ -104,16 +104,16 @@ fn centre(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     centre.iter().all(|value| value.is_finite()).then_some(centre)
 }
 
-/// Largest and smallest.
+/// Largest and smallest value.
 fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::NEG_INFINITY, f64::INFINITY], |[high, low], value| [high.max(value), low.min(value)])
 }
 
-/// A path at even angles, linear between readings; `None` in gaps.
+/// A path at equidistant angles, linear between readings; `None` in gaps.
 fn resampled(mut points: Vec<CirclePoint>) -> Vec<Option<f64>> {
     points.sort_by(|one, other| one.angle.total_cmp(&other.angle));
     let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return vec![None; STEPS] };
-    // Around the turn.
+    // Periodic continuation.
     points.insert(0, CirclePoint { angle: last.angle - TAU, ..last });
     points.push(CirclePoint { angle: first.angle + TAU, ..first });
     (0..STEPS)

@@ -1,23 +1,23 @@
-//! Drift that is a straight line in time within every back-and-forth cycle (Spaan 1995, ch. 3), and the test that there is no reversal.
+//! Drift that is linear in time within every back-and-forth cycle (Spaan 1995, ch. 3), and the test for the absence of a reversal error.
 //!
-//! At one target the way back differs from the way out by dᵢ = ḋ tᵢ + B: by the drift times the time between the two, which is short next to the
-//! turn and long at the begin of the cycle, and by the reversal, which is the same everywhere. Both are fitted to all pairs, with a rate ḋ for each
-//! cycle and one B, and B is held against its standard error by a test of Student. Only where there is no reversal is the difference the
-//! drift alone: an axis with backlash is refused, because its cycles would be bent by half of it at each turn were the drift not straight.
+//! At one target both ways differ by dᵢ = ḋ tᵢ + B. The drift part is proportional to the time between them, which is short near the turn and long at
+//! the start of the cycle; the reversal error is the same everywhere. Both are fitted to all pairs, with a rate ḋ for each cycle and one B, and B is
+//! tested against its standard error with Student's t-test. Only without a reversal error is the difference due to drift alone. An axis with backlash
+//! is rejected, because half of it would distort its cycles at each turn.
 
 use super::positioning::{ApproachReading, FiguresError, SAME, range};
 
-/// A reversal below this share of the range of the readings harms no drift, however well it is known.
+/// Reversal error as a share of the range of the readings below which it is negligible, however certain.
 const HARMLESS: f64 = 0.01;
-/// Quantile of the normal distribution for an error of 0.1 % on both sides together.
+/// Two-sided 0.1 % quantile of the normal distribution.
 const NORMAL: f64 = 3.290_53;
-/// The same of Student's distribution with 1 to 4 degrees of freedom, where the expansion below is not near enough.
+/// Two-sided 0.1 % quantiles of Student's distribution with 1 to 4 degrees of freedom, for which the expansion below is not accurate enough.
 const STUDENT: [f64; 4] = [636.62, 31.599, 12.924, 8.610];
 
-/// The readings without a drift that is linear in time within every cycle; cycles are brought to the mean of all.
+/// The readings without a drift that is linear in time within every cycle; cycles are shifted to their common mean.
 ///
 /// # Errors
-/// [`FiguresError::Backlash`] where the two ways differ by a reversal, [`FiguresError::TooFew`] where they cannot be compared.
+/// [`FiguresError::Backlash`] if the two ways differ by a reversal error, [`FiguresError::TooFew`] if they cannot be compared.
 pub fn without_drift(readings: &[ApproachReading]) -> Result<Vec<ApproachReading>, FiguresError> {
     let pairs = pairs(readings)?;
     if let Some((reversal, sigma)) = reversal_of(&pairs, readings)? {
@@ -45,10 +45,10 @@ pub fn without_drift(readings: &[ApproachReading]) -> Result<Vec<ApproachReading
     Ok(out)
 }
 
-/// The reversal and its standard error where readings have one that a test of Student finds: 0.1 % of readings without one have one by chance.
+/// The reversal error and its standard error, if significant in Student's t-test at a p-value of 0.1 %.
 ///
 /// # Errors
-/// [`FiguresError::TooFew`] where the two ways cannot be compared.
+/// [`FiguresError::TooFew`] if the two ways cannot be compared.
 pub fn significant_reversal(readings: &[ApproachReading]) -> Result<Option<(f64, f64)>, FiguresError> {
     reversal_of(&pairs(readings)?, readings)
 }
@@ -72,7 +72,7 @@ fn student(freedom: f64) -> f64 {
     z + first / freedom + second / freedom.powi(2) + third / freedom.powi(3)
 }
 
-/// Of every cycle the time between the ways and the difference of what was read, at every target.
+/// For every cycle, the time between both ways and the difference of the readings, at every target.
 fn pairs(readings: &[ApproachReading]) -> Result<Vec<Vec<[f64; 2]>>, FiguresError> {
     let cycles = readings.iter().map(|reading| reading.cycle).max().ok_or(FiguresError::Nothing)?.saturating_add(1);
     if cycles > readings.len() {
@@ -82,7 +82,7 @@ fn pairs(readings: &[ApproachReading]) -> Result<Vec<Vec<[f64; 2]>>, FiguresErro
     sorted.sort_by(|one, other| one.cycle.cmp(&other.cycle).then(one.target.total_cmp(&other.target)));
     let mut pairs: Vec<Vec<[f64; 2]>> = vec![Vec::new(); cycles];
     for own in sorted.chunk_by(|one, other| one.cycle == other.cycle && (one.target - other.target).abs() < SAME) {
-        // The first of each way: readings at rest on a target would make more pairs than there are readings.
+        // The first of each way: repeated readings at rest on a target would give more pairs than readings.
         let of = |is_up: bool| own.iter().find(|reading| reading.is_up == is_up);
         if let (Some(up), Some(down)) = (of(true), of(false)) {
             let pair = [up.time - down.time, up.deviation - down.deviation];
@@ -92,13 +92,13 @@ fn pairs(readings: &[ApproachReading]) -> Result<Vec<Vec<[f64; 2]>>, FiguresErro
     if pairs.iter().any(|own| own.len() < 3) { Err(FiguresError::TooFew) } else { Ok(pairs) }
 }
 
-/// The reversal that all cycles have in common, beside a drift of their own each, its standard error, and the degrees of freedom of that.
+/// The reversal error common to all cycles, fitted with a separate drift of each, its standard error, and its degrees of freedom.
 fn reversal(pairs: &[Vec<[f64; 2]>]) -> Option<(f64, f64, f64)> {
     let (mut factor, mut value, mut squares, mut count) = (0.0, 0.0, 0.0, 0.0);
     for own in pairs {
         let (tt, t, td) = (sum(own, |[t, _]| t * t), sum(own, |[t, _]| t), sum(own, |[t, d]| t * d));
         let n = own.len() as f64;
-        // The drift of the cycle is swept out.
+        // The drift of the cycle is eliminated.
         factor += n - t * t / tt;
         value += sum(own, |[_, d]| d) - t * td / tt;
         squares += sum(own, |[_, d]| d * d) - td * td / tt;

@@ -1,8 +1,7 @@
-//! The figures of a measurement: which of them its readings allow, and they.
+//! The figures of a measurement that its readings allow.
 //!
-//! Readings of single components give the figures of [`super::positioning`] for every component and set-up. Rows of a ball-bar that lie in a
-//! plane through the ball on the table are circles ([`super::circle`]), with the sense in which they are run; rows of a set-up that lie in no
-//! plane are a sphere ([`super::sphere`]).
+//! Readings of single components give the figures of [`super::positioning`] for every component and set-up. Ball-bar rows in a plane through the
+//! table ball are circles ([`super::circle`]), each with its direction. Rows of a set-up that do not lie in a plane are a sphere ([`super::sphere`]).
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -17,17 +16,17 @@ use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine};
 
-/// Rows are in a plane within this share of the radius.
+/// Largest distance from a common plane, as a share of the radius.
 const FLAT: f64 = 1e-3;
-/// Normals that differ by less are one, as the sine of an angle.
+/// Tolerance of equal normals, as the sine of an angle.
 const SAME_PLANE: f64 = 1e-2;
-/// Steps of a circle that are smaller have no sense, rad.
+/// Step of a circle below which it has no direction, rad.
 const LEAST_STEP: f64 = 1e-9;
-/// Less of a circle has no centre that is worth the name, rad.
+/// Minimum arc for a meaningful centre, rad.
 const LEAST_ARC: f64 = PI;
-/// A circle with no larger gap is closed, rad.
+/// Largest gap of a closed circle, rad.
 const CLOSED: f64 = 0.1;
-/// Runs that ISO 230-2 asks for.
+/// Number of runs required by ISO 230-2.
 pub const RUNS: usize = 5;
 
 /// Figures of one component, of circles in one plane, or of a sphere.
@@ -35,9 +34,9 @@ pub const RUNS: usize = 5;
 pub struct Found {
     /// Label of the set-up.
     pub setup: String,
-    /// What it is about: `EXX`, `XY`, `sphere`.
+    /// Its subject: `EXX`, `XY`, `sphere`.
     pub of: String,
-    /// The figures, or a sentence that says why there are none.
+    /// The figures, or a sentence with the reason why there are none.
     pub figures: Result<Figures, String>,
 }
 
@@ -48,9 +47,9 @@ pub enum Figures {
     Positioning {
         /// ISO 230-2; mm, or rad.
         figures: positioning::PositioningFigures,
-        /// Whether it is an angle.
+        /// `true` for an angle.
         is_angle: bool,
-        /// Whether a drift was taken out before.
+        /// `true` if a drift was removed before.
         without_drift: bool,
     },
     /// Of circles.
@@ -59,16 +58,16 @@ pub enum Figures {
         figures: circle::CircleFigures,
         /// Nominal radius, mm.
         radius_mm: f64,
-        /// Paths against and with the clock, seen against the normal.
+        /// Counterclockwise and clockwise paths, as seen against the normal.
         paths: [Path; 2],
     },
     /// Of a sphere.
     Sphere {
-        /// The fitted one; its centre is the error of the set-up.
+        /// The fitted sphere; its centre is the error of the set-up.
         sphere: sphere::Sphere,
         /// Nominal radius, mm.
         radius_mm: f64,
-        /// Readings.
+        /// Number of readings.
         points: usize,
     },
 }
@@ -76,13 +75,13 @@ pub enum Figures {
 /// A path on a circle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Path {
-    /// Readings.
+    /// Number of readings.
     pub points: usize,
-    /// Where it begins, rad from the first axis of the plane.
+    /// Its start, rad from the first axis of the plane.
     pub start: f64,
-    /// How much of the circle it covers, rad: a whole turn where it is closed.
+    /// Arc covered, rad: a full turn if closed.
     pub arc: f64,
-    /// Feed, mm/min, as the table says, else from the times of its readings.
+    /// Feed, mm/min, from the table, otherwise from the times of its readings.
     pub feed: Option<f64>,
 }
 
@@ -123,11 +122,11 @@ fn label(data: &DataSet, setup: usize) -> String {
     data.setups.get(setup).map_or_else(String::new, |setup| setup.label.clone())
 }
 
-/// A row as seen from the ball on the table.
+/// A row relative to the table ball.
 struct Place {
-    /// Where it nominally is, mm.
+    /// Its nominal position, mm.
     nominal: Vector,
-    /// Distance that was measured, mm.
+    /// Measured distance, mm.
     distance: f64,
     run: usize,
     t_s: Option<f64>,
@@ -172,7 +171,7 @@ fn place(data: &DataSet, kinematics: &Kinematics, row: &Observation) -> Option<P
     let setup = data.setups.get(row.setup)?;
     let mut centre = AxisVector::ZERO;
     centre.set_xyz(setup.centre_mm);
-    // The ball lies where a tip of no tool would be, in the workpiece.
+    // The ball is at the tip position of a zero-length tool, in the workpiece.
     let ball = kinematics.tip_mm(&centre, &Vector::zeros());
     let reading = &row.reading;
     let nominal = kinematics.tip_mm(&reading.position, &reading.tool_mm) - ball;
@@ -180,7 +179,7 @@ fn place(data: &DataSet, kinematics: &Kinematics, row: &Observation) -> Option<P
     (nominal.norm() > 0.0).then_some(Place { nominal, distance, run: row.run, t_s: row.t_s, feed: row.feed })
 }
 
-/// The normal of the plane through the ball in which places lie, if they do.
+/// The normal of the plane through the ball that contains all places, if there is one.
 fn plane(places: &[&Place]) -> Option<Vector> {
     let mut scatter = Matrix3::zeros();
     for place in places {
@@ -191,13 +190,13 @@ fn plane(places: &[&Place]) -> Option<Vector> {
     let least = system.eigenvalues.imin();
     let mut sizes: Vec<f64> = system.eigenvalues.iter().copied().collect();
     sizes.sort_by(f64::total_cmp);
-    // A line has no plane.
+    // A line does not determine a plane.
     let is_plane = sizes.first()?.max(0.0).sqrt() < FLAT && sizes.get(1)?.max(0.0).sqrt() > 10.0 * FLAT;
     let normal: Vector = system.eigenvectors.column(least).into_owned();
     is_plane.then(|| if normal[normal.iamax()] < 0.0 { -normal } else { normal })
 }
 
-/// The name of a plane, and its directions: seen against its normal the second is a quarter turn against the clock from the first.
+/// The name of a plane, and its directions: as seen against its normal the second is a quarter turn counterclockwise from the first.
 fn directions(normal: &Vector) -> (String, [Vector; 2]) {
     let which = normal.iamax();
     let first = Vector::ith((which + 1) % 3, 1.0);
@@ -250,7 +249,7 @@ fn path(points: &[(CirclePoint, &Place)]) -> Path {
     Path { points: points.len(), start: first.angle.rem_euclid(TAU), arc, feed: given.or_else(|| timed_feed(points)) }
 }
 
-/// The feed by the times of readings, mm/min: the way between them by the time.
+/// The feed from the times of readings, mm/min: distance divided by time.
 fn timed_feed(points: &[(CirclePoint, &Place)]) -> Option<f64> {
     let steps = points.windows(2).filter(|pair| pair[0].1.run == pair[1].1.run).filter_map(|pair| {
         let time = pair[1].1.t_s? - pair[0].1.t_s?;

@@ -1,4 +1,4 @@
-//! Figures of the acceptance tests of ISO 230: plain arithmetic on what was measured, without an error model.
+//! Figures of the acceptance tests of ISO 230: direct arithmetic on measured values, without an error model.
 
 pub mod circle;
 pub mod drift;

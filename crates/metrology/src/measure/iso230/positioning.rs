@@ -1,6 +1,6 @@
-//! Accuracy and repeatability of positioning of one axis (ISO 230-2:2014), from readings at targets that are approached in both senses.
+//! Accuracy and repeatability of positioning of one axis (ISO 230-2:2014), from readings at targets that are approached in both directions.
 //!
-//! At every target i, with deviations xᵢⱼ of runs j: mean x̄ᵢ and standard deviation sᵢ (n − 1) of each sense, reversal `Bᵢ = x̄ᵢ↑ − x̄ᵢ↓`.
+//! At every target i, with deviations xᵢⱼ of runs j: mean x̄ᵢ and standard deviation sᵢ (n − 1) of each direction, reversal `Bᵢ = x̄ᵢ↑ − x̄ᵢ↓`.
 //!
 //! | figure | formula |
 //! | --- | --- |
@@ -8,10 +8,10 @@
 //! | R | `max Rᵢ`, `Rᵢ = max(2 sᵢ↑ + 2 sᵢ↓ + ∣Bᵢ∣, 4 sᵢ↑, 4 sᵢ↓)` |
 //! | B, B̄ | `max ∣Bᵢ∣`, mean of `Bᵢ` |
 //! | M | `max x̄ᵢ − min x̄ᵢ`, `x̄ᵢ = (x̄ᵢ↑ + x̄ᵢ↓)/2` |
-//! | E↑, E | `max x̄ᵢ − min x̄ᵢ` of one sense, of both senses |
-//! | A↑, A | `max(x̄ᵢ + 2 sᵢ) − min(x̄ᵢ − 2 sᵢ)` of one sense, of both senses |
+//! | E↑, E | `max x̄ᵢ − min x̄ᵢ` of one direction, of both directions |
+//! | A↑, A | `max(x̄ᵢ + 2 sᵢ) − min(x̄ᵢ − 2 sᵢ)` of one direction, of both directions |
 //!
-//! A drift can be taken out before ([`super::drift`]).
+//! A drift can be removed before ([`super::drift`]).
 
 use std::fmt;
 
@@ -19,7 +19,7 @@ use crate::measure::data::{DataSet, Observation};
 use ncfix_base::geometry::Axis;
 use ncfix_model::ErrorName;
 
-/// Targets closer than this are one, mm or rad.
+/// Distance below which targets are equal, mm or rad.
 pub(super) const SAME: f64 = 1e-6;
 
 /// A reading.
@@ -27,17 +27,17 @@ pub(super) const SAME: f64 = 1e-6;
 pub struct ApproachReading {
     /// The commanded position, mm or rad.
     pub target: f64,
-    /// Actual less commanded position, mm or rad (or any other component of the error).
+    /// Actual minus commanded position, mm or rad (or any other component of the error).
     pub deviation: f64,
-    /// Whether the axis came in the positive sense.
+    /// `true` if the axis came in the positive direction.
     pub is_up: bool,
-    /// Number of its back-and-forth cycle.
+    /// Index of its back-and-forth cycle.
     pub cycle: usize,
-    /// When: s, or the number of the reading where readings are evenly spaced.
+    /// Time, s, or the index of the reading if readings are equidistant in time.
     pub time: f64,
 }
 
-/// Figures of one sense.
+/// Figures of one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OneWay {
     /// A↑ or A↓.
@@ -48,7 +48,7 @@ pub struct OneWay {
     pub repeatability: f64,
 }
 
-/// Figures of both senses.
+/// Figures of both directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BothWays {
     /// A.
@@ -70,41 +70,41 @@ pub struct BothWays {
 pub struct PositioningTarget {
     /// Its position.
     pub position: f64,
-    /// Mean and standard deviation of the positive sense, where there is one.
+    /// Mean and standard deviation in the positive direction, if any.
     pub up: Option<[f64; 2]>,
-    /// The same of the negative sense.
+    /// Mean and standard deviation in the negative direction, if any.
     pub down: Option<[f64; 2]>,
-    /// The smaller number of approaches of a sense that was used.
+    /// The smaller number of approaches of the two directions.
     pub runs: usize,
 }
 
 /// All figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PositioningFigures {
-    /// Of the positive sense.
+    /// Of the positive direction.
     pub up: Option<OneWay>,
-    /// Of the negative sense.
+    /// Of the negative direction.
     pub down: Option<OneWay>,
-    /// Of both, where every target was approached in both.
+    /// Of both, if every target was approached in both directions.
     pub both: Option<BothWays>,
     /// By rising position.
     pub targets: Vec<PositioningTarget>,
-    /// The smallest number of approaches of a target in one sense; the standard asks for five.
+    /// The smallest number of approaches of a target in one direction; the standard requires five.
     pub runs: usize,
 }
 
-/// Why there are no figures.
+/// Reason why there are no figures.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FiguresError {
     /// There are no readings of the component.
     Nothing,
-    /// The sense of approach of a reading is not known; its target.
+    /// The direction of approach of a reading is unknown; its target.
     NoSense(f64),
-    /// A target was approached once only in a sense, so that there is no scatter.
+    /// A target was approached only once in a direction, so that there is no scatter.
     Once(f64),
     /// Too few targets or pairs of readings for a drift.
     TooFew,
-    /// A reversal with its standard error: it cannot be told from a drift.
+    /// A reversal error with its standard error: it cannot be separated from a drift.
     Backlash(f64, f64),
 }
 
@@ -137,7 +137,7 @@ impl fmt::Display for FiguresError {
 /// The figures.
 ///
 /// # Errors
-/// [`FiguresError`] where there is nothing, or a target was approached once only.
+/// [`FiguresError`] if there are no readings, or a target was approached only once.
 pub fn figures(readings: &[ApproachReading]) -> Result<PositioningFigures, FiguresError> {
     let targets = targets(readings)?;
     let one = |side: fn(&PositioningTarget) -> Option<[f64; 2]>| -> Option<OneWay> {
@@ -168,11 +168,11 @@ pub fn figures(readings: &[ApproachReading]) -> Result<PositioningFigures, Figur
     Ok(PositioningFigures { up: one(|target| target.up), down: one(|target| target.down), both, targets, runs })
 }
 
-/// What was read of a component, in all set-ups or one; readings without `t_s` are evenly spaced in time, and a cycle ends where the axis comes
-/// back to the sense of its begin.
+/// The readings of a component, in all set-ups or one. Readings without `t_s` are equidistant in time, and a cycle ends when the axis returns to the
+/// direction of its start.
 ///
 /// # Errors
-/// [`FiguresError`] where there are no readings or their sense is not known.
+/// [`FiguresError`] if there are no readings or their direction is unknown.
 pub fn approaches(
     data: &DataSet,
     component: ErrorName,

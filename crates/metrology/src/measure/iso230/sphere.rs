@@ -1,18 +1,18 @@
-//! The sphere of least squares through points: size and form (Esmaeili 2021, ch. 4.7.3).
+//! The least-squares sphere through points: size and form (Esmaeili 2021, ch. 4.7.3).
 //!
-//! | figure | what it is |
+//! | figure | meaning |
 //! | --- | --- |
-//! | size | radius of the fitted less that of the nominal sphere |
-//! | form | largest less smallest distance of the points from the fitted sphere |
+//! | size | radius of the fitted minus that of the nominal sphere |
+//! | form | largest minus smallest distance of the points from the fitted sphere |
 //! | s | standard deviation of these distances |
 
 use nalgebra::{Matrix4, Vector4};
 
 use ncfix_base::geometry::Vector;
 
-/// Rounds; each is exact to the square of the last shift.
+/// Iterations; the error of each is the square of the last shift.
 const ROUNDS: usize = 8;
-/// Smallest by largest eigenvalue of the equations below which points lie in a plane.
+/// Ratio of smallest to largest eigenvalue of the equations below which points are coplanar.
 const FLAT: f64 = 1e-6;
 
 /// A fitted sphere, mm.
@@ -22,13 +22,13 @@ pub struct Sphere {
     pub centre_mm: Vector,
     /// Its radius.
     pub radius_mm: f64,
-    /// Largest less smallest residual.
+    /// Largest minus smallest residual.
     pub form_mm: f64,
     /// Standard deviation of the residuals (n − 1).
     pub deviation_mm: f64,
 }
 
-/// Fits a sphere to points that lie about one whose centre is roughly the origin; `None` where they lie in a plane or are too few.
+/// Fits a sphere to points around a centre near the origin; `None` if they are coplanar or too few.
 #[must_use]
 pub fn fit(points: &[Vector]) -> Option<Sphere> {
     if points.len() < 5 {

@@ -1,15 +1,15 @@
-//! The minimum zone: two concentric circles of least difference that enclose points between them, exactly.
+//! The minimum zone: two concentric circles of least difference that enclose the points between them, exactly.
 //!
-//! About a centre that is nearly right the radii are linear in its shift, and the best shift is a problem of Chebyshev with three unknowns. It is
-//! solved by exchange: of four points the best circle leaves ±h in turn; the point that is farthest off comes in for the one of the four without
-//! which h grows most. h grows with every step until no point is farther off than h, which is the optimum; then the radii are made anew about
-//! the shifted centre. The last circle is optimal for its own linear problem, whose error is of second order in a shift that is zero then.
+//! Near the centre the radii are linear in its shift, and the best shift is a Chebyshev problem with three unknowns. It is solved by exchange: the
+//! best circle for four points has residuals of alternating ±h. The farthest point then replaces the one of the four that makes h grow most. h grows
+//! with every step until no point is farther off than h, which is the optimum; then the radii are recomputed about the shifted centre. The last
+//! circle is optimal for its own linear problem, whose error is of second order in a shift that is then zero.
 
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
-/// More exchanges than points would be needed never end.
+/// Maximum number of exchanges.
 const EXCHANGES: usize = 500;
-/// Shifts of the centre; each is smaller than the last one squared.
+/// Maximum number of centre shifts; each is smaller than the square of the last one.
 const SHIFTS: usize = 30;
 
 /// Two concentric circles.
@@ -29,7 +29,7 @@ impl Zone {
     }
 }
 
-/// The minimum zone of points on something like a circle; `None` for fewer than four points, or points on less than can have a centre.
+/// The minimum zone of points on an approximate circle; `None` for fewer than four points, or points that do not determine a centre.
 #[must_use]
 pub fn minimum_zone(points: &[[f64; 2]]) -> Option<Zone> {
     let mut centre = mean_circle(points)?;
@@ -87,7 +87,7 @@ fn mean_circle(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     centre.iter().all(|value| value.is_finite()).then_some(centre)
 }
 
-/// The unknowns that make the largest |value − row · unknowns| least.
+/// The unknowns that minimize the largest |value − row · unknowns|.
 fn chebyshev(rows: &[(Vector3<f64>, f64)]) -> Option<Vector3<f64>> {
     let last = rows.len().checked_sub(1)?;
     let mut chosen = [0, last / 4, last / 2, last * 3 / 4];
@@ -112,13 +112,13 @@ fn chebyshev(rows: &[(Vector3<f64>, f64)]) -> Option<Vector3<f64>> {
     Some(best)
 }
 
-/// The best unknowns for four rows and what they leave of each; `None` where the rows depend on each other.
+/// The best unknowns for four rows and their common residual; `None` for linearly dependent rows.
 fn levelled(rows: &[(Vector3<f64>, f64)], chosen: [usize; 4]) -> Option<(Vector3<f64>, f64)> {
     let mut four = [(Vector3::zeros(), 0.0); 4];
     for (slot, &index) in four.iter_mut().zip(&chosen) {
         *slot = *rows.get(index)?;
     }
-    // What combines the rows to nothing: minors with signs in turn.
+    // Coefficients of the linear dependence of the rows: minors with alternating signs.
     let minor = |left_out: usize| {
         let kept: Vec<Vector3<f64>> = (0..4).filter(|&k| k != left_out).map(|k| four[k].0).collect();
         Matrix3::from_columns(&kept).determinant()
@@ -127,7 +127,7 @@ fn levelled(rows: &[(Vector3<f64>, f64)], chosen: [usize; 4]) -> Option<(Vector3
     if factors.iter().map(|factor| factor.abs()).sum::<f64>() < 1e-12 {
         return None;
     }
-    // A row with factor 0 takes no part in the level: either sign is right.
+    // A row with factor 0 does not affect the level: either sign is correct.
     let signs = factors.map(|factor| if factor < 0.0 { -1.0 } else { 1.0 });
     let matrix = Matrix4::from_fn(|i, k| if k < 3 { four[i].0[k] } else { signs[i] });
     let solution = matrix.lu().solve(&Vector4::from_fn(|i, _| four[i].1))?;

@@ -1,8 +1,8 @@
 //! Ball-bar: change of the distance between a ball in the spindle and one on the table (ISO 230-4).
 //!
-//! dr = |tip − c| − L, with the place c of the table ball and the length L from the description of the set-up; both may be unknown besides:
-//! c shifts by three unknowns, L grows by one: for every set-up, or for every extension rod that set-ups share. L is the length at 20 °C; a rod of
-//! known expansion is longer where it is warmer, and how warm it was may be unknown in place of the length. The table ball goes with the workpiece.
+//! dr = |tip − c| − L, with the position c of the table ball and the length L from the description of the set-up. Both may have unknown corrections:
+//! c three, and L one for every set-up, or for every extension rod that set-ups share. L is the length at 20 °C. A rod of known expansion is longer
+//! when warmer, and its temperature may be unknown in place of the length. The table ball moves with the workpiece.
 
 use super::{Equation, Kind, Measurand, Seen, Unknown, at, needed, no_expansion, no_ties, three, vector_at, zeros};
 use crate::measure::data::{DataSet, Free, Observation};
@@ -54,7 +54,7 @@ fn unknowns(data: &DataSet) -> Vec<Unknown> {
     let length = (0..count).map(Unknown::Length).filter(|_| data.free.contains(&Free::Length));
     let rod = (0..data.rods.len()).map(Unknown::Rod).filter(|_| data.free.contains(&Free::Rod));
     let warmth = (0..count).map(Unknown::RodTemperature).filter(|_| data.free.contains(&Free::RodTemperature));
-    // The description has one of the last three at most.
+    // The description has at most one of the last three.
     centre.chain(length).chain(rod).chain(warmth).collect()
 }
 

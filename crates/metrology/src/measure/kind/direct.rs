@@ -1,9 +1,9 @@
 //! Direct measurement of one component at a time: laser interferometer, level, autocollimator, straightedge.
 //!
-//! `component` names what was measured, `value_um` or `value_urad` how much: the deviation of the body that the axis moves, at the point of
-//! measurement that the tool vector gives, so that a displacement contains the angular errors with their Abbe arms (Spaan 1995, ch. 3).
-//! `offset` frees the zero of the instrument for every set-up and component, `drift` lets it move on in a straight line of time within every
-//! back-and-forth cycle, each with a zero of its own: where there is no reversal (see [`crate::measure::iso230::drift`]).
+//! `component` names the measured component, `value_um` or `value_urad` its value: the deviation of the body that the axis moves, at the point of
+//! measurement given by the tool vector. A displacement thus contains the angular errors with their Abbe arms (Spaan 1995, ch. 3). `offset` frees the
+//! zero of the instrument for every set-up and component. `drift` adds a drift that is linear in time within every back-and-forth cycle, each with
+//! its own zero, if there is no reversal error (see [`crate::measure::iso230::drift`]).
 
 use std::collections::HashMap;
 
@@ -71,7 +71,7 @@ fn zeros_of_setups(data: &DataSet) -> usize {
     if data.free.contains(&Free::Offset) { data.setups.len() * data.targets.len() } else { 0 }
 }
 
-/// Whether readings with a drift have a reversal, which cannot be told from it.
+/// Checks readings with a drift for a reversal error, which cannot be separated from it.
 fn check(data: &DataSet, _: &Table, findings: &mut Vec<Diagnostic>) {
     if data.is_plan || data.cycles.is_empty() {
         return;
@@ -113,7 +113,7 @@ fn check(data: &DataSet, _: &Table, findings: &mut Vec<Diagnostic>) {
 
 fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values: &[f64], out: &mut Vec<Equation>) {
     let (Some(read), Some(component)) = (observation.values[0], observation.component) else { return };
-    // The body that moves: against the tool on the workpiece side.
+    // The moving body: relative to the tool on the workpiece side.
     let on_table = component.axis().and_then(|axis| seen.machine.topology.branch(axis)) == Some(Branch::Workpiece);
     let sense = if on_table { -1.0 } else { 1.0 };
     let k = component.direction.index() % 3;

@@ -1,8 +1,8 @@
 //! Displacement of the tool from the workpiece along F's directions: hole plates, grids, straightedges, R-tests, indicators.
 //!
-//! An artefact may lie off its nominal place: `offset` and `rotation` move it in the workpiece, with which it turns. A point whose nominal
-//! place is p lies at R p + o, so that the tool is d = F's directions of (tip − R p − o) from it. R is exact: 1 mrad over 500 mm makes
-//! 0.25 µm by its square. An artefact of known expansion and temperature is stretched before, from a point of its own.
+//! An artefact may be displaced from its nominal position: `offset` and `rotation` move it in the workpiece, with which it turns. A point with the
+//! nominal position p is at R p + o, so that the displacement of the tool is d = F's directions of (tip − R p − o). R is exact: the square of 1 mrad
+//! over 500 mm gives 0.25 µm. An artefact of known expansion and temperature is scaled before, about its origin.
 
 use nalgebra::Rotation3;
 
@@ -38,7 +38,7 @@ pub(super) fn read(
     observation: &mut Observation,
 ) -> Result<(), Diagnostic> {
     if data.is_plan {
-        // Columns that are there say what will be read; without any it is all three.
+        // Existing columns determine the readings; without any, all three are read.
         let wants_all = COLUMNS.iter().all(|name| row.column(name).is_none());
         for (value, name) in observation.values.iter_mut().zip(COLUMNS) {
             *value = (wants_all || row.column(name).is_some()).then_some(0.0);
@@ -84,7 +84,7 @@ pub(super) fn equations(
     let mut point = seen.nominal.translation;
     let setup = data.setups.get(observation.setup);
     if let Some(origin) = setup.filter(|setup| setup.expansion_per_k > 0.0).and_then(|setup| setup.origin_mm) {
-        // An artefact that is warm has its points farther from the one that stays.
+        // The points of a warm artefact move away from its origin.
         point = origin + (point - origin) * data.stretch(observation);
     }
     let mut angle = Vector::zeros();
@@ -104,7 +104,7 @@ pub(super) fn equations(
             by_unknown.extend((0..3).map(|j| (first + j, -direction[j])));
         }
         if has_rotation {
-            // A little more of the rotation vector turns the point by (1 + ρ×/2 + (ρ×)²/6 + …) of it.
+            // A small change of the rotation vector rotates the point by (1 + ρ×/2 + (ρ×)²/6 + …) of it.
             let by_turn = -turned.cross(&direction);
             let half = angle.cross(&by_turn) / 2.0;
             let by_angle = by_turn - half + angle.cross(&half) / 3.0;

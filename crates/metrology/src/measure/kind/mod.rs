@@ -1,8 +1,8 @@
-//! Kinds of measurement: one file each, and the register of them ([`Instruments`]), which a caller extends.
+//! Kinds of measurement: one file each, and their register ([`Instruments`]), which a caller may extend.
 //!
-//! A kind reads its columns and says, for a reading, what it should be: [`Kind::equations`] is given the tool as the error model has it – the one
-//! forward function – and gives what was read less what is predicted, with the derivatives by the pose of the tool and by the unknowns of the
-//! set-up. To add one from another crate, write a static [`Kind`], give it to [`Instruments::with`](ncfix_base::register::Register::with) and read the measurement with
+//! A kind reads its columns and predicts its readings: [`Kind::equations`] receives the tool pose from the error model – the one forward function –
+//! and returns reading minus prediction, with the derivatives by the tool pose and by the unknowns of the set-up. To add one from another crate,
+//! write a static [`Kind`], pass it to [`Instruments::with`](ncfix_base::register::Register::with) and read the measurement with
 //! [`data::load_with`](super::data::load_with).
 
 mod ballbar;
@@ -21,30 +21,30 @@ use ncfix_model::{Model, Pose};
 use super::data::{DataSet, Free, Observation};
 use super::reading::Reading;
 
-/// A kind of measurement. Functions that have nothing to do are there for them: [`zeros`], [`no_ties`].
+/// A kind of measurement. Defaults exist for unused functions: [`zeros`], [`no_ties`].
 #[derive(Debug)]
 pub struct Kind {
-    /// As the description names it: `kind = "ballbar"`. No other kind of a register has it.
+    /// Its name in the description: `kind = "ballbar"`. Unique in a register.
     pub name: &'static str,
-    /// What it is.
+    /// Its title.
     pub title: &'static str,
     /// What its readings are of.
     pub measurand: Measurand,
-    /// What may be unknown of its set-ups.
+    /// Possible unknowns of its set-ups.
     pub free: &'static [Free],
-    /// Reads what it needs of a row into the values of the observation, mm or rad, and names what is missing ([`needed`], [`optional`]). Axes, tool, set-up, run
-    /// and condition are read already. Of a plan ([`DataSet::is_plan`]) every value that will be read is 0.
+    /// Reads its values of a row into the observation, mm or rad, and reports missing ones ([`needed`], [`optional`]). Axes, tool, set-up, run and
+    /// condition are already read. In a plan ([`DataSet::is_plan`]) every value to be read is 0.
     pub read: fn(&mut DataSet, &Row<'_>, DecimalSign, &mut Observation) -> Result<(), Diagnostic>,
-    /// Looks at the whole, once all rows are read.
+    /// Checks the whole measurement after all rows are read.
     pub check: fn(&DataSet, &Table, &mut Vec<Diagnostic>),
-    /// The unknowns of a measurement, beside those of the machine.
+    /// The unknowns of a measurement in addition to those of the machine.
     pub unknowns: fn(&DataSet) -> Vec<Unknown>,
-    /// From what the unknowns are found: near enough for the equations to be straight there.
+    /// Start values of the unknowns, close enough for linearized equations.
     pub start: fn(&DataSet, &Model) -> Vec<f64>,
-    /// The equations of a reading, with the values of the unknowns: one for each value that is there, in their order. It predicts, calibrates, diagnoses and
-    /// simulates.
+    /// The equations of a reading for given unknowns: one for each existing value, in order. Used for prediction, calibration, diagnosis and
+    /// simulation.
     pub equations: fn(&DataSet, &Observation, &Seen<'_>, &[f64], &mut Vec<Equation>),
-    /// The equations that belong to no reading: known distances, in their order.
+    /// The equations without readings: known distances, in order.
     pub ties: fn(&DataSet, &[f64], &mut Vec<Equation>),
     /// The column with the temperature of its instrument or artefact.
     pub temperature: Option<&'static str>,
@@ -72,7 +72,7 @@ pub enum Measurand {
     Other,
 }
 
-/// The kinds of measurement that a description may name: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+/// The kinds of measurement for descriptions: [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type Instruments = Register<&'static Kind>;
 
 impl Registered for &'static Kind {
@@ -87,42 +87,42 @@ impl Registered for &'static Kind {
     }
 }
 
-/// Those that are built in.
+/// The built-in kinds.
 pub(in crate::measure) const BUILT_IN: &[&Kind] =
     &[&displacement::KIND, &ballbar::KIND, &probe::KIND, &direct::KIND, &TRACE];
 
 /// Traces, which [`crate::measure::trace`] reads.
 pub static TRACE: Kind = trace::KIND;
 
-/// An unknown of a measurement; lengths in mm, rotations in rad. Numbers are those of set-ups and targets, directions 0 to 2 are X, Y, Z.
+/// An unknown of a measurement; lengths in mm, rotations in rad. Numbers are indices of set-ups and targets, directions 0 to 2 are X, Y, Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Unknown {
-    /// Shift of the table ball from where the description has it.
+    /// Shift of the table ball from its described position.
     Centre(usize, usize),
     /// Drift of the readings over the time of a back-and-forth cycle.
     Drift(usize),
-    /// Zero of a back-and-forth cycle against that of the first one.
+    /// Zero of a back-and-forth cycle relative to the first one.
     Level(usize),
-    /// Length of the ball-bar beyond the nominal one.
+    /// Excess of the ball-bar length over the nominal one.
     Length(usize),
-    /// Length of an extension rod beyond the nominal one.
+    /// Excess of the extension rod length over the nominal one.
     Rod(usize),
-    /// What the ball-bar of a set-up is longer because it is warmer than described.
+    /// Additional length of the ball-bar of a set-up due to a temperature above the described one.
     RodTemperature(usize),
-    /// Shift of readings; direction 0 where there is one value.
+    /// Offset of readings; direction 0 for single values.
     Offset(usize, usize),
     /// Rotation of the artefact.
     Rotation(usize, usize),
-    /// Place of a ball.
+    /// Position of a ball.
     Place(usize, usize),
-    /// The tool vector beyond that of the rows, with the spindle at zero.
+    /// Correction of the tool vector of the rows, with the spindle at zero.
     Tool(usize, usize),
-    /// A length, mm, of a kind of measurement that a caller brings: what it is, as `span of the gauge`, and the number of its set-up.
+    /// A length, mm, of a custom kind of measurement: its description, such as `span of the gauge`, and the index of its set-up.
     Own(&'static str, usize),
 }
 
-/// Where the tool is, nominally and on the error model.
+/// Tool pose, nominal and on the error model.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
     /// The machine.
@@ -138,7 +138,7 @@ pub struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    /// What the model says of a reading; `tool_mm` is its tool vector.
+    /// The prediction of the model for a reading; `tool_mm` is its tool vector.
     #[must_use]
     pub fn new(machine: &'a Machine, model: &'a Model, reading: &Reading, tool_mm: &Vector) -> Seen<'a> {
         let nominal = model.nominal(&reading.position, tool_mm);
@@ -159,29 +159,29 @@ impl<'a> Seen<'a> {
         self.to_f * (self.nominal.rotation * self.nominal.turn_to(&self.actual))
     }
 
-    /// One direction of F in the workpiece frame.
+    /// A direction of F in the workpiece frame.
     #[must_use]
     pub fn direction(&self, index: usize) -> Vector {
         self.to_f.row(index).transpose()
     }
 }
 
-/// What was read less what is predicted.
+/// Reading minus prediction, with derivatives.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Equation {
     /// mm, or rad.
     pub residual: f64,
-    /// Derivative of the prediction by the tip in the workpiece frame.
+    /// Derivative of the prediction with respect to the tip in the workpiece frame.
     pub by_tip: Vector,
-    /// Derivative by a rotation of the tool in the workpiece frame.
+    /// Derivative with respect to a rotation of the tool in the workpiece frame.
     pub by_turn: Vector,
-    /// Derivatives by unknowns, with their places in [`Kind::unknowns`].
+    /// Derivatives with respect to unknowns, with their indices in [`Kind::unknowns`].
     pub by_unknown: Vec<(usize, f64)>,
-    /// Whether an angle was read.
+    /// `true` if an angle was read.
     pub is_angle: bool,
 }
 
-/// The word of what may be unknown.
+/// The word of an unknown in descriptions.
 #[must_use]
 pub fn word(free: Free) -> &'static str {
     match free {
@@ -202,28 +202,28 @@ pub fn three(count: usize, unknown: fn(usize, usize) -> Unknown) -> impl Iterato
     (0..count).flat_map(move |thing| (0..3).map(move |direction| unknown(thing, direction)))
 }
 
-/// The value of an unknown by its place; 0 where there is none.
+/// The value of an unknown by index; 0 if missing.
 #[must_use]
 pub fn at(values: &[f64], place: usize) -> f64 {
     values.get(place).copied().unwrap_or(0.0)
 }
 
-/// Three unknowns from a place on.
+/// Three unknowns from an index.
 #[must_use]
 pub fn vector_at(values: &[f64], place: usize) -> Vector {
     Vector::new(at(values, place), at(values, place + 1), at(values, place + 2))
 }
 
-/// Unknowns that are small.
+/// Zero start values, for small unknowns.
 #[must_use]
 pub fn zeros(data: &DataSet, _: &Model) -> Vec<f64> {
     vec![0.0; (data.kind.unknowns)(data).len()]
 }
 
-/// For kinds that know no distances.
+/// For kinds without known distances.
 pub fn no_ties(_: &DataSet, _: &[f64], _: &mut Vec<Equation>) {}
 
-/// Says where temperatures are given that an expansion is missing for, or the other way round.
+/// Reports temperatures without expansion, or the reverse.
 fn no_expansion(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
     let Some(name) = data.kind.temperature else { return };
     let column = table.column(name);
@@ -244,10 +244,10 @@ fn no_expansion(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
     }
 }
 
-/// A column that the kind needs.
+/// A required column.
 ///
 /// # Errors
-/// `E0602` where there is none.
+/// `E0602` if it is missing.
 pub fn needed(row: &Row<'_>, name: &str) -> Result<usize, Diagnostic> {
     row.column(name).ok_or_else(|| {
         let message = format!("there is no column {name}");
@@ -255,10 +255,10 @@ pub fn needed(row: &Row<'_>, name: &str) -> Result<usize, Diagnostic> {
     })
 }
 
-/// A number, or `None` where the cell is empty.
+/// A number, or `None` for an empty cell.
 ///
 /// # Errors
-/// Where the cell is no number.
+/// An error if the cell is not a number.
 pub fn optional(row: &Row<'_>, column: Option<usize>, sign: DecimalSign) -> Result<Option<f64>, Diagnostic> {
     match column.filter(|&column| !row.text(column).is_empty()) {
         Some(column) => row.number(column, sign).map(Some),

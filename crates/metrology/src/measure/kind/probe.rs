@@ -1,7 +1,7 @@
-//! Probing: axis positions at which the tip's center coincides with a ball of unknown place in the workpiece (SAMBA, RUMBA, chase-the-ball).
+//! Probing: axis positions at which the tip's center coincides with a ball of unknown position in the workpiece (SAMBA, RUMBA, chase-the-ball).
 //!
-//! tip − b = 0 for the ball b of the row; known distances |b − b′| tie balls together. `tool` frees the tool vector, one for each set-up. It
-//! turns with the spindle, whose angle stands in `spindle_deg`: this tells the stylus from the spindle's own offsets.
+//! tip − b = 0 for the ball b of the row; known distances |b − b′| connect balls. `tool` frees the tool vector, one for each set-up. It turns with
+//! the spindle angle in `spindle_deg`, which separates the stylus from the offsets of the spindle itself.
 
 use nalgebra::{Rotation3, Unit};
 
@@ -67,7 +67,7 @@ fn unknowns(data: &DataSet) -> Vec<Unknown> {
     three(data.targets.len(), Unknown::Place).chain(tool).collect()
 }
 
-/// Where the tips were nominally, in the middle: known distances say nothing from balls that are all in one place.
+/// The mean of the nominal tips: known distances give no information for coincident balls.
 fn start(data: &DataSet, model: &Model) -> Vec<f64> {
     let mut sums = vec![(Vector::zeros(), 0.0); data.targets.len()];
     for observation in &data.observations {

@@ -1,8 +1,8 @@
-//! Traces: the tool from the workpiece while the machine moves, at samples of the encoders.
+//! Traces: displacement of the tool from the workpiece while the machine moves, at samples of the encoders.
 //!
-//! The table of a trace is read by [`crate::measure::trace`], because set-points, encoders and readings have delays; what comes out of it, brought to one
-//! clock, is a displacement at the positions that the encoders say, with the accelerations there. Every run is a set-up of its own, whose offset is
-//! unknown: the machine drifts from run to run.
+//! [`crate::measure::trace`] reads the table of a trace, because set-points, encoders and readings have delays. Its result, on a common clock, is a
+//! displacement at the encoder positions, with their accelerations. Every run is a separate set-up with an unknown offset: the machine drifts from
+//! run to run.
 
 use super::{Kind, Measurand, displacement, no_ties, zeros};
 use crate::measure::data::Free;

@@ -1,6 +1,6 @@
-//! Circles with a ball-bar (ISO 230-4): in both senses, with feed-in and overlap before and behind the arc that counts.
+//! Circles with a ball-bar (ISO 230-4): in both directions, with feed-in and overlap before and after the evaluated arc.
 //!
-//! A full circle in the plane across the spindle; in the others the tool is in the way, so that an arc of 220° on its side is the default.
+//! A full circle in the plane across the spindle; in the others the tool is in the way, so the default is an arc of 220° on its side.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -20,11 +20,11 @@ pub(super) const PLAN: PlanKind = PlanKind {
     build,
 };
 
-/// How far outside its circle the ball waits, mm.
+/// Waiting distance of the ball outside its circle, mm.
 const FEED_IN_MM: f64 = 1.5;
-/// How long it waits there, s.
+/// Waiting time there, s.
 const DWELL_S: f64 = 2.0;
-/// No block turns further: its end then tells the arc.
+/// Largest sweep of a block: its end then determines the arc unambiguously.
 const MOST_SWEEP: f64 = TAU / 3.0;
 
 /// A circle.
@@ -45,7 +45,7 @@ impl Circle {
         out
     }
 
-    /// Sweeps an arc from where the path stands.
+    /// Sweeps an arc from the current position.
     fn sweep(&self, plan: &mut Builder, from: f64, by: f64, feed: f64) -> Result<(), Refused> {
         let [abscissa, ordinate, _] = self.plane.axes();
         let pieces = (by.abs() / MOST_SWEEP).ceil().max(1.0);
@@ -57,9 +57,9 @@ impl Circle {
         Ok(())
     }
 
-    /// Rows along an arc, each with the senses of the way to it.
+    /// Rows along an arc, each with the directions of the motion to it.
     fn rows(&self, plan: &mut Builder, [from, by, every]: [f64; 3], feed: f64, run: &str) -> Result<(), Refused> {
-        // A full circle does not count its start twice.
+        // A full circle does not repeat its start.
         let count = (by.abs() / every).floor() as u32;
         let count = if by.abs() > TAU - 1e-9 { count.max(1) - 1 } else { count };
         let mut before = self.at(from - every * by.signum(), self.radius_mm);
@@ -96,7 +96,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         let sweep = wishes.sweep.unwrap_or(if is_across { TAU } else { 220_f64.to_radians() }).clamp(1e-3, TAU);
         let overlap = wishes.overlap.unwrap_or(if sweep > TAU - 1e-9 { TAU / 2.0 } else { 20_f64.to_radians() });
         let overlap = overlap.clamp(0.0, TAU);
-        // The middle of a part of a circle is on the side of the spindle.
+        // The middle of a partial circle is on the side of the spindle.
         let middle = if abscissa.dimension() == which { 0.0 } else { FRAC_PI_2 };
         let middle = if sign < 0.0 && !is_across { middle + TAU / 2.0 } else { middle };
         let start = if sweep > TAU - 1e-9 { 0.0 } else { middle - sweep / 2.0 };
@@ -114,7 +114,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
                 plan.on_sphere(&centre_mm, &tool_mm, &outside, chord, feed)?;
             }
             plan.comment(&run);
-            // The machine is at rest before the way in.
+            // The machine is at rest before the feed-in.
             plan.dwell(wishes.dwell_s.unwrap_or(DWELL_S));
             plan.go(&circle.at(before, radius_mm), Some(feed))?;
             if overlap > 0.0 {

@@ -1,4 +1,4 @@
-//! A plan that grows: rows, and the path of the axes through them.
+//! A plan under construction: rows, and the path of the axes through them.
 
 use crate::measure::data::{DataSet, Observation};
 use crate::measure::reading::Reading;
@@ -10,12 +10,12 @@ use ncfix_model::ErrorName;
 
 use super::{MOST, Refused, Wishes};
 
-/// Travel limits are met with this in hand, mm or rad.
+/// Margin of the travel limits, mm or rad.
 pub(super) const ROOM: f64 = 1e-9;
-/// Where the travel of an arc is looked at, parts of it.
+/// Number of intervals for checking the travel of an arc.
 const ARC_PARTS: u32 = 90;
 
-/// What a row says beside its observation.
+/// Data of a row in addition to its observation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extra {
     /// Label of the repetition.
@@ -26,14 +26,14 @@ pub struct Extra {
     pub speed: Option<f64>,
     /// Feed, mm/min.
     pub feed: Option<f64>,
-    /// Weight on the table, N, and where it is, mm.
+    /// Weight on the table, N, and its position, mm.
     pub load: Option<(f64, Vector)>,
 }
 
-/// How further poses are reached.
+/// Motion to further poses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum PlanReach {
-    /// They are not: the plan has no others.
+    /// None: the plan has no further poses.
     #[default]
     Never,
     /// On a sphere in pieces of this angle, at this feed.
@@ -45,11 +45,11 @@ pub enum PlanReach {
     },
     /// From above the pose, down to `above_mm` over it.
     Above {
-        /// Where the way to a pose begins, over it along the tool, mm.
+        /// Start of the approach, over the pose along the tool, mm.
         clearance_mm: f64,
-        /// Where it ends, mm.
+        /// End of the approach, mm.
         above_mm: f64,
-        /// Whether the axis along the tool goes to the end of its travel before others move.
+        /// `true` if the axis along the tool retracts to the end of its travel before others move.
         retract: bool,
         /// Feed.
         feed: f64,
@@ -59,33 +59,33 @@ pub enum PlanReach {
 /// A plan.
 #[derive(Clone, Debug)]
 pub struct Builder {
-    /// The measurement; no row has a value.
+    /// The measurement, without values.
     pub data: DataSet,
     /// One for every row.
     pub extras: Vec<Extra>,
-    /// What a program does.
+    /// Content of the program.
     pub path: Vec<Kind>,
-    /// Rows that could be added.
+    /// Optional further rows.
     pub candidates: Vec<Observation>,
-    /// What a user should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
-    /// Whether its readings are of the geometry, so that parameters can be asked about.
+    /// `true` if its readings depend on the geometry, so that parameters may be evaluated.
     pub is_geometric: bool,
-    /// How further poses are reached.
+    /// Motion to further poses.
     pub reach: PlanReach,
-    /// What is done at a pose: a line, a time to wait, or nothing.
+    /// Action at a pose: a line, a dwell, or nothing.
     pub at_pose: Vec<Kind>,
-    /// Which of three readings of a displacement are taken.
+    /// The readings of a displacement that are taken, of three.
     pub reads: [bool; 3],
-    /// The side from which poses are reached, in the workpiece; without it along the tool.
+    /// The side from which poses are reached, in the workpiece; `None` for along the tool.
     pub(super) side: Option<Vector>,
-    /// Weight on the table from here on, N, and where it is, mm.
+    /// Current weight on the table, N, and its position, mm.
     pub(super) load: Option<(f64, Vector)>,
     pub(super) machine: Machine,
     pub(super) kinematics: Kinematics,
     margin_mm: f64,
     pub(super) last: Option<AxisVector>,
-    /// Whether the tool has been taken away from the workpiece and nothing has moved since.
+    /// `true` after the tool was retracted from the workpiece, until the next motion.
     pub(super) is_away: bool,
     state: State,
 }
@@ -122,7 +122,7 @@ impl Builder {
         command
     }
 
-    /// Whole increments of the control, within the turn on axes that turn without end.
+    /// Rounds to increments of the control; modulo axes to within a turn.
     pub(super) fn on_increments(&self, position: &AxisVector) -> AxisVector {
         let control = &self.machine.control;
         let mut out = *position;
@@ -139,13 +139,13 @@ impl Builder {
         out
     }
 
-    /// The travel of an axis less the margin: errors of the machine move an axis by some of it to where the tip is to be.
+    /// The travel of an axis minus the margin: machine errors move an axis slightly when the tip is placed.
     pub(super) fn travel(&self, axis: Axis) -> Option<[f64; 2]> {
         let margin = if axis.is_rotary() { 0.0 } else { self.margin_mm };
         self.machine.axis(axis)?.travel.map(|[low, high]| [low + margin, high - margin])
     }
 
-    /// The axis that has no such position.
+    /// The axis for which a position is outside the travel.
     pub(super) fn outside(&self, position: &AxisVector) -> Option<Axis> {
         AXES.into_iter().find(|&axis| match self.machine.axis(axis) {
             Some(_) => {
@@ -179,19 +179,19 @@ impl Builder {
         }))
     }
 
-    /// Where the path stands.
+    /// End of the path so far.
     #[must_use]
     pub fn last(&self) -> Option<AxisVector> {
         self.last
     }
 
-    /// A straight move; without a feed at rapid.
+    /// A straight move; at rapid without a feed.
     pub(super) fn go(&mut self, to: &AxisVector, feed: Option<f64>) -> Result<(), Refused> {
         let to = self.on_increments(to);
         self.push(to, None, feed)
     }
 
-    /// An arc about a center, abscissa and ordinate of its plane.
+    /// An arc about a center, given in abscissa and ordinate of its plane.
     pub(super) fn arc(&mut self, to: &AxisVector, arc: Arc, feed: f64) -> Result<(), Refused> {
         let to = self.on_increments(to);
         if let Some(start) = self.last {
@@ -236,12 +236,12 @@ impl Builder {
         Ok(())
     }
 
-    /// Notes senses of motion between places on the way.
+    /// Updates directions of motion for a path between two positions.
     pub(super) fn note_motion(&mut self, from: &AxisVector, to: &AxisVector) {
         self.state.note_motion(from, to);
     }
 
-    /// A row at a position, with the senses of motion so far.
+    /// A row at a position, with the current directions of motion.
     pub(super) fn row(
         &mut self,
         position: &AxisVector,
@@ -257,7 +257,7 @@ impl Builder {
         Ok(())
     }
 
-    /// What the last row measures.
+    /// Sets the measured quantity of the last row.
     pub(super) fn of_last(&mut self, target: Option<usize>, component: Option<ErrorName>) {
         if let Some(row) = self.data.observations.last_mut() {
             row.target = target;
@@ -265,29 +265,29 @@ impl Builder {
         }
     }
 
-    /// A comment and a stop of the program.
+    /// Adds a comment and a program stop.
     pub(super) fn stop(&mut self, text: &str) {
         self.comment(text);
         self.words(&[(b'M', 0.0)]);
     }
 
-    /// A comment.
+    /// Adds a comment.
     pub(super) fn comment(&mut self, text: &str) {
         self.path.push(Kind::Comment(text.as_bytes().to_vec()));
     }
 
-    /// Auxiliary words.
+    /// Adds auxiliary words.
     pub(super) fn words(&mut self, words: &[(u8, f64)]) {
         let word = |&(letter, value): &(u8, f64)| Word { letter, extension: None, value: WordValue::Number(value) };
         self.path.push(Kind::Before(words.iter().map(word).collect()));
     }
 
-    /// A time to wait.
+    /// Adds a dwell.
     pub(super) fn dwell(&mut self, seconds: f64) {
         self.path.push(Kind::Dwell(Dwell::Seconds(seconds)));
     }
 
-    /// What is done at a pose.
+    /// Adds the action at a pose.
     pub(super) fn at_pose(&mut self) {
         self.path.extend_from_slice(&self.at_pose.clone());
     }

@@ -1,9 +1,9 @@
-//! Thermal drift: the spindle runs at speeds of a spectrum while the tool holder is measured every minute.
+//! Thermal drift: the spindle runs through a speed spectrum while the tool holder is measured every minute.
 //!
-//! `din`: levels in steps of 25 % of the highest speed, 15 min each, with 30 min at 25 % from 135 min on, which is what Spaan 1995 (ch. 5) says of
-//! DIN 8602; the order of the other levels is our choice. `pseudo-din`: his way for test workpieces, 15 min there too, so that the twelfth level
-//! is the highest speed. `random`: speeds between 800 1/min and the highest, or none, for 5 to 45 min each,
-//! over a day (Spaan 1995, ch. 5), as a seed has it.
+//! `din`: levels in steps of 25 % of the highest speed, 15 min each, with 30 min at 25 % from 135 min on, as Spaan 1995 (ch. 5) quotes DIN 8602; the
+//! order of the other levels is our choice. `pseudo-din`: his variant for test workpieces, with 15 min there too, so that the twelfth level is the
+//! highest speed. `random`: speeds between 800 1/min and the highest, or standstill, for 5 to 45 min each, over a day (Spaan 1995, ch. 5), determined
+//! by a seed.
 
 use super::builder::{Builder, Extra};
 use super::random::Random;
@@ -23,17 +23,17 @@ pub(super) const PLAN: PlanKind = PlanKind {
 
 /// Time between readings, s.
 const EVERY_S: u32 = 60;
-/// Percent of the highest speed, each for 15 min.
+/// Percent of the highest speed, 15 min each.
 const DIN: [u8; 16] = [25, 50, 75, 100, 75, 50, 25, 0, 100, 25, 25, 50, 100, 75, 50, 0];
-/// The same with 25 % for 15 min only from 135 min on, so that the twelfth level is the highest speed.
+/// As [`DIN`] with 25 % for only 15 min from 135 min on, so that the twelfth level is the highest speed.
 const PSEUDO_DIN: [u8; 15] = [25, 50, 75, 100, 75, 50, 25, 0, 100, 25, 50, 100, 75, 50, 0];
-/// How long a level lasts, s.
+/// Duration of a level, s.
 const LEVEL_S: u32 = 900;
 /// Lowest speed of the random spectrum, 1/min.
 const LEAST_SPEED: f64 = 800.0;
-/// Times of the random spectrum, min.
+/// Range of durations of the random spectrum, min.
 const TIMES_MIN: [f64; 2] = [5.0, 45.0];
-/// How often the spindle stands still.
+/// Probability of a spindle stop.
 const STOPS: f64 = 0.2;
 
 /// Levels of a spectrum, percent of the highest speed: once, or again and again for as long as is asked for.
@@ -57,7 +57,7 @@ fn end_s(hours: f64) -> u32 {
     (hours.clamp(0.1, 1000.0) * 3600.0).round() as u32
 }
 
-/// Speeds and how long, in whole readings.
+/// Speeds and durations, in whole readings.
 fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, Refused> {
     let most = wishes.speed.unwrap_or(6300.0);
     match wishes.variant.as_deref() {

@@ -1,7 +1,7 @@
-//! One axis from end to end and back, again and again (ISO 230-2): laser interferometer, level, autocollimator.
+//! One axis from end to end and back, repeatedly (ISO 230-2): laser interferometer, level, autocollimator.
 //!
-//! Targets lie pᵢ = (i − 1) p + r with r at random within ±30 % of p, so that an error with the pitch of a screw is not hidden by equal steps;
-//! r is the same in all runs. The axis goes beyond the ends before it turns, so that every target is reached in one sense.
+//! Targets are pᵢ = (i − 1) p + r with random r within ±30 % of p, so that equal steps do not hide an error with the pitch of a screw; r is identical
+//! in all runs. The axis overruns the ends before it reverses, so that every target is reached in one direction.
 
 use super::builder::{Builder, Extra};
 use super::random::Random;
@@ -22,7 +22,7 @@ pub(super) const PLAN: PlanKind = PlanKind {
     build,
 };
 
-/// How far r goes, as a share of a step.
+/// Range of r, as a share of a step.
 const SCATTER: f64 = 0.3;
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
@@ -55,7 +55,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let count = wishes.points.unwrap_or(11).clamp(2, 10_000);
     let runs = wishes.runs.unwrap_or(5).clamp(1, 1000);
     let length = high - low;
-    // Room to turn at both ends.
+    // Overrun at both ends.
     let turn = (length * 0.005).min(if axis.is_rotary() { 1_f64.to_radians() } else { 2.0 });
     let step = (length - 2.0 * turn) / (count - 1) as f64;
     if !(length > 0.0 && step > 0.0) {

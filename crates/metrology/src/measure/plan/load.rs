@@ -1,7 +1,7 @@
-//! What a weight on the table does: level or plate readings without it, with every weight at every place, and without it again.
+//! Effect of a weight on the table: level or plate readings without it, with every weight at every position, and without it again.
 //!
-//! `level`: angles of an axis along its travel, forth and back (Spaan 1995, ch. 4: levels on the table while it moves under weights). `plate`: a
-//! grid of holes. The instrument stays in one set-up, so that what the weight does to it from the start is in the readings.
+//! `level`: angles of an axis along its travel, back and forth (Spaan 1995, ch. 4: levels on the moving table under weights). `plate`: a grid of
+//! holes. The instrument stays in one set-up, so that the readings contain the whole effect of the weight.
 
 use super::builder::{Builder, Extra};
 use super::plate::PlannedPlate;
@@ -38,7 +38,7 @@ pub(super) const PLAN: PlanKind = PlanKind {
     build,
 };
 
-/// A weight, N, and its place, mm.
+/// A weight, N, and its position, mm.
 type Load = (f64, Vector);
 
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
@@ -63,7 +63,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     Ok(plan)
 }
 
-/// Stops for the weight of a round; its label.
+/// Stops for placing the weight of a round. Returns its label.
 fn put(plan: &mut Builder, number: usize, (force_n, place_mm): Load) -> Result<String, Refused> {
     plan.retract()?;
     plan.load = Some((force_n, place_mm));
@@ -141,7 +141,7 @@ fn level(machine: &Machine, wishes: &Wishes, loads: &[Load]) -> Result<Builder, 
     Ok(plan)
 }
 
-/// The rotation of an axis about itself, which a level across a horizontal axis reads.
+/// The roll of an axis, which a level across a horizontal axis reads.
 fn roll(axis: Axis) -> Result<ErrorName, Refused> {
     let letter = ["A", "B", "C"].get(axis.dimension()).copied().unwrap_or("A");
     format!("E{letter}{axis}").parse().map_err(|_| Refused(format!("there is no roll of {axis}")))

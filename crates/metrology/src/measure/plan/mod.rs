@@ -1,8 +1,8 @@
-//! Test plans: where to measure, and the way that a program takes there.
+//! Test plans: measuring positions, and the program path to them.
 //!
 //! A plan is a measurement without readings ([`DataSet`]) and a path in axis commands. One file per kind of plan, registered in [`PLANS`]; pure
-//! functions from a machine and [`Wishes`]. [`builder`] keeps path and rows within the travel and on increments of the control, [`table`]
-//! writes the pair of files.
+//! functions of a machine and [`Wishes`]. [`builder`] keeps path and rows within the travel and on increments of the control, [`table`] writes the
+//! pair of files.
 
 mod ballbar;
 pub mod builder;
@@ -28,21 +28,21 @@ use builder::Builder;
 /// A kind of plan.
 #[derive(Debug)]
 pub struct PlanKind {
-    /// As the command line names it.
+    /// Its name on the command line.
     pub name: &'static str,
-    /// What it is.
+    /// Its title.
     pub title: &'static str,
-    /// The wishes that it understands beside the tool, as the command line names them.
+    /// The options that it supports in addition to the tool, by their names on the command line.
     pub wishes: &'static [&'static str],
-    /// What stands between its rows, as the wish `every` has it.
+    /// Meaning of the option `every` between its rows.
     pub spacing: RowSpacing,
-    /// Whether several tools and centres make several set-ups of it.
+    /// `true` if several tools and centres make several set-ups.
     pub has_setups: bool,
     /// Makes the plan.
     pub build: fn(&Machine, &Wishes) -> Result<Builder, Refused>,
 }
 
-/// What the wish `every` is.
+/// Meaning of the option `every`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowSpacing {
     /// An angle, rad.
@@ -55,18 +55,18 @@ pub enum RowSpacing {
 pub const PLANS: &[PlanKind] =
     &[ballbar::PLAN, sphere::PLAN, probe::PLAN, laser::PLAN, drift::PLAN, plate::PLAN, load::PLAN];
 
-/// The plan of a name.
+/// The plan with a name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static PlanKind> {
     PLANS.iter().find(|plan| plan.name == name)
 }
 
-/// What a user may wish; what is not given has a default of the plan. mm, rad, mm/min, s.
+/// Options of a user; missing ones have defaults of the plan. mm, rad, mm/min, s.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wishes {
     /// Tool vectors, from the spindle gauge point to the tip, along F's directions at the zero pose.
     pub tools_mm: Vec<Vector>,
-    /// Centres, as positions at the tool point; all kinds but plates have one.
+    /// Centres, as positions at the tool point; all kinds except plates have one.
     pub centres_mm: Vec<Vector>,
     /// Radius of circles and spheres, or of the circle of balls.
     pub radius_mm: Option<f64>,
@@ -78,47 +78,47 @@ pub struct Wishes {
     pub every: Option<f64>,
     /// Angle that an arc sweeps.
     pub sweep: Option<f64>,
-    /// Angle before and behind it.
+    /// Angle before and after the arc.
     pub overlap: Option<f64>,
     /// Angle of a straight piece on a sphere.
     pub chord: Option<f64>,
-    /// Which of several plans.
+    /// Variant of the plan.
     pub variant: Option<String>,
-    /// Places of balls in the workpiece frame.
+    /// Positions of balls in the workpiece frame.
     pub balls_mm: Vec<Vector>,
-    /// Distance from a pose at which the way to it begins.
+    /// Distance from a pose at which the approach begins.
     pub clearance_mm: Option<f64>,
     /// Largest angle of tilting axes.
     pub tilt: Option<f64>,
-    /// The axis that is measured.
+    /// The measured axis.
     pub axis: Option<Axis>,
-    /// What is measured of it.
+    /// Measured components.
     pub components: Vec<ErrorName>,
-    /// First and last position of it.
+    /// Its first and last position.
     pub range: Option<[f64; 2]>,
-    /// How many points, poses, or holes along a side.
+    /// Number of points, poses, or holes along a side.
     pub points: Option<usize>,
-    /// How often.
+    /// Number of runs.
     pub runs: Option<usize>,
-    /// Waiting time at a pose.
+    /// Dwell time at a pose.
     pub dwell_s: Option<f64>,
-    /// What stays free at both ends of the travel of linear axes.
+    /// Margin at both ends of the travel of linear axes.
     pub margin_mm: Option<f64>,
     /// Weights on the table, N.
     pub forces_n: Vec<f64>,
-    /// Where they are put, mm.
+    /// Their positions, mm.
     pub places_mm: Vec<Vector>,
-    /// How long the whole lasts.
+    /// Total duration, hours.
     pub hours: Option<f64>,
-    /// Highest speed of the spindle, 1/min.
+    /// Highest spindle speed, 1/min.
     pub speed: Option<f64>,
-    /// Seed of what is at random.
+    /// Seed of random choices.
     pub seed: u64,
-    /// A line of the control at every pose, such as the call of a probing cycle, instead of a stop.
+    /// A line of the control at every pose, such as a probing cycle call, in place of a stop.
     pub line: Option<String>,
 }
 
-/// Why there is no such plan: a sentence without a full stop.
+/// Reason why there is no such plan: a sentence without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refused(pub String);
 
@@ -130,21 +130,20 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-/// The most rows and moves of a plan: a mistyped step shall not fill the disk.
+/// Maximum number of rows and moves of a plan: a mistyped step must not fill the disk.
 const MOST: usize = 500_000;
 
-/// What stays free at both ends of the travel without another wish, mm: a spindle or table that is off its nominal place by more is in need
-/// of other help than a calibration.
+/// Default margin at both ends of the travel, mm: a larger displacement of spindle or table needs more than a calibration.
 const MARGIN_MM: f64 = 2.0;
 
 impl PlanKind {
-    /// Refuses wishes that a plan of this kind on this machine has no place for. `is_seeded` says whether a seed was given.
+    /// Rejects options that a plan of this kind on this machine does not support. `is_seeded` is `true` if a seed was given.
     ///
     /// # Errors
-    /// What it has in their place.
+    /// The supported alternatives.
     pub fn check(&self, wishes: &Wishes, is_seeded: bool, machine: &Machine) -> Result<(), Refused> {
-        let given = wishes.given().into_iter().chain([("seed", is_seeded)]);
-        if let Some((name, _)) = given.into_iter().find(|(name, is_given)| *is_given && !self.wishes.contains(name)) {
+        let mut given = wishes.given().into_iter().chain([("seed", is_seeded)]);
+        if let Some((name, _)) = given.find(|(name, is_given)| *is_given && !self.wishes.contains(name)) {
             let known: Vec<String> = self.wishes.iter().map(|wish| format!("--{wish}")).collect();
             let known = known.join(", ");
             return Err(Refused(format!("a plan {} has no --{name}; it has --tool, {known}", self.name)));
@@ -160,7 +159,7 @@ impl PlanKind {
         if let (Some(feed), Some(most), false) = (wishes.feed, slowest, is_turned)
             && feed > most
         {
-            // The control would be slower than the program says, or the machine faster than it may.
+            // The control would be slower than programmed, or the machine faster than permitted.
             return Err(Refused(format!(
                 "--feed {feed} mm/min is beyond the {most} mm/min that every linear axis of the machine {} has; give {most} or less",
                 machine.name
@@ -171,7 +170,7 @@ impl PlanKind {
 }
 
 impl Wishes {
-    /// The wishes that not every kind has, by the names of the command line but for the seed, and whether they were given.
+    /// The options that not every kind supports, by their command line names except the seed, and `true` if given.
     fn given(&self) -> [(&'static str, bool); 23] {
         [
             ("centre", !self.centres_mm.is_empty()),
@@ -200,12 +199,12 @@ impl Wishes {
         ]
     }
 
-    /// What stays free at both ends of the travel of linear axes.
+    /// Margin at both ends of the travel of linear axes.
     fn margin_mm(&self) -> f64 {
         self.margin_mm.unwrap_or(MARGIN_MM).max(0.0)
     }
 
-    /// The only tool; none is a tool of length 0.
+    /// The single tool; default length 0.
     fn tool_mm(&self) -> Vector {
         self.tools_mm.first().copied().unwrap_or_else(Vector::zeros)
     }
@@ -222,7 +221,7 @@ fn middle(machine: &Machine) -> Vector {
     Vector::new(of(Axis::X), of(Axis::Y), of(Axis::Z))
 }
 
-/// The direction 0, 1, 2 that the spindle is nearest to, and its sign.
+/// The direction 0, 1, 2 nearest to the spindle, and its sign.
 fn along_spindle(machine: &Machine) -> (usize, f64) {
     let axis = machine.spindle.axis;
     let which = axis.iamax();
@@ -254,7 +253,7 @@ fn empty(kind: &'static super::kind::Kind, free: &[super::data::Free]) -> DataSe
     }
 }
 
-/// The kind of a name; all that plans name are in the register.
+/// The kind with a name; all names in plans are registered.
 fn kind(name: &str) -> Result<&'static super::kind::Kind, Refused> {
     super::kind::BUILT_IN
         .iter()

@@ -1,4 +1,4 @@
-//! A plate with holes or balls in a square grid: every hole of it, in rows to and fro; one set-up for every tool and every place of the plate.
+//! A plate with holes or balls in a square grid: every hole in alternating rows; one set-up for every tool and every position of the plate.
 
 use super::builder::{Builder, PlanReach, observation};
 use super::{PlanKind, Refused, RowSpacing, Wishes, along_spindle, empty, kind};
@@ -40,7 +40,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     Ok(grid.plan)
 }
 
-/// A plate that is being planned.
+/// A plate plan under construction.
 pub(super) struct PlannedPlate {
     pub(super) plan: Builder,
     plane: Plane,
@@ -88,7 +88,7 @@ impl PlannedPlate {
         observation(Reading { position, tool_mm: *tool_mm, state: State::default() }, setup)
     }
 
-    /// A set-up, and its places between the holes as further poses.
+    /// A set-up, and positions between the holes as further poses.
     pub(super) fn mount(&mut self, label: &str, centre_mm: &Vector, tool_mm: &Vector) -> usize {
         let setup = self.plan.data.setups.len();
         self.plan.side = self.side(tool_mm);
@@ -107,7 +107,7 @@ impl PlannedPlate {
         setup
     }
 
-    /// A plate along the spindle is reached across it: from where a stylus to the side comes from, else from the positive side.
+    /// The approach side of a plate along the spindle: the side of a lateral stylus, otherwise the positive side.
     fn side(&self, tool_mm: &Vector) -> Option<Vector> {
         let [_, _, across] = self.plane.axes();
         let normal = across.dimension();
@@ -119,7 +119,7 @@ impl PlannedPlate {
         self.plan.outside(&row.reading.position).is_none()
     }
 
-    /// All holes, to and fro.
+    /// All holes, in alternating rows.
     pub(super) fn visit(
         &mut self,
         setup: usize,

@@ -1,7 +1,7 @@
-//! Balls on the table, probed with the rotary axes at many angles: the printed strategies of Esmaeili 2021 (Table 4-1, SAMBA; Table 5-3,
-//! RUMBA), and a generated one for any machine with rotary axes (chase the ball).
+//! Balls on the table, probed at many angles of the rotary axes: the printed strategies of Esmaeili 2021 (Table 4-1, SAMBA; Table 5-3, RUMBA), and a
+//! generated one for any machine with rotary axes (chase the ball).
 //!
-//! A row is where tip and ball would coincide; the program ends above it, along the tool, where a probing cycle begins.
+//! A row is the position at which tip and ball would coincide; the program ends above it, along the tool, where a probing cycle begins.
 
 use std::f64::consts::{PI, TAU};
 
@@ -23,7 +23,7 @@ pub(super) const PLAN: PlanKind = PlanKind {
     build,
 };
 
-/// Radius of the circle of balls: all angles of the printed tables are within the travel of the machines for which they were made.
+/// Radius of the circle of balls: all printed angles are within the travel of the machines for which they were made.
 const RADIUS_MM: f64 = 70.0;
 
 /// Spindle, B, C in degrees and the balls (Esmaeili 2021, Table 4-1).
@@ -73,7 +73,7 @@ const RUMBA: [[i16; 2]; 42] = [
     [-38, 197], [-5, 345],
 ];
 
-/// A and C in degrees, for the one ball of the validation (Esmaeili 2021, Table 5-4).
+/// A and C in degrees, for the single ball of the validation (Esmaeili 2021, Table 5-4).
 #[rustfmt::skip]
 const RUMBA_CHECK: [[i16; 2]; 60] = [
     [8, 55], [16, 120], [40, 180], [38, 240], [55, 300], [50, 330], [45, 270], [36, 210],
@@ -145,7 +145,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let row = |plan: &Builder, (rotary, _, ball): &Pose, setup: usize| -> Result<Observation, Refused> {
         let place = balls_mm.get(*ball).copied().unwrap_or_else(Vector::zeros);
         let missing = || Refused(format!("the linear axes of {} cannot place the tool", machine.name));
-        // The angles are commanded, the place of the tip is found.
+        // The angles are commanded, the tip position is found.
         let rotary = plan.on_increments(rotary);
         let position = plan.kinematics.placed(&place, &rotary, &tool_mm).ok_or_else(missing)?;
         let reading = Reading { position, tool_mm, state: State::default() };
@@ -217,7 +217,7 @@ fn is_reachable(plan: &Builder, row: &Observation, clearance_mm: f64) -> bool {
     plan.outside(&position).is_none() && high.is_ok_and(|high| plan.outside(&high).is_none())
 }
 
-/// Whether the tool, from its tip on and on its way out, keeps a distance from all other balls.
+/// `true` if the tool, at its tip and along its retraction, keeps a distance from all other balls.
 fn is_clear(plan: &Builder, row: &Observation, balls_mm: &[Vector], distance_mm: f64) -> bool {
     let tip = plan.kinematics.tip_mm(&row.reading.position, &row.reading.tool_mm);
     let along = plan.kinematics.direction(&row.reading.position);
@@ -225,7 +225,7 @@ fn is_clear(plan: &Builder, row: &Observation, balls_mm: &[Vector], distance_mm:
     others.map(|(_, ball)| ball - tip).all(|off| (off - along * off.dot(&along).max(0.0)).norm() >= distance_mm)
 }
 
-/// Refuses a machine whose table has other axes.
+/// Rejects a machine whose table has other axes.
 fn needs(machine: &Machine, axes: [Axis; 2], what: &str) -> Result<(), Refused> {
     let rotary: Vec<Axis> = machine.topology.workpiece.iter().copied().filter(|axis| axis.is_rotary()).collect();
     if rotary == axes && machine.topology.tool.iter().all(|axis| !axis.is_rotary()) {
@@ -262,7 +262,7 @@ fn rotary(angles: [(Axis, i16); 2]) -> AxisVector {
     out
 }
 
-/// Poses for every ball: the axes together along a path that fills their ranges evenly, then each on its own with the others at zero.
+/// Poses for every ball: the axes together along a path that fills their ranges evenly, then each axis alone with the others at zero.
 fn indexed(machine: &Machine, wishes: &Wishes, balls: usize) -> Result<Vec<Pose>, Refused> {
     let table = machine.topology.workpiece.iter().rev();
     let head = machine.topology.tool.iter().rev();
@@ -276,7 +276,7 @@ fn indexed(machine: &Machine, wishes: &Wishes, balls: usize) -> Result<Vec<Pose>
     let together = if axes.len() > 1 { count / 2 } else { 0 };
     let alone = (count - together).div_ceil(axes.len()).max(2);
     let range = |axis: Axis| {
-        // The table's own axis turns the balls all around, the others tilt.
+        // The table's own axis makes full turns, the others tilt.
         let most = if machine.topology.branch(axis) == Some(Branch::Workpiece) && axes.first() == Some(&axis) {
             PI
         } else {
@@ -290,7 +290,7 @@ fn indexed(machine: &Machine, wishes: &Wishes, balls: usize) -> Result<Vec<Pose>
         let mut pose = AxisVector::ZERO;
         for (k, &axis) in axes.iter().enumerate() {
             let [low, high] = range(axis);
-            // Multiples of irrational numbers fill a range evenly, whatever their number.
+            // Multiples of irrational numbers fill a range evenly for any number of them.
             let step = [0.618_033_988_75, 0.754_877_666_25, 0.569_840_290_998].get(k).copied().unwrap_or(0.5);
             let share = (0.5 + step * (number as f64 + 1.0)).fract();
             pose[axis] = (low + (high - low) * share).to_degrees().round().to_radians();
@@ -309,7 +309,7 @@ fn indexed(machine: &Machine, wishes: &Wishes, balls: usize) -> Result<Vec<Pose>
     Ok((0..balls).flat_map(|ball| angles.iter().map(move |pose| (*pose, 0, ball))).collect())
 }
 
-/// Places of balls: those that were given, else on a circle about the table's axis, in two heights.
+/// Positions of balls: the given ones, otherwise on a circle about the table's axis, at two heights.
 fn balls(machine: &Machine, wishes: &Wishes, count: usize) -> Result<Vec<Vector>, Refused> {
     if !wishes.balls_mm.is_empty() {
         let given = wishes.balls_mm.len();
@@ -321,7 +321,7 @@ fn balls(machine: &Machine, wishes: &Wishes, count: usize) -> Result<Vec<Vector>
     let table = machine.topology.workpiece.iter().rev().find(|axis| axis.is_rotary());
     let (origin, axis) = match table.and_then(|&axis| machine.axis(axis)) {
         Some(data) => {
-            // Balls stand on the side of the spindle; where the table turns across it, on the positive side.
+            // Balls are on the side of the spindle; if the table turns across it, on the positive side.
             let along = data.direction.dot(&machine.spindle.axis);
             let side = if along.abs() > 1e-3 { along } else { data.direction[data.direction.iamax()] };
             let sign = if side < 0.0 { -1.0 } else { 1.0 };
@@ -336,7 +336,7 @@ fn balls(machine: &Machine, wishes: &Wishes, count: usize) -> Result<Vec<Vector>
         let angle = TAU * number as f64 / count as f64;
         let height_mm = if number.is_multiple_of(2) { 40.0 } else { 60.0 };
         let place = origin + (one * angle.cos() + other * angle.sin()) * radius_mm + axis * height_mm;
-        // To whole µm, as a user would give them.
+        // Rounded to whole µm, as a user would state them.
         place.map(|value| (value * 1000.0).round() / 1000.0 + 0.0)
     };
     Ok((0..count).map(place).collect())

@@ -1,6 +1,6 @@
-//! Numbers at random that a seed repeats: SplitMix64.
+//! Repeatable random numbers from a seed: SplitMix64.
 
-/// A source of numbers.
+/// A random number generator.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Random(pub(super) u64);
 

@@ -1,12 +1,12 @@
 //! Hemispheres with a ball-bar: five meridians joined by arcs along the equator, 36° apart (Esmaeili 2021, ch. 4.6.2), and the eight spheres of
 //! Spaan 1995, Table 3.1.
 //!
-//! `meridians` leads every meridian once. `esmaeili` leads each forth and back and has a fifth arc, so that it ends across from where it began, as
-//! printed: eleven half circles, 19 800 chords of 0.1° of the 19 809 positions of that program. The pole is on the side of the spindle. The path is
-//! made of chords: 0.1° at 150 mm leaves 0.06 µm to the sphere.
+//! `meridians` runs every meridian once. `esmaeili` runs each forth and back and has a fifth arc, so that it ends opposite to its start, as printed:
+//! eleven half circles, 19 800 chords of 0.1° of the 19 809 positions of that program. The pole is on the side of the spindle. The path consists of
+//! chords: 0.1° at 150 mm deviates by 0.06 µm from the sphere.
 //!
-//! On `spaan` the pole is along +Y and what is out of the travel is left out: the printed heights have room for 300 mm upwards only, and X 50 has
-//! none for a whole sphere.
+//! In `spaan` the pole is along +Y and points outside the travel are left out: the printed heights allow only 300 mm upwards, and X 50 does not allow
+//! a whole sphere.
 
 use std::f64::consts::PI;
 
@@ -27,9 +27,9 @@ pub(super) const PLAN: PlanKind = PlanKind {
     build,
 };
 
-/// Meridians.
+/// Number of meridians.
 const MERIDIANS: u32 = 5;
-/// Pieces of the way between parts of a sphere, rad.
+/// Chord angle of the path between parts of a sphere, rad.
 const WAY_CHORD: f64 = PI / 180.0;
 
 /// Number of the experiment, radius, centre, tool length, mm (Spaan 1995, Table 3.1).
@@ -74,16 +74,16 @@ struct Sphere {
     tool_mm: Vector,
 }
 
-/// How all of them are run.
+/// Common settings of all spheres.
 struct Manner {
-    /// Angles of a piece and between rows.
+    /// Angles of a chord and between rows.
     chord: f64,
     every: f64,
     feed: f64,
     /// Direction of the pole: 0 to 2, and its sign.
     pole: (usize, f64),
     legs: Vec<Leg>,
-    /// Whether points out of travel are left out.
+    /// `true` if points outside the travel are left out.
     is_partial: bool,
 }
 
@@ -104,17 +104,17 @@ impl Leg {
     }
 }
 
-/// Every meridian once, in turns of sense, with arcs between them.
+/// Every meridian once, in alternating directions, with arcs between them.
 fn once() -> Vec<Leg> {
     let stride = PI / f64::from(MERIDIANS);
     let mut out = Vec::new();
     for meridian in 0..MERIDIANS {
         let azimuth = stride * f64::from(meridian);
-        // Every other one backwards, from where the arc on the equator has led.
+        // Every other one backwards, from the end of the arc on the equator.
         let [from, to] = if meridian % 2 == 1 { [PI, 0.0] } else { [0.0, PI] };
         out.push(Leg { run: format!("m{}", meridian + 1), from: [azimuth, from], to: [azimuth, to] });
         if meridian + 1 < MERIDIANS {
-            // Where a meridian ends at π is its other side.
+            // The end of a meridian at π is on its opposite side.
             let end = azimuth + to;
             out.push(Leg { run: format!("e{}", meridian + 1), from: [end, 0.0], to: [end + stride, 0.0] });
         }
@@ -122,7 +122,7 @@ fn once() -> Vec<Leg> {
     out
 }
 
-/// Every meridian forth and back, an arc behind each.
+/// Every meridian forth and back, each followed by an arc.
 fn forth_and_back() -> Vec<Leg> {
     let stride = PI / f64::from(MERIDIANS);
     let of = |meridian: u32| {
@@ -205,20 +205,20 @@ fn on_meridian((which, sign): (usize, f64), [azimuth, along]: [f64; 2]) -> Vecto
     point
 }
 
-/// A point of the way: where, whether it is a row, and the leg.
+/// A point of the path: its position, `true` if it is a row, and the leg.
 struct Point {
     position: AxisVector,
     is_row: bool,
     leg: usize,
 }
 
-/// All points of a hemisphere, whether or not they are within the travel.
+/// All points of a hemisphere, within the travel or not.
 fn points(plan: &Builder, sphere: &Sphere, manner: &Manner) -> Vec<Point> {
     let centre = plan.at_tip(&sphere.centre_mm, &sphere.tool_mm);
     let mut out = Vec::new();
     for (number, leg) in manner.legs.iter().enumerate() {
         let rows = (leg.angle() / manner.every).round().max(1.0) as usize;
-        // Whole chords between rows, none longer than asked for.
+        // Whole chords between rows, none longer than requested.
         let between = (leg.angle() / rows as f64 / manner.chord - 1e-9).ceil().max(1.0) as usize;
         let chords = rows * between;
         for chord in 0..=chords {
@@ -232,14 +232,14 @@ fn points(plan: &Builder, sphere: &Sphere, manner: &Manner) -> Vec<Point> {
     out
 }
 
-/// The hemisphere of one set-up; how many of its rows are left out.
+/// The hemisphere of one set-up. Returns the number of rows that are left out.
 fn hemisphere(plan: &mut Builder, setup: usize, sphere: &Sphere, manner: &Manner) -> Result<usize, Refused> {
     let Sphere { label, centre_mm, tool_mm, .. } = sphere;
     let all = points(plan, sphere, manner);
     let is_out: Vec<bool> =
         all.iter().map(|point| manner.is_partial && plan.outside(&point.position).is_some()).collect();
     let centre = plan.at_tip(centre_mm, tool_mm).xyz();
-    // Ways between parts lead over the middle of what is within the travel.
+    // Paths between parts pass over the middle of the reachable part.
     let inside = all.iter().zip(&is_out).filter(|(_, is_out)| !**is_out);
     let sum: Vector = inside.map(|(point, _)| point.position.xyz() - centre).sum();
     let mut middle = plan.at_tip(centre_mm, tool_mm);

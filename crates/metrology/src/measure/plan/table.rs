@@ -1,4 +1,4 @@
-//! A plan as the pair of files of a measurement, its readings empty.
+//! A plan as the pair of files of a measurement, with empty readings.
 
 use std::fmt::Write as _;
 
@@ -96,7 +96,7 @@ pub fn csv(plan: &Builder) -> String {
     out
 }
 
-/// The columns to fill in.
+/// The columns for readings.
 fn readings(plan: &Builder) -> Vec<&'static str> {
     let of = |wanted: bool| {
         let components = plan.data.observations.iter().filter_map(|row| row.component);
@@ -136,7 +136,7 @@ pub fn toml(plan: &Builder) -> String {
     out
 }
 
-/// A number without zeros at its end.
+/// A number without trailing zeros.
 fn number(value: f64) -> String {
     let text = format!("{value:.DECIMALS$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

@@ -1,4 +1,4 @@
-//! Ways of a plan: to further poses, from above them, away from the workpiece and on a sphere.
+//! Paths of a plan: to further poses, from above them, away from the workpiece and on a sphere.
 
 use super::Refused;
 use super::builder::{Builder, Extra, PlanReach, ROOM};
@@ -6,21 +6,21 @@ use crate::measure::data::Observation;
 use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 
-/// How far from the end of travel a way is led that would leave it, mm.
+/// Distance from the end of travel at which a path is bent that would leave it, mm.
 const BEND_MM: f64 = 0.01;
 
 impl Builder {
-    /// The axis along the spindle, and its end where the tool is away from the workpiece.
+    /// The axis along the spindle, and its end away from the workpiece.
     fn away(&self) -> Option<(Axis, f64)> {
         let (which, sign) = super::along_spindle(&self.machine);
         let axis = [Axis::X, Axis::Y, Axis::Z][which.min(2)];
         self.travel(axis).map(|[low, high]| (axis, if sign > 0.0 { high } else { low }))
     }
 
-    /// Adds a candidate as a row and the way to it.
+    /// Adds a candidate as a row, with the path to it.
     ///
     /// # Errors
-    /// Where the way leaves the travel.
+    /// A reason if the path leaves the travel.
     pub fn visit(&mut self, candidate: &Observation, run: &str) -> Result<(), Refused> {
         let position = self.on_increments(&candidate.reading.position);
         let tool_mm = candidate.reading.tool_mm;
@@ -42,14 +42,14 @@ impl Builder {
                 self.above(&position, &tool_mm, [clearance_mm, above_mm], retract, feed)?;
             }
         }
-        // Where a ball is probed nobody commands: the row is exact.
+        // A probed ball position is not commanded: the row is exact.
         let exact = self.data.kind.measurand == Measurand::BallPlace;
         let row = if exact { candidate.reading.position } else { position };
         self.row(&row, tool_mm, candidate.setup, extra)?;
         self.of_last(candidate.target, candidate.component);
         self.at_pose();
         if let PlanReach::Above { clearance_mm, retract, feed, .. } = self.reach {
-            // Who has probed by hand may be beside the ball: the first way is along the tool.
+            // After manual probing the tool may be beside the ball: the first path is along the tool.
             let is_tilting = self.machine.topology.tool.iter().any(|axis| axis.is_rotary());
             if !retract || is_tilting {
                 let up = self.raised(&position, &tool_mm, clearance_mm)?;
@@ -62,7 +62,7 @@ impl Builder {
         Ok(())
     }
 
-    /// The position whose tip is so far off along the tool, towards the spindle, or on the side from which poses are reached.
+    /// The position whose tip is offset along the tool towards the spindle, or on the side from which poses are reached.
     pub(super) fn raised(&self, position: &AxisVector, tool_mm: &Vector, by_mm: f64) -> Result<AxisVector, Refused> {
         let side = self.side.unwrap_or_else(|| self.kinematics.direction(position));
         let tip = self.kinematics.tip_mm(position, tool_mm) + side * by_mm;
@@ -70,7 +70,7 @@ impl Builder {
         self.kinematics.placed(&tip, position, tool_mm).ok_or_else(missing)
     }
 
-    /// Goes down to a pose from above it.
+    /// Moves down to a pose from above it.
     fn above(
         &mut self,
         position: &AxisVector,
@@ -81,7 +81,7 @@ impl Builder {
     ) -> Result<(), Refused> {
         let high = self.raised(position, tool_mm, clearance_mm)?;
         let low = self.raised(position, tool_mm, above_mm)?;
-        // The first way is from anywhere.
+        // The first path starts at an unknown position.
         if retract || self.is_away || self.last.is_none() {
             self.approach(&high, feed)?;
         } else {
@@ -90,7 +90,7 @@ impl Builder {
         self.go(&low, Some(feed))
     }
 
-    /// Takes the tool away from the workpiece along the spindle.
+    /// Retracts the tool from the workpiece along the spindle.
     pub(super) fn retract(&mut self) -> Result<(), Refused> {
         if let (Some((axis, end)), Some(mut here)) = (self.away(), self.last) {
             here[axis] = end;
@@ -101,7 +101,7 @@ impl Builder {
         Ok(())
     }
 
-    /// Goes to a position from anywhere: away from the workpiece first, then the other axes, last along the spindle.
+    /// Moves to a position from anywhere: first away from the workpiece, then the other axes, last along the spindle.
     pub(super) fn approach(&mut self, to: &AxisVector, feed: f64) -> Result<(), Refused> {
         if let Some((axis, end)) = self.away() {
             let mut over = *to;
@@ -109,7 +109,7 @@ impl Builder {
             if self.last.is_some() {
                 self.retract()?;
             } else {
-                // Where the others are is not known.
+                // The positions of the others are unknown.
                 let over = self.on_increments(&over);
                 self.push_named(over, None, None, [axis].into_iter().collect())?;
             }
@@ -118,7 +118,7 @@ impl Builder {
         self.go(to, Some(feed))
     }
 
-    /// A position on a sphere, or one near it on the sphere where it is out of travel.
+    /// A position on a sphere, or a nearby one on the sphere if it is outside the travel.
     fn bent_inside(&self, position: AxisVector, centre: &Vector, radius: f64) -> AxisVector {
         let mut out = position;
         let mut is_held = [false; 3];
@@ -133,7 +133,7 @@ impl Builder {
                     *is_held = true;
                 }
             }
-            // Those at an end of travel stay there, the others go back to the sphere.
+            // Axes at an end of travel stay there, the others return to the sphere.
             let off = out.xyz() - centre;
             let square = |held: bool| -> f64 { (0..3).filter(|&k| is_held[k] == held).map(|k| off[k] * off[k]).sum() };
             let left = radius * radius - square(true);
@@ -147,8 +147,8 @@ impl Builder {
         out
     }
 
-    /// Goes to a position on the sphere about a centre along a great circle, in chords; across the pole on the spindle's side where the
-    /// way is not given.
+    /// Moves to a position on the sphere about a centre along a great circle, in chords; across the pole on the spindle's side if the path is
+    /// ambiguous.
     pub(super) fn on_sphere(
         &mut self,
         centre_mm: &Vector,

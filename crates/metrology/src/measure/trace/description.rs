@@ -13,9 +13,9 @@ use super::{Trace, UNKNOWNS};
 /// A description.
 #[derive(Clone, Debug, Default)]
 pub struct Described {
-    /// What it says of the trace, which has no runs yet.
+    /// Its trace, without runs yet.
     pub trace: Trace,
-    /// The file with the signals of a control, beside the table, where they are not in it.
+    /// The file with the signals of a control next to the table, if they are not in it.
     pub control: Option<String>,
     /// Columns (`X`, `X_enc`) by the signals of such a file.
     pub signals: BTreeMap<String, String>,
@@ -23,7 +23,7 @@ pub struct Described {
     pub feed_mm_min: Option<f64>,
 }
 
-/// Reads the description of a trace; `None` where it is one of another kind, which is no fault of it.
+/// Reads the description of a trace; `None` for another kind, which is not an error.
 #[must_use]
 pub fn describe(name: &str, source: &Source) -> Option<(Option<Described>, Vec<Diagnostic>)> {
     let file = MachineFile::parse(source).ok()?;

@@ -14,13 +14,13 @@ use super::{ControlSamples, Described, Trace, TraceRun};
 
 const READINGS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 const TOOL: [&str; 3] = ["tool_x_mm", "tool_y_mm", "tool_z_mm"];
-/// A position this much beyond its limit is on it: a servo loop overshoots, mm or rad.
+/// Tolerance within which a position counts as on its limit: a servo loop overshoots, mm or rad.
 const BEYOND: f64 = 0.1;
-/// Deviations beyond this are in another unit, mm.
+/// Largest plausible deviation, mm; a larger one has another unit.
 const MOST_MM: f64 = 20.0;
-/// Findings of one table.
+/// Maximum number of diagnostics of one table.
 const MOST_FINDINGS: usize = 50;
-/// Samples below which a run tells nothing.
+/// Minimum number of samples of a run.
 const LEAST: usize = 16;
 
 /// The columns of a table.
@@ -36,7 +36,7 @@ struct Columns {
     feed: Option<usize>,
 }
 
-/// Reads a trace: its table, and what a control recorded in a file of its own. All findings are reported in one run.
+/// Reads a trace: its table, and optionally the recording of a control in a separate file. All diagnostics are reported in one run.
 #[must_use]
 pub fn read(
     described: &Described,
@@ -218,7 +218,7 @@ fn within(machine: &Machine, axis: Axis, at: f64, row: &Row<'_>, column: usize) 
     Err(Diagnostic::at(Code::OUT_OF_TRAVEL, row.place(column), message, help))
 }
 
-/// The signals of a control beside the readings of an instrument.
+/// Combines the signals of a control with the readings of an instrument.
 fn join(rows: &Table, signals: &TraceSignals, machine: &Machine, trace: &mut Trace, findings: &mut Vec<Diagnostic>) {
     match trace.runs.as_mut_slice() {
         [run] => {
@@ -252,7 +252,7 @@ fn outside(rows: &Table, machine: &Machine, control: &ControlSamples) -> Option<
     Some(Diagnostic::at(Code::OUT_OF_TRAVEL, rows.header_place(None), message, help))
 }
 
-/// What only the whole shows.
+/// Checks that need the whole table.
 fn check(rows: &Table, trace: &Trace, findings: &mut Vec<Diagnostic>) {
     if trace.runs.is_empty() {
         let help = "write at least one run";
@@ -286,9 +286,9 @@ fn check(rows: &Table, trace: &Trace, findings: &mut Vec<Diagnostic>) {
     }
 }
 
-/// The longest break of a record, where it is one, many times its usual step: when it begins, and how long it is, s.
+/// The longest gap of a recording, if it is many times its usual step: its start and length, s.
 fn gap(times: &[f64]) -> Option<(f64, f64)> {
-    /// Samples that a control may drop.
+    /// Number of samples that a control may drop.
     const DROPPED: f64 = 20.0;
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);

@@ -1,9 +1,9 @@
-//! What a Sinumerik records with its trace function: an XML file (Operate, "Diagnostics › Trace").
+//! Recordings of the Sinumerik trace function: an XML file (Operate, "Diagnostics › Trace").
 //!
-//! `traceSession` has `traceDisplaySetup/signals/signal` (name, description, key) and `traceData/dataFrame`, in which each `dataSignal` has a key
-//! and an id and each `rec` a time in seconds and the values that changed since the one before, as attributes by id (`f1`, `f2`, …). The
-//! format is not published; this is what its files have (Sinumerik Operate 4.5 to 4.95, also the `_V20` names). What a signal means is not in the
-//! file in any language-independent way, so that the description of the trace says it:
+//! `traceSession` has `traceDisplaySetup/signals/signal` (name, description, key) and `traceData/dataFrame`. In these each `dataSignal` has a key and
+//! an id, and each `rec` has a time in seconds and the values changed since the previous one, as attributes by id (`f1`, `f2`, …). The format is not
+//! published; this is the structure of its files (Sinumerik Operate 4.5 to 4.95, also the `_V20` names). The file has no language-independent meaning
+//! of its signals, so the description of the trace states it:
 //!
 //! ```toml
 //! [signals]
@@ -22,7 +22,7 @@ use ncfix_machine::machine::Machine;
 
 use super::ControlSamples;
 
-/// Elements in a file: 15 minutes at 1 ms.
+/// Maximum number of elements in a file: 15 minutes at 1 ms.
 const MOST_NODES: u32 = 2_000_000;
 
 /// The signals of a control.
@@ -44,7 +44,7 @@ struct Signal<'a> {
 /// Reads a file; `names` are the signals by column (`X`, `X_enc`).
 ///
 /// # Errors
-/// All findings.
+/// All diagnostics.
 pub fn read(
     source: &Source,
     names: &BTreeMap<String, String>,
@@ -103,7 +103,7 @@ pub fn read(
     Ok(TraceSignals { control })
 }
 
-/// The signals of a frame with their names, which stand in the set-up of the display.
+/// The signals of a frame with their names, which are in the display set-up.
 fn signals<'a>(document: &'a Document<'_>, frame: Node<'a, '_>) -> Vec<Signal<'a>> {
     let shown: BTreeMap<&str, [&str; 2]> = document
         .descendants()
@@ -124,7 +124,7 @@ fn signals<'a>(document: &'a Document<'_>, frame: Node<'a, '_>) -> Vec<Signal<'a
     .collect()
 }
 
-/// Which signal is which axis: 0 its set-point, 1 its encoder.
+/// The axis of each signal: 0 for its set-point, 1 for its encoder.
 fn columns<'a>(
     names: &BTreeMap<String, String>,
     signals: &'a [Signal<'_>],
@@ -158,7 +158,7 @@ fn columns<'a>(
     Err(vec![Diagnostic::at(Code::DATA_COLUMN, place, faults.join("; "), help)])
 }
 
-/// Where a line and column of characters, both from 1, are in a text.
+/// Byte offset of a line and column of characters, both from 1, in a text.
 fn offset(text: &str, row: u32, column: u32) -> usize {
     let line = text.split_inclusive('\n').take(row.saturating_sub(1) as usize).map(str::len).sum::<usize>();
     let rest = text.get(line..).unwrap_or_default();

@@ -1,28 +1,28 @@
-//! Least squares with an offset, and a drift where times are known, for each run.
+//! Least squares with an offset and, if times are known, a drift for each run.
 //!
-//! Offset and drift of a run are projected out first (Frisch and Waugh), so that the normal equations have the size of the unknowns that all runs
-//! share, however many runs there are.
+//! Offset and drift of a run are projected out first (Frisch and Waugh), so that the normal equations have the size of the common unknowns, for any
+//! number of runs.
 
 use ncfix_base::geometry::{Matrix, Vector};
 
-/// Unknowns that all runs share, at most.
+/// Maximum number of common unknowns.
 pub(super) const UNKNOWNS: usize = 3;
 
-/// A time must vary by more than this for a drift, s.
+/// Minimum variation of time for a drift, s.
 const LEAST_TIME_S: f64 = 1e-3;
 
 /// One equation: a reading.
 #[derive(Clone, Debug)]
 pub(super) struct Line {
-    /// Its factors of the unknowns.
+    /// Its coefficients of the unknowns.
     pub(super) columns: [f64; UNKNOWNS],
-    /// What was read.
+    /// The reading.
     pub(super) value: f64,
-    /// Number of the run.
+    /// Index of the run.
     pub(super) run: usize,
-    /// When, s.
+    /// Time, s.
     pub(super) time_s: Option<f64>,
-    /// Whether it counts.
+    /// `true` if it is used.
     pub(super) is_used: bool,
 }
 
@@ -35,11 +35,11 @@ pub(super) struct Fit {
     pub(super) cofactors: Matrix,
     /// Sum of the squared residuals.
     pub(super) squares: f64,
-    /// Sum of the squares of what was read, without offsets and drifts.
+    /// Sum of the squares of the readings, without offsets and drifts.
     pub(super) size: f64,
-    /// Equations less unknowns, offsets and drifts.
+    /// Degrees of freedom: equations minus unknowns, offsets and drifts.
     pub(super) freedom: usize,
-    /// Residual of every line; 0 of lines that do not count.
+    /// Residual of every line; 0 for unused lines.
     pub(super) residuals: Vec<f64>,
     projected: Vec<Vector>,
     runs: Runs,
@@ -49,7 +49,7 @@ pub(super) struct Fit {
 #[derive(Clone, Debug, Default)]
 struct Runs {
     runs: Vec<Run>,
-    /// The run of every line and its time from the mean one; `None` for lines that do not count.
+    /// The run of every line and its time relative to the mean; `None` for unused lines.
     lines: Vec<Option<(usize, f64)>>,
 }
 
@@ -57,7 +57,7 @@ struct Runs {
 struct Run {
     count: f64,
     mean_time_s: f64,
-    /// Σ (t − t̄)²; 0 where there is no drift.
+    /// Σ (t − t̄)²; 0 without a drift.
     time_squares: f64,
 }
 
@@ -84,13 +84,13 @@ impl Runs {
         Runs { runs, lines }
     }
 
-    /// Offsets and drifts.
+    /// Number of offsets and drifts.
     fn unknowns(&self) -> usize {
         let of = |run: &Run| usize::from(run.count > 0.0) + usize::from(run.time_squares > 0.0);
         self.runs.iter().map(of).sum()
     }
 
-    /// Takes offsets and drifts out of a column, only offsets without `with_drift`; 0 for lines that do not count.
+    /// Projects offsets and drifts out of a column, only offsets without `with_drift`; 0 for unused lines.
     fn project(&self, values: impl Fn(usize) -> f64, with_drift: bool) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.runs.len()];
         for (index, &(run, time)) in self.used() {
@@ -112,7 +112,7 @@ impl Runs {
 }
 
 impl Fit {
-    /// Solves for the first `count` unknowns; `None` where the equations do not determine them.
+    /// Solves for the first `count` unknowns; `None` if the equations do not determine them.
     pub(super) fn new(lines: &[Line], count: usize) -> Option<Fit> {
         let runs = Runs::of(lines);
         let columns: Vec<Vec<f64>> =
@@ -120,7 +120,7 @@ impl Fit {
         let values = runs.project(|index| lines[index].value, true);
         let row = |index: usize| Vector::from_fn(|column, _| columns.get(column).map_or(0.0, |column| column[index]));
         let projected: Vec<Vector> = (0..lines.len()).map(row).collect();
-        // In units in which the columns are equally long the inverse is as exact as it can be.
+        // Columns of equal length give the most accurate inverse.
         let mut scale = Vector::repeat(1.0);
         for (column, scale) in columns.iter().zip(scale.iter_mut()) {
             *scale = squares(column).sqrt();
@@ -145,7 +145,7 @@ impl Fit {
         is_finite.then_some(Fit { unknowns, cofactors, squares, size, freedom, residuals, projected, runs })
     }
 
-    /// An element of the hat matrix: how much the reading `other` moves the fitted value of `one`.
+    /// An element of the hat matrix: the influence of the reading `other` on the fitted value of `one`.
     pub(super) fn hat(&self, one: usize, other: usize) -> f64 {
         let (Some((run, time)), Some((other_run, other_time))) = (self.runs.lines[one], self.runs.lines[other]) else {
             return 0.0;
@@ -159,7 +159,7 @@ impl Fit {
     }
 }
 
-/// The share of the change of a column that offsets, drifts and the other columns cannot make.
+/// The share of a column's variation that offsets, drifts and the other columns cannot reproduce.
 pub(super) fn unlike_share(lines: &[Line], count: usize, column: usize) -> f64 {
     let runs = Runs::of(lines);
     let project = |column: usize, with_drift: bool| runs.project(|index| lines[index].columns[column], with_drift);
@@ -170,18 +170,18 @@ pub(super) fn unlike_share(lines: &[Line], count: usize, column: usize) -> f64 {
         let mut direction = project(other, true);
         let length = squares(&direction);
         basis.iter().for_each(|base| take_out(&mut direction, base));
-        // What is left of a column that is like those before it is noise of the arithmetic.
+        // The remainder of a column that depends on earlier ones is rounding noise.
         if squares(&direction) > 1e-12 * length {
             basis.push(direction);
         }
     }
     basis.iter().for_each(|base| take_out(&mut rest, base));
-    // Rounding leaves something of a column that does not change at all.
+    // Rounding leaves a remainder of a constant column.
     let size: f64 = lines.iter().map(|line| line.columns[column].powi(2)).sum();
     if whole > 1e-20 * size { (squares(&rest) / whole).sqrt() } else { 0.0 }
 }
 
-/// How much of the first column a column is like, per unit: Σ x₀ x / Σ x₀².
+/// Regression coefficient of a column on the first column: Σ x₀ x / Σ x₀².
 pub(super) fn likeness(lines: &[Line], column: usize) -> f64 {
     let runs = Runs::of(lines);
     let [first, other] = [0, column].map(|column| runs.project(|index| lines[index].columns[column], true));

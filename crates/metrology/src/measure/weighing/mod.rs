@@ -1,10 +1,9 @@
-//! Weighs a workpiece: its weight and place from the change of a strain along an axis (Spaan 1995, ch. 4).
+//! Weighs a workpiece: its weight and position from the change of a strain along an axis (Spaan 1995, ch. 4).
 //!
-//! The strain is linear in the weight F and its moments F pₓ, F p_z ([`StrainGauge`]), with an offset for every run and, where times are known, an
-//! even drift: least squares (`fit`). A pulse of lubricant that disturbs single readings is found by its effect on the sum of squares
-//! (`outlier`), which needs more readings than unknowns: every position twice to see it, three times to tell which one it is. The uncertainties are those of the readings
-//! (`sigma_um_per_m`, where the residuals do not contradict it, else from the residuals); that of p = (F p)/F follows from both and
-//! their covariance.
+//! The strain is linear in the weight F and its moments F pₓ, F p_z ([`StrainGauge`]), with an offset for every run and, if times are known, a linear
+//! drift: least squares (`fit`). A pulse of lubricant that disturbs single readings is detected by its effect on the sum of squares (`outlier`). This
+//! needs more readings than unknowns: every position twice for detection, three times for location. The uncertainties are those of the readings
+//! (`sigma_um_per_m`, unless the residuals contradict it, otherwise from the residuals); that of p = (F p)/F follows from both and their covariance.
 
 mod fit;
 mod outlier;
@@ -20,13 +19,13 @@ use super::strain::Reading;
 use fit::{Fit, Line};
 use outlier::Verdict;
 
-/// A signal is told from others when at least this share of it is unlike all of them: gauges are not known better than to one percent.
+/// Minimum share of a signal that differs from all others: gauges are not known better than to one percent.
 const LEAST_UNLIKE: f64 = 0.01;
 
-/// Where more than one of so many readings is disturbed by a known noise, the noise is not known.
+/// If more than one in this number of readings is disturbed under a known noise, the noise is wrong.
 const MOST_LEFT_OUT: usize = 10;
 
-/// A weight that is not above this many standard uncertainties is none.
+/// Minimum weight in standard uncertainties.
 const LEAST_SIGMAS: f64 = 3.0;
 
 /// A value and its standard uncertainty.
@@ -45,24 +44,24 @@ pub enum Coordinate {
     Measured(Measured),
     /// As stated.
     Known(f64),
-    /// Taken for 0, because the readings do not tell it.
+    /// Assumed to be 0, because it is not identifiable from the readings.
     Assumed,
 }
 
-/// What was weighed.
+/// Result of a weighing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weighing {
     /// The weight, N.
     pub force_n: Measured,
-    /// Its place from the center of the table along the axes of F.
+    /// Its position relative to the center of the table along the axes of F.
     pub position_mm: [Coordinate; 3],
     /// Standard uncertainty of a reading, µm/m.
     pub noise_um_m: f64,
-    /// Degrees of freedom: readings that are used less unknowns.
+    /// Degrees of freedom: used readings minus unknowns.
     pub freedom: usize,
-    /// Readings that are used.
+    /// Number of used readings.
     pub used: usize,
-    /// Readings that are left out as disturbed.
+    /// Disturbed readings that are left out.
     pub left_out: Vec<Place>,
 }
 
@@ -79,7 +78,7 @@ impl Coordinate {
 }
 
 impl Weighing {
-    /// The load as a condition of the machine has it.
+    /// The load as part of a machine condition.
     #[must_use]
     pub fn load(&self) -> Load {
         let [x, y, z] = self.position_mm.map(|coordinate| coordinate.value());
@@ -89,7 +88,7 @@ impl Weighing {
     /// The text of a state file with the load, weighed from `data` on a machine.
     #[must_use]
     pub fn state_text(&self, data: &str, machine: &str) -> String {
-        // A name may have any character; a comment ends with its line.
+        // A name may contain any character; a comment ends with its line.
         let name = |text: &str| text.replace(char::is_control, " ");
         let mut text = format!("# Weighed by strain on {} from {}.\n", name(machine), name(data));
         let sigma = |coordinate: &Coordinate| match coordinate {
@@ -104,7 +103,7 @@ impl Weighing {
     }
 }
 
-/// Weighs. `known` are coordinates of the place that are not to be measured, mm. Without a weighing there is a finding that is an error.
+/// Weighs. `known` are coordinates of the position that are not to be measured, mm. Without a weighing there is a diagnostic that is an error.
 #[must_use]
 pub fn weigh(
     readings: &[Reading],
@@ -115,7 +114,7 @@ pub fn weigh(
     let weighing = match Weigher::new(readings, gauge, known).weigh(&mut findings) {
         Ok(weighing) => Some(weighing),
         Err(finding) => {
-            // What would have been assumed is no news.
+            // The assumption is then irrelevant.
             findings = vec![finding];
             None
         }
@@ -123,12 +122,12 @@ pub fn weigh(
     (weighing, findings)
 }
 
-/// One weighing on its way.
+/// A weighing in progress.
 struct Weigher<'a> {
     readings: &'a [Reading],
     lines: Vec<Line>,
     sigma_um_m: Option<f64>,
-    /// Unknown coordinates in the order of the columns behind that of the weight.
+    /// Unknown coordinates in the order of the columns after that of the weight.
     moments: Vec<usize>,
     position_mm: [Coordinate; 3],
 }
@@ -142,7 +141,7 @@ impl<'a> Weigher<'a> {
             let signal = |values: &[f64]| gauge.signal(values, reading.position).unwrap_or_default();
             let moment = |i: usize| gauge.moments[i].as_deref().map_or(0.0, signal);
             let mut columns = [0.0; fit::UNKNOWNS];
-            // A load at a known place weighs by the moment of that place too.
+            // A load at a known position also acts through the moment of that position.
             columns[0] = signal(&gauge.force) + (0..3).map(|i| known[i].unwrap_or_default() * moment(i)).sum::<f64>();
             for (column, &i) in columns[1..].iter_mut().zip(&moments) {
                 *column = moment(i);
@@ -195,7 +194,7 @@ impl<'a> Weigher<'a> {
         Ok(weighing)
     }
 
-    /// Leaves out disturbed readings and says where they stand.
+    /// Leaves out disturbed readings and returns their places.
     fn leave_out(&mut self) -> Result<Vec<Place>, Diagnostic> {
         let count = self.moments.len() + 1;
         let mut verdict = outlier::leave_out(&mut self.lines, count, self.sigma_um_m);
@@ -204,7 +203,7 @@ impl<'a> Weigher<'a> {
             Verdict::Rivals(_) => true,
         };
         if self.sigma_um_m.is_some() && is_rule(&verdict) {
-            // So many disturbed readings are noise that is larger than stated.
+            // That many disturbed readings mean that the noise is larger than stated.
             self.lines.iter_mut().for_each(|line| line.is_used = true);
             verdict = outlier::leave_out(&mut self.lines, count, None);
         }
@@ -227,7 +226,7 @@ impl<'a> Weigher<'a> {
         }
     }
 
-    /// Drops moments whose signals are not told from those of the others.
+    /// Drops moments whose signals cannot be separated from the others.
     fn demand_separation(&mut self, findings: &mut Vec<Diagnostic>) -> Result<(), Diagnostic> {
         loop {
             let count = self.moments.len() + 1;
@@ -235,7 +234,7 @@ impl<'a> Weigher<'a> {
             if shares.iter().all(|&share| share >= LEAST_UNLIKE) {
                 return Ok(());
             }
-            // The weight is wanted most; of the moments that goes which is told least.
+            // The weight has priority; of the moments the least identifiable is dropped.
             let least = (1..count).min_by(|&one, &other| f64::total_cmp(&shares[one], &shares[other]));
             let Some(column) = least else { return Err(self.refusal(NOT_TOLD, NOT_TOLD_HELP)) };
             let i = self.moments.remove(column - 1);

@@ -1,39 +1,38 @@
-//! Readings that contradict the others: single ones and pairs are left out where their omission takes more from the sum of squares than chance does.
+//! Readings that contradict the others: single ones and pairs are left out if their omission reduces the sum of squares significantly.
 //!
-//! Without the readings S the sum of squares falls by Q = rᵀ (I − H)⁻¹ r over S, with the residuals r and the hat matrix H of the whole fit.
-//! For a single reading √Q over the standard deviation of the rest is Student's t (deletion residual), for a pair Q/2 over its square F(2, ν);
-//! with a known standard deviation normal and χ². Probabilities are multiplied by the number of candidates (Bonferroni). A disturbed reading
-//! of a pair can hide the other one from the single test, which is why pairs are tried.
+//! Without the readings S the sum of squares decreases by Q = rᵀ (I − H)⁻¹ r over S, with the residuals r and the hat matrix H of the whole fit. For
+//! a single reading √Q divided by the standard deviation of the rest is Student's t (deletion residual), for a pair Q/2 divided by its square F(2,
+//! ν); with a known standard deviation normal and χ². Probabilities are multiplied by the number of candidates (Bonferroni). A disturbed reading of a
+//! pair can mask the other one in the single test, which is why pairs are tried.
 //!
-//! Of two readings at one position that differ, either may be the disturbed one. Where other candidates explain the readings almost as well
-//! (by their likelihood), none of them is left out: they are rivals. More readings are needed then, unless the contradiction is so mild that
-//! the scatter of the residuals has room for it.
+//! Of two different readings at one position, either may be disturbed. If other candidates explain the readings almost as well (by their likelihood),
+//! none of them is left out: they are rivals. More readings are then needed, unless the contradiction is within the scatter of the residuals.
 
 use super::fit::{Fit, Line};
 
-/// Probability that any reading of undisturbed ones is left out in one step; and likelihood, relative to the best, from which on a rival counts.
+/// Probability of leaving out any undisturbed reading in one step; also the likelihood relative to the best above which a candidate is a rival.
 const CHANCE: f64 = 0.01;
 /// Probability below which a disturbance that cannot be located is certain.
 const CERTAIN: f64 = 1e-4;
-/// At most this many readings are left out, and at most a quarter of all.
+/// Maximum number of readings that are left out, and at most a quarter of all.
 const MOST: usize = 500;
-/// Pairs are tried among at most this many readings.
+/// Maximum number of readings for which pairs are tried.
 const MOST_FOR_PAIRS: usize = 60;
-/// A reading that no other one checks has a share of 1 in its own fitted value.
+/// Minimum independence: a reading that no other one checks has a leverage of 1.
 const LEAST_CHECK: f64 = 1e-6;
-/// From so many degrees of freedom on Student's distribution is the normal one.
+/// Degrees of freedom above which Student's distribution is approximated by the normal one.
 const NORMAL: usize = 1000;
 
-/// What is done with readings that contradict others.
+/// Treatment of contradictory readings.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Verdict {
-    /// These are left out, or none.
+    /// These are left out; possibly none.
     LeftOut(Vec<usize>),
-    /// Some of these are disturbed, but nothing says which.
+    /// Some of these are disturbed, but they cannot be identified.
     Rivals(Vec<usize>),
 }
 
-/// Marks readings that contradict the others as not used.
+/// Marks contradictory readings as unused.
 pub(super) fn leave_out(lines: &mut [Line], count: usize, sigma: Option<f64>) -> Verdict {
     let most = (lines.len() / 4).min(MOST);
     let mut found = Vec::new();
@@ -56,7 +55,7 @@ pub(super) fn leave_out(lines: &mut [Line], count: usize, sigma: Option<f64>) ->
 #[derive(Clone, Debug)]
 struct Candidate {
     readings: Vec<usize>,
-    /// What their omission takes from the sum of squares.
+    /// Reduction of the sum of squares by their omission.
     gain: f64,
 }
 
@@ -86,7 +85,7 @@ impl<'a> Search<'a> {
         }
         let pairs = self.pairs();
         if let (Some(pair), Some(left)) = (best(&pairs), left.checked_sub(1).filter(|&left| left > 0)) {
-            // Beside a single reading that is one, the other must be one too.
+            // If the single reading is significant, the second one of the pair must be significant too.
             let chance = if is_single {
                 self.student(pair.gain - single.gain, pair.gain, left)
             } else {
@@ -138,7 +137,7 @@ impl<'a> Search<'a> {
         (determinant > LEAST_CHECK).then(|| (b * r * r - 2.0 * c * r * s + a * s * s) / determinant)
     }
 
-    /// The rivals of a single reading. One that contradicts the others even beside the best is none, but the next to be left out.
+    /// The rivals of a single reading. A reading that is contradictory even without the best is not a rival, but the next to be left out.
     fn single_rivals(&self, singles: &[Candidate], best: &Candidate, left: usize) -> Vec<usize> {
         let rivals = self.rivals(singles, best, left);
         let Some(left) = left.checked_sub(1).filter(|&left| left > 0) else { return rivals };
@@ -153,13 +152,13 @@ impl<'a> Search<'a> {
         if rivals.iter().all(is_next) { Vec::new() } else { rivals }
     }
 
-    /// Sum of squares behind a gain. Where nothing is left but rounding, nothing is disturbed.
+    /// Sum of squares after a gain. If only rounding remains, nothing is disturbed.
     fn rest(&self, gain: f64) -> f64 {
         const ROUNDING: f64 = 1e-9;
         (self.fit.squares - gain).max(ROUNDING * ROUNDING * self.fit.size).max(f64::MIN_POSITIVE)
     }
 
-    /// Probability that one reading takes `gain` and more by chance, beside what is left behind the gain `whole`.
+    /// p-value of a gain by one reading, given the rest after the gain `whole`.
     fn student(&self, gain: f64, whole: f64, left: usize) -> f64 {
         match self.sigma {
             Some(sigma) => student_tail(gain.max(0.0).sqrt() / sigma, NORMAL),
@@ -167,7 +166,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The same of two readings together: P(F(2, ν) > f) = (1 + 2 f/ν)^(−ν/2).
+    /// p-value of a gain by two readings together: P(F(2, ν) > f) = (1 + 2 f/ν)^(−ν/2).
     fn both(&self, gain: f64, left: usize) -> f64 {
         match self.sigma {
             Some(sigma) => (-0.5 * gain / (sigma * sigma)).exp(),
@@ -175,7 +174,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The readings of the best candidate and of those that are almost as likely; none where there are no others.
+    /// The readings of the best candidate and of those that are almost as likely; empty if there are no others.
     fn rivals(&self, candidates: &[Candidate], best: &Candidate, left: usize) -> Vec<usize> {
         let likelihood = |candidate: &Candidate| match self.sigma {
             Some(sigma) => (-0.5 * (best.gain - candidate.gain) / (sigma * sigma)).exp(),

@@ -1,4 +1,4 @@
-//! The pictures of one measurement.
+//! Pictures of one measurement.
 
 use std::collections::BTreeMap;
 
@@ -8,12 +8,12 @@ use crate::page::{figure, pictures};
 use crate::plot::{Chart, Histogram, Line, Polar, Series, Trace};
 use ncfix_metrology::results::calibration::Data;
 
-/// Series that a picture tells apart; the others share the last one.
+/// Maximum number of distinguishable series in a picture; the others share the last one.
 const MOST_SERIES: usize = 8;
-/// Pictures of circles for a measurement.
+/// Maximum number of circle pictures per measurement.
 const MOST_POLAR: usize = 24;
 
-/// Draws what is left over the rows, over each axis, how often, and the circles.
+/// Draws the residuals over the rows and over each axis, their histogram, and the circles.
 pub(super) fn draw(out: &mut Markup, data: &Data) {
     if data.shown.points.is_empty() {
         return;
@@ -65,13 +65,13 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
     });
 }
 
-/// Twice the uncertainty of a reading, on either side.
+/// Returns lines at twice the uncertainty of a reading, on either side.
 fn levels(data: &Data) -> Vec<Line> {
     let Some(sigma) = data.sigma.filter(|sigma| sigma.is_finite() && *sigma > 0.0) else { return Vec::new() };
     [(2.0, "+2σ"), (-2.0, "−2σ")].map(|(times, label)| Line { value: times * sigma, label: label.into() }).to_vec()
 }
 
-/// Readings by set-up or direction, one without a name where there is one; then those that do not fit.
+/// Returns the readings by set-up or direction (without a name if there is only one), then the outliers.
 fn series(
     data: &Data,
     group: impl Fn(&Point) -> usize,
@@ -104,7 +104,7 @@ fn series(
     out
 }
 
-/// Every plane of every set-up: measured and left, in either sense.
+/// Draws every plane of every set-up: measured and residual, in both directions.
 fn circles(out: &mut Markup, data: &Data) {
     let mut planes: BTreeMap<(usize, &str), Polar> = BTreeMap::new();
     for circle in &data.shown.circles {

@@ -1,4 +1,4 @@
-//! A finding with its evidence and its rivals.
+//! Evidence of one cause, with its equivalent explanations.
 
 use super::pictures::{driver_of, mean_lines, means, time_of, title_of};
 use super::{figure, polar, side_by_side};
@@ -9,18 +9,18 @@ use crate::plot::{Chart, Series, Shape};
 use ncfix_metrology::results::diagnosis::Cause;
 use ncfix_metrology::results::readings::{Driver, Set};
 
-/// Rivals that are named.
+/// Maximum number of equivalent explanations that are named.
 const MOST_RIVALS: usize = 24;
-/// Drivers that are drawn.
+/// Maximum number of drivers that are drawn.
 const MOST_DRIVERS: usize = 3;
-/// Lines of a shape over two drivers.
+/// Maximum number of lines of a shape over two drivers.
 const MOST_LINES: usize = 8;
-/// A driver that is not named is worth a picture where it explains this share of what a finding does.
+/// Minimum share of the effect of a cause that an unnamed driver must explain to be drawn.
 const GOES_WITH: f64 = 0.3;
 /// Kinds of effects that change with time.
 const DRIFTS: [&str; 4] = ["drift", "thermal-drift", "thermal-expansion", "thermal-squareness"];
 
-/// Draws a finding by its number.
+/// Draws a cause by its number.
 pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &Shown, (number, one): (usize, &Cause)) {
     out.element("h3", &[("id", &format_args!("finding-{}", number + 1))], |out| {
         out.leaf("span", &[("class", &"rank")], number + 1);
@@ -104,7 +104,7 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &Cause) {
     });
 }
 
-/// The measurement and the direction in which a finding does most.
+/// Returns the measurement and the direction in which a cause has its largest effect.
 fn strongest(shown: &Shown, number: usize) -> Option<(&Set, usize)> {
     let mut best: Option<(f64, &Set, usize)> = None;
     for set in shown.readings.sets.iter().filter(|set| !set.is_held_out) {
@@ -125,10 +125,10 @@ fn strongest(shown: &Shown, number: usize) -> Option<(&Set, usize)> {
     best.filter(|(most, ..)| *most > 0.0).map(|(_, set, part)| (set, part))
 }
 
-/// What a finding depends on; where nothing is named, what it goes with.
+/// Returns the drivers of a cause; if it names none, those that explain its effect.
 fn drivers<'a>(set: &'a Set, part: usize, one: &Cause, does: &[f64]) -> Vec<&'a Driver> {
     let mut named: Vec<&Driver> = one.drivers.iter().filter_map(|name| driver_of(set, part, name)).collect();
-    // A sense says little of where it acts.
+    // A direction of motion alone says little about where it acts.
     if named.iter().all(|driver| driver.name.ends_with("_dir")) {
         let place = |driver: &&Driver| !driver.name.starts_with("T_") && !driver.name.ends_with("_dir");
         let others = set.drivers.iter().filter(place).filter_map(|driver| driver_of(set, part, &driver.name));
@@ -139,13 +139,13 @@ fn drivers<'a>(set: &'a Set, part: usize, one: &Cause, does: &[f64]) -> Vec<&'a 
         others.sort_by(|a, b| b.0.total_cmp(&a.0));
         named.extend(others.into_iter().take(MOST_DRIVERS - 1).map(|(_, driver)| driver));
     }
-    // On a circle the picture of the cause alone says what senses do.
+    // For circles, the picture of the cause alone shows the effect of directions.
     named.retain(|driver| set.circles.is_empty() || !driver.name.ends_with("_dir"));
     named.truncate(MOST_DRIVERS);
     named
 }
 
-/// Share of the variance of what a finding does that means along a driver explain.
+/// Returns the share of the variance of a cause's effect that means along a driver explain.
 fn goes_with(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> f64 {
     let points: Vec<(f64, f64)> = points(set, part, driver, |k| does.get(k).copied().unwrap_or(0.0)).collect();
     let count = points.len() as f64;
@@ -155,7 +155,7 @@ fn goes_with(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> f64 {
     if total > 0.0 { between / total } else { 0.0 }
 }
 
-/// Values of readings that count over a driver.
+/// Returns the values of the valid readings over a driver.
 fn points<'a>(
     set: &'a Set,
     part: usize,
@@ -192,7 +192,7 @@ fn beside(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> Chart {
     }
 }
 
-/// What changes with time over time, and the temperature that it goes with.
+/// Draws effects that change with time over time, with the corresponding temperature.
 fn times(out: &mut Markup, set: &Set, part: usize, one: &Cause, does: &[f64]) {
     if !(DRIFTS.contains(&one.effect.as_str()) || one.sensor.is_some()) {
         return;
@@ -240,11 +240,11 @@ fn times(out: &mut Markup, set: &Set, part: usize, one: &Cause, does: &[f64]) {
     }
 }
 
-/// The shape of a finding, over two drivers a line for each place of one of them.
+/// Draws the shape of a cause; over two drivers, one line for each position of one of them.
 fn shape(out: &mut Markup, one: &Cause, shown: &Shown) {
     let with_unit = |name: &String| {
         let mut all = shown.readings.sets.iter().flat_map(|set| &set.drivers);
-        // Time has a unit of its own in pictures of readings.
+        // Time has its own unit in pictures of readings.
         let known = all.find(|driver| driver.name == *name).filter(|driver| !driver.is_time);
         known.map_or(name.clone(), |driver| driver.title.clone())
     };
@@ -271,7 +271,7 @@ fn shape(out: &mut Markup, one: &Cause, shown: &Shown) {
             figure(out, &chart(format!("Shape over {driver}"), driver, series), "The deviation where it comes in.");
         }
         [first, second] => {
-            // Lines over the one with more places, one for each place of the other.
+            // Lines over the driver with more positions, one for each position of the other.
             let (lines, other, own) = if along(0).len() > along(1).len() {
                 (along(1), (1, second), (0, first))
             } else {

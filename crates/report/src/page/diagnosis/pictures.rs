@@ -1,4 +1,4 @@
-//! The readings of every measurement before and after, along everything that they may depend on.
+//! Readings of every measurement before and after, along all possible drivers.
 
 use super::{figure, side_by_side};
 use crate::diagnosis::{DiagnosisReport, Shown};
@@ -6,14 +6,14 @@ use crate::markup::Markup;
 use crate::plot::{Chart, Line, Series, Shape};
 use ncfix_metrology::results::readings::{Driver, Reading, Set};
 
-/// Pictures of all measurements together.
+/// Maximum number of pictures of all measurements together.
 const MOST: usize = 80;
-/// Parts of the range of a driver over which means are taken, and the fewest readings of one.
+/// Parts of the range of a driver over which means are taken, and minimum number of readings of a mean.
 const PARTS: usize = 30;
 const FEWEST: f64 = 3.0;
-/// Parts without readings that end a line.
+/// Gap without readings that interrupts a line, as a share of the range.
 const GAP: f64 = 0.25;
-/// Few places.
+/// Number of positions that counts as few.
 const FEW: usize = 3;
 
 /// Draws all measurements.
@@ -28,7 +28,7 @@ pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &Shown)
             is_time: false,
             values: set.readings.iter().map(|reading| reading.row as f64).collect(),
         };
-        // First what findings depend on and time, then the rest.
+        // First the drivers of the causes and time, then the rest.
         let is_named = |driver: &Driver| {
             driver.is_time
                 || report.found.findings.iter().any(|one| one.drivers.contains(&driver.name))
@@ -64,7 +64,7 @@ pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &Shown)
     }
 }
 
-/// Whether a driver was at so few places that a picture hardly says more than a mean of each.
+/// True if a driver has so few positions that a picture shows hardly more than the mean of each.
 fn is_at_few_places(set: &Set, part: usize, driver: &Driver) -> bool {
     let own = set.readings.iter().zip(&driver.values).filter(|(reading, _)| reading.part == part);
     let mut places: Vec<u64> = Vec::new();
@@ -80,7 +80,7 @@ fn is_at_few_places(set: &Set, part: usize, driver: &Driver) -> bool {
     true
 }
 
-/// Positions of axes.
+/// True for positions of axes.
 fn is_place(driver: &Driver) -> bool {
     driver.name.chars().count() == 1
 }
@@ -121,7 +121,7 @@ fn chart(report: &DiagnosisReport, set: &Set, part: usize, driver: &Driver) -> C
     }
 }
 
-/// A title with what is drawn over what, and the direction where there are several.
+/// Returns a title with the quantities that are drawn, and the direction if there are several.
 pub(super) fn title_of(set: &Set, part: usize, driver: &Driver, what: &str) -> String {
     let name = set.parts.get(part).map_or("", String::as_str);
     let of = if set.parts.len() > 1 { format!("{name} ") } else { String::new() };
@@ -137,7 +137,7 @@ pub(super) fn title_of(set: &Set, part: usize, driver: &Driver, what: &str) -> S
     }
 }
 
-/// A driver by its name where it changes in a direction.
+/// Returns a driver by its name if it varies in a direction.
 pub(super) fn driver_of<'a>(set: &'a Set, part: usize, name: &str) -> Option<&'a Driver> {
     varying(set, part, set.drivers.iter().find(|driver| driver.name == name)?)
 }
@@ -154,7 +154,7 @@ fn varying<'a>(set: &'a Set, part: usize, driver: &'a Driver) -> Option<&'a Driv
     values.any(|value| (value - first).abs() > 1e-9 * first.abs()).then_some(driver)
 }
 
-/// Lines through means, broken where there are no readings.
+/// Returns lines through means, interrupted where there are no readings.
 pub(super) fn mean_lines(points: &[(f64, f64)], like: usize) -> Vec<Series> {
     let means = means(points);
     let (first, last) = (means.first().map_or(0.0, |mean| mean.0), means.last().map_or(0.0, |mean| mean.0));
@@ -168,7 +168,7 @@ pub(super) fn mean_lines(points: &[(f64, f64)], like: usize) -> Vec<Series> {
     pieces.map(line).collect()
 }
 
-/// Means over parts of the range: where, mean, how many.
+/// Returns means over parts of the range: position, mean, number.
 pub(super) fn means(points: &[(f64, f64)]) -> Vec<(f64, f64, f64)> {
     let known = || points.iter().filter(|point| point.0.is_finite() && point.1.is_finite());
     let low = known().map(|point| point.0).fold(f64::INFINITY, f64::min);

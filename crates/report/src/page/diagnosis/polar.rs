@@ -1,4 +1,4 @@
-//! Circles of a ball-bar before and after, and a cause drawn alone, magnified.
+//! Ball-bar circles before and after, and the effect of a single cause, magnified.
 
 use std::collections::BTreeMap;
 
@@ -11,16 +11,16 @@ use crate::plot::{Polar, Trace};
 use ncfix_metrology::results::diagnosis::Cause;
 use ncfix_metrology::results::readings::Set;
 
-/// Circles of a measurement that are drawn before and after, and those of a cause.
+/// Maximum number of circles of a measurement before and after, and for one cause.
 const MOST_CIRCLES: usize = 6;
 const MOST_ALONE: usize = 3;
-/// Where a cause does less than this share of what it does elsewhere there is nothing to see.
+/// Share of its largest effect below which the effect of a cause is not visible.
 const SEEN: f64 = 0.05;
 
-/// The circles of a set-up in a plane: the first of either sense.
+/// Circles of a set-up in a plane: the first one in each direction.
 type Plane<'a> = ((usize, &'a str), Vec<&'a Circle>);
 
-/// Draws the circles of all measurements with a ball-bar that were used.
+/// Draws the circles of all ball-bar measurements that were used.
 pub(super) fn section(out: &mut Markup, shown: &Shown) {
     for set in shown.readings.sets.iter().filter(|set| !set.is_held_out && !set.circles.is_empty()) {
         out.leaf("h2", &[], format_args!("{}: circles before and after", set.name));
@@ -41,7 +41,7 @@ pub(super) fn section(out: &mut Markup, shown: &Shown) {
     }
 }
 
-/// Draws what a finding by itself does to circles, magnified: one circle of every plane, where it does most.
+/// Draws the effect of a single cause on circles, magnified: one circle of every plane, where the effect is largest.
 pub(super) fn alone(out: &mut Markup, set: &Set, number: usize, one: &Cause) {
     let Some(does) = set.doing.get(number) else { return };
     let planes = planes(set);
@@ -71,14 +71,14 @@ fn planes(set: &Set) -> Vec<Plane<'_>> {
     all.into_iter().collect()
 }
 
-/// The planes in which values swing most.
+/// Returns the planes in which values vary most.
 fn most<'p, 'a>(set: &Set, planes: &'p [Plane<'a>], values: &[f64], most: usize) -> Vec<&'p Plane<'a>> {
     let mut order: Vec<(f64, &Plane<'a>)> = planes.iter().map(|plane| (swing(set, plane, values), plane)).collect();
     order.sort_by(|a, b| b.0.total_cmp(&a.0));
     order.into_iter().take(most).map(|(_, plane)| plane).collect()
 }
 
-/// The largest less the smallest on the circles of a plane.
+/// Returns the largest value minus the smallest on the circles of a plane.
 fn swing(set: &Set, plane: &Plane<'_>, values: &[f64]) -> f64 {
     let counts = |number: usize| set.readings.get(number).is_some_and(|reading| reading.counts);
     let own = plane.1.iter().flat_map(|circle| &circle.angles).filter(|(number, _)| counts(*number));

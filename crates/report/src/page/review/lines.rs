@@ -1,41 +1,41 @@
-//! Lines of programs as templates and numbers: lines of a program differ by their numbers, and a corrected program differs from its original by little.
+//! Program lines as templates and numbers: many lines differ only in their numbers, and a corrected program differs little from its original.
 
 use std::collections::HashMap;
 
 use super::packed::Packed;
 
-/// Stands for a number in a template; what follows says how many decimals.
+/// Placeholder of a number in a template; the next character encodes the number of decimals.
 const SLOT: char = '\u{1}';
-/// The character of a number without a point; with a point and no decimals it is the next one, and so on.
+/// Character of a number without a decimal point; a point without decimals is the next character, and so on.
 const NO_POINT: u8 = 0x30;
-/// Numbers with more decimals, or more digits, stay text.
+/// Limits of decimals and value; numbers beyond them stay text.
 const MOST_DECIMALS: usize = 6;
 const MOST: i64 = 1 << 53;
-/// Letters, and one for numbers without.
+/// Number of letters, plus one for numbers without a letter.
 const LETTERS: usize = 27;
 
-/// A number in a line.
+/// Number in a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Number {
     letter: usize,
     value: i64,
-    /// `None` without a point.
+    /// Number of decimals; `None` without a decimal point.
     decimals: Option<usize>,
 }
 
-/// The texts of a review.
+/// Texts of a review.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Texts {
     templates: HashMap<String, i64>,
-    /// In the order of their numbers.
+    /// Templates in the order of their numbers.
     all: Vec<String>,
-    /// Decimals of each letter, the most of all files.
+    /// Maximum number of decimals of each letter, over all files.
     scales: [usize; LETTERS],
 }
 
-/// A program as a text.
+/// Program as text.
 pub(super) struct Text<'a> {
-    /// Decoded: UTF-8 where it is that, else Latin-1.
+    /// Decoded text: UTF-8 if valid, else Latin-1.
     text: std::borrow::Cow<'a, str>,
     end: char,
 }
@@ -49,7 +49,7 @@ impl<'a> Text<'a> {
         Text { text, end: char::from(line_end) }
     }
 
-    /// The lines without their ends; none behind the last end.
+    /// Returns the lines without their line ends; no empty line after the last line end.
     pub(super) fn lines(&self) -> impl Iterator<Item = &str> {
         let text = self.text.strip_suffix(self.end).unwrap_or(&self.text);
         let is_any = !self.text.is_empty();
@@ -58,7 +58,7 @@ impl<'a> Text<'a> {
 }
 
 impl Texts {
-    /// Learns how many decimals numbers have.
+    /// Notes the number of decimals of the numbers.
     pub(super) fn learn(&mut self, text: &Text<'_>) {
         let (mut template, mut numbers) = (String::new(), Vec::new());
         for line in text.lines() {
@@ -70,8 +70,8 @@ impl Texts {
         }
     }
 
-    /// Packs a text; of the corrected program what its numbers differ by from those of the `original`: the last of the same letter up to the line that a line
-    /// comes from.
+    /// Packs a text. Numbers of the corrected program are stored as differences from the `original`: from the last number of the same letter up to the line
+    /// from which a line originates.
     pub(super) fn put(
         &mut self,
         name: &str,
@@ -112,14 +112,14 @@ impl Texts {
         number
     }
 
-    /// Templates by number, and decimals by letter.
+    /// Returns the templates by number, and the decimals by letter.
     pub(super) fn header(self) -> (Vec<String>, serde_json::Map<String, serde_json::Value>) {
         let scales = self.scales.iter().enumerate().map(|(letter, scale)| (letter_name(letter), (*scale).into()));
         (self.all, scales.collect())
     }
 }
 
-/// The last number of each letter in the lines of an original.
+/// Last number of each letter in the lines of an original.
 struct Base<'a> {
     lines: Box<dyn Iterator<Item = &'a str> + 'a>,
     line: i64,
@@ -134,7 +134,7 @@ impl<'a> Base<'a> {
         Base { lines, line: 0, last: [0; LETTERS], template: String::new(), numbers: Vec::new() }
     }
 
-    /// Those up to a line; lines do not go back.
+    /// Returns the numbers up to a line; lines must not decrease.
     fn up_to(&mut self, line: i64, scales: &[usize; LETTERS]) -> [i64; LETTERS] {
         while self.line < line
             && let Some(next) = self.lines.next()
@@ -149,7 +149,7 @@ impl<'a> Base<'a> {
     }
 }
 
-/// A number in units of the last of the decimals that its letter has anywhere.
+/// Returns a number in units of the last decimal of its letter.
 fn scaled(number: &Number, scales: &[usize; LETTERS]) -> i64 {
     let more = scales[number.letter].saturating_sub(number.decimals.unwrap_or(0));
     number.value * 10_i64.pow(more as u32)
@@ -159,7 +159,7 @@ fn letter_name(letter: usize) -> String {
     if letter + 1 == LETTERS { "_".into() } else { char::from(b'A' + letter as u8).into() }
 }
 
-/// Takes a line apart so that it can be put together again to the character.
+/// Splits a line so that it can be reassembled character by character.
 fn take_apart(line: &str, template: &mut String, numbers: &mut Vec<Number>) {
     template.clear();
     numbers.clear();
@@ -189,20 +189,20 @@ fn take_apart(line: &str, template: &mut String, numbers: &mut Vec<Number>) {
     push_text(template, line.get(done..).unwrap_or_default());
 }
 
-/// A text of a line, in which no slot can be.
+/// Appends text of a line; it cannot contain a placeholder.
 fn push_text(template: &mut String, text: &str) {
     template
         .extend(text.chars().map(|character| if character == SLOT { char::REPLACEMENT_CHARACTER } else { character }));
 }
 
-/// Behind sign, digits, and a point with digits.
+/// Returns the position after sign, digits, and a decimal point with digits.
 fn number_end(bytes: &[u8], start: usize) -> usize {
     let digits = |from: usize| from + bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
     let whole = digits(start + usize::from(bytes[start] == b'-'));
     if bytes.get(whole) == Some(&b'.') { digits(whole + 1) } else { whole }
 }
 
-/// A number that comes out again as it is written; `None` for `007` and `-0`, and for numbers with too many digits.
+/// Reads a number that can be written back unchanged; `None` for `007` and `-0`, and for numbers with too many digits.
 fn read(text: &str, letter: usize) -> Option<Number> {
     let (sign, bare) = text.strip_prefix('-').map_or((1, text), |bare| (-1, bare));
     let (whole, part) = bare.split_once('.').map_or((bare, None), |(whole, part)| (whole, Some(part)));
@@ -221,7 +221,7 @@ fn read(text: &str, letter: usize) -> Option<Number> {
 mod tests {
     use super::*;
 
-    /// As the page puts a line together.
+    /// Reassembles a line like the page.
     fn together(template: &str, numbers: &[Number]) -> String {
         let mut out = String::new();
         let mut numbers = numbers.iter();

@@ -1,7 +1,7 @@
-//! The page about a correction: whether it should run, figures, plots, the path, and every line beside that of the original.
+//! Page of a correction: verdict, figures, plots, the path, and every line beside that of the original.
 //!
-//! What is said in words and numbers is there without a script. Plots and lists are drawn by a script from packed data; texts of programs are data there and
-//! never markup. The policy of the page allows this one script, and no other: whatever a program text may say, nothing of it runs.
+//! Words and numbers are present without a script. A script draws plots and lists from packed data; program texts in it are data and never markup. The policy
+//! of the page permits only this script: whatever a program text contains, nothing of it runs.
 
 mod lines;
 mod packed;
@@ -21,59 +21,59 @@ use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::units::UnitKey;
 use ncfix_path::review::{Trace, pairs};
 
-/// Draws plots; see the licence beside it, which the page carries.
+/// Plot library; the page includes its licence, which is in the file beside it.
 const UPLOT: &str = include_str!("uplot/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("uplot/uPlot.min.css");
 const UPLOT_LICENSE: &str = include_str!("uplot/LICENSE");
 const SCRIPT: &str = include_str!("review.js");
 const STYLE: &str = include_str!("review.css");
 
-/// A deviation in these units is an integer: 10 nm, 0.01 µrad.
+/// Unit of deviations stored as integers: 10 nm, 0.01 µrad.
 const ADDED_UNIT: f64 = 1e-2;
-/// A place is one in these, mm.
+/// Unit of positions stored as integers, mm.
 const PLACE_UNIT_MM: f64 = 1e-3;
 
-/// A program with its name.
+/// Program with its name.
 #[derive(Clone, Copy, Debug)]
 pub struct Program<'a> {
-    /// As it is called.
+    /// Name.
     pub name: &'a str,
-    /// Its text.
+    /// Text.
     pub bytes: &'a [u8],
-    /// Ends a line.
+    /// Byte that ends a line.
     pub line_end: u8,
 }
 
-/// What a page is about.
+/// Content of a page.
 #[derive(Debug)]
 pub struct Subject<'a> {
-    /// What was found.
+    /// Result of the comparison.
     pub review: &'a Review,
     /// All pieces, with their places.
     pub trace: &'a Trace,
-    /// The original program, and the files that it calls.
+    /// Original program, and the files that it calls.
     pub originals: &'a [Program<'a>],
-    /// The corrected program.
+    /// Corrected program.
     pub corrected: Program<'a>,
-    /// Temperatures and corrections of a transfer, where the page is about one.
+    /// Temperatures and corrections of a transfer, if the page is about one.
     pub journal: Option<&'a Journal>,
 }
 
-/// What a transfer wrote down: temperatures and corrections by time.
+/// Journal of a transfer: temperatures and corrections by time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Journal {
     /// Time since the first entry, s.
     pub times_s: Vec<f64>,
-    /// Temperatures by sensor, °C; NaN where one was not known.
+    /// Temperatures by sensor, °C; NaN while one is not known.
     pub sensors_c: Vec<(String, Vec<f64>)>,
-    /// By axis: what the model asked for, and what was applied, µm.
+    /// Correction of the model and applied correction by axis, µm.
     pub axes_um: Vec<(String, [Vec<f64>; 2])>,
 }
 
-/// The page; `digest` is SHA-256, by which the policy knows the script.
+/// Returns the page. `digest` is SHA-256, by which the policy identifies the script.
 ///
 /// # Errors
-/// Where data cannot be packed.
+/// If data cannot be packed.
 pub fn review(subject: &Subject<'_>, digest: &dyn Fn(&[u8]) -> Vec<u8>) -> Result<String, String> {
     let data = data(subject).map_err(|error| error.to_string())?;
     let object = serde_json::to_string(subject.review).map_err(|error| error.to_string())?.replace('<', "\\u003c");
@@ -100,7 +100,7 @@ pub fn review(subject: &Subject<'_>, digest: &dyn Fn(&[u8]) -> Vec<u8>) -> Resul
     fault.map_or(Ok(page), Err)
 }
 
-/// What is there without a script.
+/// Writes the part that needs no script.
 fn body(out: &mut Markup, subject: &Subject<'_>) {
     let review = subject.review;
     let [original, corrected] = &review.files;
@@ -254,17 +254,17 @@ fn signoff(out: &mut Markup) {
     });
 }
 
-/// The axes of which anything was changed.
+/// Returns the axes with changes.
 fn changed(subject: &Subject<'_>) -> Vec<Axis> {
     AXES.into_iter().filter(|axis| subject.review.axes.contains_key(&axis.to_string())).collect()
 }
 
-/// The unit of an axis, and what makes mm or rad into it.
+/// Returns the unit of an axis, and the factor from mm or rad to it.
 fn unit_of(axis: Axis) -> (&'static str, f64) {
     if axis.is_rotary() { ("µrad", 1e6) } else { ("µm", 1e3) }
 }
 
-/// The packed data.
+/// Packs the data.
 fn data(subject: &Subject<'_>) -> Result<String, std::io::Error> {
     let (trace, mut packed) = (subject.trace, Packed::default());
     let rows = &trace.rows;
@@ -282,7 +282,7 @@ fn data(subject: &Subject<'_>) -> Result<String, std::io::Error> {
         let places: Vec<i64> = trace.at_mm.iter().map(|at| (f64::from(at[k]) / PLACE_UNIT_MM).round() as i64).collect();
         packed.put(format!("row.at.{k}"), &places);
     }
-    // Where an arc leads before it ends.
+    // Intermediate points of arcs.
     packed.put("via.row", &trace.via.iter().map(|(row, _)| i64::from(*row)).collect::<Vec<i64>>());
     for k in 0..3 {
         let places = trace.via.iter().map(|(_, at)| (f64::from(at[k]) / PLACE_UNIT_MM).round() as i64);
@@ -326,9 +326,9 @@ fn data(subject: &Subject<'_>) -> Result<String, std::io::Error> {
     packed.text(&mut header)
 }
 
-/// Packs a journal; what the header says of it.
+/// Packs a journal; returns its header entries.
 fn journal(journal: &Journal, packed: &mut Packed) -> Value {
-    /// Where a temperature is not known.
+    /// Marks an unknown temperature.
     const GAP: i64 = -(1 << 31);
     let whole = |values: &[f64], parts: f64| -> Vec<i64> {
         values.iter().map(|value| if value.is_finite() { (value * parts).round() as i64 } else { GAP }).collect()

@@ -1,7 +1,7 @@
-//! Numbers and texts of a million lines in a page of some megabytes: streams of integers, of which neighbours are alike, packed together.
+//! Compact storage of numbers and texts of a million lines in a page of some megabytes: integer streams with similar neighbors, packed together.
 //!
-//! A stream is differenced, its signs are folded in (zigzag), and it is written in groups of seven bits (LEB128). All streams together go through gzip,
-//! which browsers undo themselves, and through base64, in which nothing can be taken for markup.
+//! A stream is differenced, its signs are folded in (zigzag), and it is written in groups of seven bits (LEB128). All streams together are compressed with
+//! gzip, which browsers decompress themselves, and encoded as base64, in which nothing can be mistaken for markup.
 
 use std::io::Write as _;
 
@@ -12,17 +12,17 @@ use flate2::write::GzEncoder;
 use serde::Serialize;
 use serde_json::Value;
 
-/// A stream, as the header tells of it.
+/// Stream as described in the header.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 struct Stream {
     name: String,
-    /// How often it is differenced.
+    /// Number of times that it is differenced.
     order: u8,
     count: usize,
     bytes: usize,
 }
 
-/// Growing packed data.
+/// Packed data under construction.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Packed {
     streams: Vec<Stream>,
@@ -30,13 +30,13 @@ pub(super) struct Packed {
 }
 
 impl Packed {
-    /// A stream in whichever order is shortest.
+    /// Adds a stream in the order of differences that is shortest.
     pub(super) fn put(&mut self, name: impl Into<String>, values: &[i64]) {
         let order = (0..3).min_by_key(|&order| differences(values, order).map(length).sum::<usize>()).unwrap_or(0);
         self.put_in(name, values, order);
     }
 
-    /// A stream in an order.
+    /// Adds a stream in a given order.
     pub(super) fn put_in(&mut self, name: impl Into<String>, values: &[i64], order: u8) {
         let from = self.bytes.len();
         for value in differences(values, order) {
@@ -46,7 +46,7 @@ impl Packed {
         self.streams.push(Stream { name: name.into(), order, count: values.len(), bytes });
     }
 
-    /// All of it as text; the header has entries of its own.
+    /// Returns everything as text; the caller adds its own header entries.
     pub(super) fn text(&self, header: &mut serde_json::Map<String, Value>) -> Result<String, std::io::Error> {
         header.insert("streams".into(), serde_json::to_value(&self.streams)?);
         let header = serde_json::to_vec(header)?;
@@ -59,7 +59,7 @@ impl Packed {
     }
 }
 
-/// Differences of an order; before the first value all are 0.
+/// Returns the differences of an order; values before the first one are 0.
 fn differences(values: &[i64], order: u8) -> impl Iterator<Item = i64> + '_ {
     let (mut last, mut before) = (0_i64, 0_i64);
     values.iter().map(move |&value| {
@@ -73,12 +73,12 @@ fn differences(values: &[i64], order: u8) -> impl Iterator<Item = i64> + '_ {
     })
 }
 
-/// 0, −1, 1, −2 … as 0, 1, 2, 3 …
+/// Maps 0, −1, 1, −2 … to 0, 1, 2, 3 …
 fn folded(value: i64) -> u64 {
     ((value << 1) ^ (value >> 63)).cast_unsigned()
 }
 
-/// Bytes that a value takes.
+/// Returns the number of bytes of a value.
 fn length(value: i64) -> usize {
     (64 - (folded(value) | 1).leading_zeros() as usize).div_ceil(7)
 }
@@ -101,7 +101,7 @@ mod tests {
         // LEB128: 624485 is E5 8E 26 (DWARF 5, section 7.6); zigzag of −312243 is 624485.
         packed.put_in("one", &[-312_243], 0);
         assert_eq!(packed.bytes, [0xe5, 0x8e, 0x26]);
-        // Second differences are 0, 100, 0, 0, 1, doubled: six bytes; the values and their first differences take nine.
+        // Second differences are 0, 100, 0, 0, 1, doubled: six bytes. The values and their first differences take nine.
         packed.put("line", &[0, 100, 200, 300, 401]);
         assert_eq!(packed.bytes[3..], [0, 200, 1, 0, 0, 2]);
         let both: Vec<(&str, u8, usize, usize)> =

@@ -1,9 +1,9 @@
 //! Sag and angularity compensation of the SINUMERIK 840D: `$AN_CEC` as an initialisation program.
 //!
-//! A table has a basic axis (input) and a compensation axis (output), equal steps between MIN and MAX, linear between, the end values
-//! outside. Tables of one output are added; `$AN_CEC_MULT_BY_TABLE[t] = n` multiplies table t by the table of number n, which is its index
-//! plus 1. The result is added to the set-point. (SINUMERIK 840D sl, Extended Functions K3 4.4.4; Esmaeili 2021, 2.4.5.3 and Fig. 7.3.)
-//! Units are those of the basic system, mm here, and degrees.
+//! A table has a basic axis (input) and a compensation axis (output), equal steps between MIN and MAX, linear between, the end values outside. Tables
+//! of one output are added; `$AN_CEC_MULT_BY_TABLE[t] = n` multiplies table t by the table of number n, which is its index plus 1. The result is
+//! added to the set-point. (SINUMERIK 840D sl, Extended Functions K3 4.4.4; Esmaeili 2021, 2.4.5.3 and Fig. 7.3.) Units are those of the basic
+//! system, here mm, and degrees.
 
 use std::fmt::Write as _;
 
@@ -14,9 +14,9 @@ use crate::tables::{Multiplication, Nodes, Sense, Tables, Wiring};
 
 mod reader;
 
-/// Decimals of values that are added: a nanometre.
+/// Decimals of additive values: a nanometre.
 const DECIMALS: usize = 6;
-/// Decimals of factors, whose products are smaller than they are.
+/// Decimals of factors, whose products are smaller than themselves.
 const FACTOR_DECIMALS: usize = 8;
 /// Decimals of positions.
 const POSITION_DECIMALS: usize = 6;
@@ -27,7 +27,7 @@ pub(super) const FORMAT: Format = Format {
     title: "SINUMERIK $AN_CEC",
     sign: "values are added to the set-point of the output axis; the manual does not spell out the sign: try one large value on the machine",
     holds: &[Holds::Own, Holds::Cross, Holds::Products, Holds::Senses, Holds::CrossSenses, Holds::Repetition],
-    // Two tables for each of 31 axes; MD18342 takes 2000 points; MD32720 takes 10 mm and is 1 mm as delivered.
+    // Two tables for each of 31 axes; MD18342 accepts 2000 points; MD32720 accepts 10 mm, default 1 mm.
     limits: FormatLimits { tables: 62, points: 2000, value_mm: 10.0, resolution_mm: 1e-6 },
     round,
     faults,
@@ -69,7 +69,7 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
     faults
 }
 
-/// What a table is, for a comment.
+/// The role of a table, for a comment.
 fn role(tables: &Tables, index: usize) -> String {
     let Some(one) = tables.lookups.get(index) else { return String::new() };
     let product = one.factor.map_or(String::new(), |factor| format!(", times table {}", factor + 1));

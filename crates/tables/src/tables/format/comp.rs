@@ -1,10 +1,10 @@
 //! Leadscrew compensation of LinuxCNC: a `COMP_FILE` for each joint, three numbers a line.
 //!
-//! Nominal position, forward and reverse value, at most 256 lines. With `COMP_FILE_TYPE = 1` the values are trims: what is added to the
-//! command of the joint while it moves up or down. With type 0 they are positions, and the trim is nominal minus position. Between lines it
-//! is linear, outside the end values hold, at rest the last sense holds, and BACKLASH is ignored. (LinuxCNC, INI configuration, "\[JOINT]
-//! section"; usrmotLoadComp and compute_screw_comp in its sources, where the examples of the manual have the other sign.) The control stops
-//! reading at the first line that is no triplet, so everything else stands behind them. Units are those of the joint: mm and degrees here.
+//! Nominal position, forward and reverse value, at most 256 lines. With `COMP_FILE_TYPE = 1` the values are trims, added to the command of the joint
+//! while it moves up or down. With type 0 they are positions, and the trim is nominal minus position. Between lines the value is linear, outside the
+//! end values apply, at rest the last direction applies, and BACKLASH is ignored. (LinuxCNC, INI configuration, "\[JOINT] section"; usrmotLoadComp
+//! and compute_screw_comp in its sources; the examples of the manual have the opposite sign.) The control stops reading at the first line that is not
+//! a triplet, so everything else comes after them. Units are those of the joint, here mm and degrees.
 
 use std::fmt::Write as _;
 
@@ -19,9 +19,9 @@ use ncfix_base::source::Source;
 
 /// Decimals of values and positions: a nanometre.
 const DECIMALS: usize = 6;
-/// What our files say of themselves behind the triplets.
+/// Mark of the file type after the triplets of our files.
 const TYPE_MARK: &str = "# COMP_FILE_TYPE =";
-/// Whose they are.
+/// Mark of the axis.
 const AXIS_MARK: &str = "# axis ";
 
 /// The format.
@@ -30,7 +30,7 @@ pub(super) const FORMAT: Format = Format {
     title: "LinuxCNC COMP_FILE",
     sign: "values are added to the command of the joint: COMP_FILE_TYPE = 1",
     holds: &[Holds::Own, Holds::Senses],
-    // 256 triplets a joint (INI configuration); a joint has one file for both senses; values are single precision.
+    // 256 triplets per joint (INI configuration); a joint has one file for both directions; values are single precision.
     limits: FormatLimits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-6 },
     round,
     faults,
@@ -48,7 +48,7 @@ fn round(tables: &mut Tables) {
     for input in inputs(tables) {
         let group: Vec<&Lookup> = tables.lookups.iter().filter(|one| one.input == input).collect();
         if group.iter().any(|one| one.modulo || one.factor.is_some() || one.output != input) {
-            // Not what the format has: left as it is for the check to name it.
+            // Not supported by the format: kept for the check to report it.
             summed.extend(group.into_iter().cloned());
         } else {
             summed.extend(sum(&group, &points_of(group.iter().copied()), DECIMALS));
@@ -99,13 +99,13 @@ fn write(tables: &Tables, _: &Wiring, notes: &[String]) -> Vec<Written> {
     files
 }
 
-/// Three numbers, whatever follows them.
+/// Three numbers at the beginning of a line.
 fn triplet(text: &str) -> Option<[f64; 3]> {
     let mut numbers = text.split_whitespace().map(|part| part.parse::<f64>().ok().filter(|value| value.is_finite()));
     Some([numbers.next()??, numbers.next()??, numbers.next()??])
 }
 
-/// A file that begins with three numbers and nothing else.
+/// `true` for a file whose first line is three numbers only.
 fn is_mine(name: &str, bytes: &[u8]) -> bool {
     let first = bytes.split(|&byte| byte == b'\n').next().and_then(|line| std::str::from_utf8(line).ok());
     let is_triplet = |line: &str| line.split_whitespace().count() == 3 && triplet(line).is_some();
@@ -179,7 +179,7 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
     report.findings
 }
 
-/// Whether the values are trims: positions are near the nominal ones, trims near 0. Not known where the two are alike.
+/// `true` if the values are trims: positions are near the nominal ones, trims near 0. `None` if ambiguous.
 fn guess_type(rows: &[[f64; 3]]) -> Option<bool> {
     let far = |from: fn(&[f64; 3]) -> f64| rows.iter().map(from).fold(0.0, f64::max);
     let from_nominal = far(|row| (row[1] - row[0]).abs().max((row[2] - row[0]).abs()));

@@ -1,9 +1,9 @@
 //! Leadscrew (encoder) error compensation of the SINUMERIK 840D: `$AA_ENC_COMP` as an initialisation program.
 //!
-//! A table of an axis on itself, in equal steps between MIN and MAX, linear between, the end values outside; one for each of the two
-//! measuring systems (SINUMERIK 840D sl, Extended Functions K3 4.4.2). The values correct what the encoder tells: a positive value moves
-//! the axis in the NEGATIVE direction, so what is added to a command is the value with the other sign (SINUMERIK 808D, Function Manual,
-//! leadscrew error compensation). It should be 0 at the reference point. Units are mm and degrees.
+//! A table of an axis on itself, in equal steps between MIN and MAX, linear between, the end values outside; one for each of the two measuring
+//! systems (SINUMERIK 840D sl, Extended Functions K3 4.4.2). The values correct the encoder position: a positive value moves the axis in the NEGATIVE
+//! direction, so the correction added to a command is the negated value (SINUMERIK 808D, Function Manual, leadscrew error compensation). It should be
+//! 0 at the reference point. Units are mm and degrees.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -19,7 +19,7 @@ use ncfix_base::source::{Source, Span};
 
 /// Decimals of values and positions: a nanometre.
 const DECIMALS: usize = 6;
-/// Axes with tables that are read: 31 with two measuring systems each.
+/// Maximum number of tables that are read: 31 axes with two measuring systems each.
 const MOST_TABLES: usize = 62;
 
 /// The format.
@@ -28,7 +28,7 @@ pub(super) const FORMAT: Format = Format {
     title: "SINUMERIK $AA_ENC_COMP",
     sign: "positive values move the axis in the negative direction, because they correct what the encoder tells",
     holds: &[Holds::Own, Holds::Repetition],
-    // One for each of 31 axes; MD38000 takes 5000 points; no largest value is known.
+    // One for each of 31 axes; MD38000 accepts 5000 points; the largest value is not documented.
     limits: FormatLimits { tables: 31, points: 5000, value_mm: 0.0, resolution_mm: 1e-6 },
     round,
     faults,
@@ -68,7 +68,7 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
     faults
 }
 
-/// The number of the measuring system that is written.
+/// The number of the written measuring system.
 const MEASURING_SYSTEM: usize = 0;
 
 fn write(tables: &Tables, wiring: &Wiring, notes: &[String]) -> Vec<Written> {
@@ -96,23 +96,23 @@ fn is_mine(_: &str, bytes: &[u8]) -> bool {
     ini::has(bytes, "$AA_ENC_COMP", "_EEC_INI")
 }
 
-/// The fields without which a table in use is not known.
+/// Required fields of a table in use.
 const FIELDS: [&str; 4] = ["STEP", "MIN", "MAX", "IS_MODULO"];
 
-/// A table as far as it was read.
+/// A table as far as read.
 #[derive(Clone, Debug, Default)]
 struct Raw {
     /// Millimetres of its unit of length.
     unit_mm: f64,
     values: BTreeMap<usize, f64>,
-    /// Its fields, without `$AA_ENC_COMP_`.
+    /// Its fields, without the prefix `$AA_ENC_COMP_`.
     fields: BTreeMap<String, f64>,
-    /// Where it begins.
+    /// Span of its beginning.
     span: Option<Span>,
 }
 
 impl Raw {
-    /// A field; 0 where it is not written.
+    /// A field; 0 if not written.
     fn field(&self, name: &str) -> f64 {
         self.fields.get(name).copied().unwrap_or(0.0)
     }
@@ -144,7 +144,7 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn assignment(&mut self, line: &ScannedLine<'_>, unit_mm: f64, one: &IniAssignment<'_>) {
         let Some(field) = one.name.strip_prefix("$AA_ENC_COMP") else {
-            // Sag tables are of another format, whose reader takes them.
+            // Sag tables belong to another format, with its own reader.
             let is_known = ["$AN_CEC", "$SN_CEC", "$MN_MM_CEC"].iter().any(|head| one.name.starts_with(head));
             if !one.name.contains("ENC_COMP") && !is_known {
                 let message = format!("{} is not part of the leadscrew compensation and is left out", shown(&one.name));
@@ -203,7 +203,7 @@ impl Reader<'_> {
             self.report
                 .empty("no leadscrew table is in the file", "a table has lines such as $AA_ENC_COMP[0,0,AX1]=0.005");
         }
-        // In the order of the file, which is that of the tables that were written.
+        // In the order of the file, which is that of the written tables.
         let mut raw: Vec<_> = raw.into_iter().collect();
         raw.sort_by_key(|(_, one)| one.span);
         for ((name, m), one) in &raw {

@@ -1,9 +1,9 @@
 //! Three-dimensional error compensation of FANUC Series 30i as a table of its nodes.
 //!
-//! The control adds to three linear axes what a grid of at most 25 by 25 by 25 nodes holds, with trilinear interpolation (FANUC Series
-//! 30i-MODEL A, Three-dimensional error compensation A-79351E, "Calculation of compensation"; Esmaeili 2021, 2.4.5.2 and eq. 13, 14). How
-//! the control reads the values from a file is not public: this is a plain table for the loader of the machine builder, with what its
-//! parameters need (first node, interval, number of nodes) in front.
+//! The control adds the values of a grid of at most 25 by 25 by 25 nodes to three linear axes, with trilinear interpolation (FANUC Series 30i-MODEL
+//! A, Three-dimensional error compensation A-79351E, "Calculation of compensation"; Esmaeili 2021, 2.4.5.2 and eq. 13, 14). The file format of the
+//! control is not public: this is a plain table for the loader of the machine builder, preceded by its parameters (first node, interval, number of
+//! nodes).
 
 use std::fmt::Write as _;
 
@@ -17,11 +17,11 @@ use ncfix_base::source::Source;
 
 /// Decimals of values and positions: a nanometre.
 const DECIMALS: usize = 6;
-/// Nodes that are read: more than 25 by 25 by 25.
+/// Maximum number of nodes that are read: more than 25 by 25 by 25.
 const MOST_NODES: usize = 64 * 64 * 64;
-/// What stands in front of a grid.
+/// Header of the grid parameters.
 const GRID_HEAD: &str = "axis start_mm step_mm count";
-/// What stands in front of the nodes.
+/// Header of the nodes.
 const NODE_HEAD: &str = "node";
 
 /// The format.
@@ -107,7 +107,7 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
     reader.finish(tables)
 }
 
-/// First node, distance and number of nodes of an axis.
+/// First node, spacing and number of nodes of an axis.
 struct Row {
     axis: Axis,
     start: f64,
@@ -186,7 +186,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The position of a node must be that of the grid.
+    /// Checks that the position of a node is that of the grid.
     fn position(&mut self, line: &ScannedLine<'_>, index: usize, at: &[&str]) {
         let mut rest = index;
         for (place, row) in self.axes.iter().enumerate() {

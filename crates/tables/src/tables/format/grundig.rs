@@ -1,9 +1,9 @@
 //! Error functions of linear axes for a Grundig control: `S1 P-100 T1=10 T2=6 T3=-6 R1=-1 R2=0 R3=3` (Spaan 1995, chapter 6, Table 6.1).
 //!
-//! S1, S2, S3 are X, Y, Z; P is the position of a point from the machine reference point, mm; T1 to T3 are the translation errors along X,
-//! Y, Z in µm, R1 to R3 the rotation errors about them in arc seconds. They are ERRORS of the moving body: the control puts them through the
-//! kinematics that its machine constants describe, evaluates the table at 200 intervals between the software end switches and adds the
-//! correction. Whether it takes the errors or their negatives is not said there: try one large value on the machine.
+//! S1, S2, S3 are X, Y, Z; P is the position of a point from the machine reference point, mm. T1 to T3 are the translation errors along X, Y, Z in
+//! µm, R1 to R3 the rotation errors about them in arc seconds. They are ERRORS of the moving body: the control applies them in the kinematics of its
+//! machine constants. It evaluates the table at 200 intervals between the software limit switches and adds the correction. The sign convention
+//! (errors or their negatives) is not documented there: try one large value on the machine.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -22,7 +22,7 @@ const UM: f64 = 1e-3;
 const ARCSEC: f64 = PI / 648_000.0;
 /// The units of T1 T2 T3 R1 R2 R3, mm and rad.
 const UNITS: [f64; 6] = [UM, UM, UM, ARCSEC, ARCSEC, ARCSEC];
-/// Their addresses.
+/// Addresses of the values.
 const ADDRESSES: [&str; 6] = ["T1", "T2", "T3", "R1", "R2", "R3"];
 /// Decimals of positions, mm.
 const POSITION_DECIMALS: usize = 3;
@@ -33,7 +33,7 @@ pub(super) const FORMAT: Format = Format {
     title: "Grundig S P T R",
     sign: "values are errors of the moving body, not corrections; try one large value on the machine",
     holds: &[Holds::Errors],
-    // Table 6.1 has whole µm and arc seconds and the three linear axes; no largest number of points or value is given there.
+    // Table 6.1 has whole µm and arc seconds and the three linear axes; it gives no limit for points or values.
     limits: FormatLimits { tables: 3, points: 0, value_mm: 0.0, resolution_mm: UM },
     round,
     faults,
@@ -82,7 +82,7 @@ fn write(tables: &Tables, _: &Wiring, notes: &[String]) -> Vec<Written> {
     vec![Written { suffix: String::new(), text }]
 }
 
-/// The first row that is no remark begins with S and P and has a T or an R.
+/// `true` if the first row that is not a remark begins with S and P and has a T or an R.
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
     let rows = bytes.split(|&byte| byte == b'\n' || byte == b'\r').map(|line| line.trim_ascii());
     let first = rows.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"("));
@@ -127,7 +127,7 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     report.findings
 }
 
-/// Adds a point behind those of its axis.
+/// Adds a point after those of its axis.
 fn add(
     line: &ScannedLine<'_>,
     report: &mut Report<'_>,

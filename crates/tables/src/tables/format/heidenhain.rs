@@ -1,11 +1,11 @@
 //! Compensation value tables of HEIDENHAIN controls: a `.COM` file for each basic axis, and the `.CMA` file that assigns them.
 //!
-//! A `.COM` table has the position of the basic axis (AXISPOS, from the machine datum), a column for each axis that it corrects, named after
-//! it, and BACKLASH for values in the negative direction of travel where they differ. The `.CMA` table has a column for each basic axis
-//! with the names of their `.COM` files, and `*` under ACTIVE in the row that holds. Axis of a column of the `.COM` = function of the axis of
-//! the column of the `.CMA`. (HEIDENHAIN, Technical Manual MANUALplus 620, 6.10.3 "Nonlinear axis error compensation", p. 716 and 718; TNC
-//! 407, p. 153 to 156.) Whether a value is added to or taken from the set-point, and whether BACKLASH holds values or differences, the
-//! manuals leave open: here it holds values and all are added. Rotary axes have positions from 0 to 360 degrees. Units are mm and degrees.
+//! A `.COM` table has the position of the basic axis (AXISPOS, from the machine datum), and a column for each corrected axis, named after it. Another
+//! column BACKLASH has values for the negative direction of travel if they differ. The `.CMA` table has a column for each basic axis with the names
+//! of their `.COM` files, and `*` under ACTIVE in the active row. The axis of a column of the `.COM` is a function of the axis of the column of the
+//! `.CMA`. (HEIDENHAIN, Technical Manual MANUALplus 620, 6.10.3 "Nonlinear axis error compensation", p. 716 and 718; TNC 407, p. 153 to 156.) The
+//! manuals do not specify whether a value is added or subtracted, nor whether BACKLASH contains values or differences: here it contains values, and
+//! all are added. Rotary axes have positions from 0 to 360 degrees. Units are mm and degrees.
 
 use std::fmt::Write as _;
 
@@ -17,7 +17,7 @@ use ncfix_base::geometry::{AXES, Axis};
 
 mod reader;
 
-/// Decimals of values and positions: the 0.0001 mm of which the spacings of a TNC 407 are multiples.
+/// Decimals of values and positions: the spacings of a TNC 407 are multiples of 0.0001 mm.
 const DECIMALS: usize = 4;
 /// A turn, degrees.
 const TURN: f64 = 360.0;
@@ -30,7 +30,7 @@ pub(super) const FORMAT: Format = Format {
     title: "HEIDENHAIN .COM/.CMA",
     sign: "values are added to the set-point, BACKLASH holds those of the negative direction; the manuals leave both open: try one large value",
     holds: &[Holds::Own, Holds::Cross, Holds::Senses, Holds::Repetition],
-    // 256 points a table (TNC 407, module 9095, error 3); no largest value is known.
+    // 256 points per table (TNC 407, module 9095, error 3); the largest value is not documented.
     limits: FormatLimits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-4 },
     round,
     faults,
@@ -41,7 +41,7 @@ pub(super) const FORMAT: Format = Format {
     is_mine,
 };
 
-/// Whether the points of a table are one turn of a rotary axis.
+/// `true` if the points of a table are one turn of a rotary axis.
 fn is_turn(axis: Axis, points: &[f64]) -> bool {
     axis.is_rotary() && points.first() == Some(&0.0) && points.last() == Some(&TURN)
 }
@@ -51,13 +51,13 @@ fn columns(input: Axis) -> impl Iterator<Item = Axis> {
     std::iter::once(input).chain(AXES.into_iter().filter(move |&axis| axis != input))
 }
 
-/// Whether positions lie outside of 0 to 360 degrees.
+/// `true` if positions are outside 0 to 360 degrees.
 fn leaves_turn(one: &Lookup) -> bool {
     let [start, end] = one.nodes.range();
     start < 0.0 || end > TURN
 }
 
-/// Puts a table of a rotary axis that is no longer than a turn at the positions from 0 to 360 degrees where the control looks it up.
+/// Shifts a table of a rotary axis of at most a turn to the positions from 0 to 360 degrees, which the control looks up.
 fn wrap(one: &mut Lookup) {
     let Nodes::At(before) = &one.nodes else { return };
     let [start, end] = one.nodes.range();
@@ -71,7 +71,7 @@ fn wrap(one: &mut Lookup) {
     let value = |&point: &f64| {
         let turns = [point, point - TURN, point + TURN];
         let within = turns.into_iter().find(|at| (start..=end).contains(at));
-        // Beyond the table the nearer end holds.
+        // Outside the table the nearer end value applies.
         let off = |at: &f64| (start - at).max(at - end);
         let nearest = turns.into_iter().min_by(|one, other| off(one).total_cmp(&off(other)));
         one.value(within.or(nearest).unwrap_or(point))
@@ -81,7 +81,7 @@ fn wrap(one: &mut Lookup) {
     one.nodes = Nodes::At(points);
 }
 
-/// Brings tables of one basic axis to the same points, one for each axis that they correct.
+/// Converts tables of one basic axis to common points, one for each corrected axis.
 fn round(tables: &mut Tables) {
     weigh(tables);
     if tables.lookups.iter().any(|one| one.factor.is_some()) {
@@ -99,7 +99,7 @@ fn round(tables: &mut Tables) {
             summed.append(&mut group);
             continue;
         }
-        // Within the turn there is nothing to repeat.
+        // A table within one turn is not periodic.
         group.iter_mut().for_each(|one| one.modulo = false);
         for output in columns(input) {
             let of_output: Vec<&Lookup> = group.iter().filter(|one| one.output == output).collect();
@@ -154,7 +154,7 @@ fn write(tables: &Tables, _: &Wiring, notes: &[String]) -> Vec<Written> {
     files
 }
 
-/// The name of a table on the control.
+/// The name of a table in the control.
 fn table_name(input: Axis) -> String {
     format!("AXIS_{input}")
 }
@@ -184,7 +184,7 @@ fn com(tables: &Tables, input: Axis) -> Written {
     Written { suffix: format!("-{}.com", input.to_string().to_ascii_lowercase()), text }
 }
 
-/// The assignment of tables to basic axes, with one row that is active.
+/// The assignment of tables to basic axes, with one active row.
 fn cma(tables: &Tables) -> Written {
     let mut head = format!("{:<6}", "NR");
     let mut row = format!("{:<6}", 0);

@@ -6,23 +6,23 @@ use super::scan::{Report, ScannedLine, shown};
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
 
-/// What else stands in such a program and has nothing to do with the tables.
+/// Other statements of such a program, without relation to the tables.
 const SILENT: [&str; 5] = ["M0", "M00", "M01", "M1", "NEWCONF"];
-/// What it ends with.
+/// Statements that end it.
 const ENDS: [&str; 5] = ["M17", "M30", "M2", "M02", "RET"];
 
-/// What to do about a table that lacks a field.
+/// Help for a table that lacks a field.
 pub(super) const KEEPS_FIELDS: &str = "write every field as the control saves it, 0 too: the control keeps what it had there – 0 only where \
      its memory was cleared – and nothing here tells what that is";
 
-/// The fields that a table lacks, with what their names begin with; `None` where it has all.
+/// The missing fields of a table, with their name prefix; `None` if it has all.
 pub(super) fn missing(prefix: &str, wanted: &[&str], there: &BTreeMap<String, f64>) -> Option<String> {
     let names: Vec<String> =
         wanted.iter().filter(|&&name| !there.contains_key(name)).map(|name| format!("{prefix}{name}")).collect();
     (!names.is_empty()).then(|| names.join(", "))
 }
 
-/// Whether a file has a variable of this name outside of its remarks; or else a member for it, and no variable of tables at all.
+/// `true` if a file has a variable of this name outside its remarks, or a member for it without any table variable.
 pub(super) fn has(bytes: &[u8], variable: &str, member: &str) -> bool {
     let contains =
         |line: &[u8], word: &str| line.windows(word.len()).any(|part| part.eq_ignore_ascii_case(word.as_bytes()));
@@ -38,13 +38,13 @@ pub(super) fn has(bytes: &[u8], variable: &str, member: &str) -> bool {
 /// `$NAME[index, index] = value`.
 #[derive(Debug)]
 pub(super) struct IniAssignment<'a> {
-    /// The name in capitals, with its `$`.
+    /// The name in upper case, with its `$`.
     pub(super) name: String,
-    /// What stands between the brackets.
+    /// The text of each index.
     pub(super) indices: Vec<&'a str>,
-    /// What stands behind the equals sign.
+    /// The text after the equals sign.
     pub(super) value: &'a str,
-    /// All of it.
+    /// The whole assignment.
     pub(super) text: &'a str,
 }
 
@@ -55,18 +55,18 @@ impl IniAssignment<'_> {
     }
 }
 
-/// Where a reader is in an archive.
+/// Position of a reader in an archive.
 #[derive(Debug)]
 pub(super) struct IniPosition {
-    /// What the names of members with such tables have in them.
+    /// Text in the names of members with such tables.
     member: &'static str,
-    /// What the names of their variables have in them.
+    /// Text in the names of their variables.
     mark: &'static str,
-    /// Whether it is in a member for something else, of which only the assignments to tables matter.
+    /// `true` in a member for another purpose, of which only assignments to tables are relevant.
     is_foreign: bool,
-    /// Millimetres of a unit of length.
+    /// Millimetres per unit of length.
     pub(super) unit_mm: f64,
-    /// The last assignment behind which no end has come yet.
+    /// The last assignment without a following end.
     open: Option<Span>,
 }
 
@@ -75,7 +75,7 @@ impl IniPosition {
         IniPosition { member, mark, is_foreign: false, unit_mm: 1.0, open: None }
     }
 
-    /// What a list that breaks off is told: an end that is missing is all that tells of lines that are.
+    /// Reports a list that breaks off: a missing end is the only sign of missing lines.
     pub(super) fn end(&mut self, report: &mut Report<'_>) {
         if let Some(span) = self.open.take() {
             let help = "see that the file is whole: the control ends it with M17";
@@ -83,7 +83,7 @@ impl IniPosition {
         }
     }
 
-    /// Calls back for each assignment to a system variable in a line.
+    /// Calls `see` for each assignment to a system variable in a line.
     pub(super) fn line<'a>(
         &mut self,
         line: &ScannedLine<'a>,
@@ -100,7 +100,7 @@ impl IniPosition {
         for statement in statements(without_number(text)) {
             match self.assignment(line, report, statement) {
                 Some(assignment) if !self.is_foreign || assignment.name.contains(self.mark) => {
-                    // Settings and machine data stand in other lists too, which end otherwise.
+                    // Settings and machine data also occur in other lists, with another end.
                     if assignment.name.starts_with("$A") {
                         self.open = Some(line.span(assignment.text));
                     }
@@ -111,7 +111,7 @@ impl IniPosition {
         }
     }
 
-    /// An assignment; what is none is taken up or pointed out.
+    /// Parses an assignment; other text is handled or reported.
     fn assignment<'a>(
         &mut self,
         line: &ScannedLine<'a>,
@@ -159,7 +159,7 @@ fn without_number(text: &str) -> &str {
     number.map_or(text, |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()).trim_start())
 }
 
-/// The statements of a block: each variable begins one.
+/// The statements of a block, each beginning with a variable.
 fn statements(text: &str) -> impl Iterator<Item = &str> {
     let mut rest = text;
     std::iter::from_fn(move || {

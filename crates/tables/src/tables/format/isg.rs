@@ -1,10 +1,10 @@
 //! Error functions for the volumetric compensation of ISG kernels and Beckhoff TwinCAT (TF5280): a table of named columns.
 //!
-//! A header of names, rows of numbers; `//` begins a remark, `#` ends a block, and the next line is a new header. A block of component
-//! errors has the axis as its first column (`X EXX EYX EZX EAX EBX ECX`); position errors (`A0Z`, constant) are a block of one row. Values
-//! are mm and rad, positions mm and degrees. They are ERRORS in the sense of ISO 230-1; the control puts them through the chain that its
-//! list names (`chain`, `workpiece_axes`) and corrects the position of the tip. (Beckhoff Information System, TF5280, "ISG CSV format",
-//! "Units of measure", "List of parameters supported".) `negate` of the list turns the sign: try one large value on the machine.
+//! A header of names, rows of numbers; `//` begins a remark, `#` ends a block, and the next line is a new header. A block of component errors has the
+//! axis as its first column (`X EXX EYX EZX EAX EBX ECX`); position errors (`A0Z`, constant) are a block of one row. Values are mm and rad, positions
+//! mm and degrees. They are ERRORS in the sense of ISO 230-1; the control applies them in the chain of its list (`chain`, `workpiece_axes`) and
+//! corrects the tip position. (Beckhoff Information System, TF5280, "ISG CSV format", "Units of measure", "List of parameters supported".) `negate`
+//! of the list inverts the sign: try one large value on the machine.
 
 use std::fmt::Write as _;
 
@@ -22,9 +22,9 @@ use ncfix_model::name::{DIRECTIONS, ErrorKind};
 const DECIMALS: usize = 6;
 /// Decimals of rotations, rad: a nanometre in a metre.
 const ANGLE_DECIMALS: usize = 9;
-/// Columns of a block at most: all parameters that the manual names are fewer.
+/// Maximum number of columns of a block; the manual names fewer parameters.
 const MOST_COLUMNS: usize = 200;
-/// The axes that it knows.
+/// The supported axes.
 const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 
 /// The format.
@@ -33,7 +33,7 @@ pub(super) const FORMAT: Format = Format {
     title: "ISG/TwinCAT volumetric compensation",
     sign: "values are errors of the moving body as in ISO 230-1, mm and rad; the control's list can turn their sign (negate): try one large value",
     holds: &[Holds::Errors, Holds::Locations],
-    // Six axes; the number of rows is max_records of the control's list, which its builder sets.
+    // Six axes; the number of rows is max_records of the control's list, set by its builder.
     limits: FormatLimits { tables: 6, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },
     round,
     faults,
@@ -109,17 +109,17 @@ fn short_name(name: ErrorName) -> String {
     text.strip_prefix('E').map_or(text.clone(), str::to_owned)
 }
 
-/// What a column holds.
+/// Content of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Column {
     /// Positions of an axis.
     Argument(Axis),
     Error(ErrorName),
-    /// Something of the kinematics, which is taken from the machine file.
+    /// A kinematic parameter, which is taken from the machine file.
     Other,
 }
 
-/// What a name in a header is.
+/// The column of a name in a header.
 fn column(name: &str) -> Option<Column> {
     let upper = name.to_ascii_uppercase();
     if let [letter] = upper.as_bytes() {
@@ -160,7 +160,7 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
         if text.starts_with('#') {
             needs_header = true;
         } else if !text.is_empty() && needs_header {
-            // Behind a header that is none the rows mean nothing.
+            // Rows after an invalid header have no meaning.
             let Some(columns) = header(&line, text, &mut report) else { break };
             blocks.push(Block { columns, rows: Vec::new(), span: line.span(text) });
             needs_header = false;
@@ -219,7 +219,7 @@ fn record(line: &ScannedLine<'_>, text: &str, block: &mut Block, report: &mut Re
     block.rows.extend(values);
 }
 
-/// Takes a block into the errors.
+/// Adds a block to the errors.
 fn take(block: &Block, errors: &mut ErrorTables, report: &mut Report<'_>) {
     let mut arguments = Vec::new();
     for (index, column) in block.columns.iter().enumerate() {
@@ -237,7 +237,7 @@ fn take(block: &Block, errors: &mut ErrorTables, report: &mut Report<'_>) {
     }
 }
 
-/// Errors that depend on nothing: one row.
+/// Constant errors: one row.
 fn constants(block: &Block, errors: &mut ErrorTables, report: &mut Report<'_>) {
     let [row] = &block.rows[..] else {
         let message = format!("{} rows of errors that depend on no axis", block.rows.len());
@@ -260,7 +260,7 @@ fn constants(block: &Block, errors: &mut ErrorTables, report: &mut Report<'_>) {
     }
 }
 
-/// Errors over the position of an axis.
+/// Errors as functions of an axis position.
 fn functions(block: &Block, index: usize, axis: Axis, errors: &mut ErrorTables, report: &mut Report<'_>) {
     let positions: Vec<f64> = block.rows.iter().filter_map(|row| row.get(index)).copied().collect();
     if positions.is_empty() || positions.windows(2).any(|pair| pair[0] >= pair[1]) {

@@ -1,4 +1,4 @@
-//! What a control can hold, and how much.
+//! Capabilities and limits of a control.
 
 use super::Format;
 use crate::tables::{Lookup, Multiplication, Tables};
@@ -12,36 +12,36 @@ pub enum Holds {
     Cross,
     /// Products of two functions.
     Products,
-    /// Tables for one sense of motion that correct the same axis.
+    /// Tables for one direction of motion that correct the same axis.
     Senses,
-    /// Tables for one sense of motion that correct another one.
+    /// Tables for one direction of motion that correct another axis.
     CrossSenses,
-    /// Tables that begin again behind their end.
+    /// Periodic tables.
     Repetition,
     /// A grid of corrections.
     Grid,
     /// Error functions for the control's own kinematics.
     Errors,
-    /// Location errors beside them.
+    /// Location errors in addition.
     Locations,
     /// A matrix.
     Matrix,
 }
 
-/// How much a control can hold. Zero where there is no such limit or none is known.
+/// Limits of a control. Zero for no limit or an unknown one.
 #[derive(Clone, Copy, Debug)]
 pub struct FormatLimits {
-    /// Tables.
+    /// Number of tables.
     pub tables: usize,
-    /// Values of a table, or nodes along an axis of a grid.
+    /// Number of values of a table, or of nodes along an axis of a grid.
     pub points: usize,
     /// Largest correction, mm.
     pub value_mm: f64,
-    /// Smallest difference of two values that the format writes, mm.
+    /// Smallest difference of two written values, mm.
     pub resolution_mm: f64,
 }
 
-/// What the tables have and the format does not.
+/// Table kinds that the format does not support.
 pub(super) fn kinds(format: &Format, tables: &Tables) -> Vec<String> {
     let lookups = &tables.lookups;
     let errors = tables.errors.as_ref();
@@ -76,7 +76,7 @@ pub(super) fn kinds(format: &Format, tables: &Tables) -> Vec<String> {
     faults
 }
 
-/// What is more than the control takes.
+/// Limits of the control that are exceeded.
 pub(super) fn exceeded(limits: &FormatLimits, tables: &Tables) -> Vec<String> {
     let mut faults = Vec::new();
     if limits.tables > 0 && tables.count() > limits.tables {
@@ -118,13 +118,13 @@ pub(super) fn exceeded(limits: &FormatLimits, tables: &Tables) -> Vec<String> {
     faults
 }
 
-/// More than any axis of a machine tool that moves at all is off by, mm and degrees: such a value is in another unit, or of no table.
+/// Largest plausible correction of any axis, mm and degrees: a larger value has another unit, or is not a table.
 const MOST_MM: f64 = 10.0;
 const MOST_DEG: f64 = 5.0;
-/// The same of a factor of a matrix: 10 mm in a metre.
+/// Largest plausible factor of a matrix: 10 mm in a metre.
 const MOST_SLOPE: f64 = 0.01;
 
-/// The largest values of tables that are added, of a grid and of errors, mm and degrees; factors of products are none.
+/// The largest values of additive tables, of a grid and of errors, mm and degrees; factors of products are excluded.
 fn largest(tables: &Tables) -> [f64; 2] {
     let named: Vec<usize> = tables.lookups.iter().filter_map(|one| one.factor).collect();
     let is_factor = |index: usize| tables.lookups[index].factor.is_some() || named.contains(&index);

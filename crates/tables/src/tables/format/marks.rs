@@ -1,21 +1,21 @@
-//! What a file of tables says of itself in remarks: for which reading of products it is.
+//! Remarks of a table file about the interpretation of products.
 
 use crate::tables::Multiplication;
 use ncfix_base::source::Source;
 
-/// What stands in front of the reading.
+/// Text before the interpretation.
 const PRODUCTS: &str = "products of tables count ";
-/// The readings, and how they are written.
+/// The interpretations and their texts.
 const READINGS: [(Multiplication, &str); 2] =
     [(Multiplication::Instead, "instead of the own value"), (Multiplication::Beside, "beside the own value")];
 
-/// The remark for a reading of products.
+/// The remark for an interpretation of products.
 pub(super) fn multiplication(multiplication: Multiplication) -> String {
     let reading = READINGS.iter().find(|(one, _)| *one == multiplication);
     format!("{PRODUCTS}{}", reading.map_or("", |(_, text)| text))
 }
 
-/// For which reading of products a file says it is; `None` where it says nothing.
+/// The interpretation of products stated in a file; `None` if there is none.
 #[must_use]
 pub fn multiplication_of(source: &Source) -> Option<Multiplication> {
     let end = source.line_end();

@@ -1,8 +1,7 @@
 //! The matrix of LinuxCNC's `matrixkins`: motors of X, Y, Z = C times the commands, as lines of a HAL file.
 //!
-//! `setp matrixkins.C_xy 0.0001` adds to the motor of X what the command of Y times 0.0001 is: scales and squareness errors of three linear
-//! axes (LinuxCNC manual page matrixkins(9), "Kinematics model" and "Configuration files"). The INI file names it with
-//! `KINEMATICS=matrixkins`.
+//! `setp matrixkins.C_xy 0.0001` adds 0.0001 times the command of Y to the motor of X: scales and squareness errors of three linear axes (LinuxCNC
+//! manual page matrixkins(9), "Kinematics model" and "Configuration files"). The INI file selects it with `KINEMATICS=matrixkins`.
 
 use std::fmt::Write as _;
 
@@ -17,7 +16,7 @@ use ncfix_base::source::Source;
 const DECIMALS: usize = 9;
 /// The letters of rows and columns.
 const LETTERS: [char; 3] = ['x', 'y', 'z'];
-/// What the names of its parameters begin with.
+/// Prefix of its parameter names.
 const PREFIX: &str = "matrixkins.C_";
 
 /// The format.
@@ -43,7 +42,7 @@ fn round(tables: &mut Tables) {
     }
 }
 
-/// The control needs the inverse too, for the positions that it shows.
+/// Checks that the matrix is invertible: the control needs the inverse for the displayed positions.
 fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
     let Some([[a, b, c], [d, e, f], [g, h, i]]) = tables.matrix else { return Vec::new() };
     let determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
@@ -67,7 +66,7 @@ fn is_mine(_: &str, bytes: &[u8]) -> bool {
     bytes.windows(PREFIX.len()).any(|part| part == PREFIX.as_bytes())
 }
 
-/// The place of `xy` in the matrix.
+/// The indices of `xy` in the matrix.
 fn place(name: &str) -> Option<[usize; 2]> {
     let mut letters = name.chars().map(|letter| LETTERS.iter().position(|&one| one == letter));
     match (letters.next(), letters.next(), letters.next()) {
@@ -76,7 +75,7 @@ fn place(name: &str) -> Option<[usize; 2]> {
     }
 }
 
-/// Other lines of a HAL file are left alone: it loads and connects much that is no table.
+/// Other lines of a HAL file are ignored: it loads and connects much besides tables.
 fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut report = Report::new(source);
     let mut matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -86,7 +85,7 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
             break;
         }
         if let Some(([row, column], value)) = parameter(&line, &mut report) {
-            // The last one counts, as in the control.
+            // The last one is used, as in the control.
             matrix[row][column] = value;
             count += 1;
         }

@@ -1,6 +1,6 @@
-//! The file formats of the controls: one file each, and the register of them ([`Formats`]), which a caller extends.
+//! The file formats of the controls: one file each, and their register ([`Formats`]), which a caller may extend.
 //!
-//! To add one from another crate, write a static [`Format`] with its functions and give it to
+//! To add one from another crate, write a static [`Format`] with its functions and pass it to
 //! [`Formats::with`](ncfix_base::register::Register::with).
 
 mod cec;
@@ -30,58 +30,58 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::register::{Register, Registered};
 use ncfix_base::source::Source;
 
-/// How a control writes its tables.
+/// The table format of a control.
 #[derive(Clone, Copy, Debug)]
 pub struct Format {
     /// Its name for `--format`.
     pub name: &'static str,
-    /// Which control, in a few words.
+    /// The control, in a few words.
     pub title: &'static str,
-    /// What its values are and with which sign the control takes them, a sentence for remarks in its files and for the screen.
+    /// Meaning and sign of its values, as a sentence for remarks in its files and for the screen.
     pub sign: &'static str,
-    /// What it can hold.
+    /// Supported table kinds.
     pub holds: &'static [Holds],
-    /// How much of it.
+    /// Limits.
     pub limits: FormatLimits,
-    /// Rounds values and positions to what the format writes, so that what is written is what was checked.
+    /// Rounds values and positions to the written resolution, so that written and checked tables are identical.
     pub round: fn(&mut Tables),
-    /// What only this format forbids, a sentence each; what [`Holds`] and [`FormatLimits`] forbid is not among it.
+    /// Errors specific to this format, one sentence each, other than those of [`Holds`] and [`FormatLimits`].
     pub faults: fn(&Tables, &Wiring) -> Vec<String>,
-    /// The text of rounded tables without faults; comment lines say what they are. One file with an empty suffix, or several.
+    /// The text of rounded tables without errors; comment lines describe them. One file with an empty suffix, or several.
     pub write: fn(&Tables, &Wiring, &[String]) -> Vec<Written>,
-    /// Reads a file, or one of several, into the tables; without an error among the findings it is complete.
+    /// Reads a file, or one of several, into the tables; it is complete if there is no error among the diagnostics.
     pub read: fn(&Source, &Wiring, &mut Tables) -> Vec<Diagnostic>,
-    /// The numbers of the tables that a file has, where a second file with one of them takes the place of the first in the control.
+    /// The numbers of the tables in a file, if a second file with one of them replaces it in the control.
     pub numbers: fn(&Source) -> BTreeSet<usize>,
-    /// The formats whose tables the same control may have in the same file, and adds.
+    /// Formats whose tables the same control may have in the same file, and adds.
     pub beside: &'static [&'static str],
-    /// Whether a file looks like this format, from its name and its first bytes.
+    /// `true` if a file looks like this format, by its name and first bytes.
     pub is_mine: fn(&str, &[u8]) -> bool,
 }
 
 /// A file of tables.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// What is added to the stem of the name that was asked for, with its ending; empty for the only file.
+    /// Suffix added to the stem of the requested name, with its extension; empty for the only file.
     pub suffix: String,
-    /// What is in it.
+    /// Content.
     pub text: String,
 }
 
-/// What to do about a table with gaps.
+/// Help for a table with gaps.
 const KEEPS: &str =
     "write every point from MIN to MAX: the control keeps what it had there, and nothing here tells what that is";
 
-/// What to do about a point that is set twice.
+/// Help for a point that is set twice.
 const TWICE: &str = "leave one of them out: the control takes the last one";
 
-/// Of formats whose tables have no numbers, or whose readers see for themselves that an axis has one already.
+/// For formats whose tables have no numbers, or whose readers detect repeated axes themselves.
 #[must_use]
 pub fn without_numbers(_: &Source) -> BTreeSet<usize> {
     BTreeSet::new()
 }
 
-/// The formats of files of tables: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+/// The table file formats: [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type Formats = Register<&'static Format>;
 
 impl Registered for &'static Format {
@@ -100,7 +100,7 @@ impl Registered for &'static Format {
     }
 }
 
-/// Those that are built in.
+/// The built-in formats.
 pub const FORMATS: &[Format] = &[
     cec::FORMAT,
     enc::FORMAT,
@@ -119,41 +119,41 @@ pub fn find(name: &str) -> Option<&'static Format> {
     FORMATS.iter().find(|format| format.name.eq_ignore_ascii_case(name))
 }
 
-/// The format of a file, as far as its name and its first bytes tell.
+/// The format of a file, as far as its name and first bytes determine it.
 #[must_use]
 pub fn guess(name: &str, bytes: &[u8]) -> Option<&'static Format> {
     guess_with(&Formats::default(), name, bytes)
 }
 
-/// The format of a file among these, as [`guess`] finds it.
+/// The format of a file among these, as [`guess`] determines it.
 #[must_use]
 pub fn guess_with(formats: &Formats, name: &str, bytes: &[u8]) -> Option<&'static Format> {
     formats.iter().copied().find(|format| (format.is_mine)(name, bytes))
 }
 
-/// All formats of which a file has tables: a control may save tables of several kinds in one.
+/// All formats of which a file has tables: a control may save several kinds of tables in one file.
 #[must_use]
 pub fn guesses(name: &str, bytes: &[u8]) -> Vec<&'static Format> {
     guesses_with(&Formats::default(), name, bytes)
 }
 
-/// All formats among these of which a file has tables, as [`guesses`] finds them.
+/// All formats among these of which a file has tables, as [`guesses`] determines them.
 #[must_use]
 pub fn guesses_with(formats: &Formats, name: &str, bytes: &[u8]) -> Vec<&'static Format> {
-    // Only formats that name their variables stand side by side; the others take a file as a whole.
+    // Only formats with named variables may share a file; the others use a file as a whole.
     let Some(first) = guess_with(formats, name, bytes) else { return Vec::new() };
     let beside = formats.iter().copied().filter(|other| other.name != first.name && first.beside.contains(&other.name));
     std::iter::once(first).chain(beside.filter(|other| (other.is_mine)(name, bytes))).collect()
 }
 
 impl Format {
-    /// Whether it holds such tables.
+    /// `true` if it supports such tables.
     #[must_use]
     pub fn can_hold(&self, what: Holds) -> bool {
         self.holds.contains(&what)
     }
 
-    /// Why the control cannot take these tables, a sentence each.
+    /// The reasons why the control cannot accept these tables, one sentence each.
     #[must_use]
     pub fn faults_of(&self, tables: &Tables, wiring: &Wiring) -> Vec<String> {
         let mut faults = limits::kinds(self, tables);
@@ -164,10 +164,10 @@ impl Format {
     }
 }
 
-/// A value rounded to a multiple of 10^-decimals, as its decimal text reads.
+/// A value rounded to a multiple of 10^-decimals, identical to its decimal text.
 pub(crate) fn rounded(value: f64, decimals: usize) -> f64 {
     let text = format!("{value:.decimals$}");
     let read: f64 = text.parse().unwrap_or(value);
-    // No minus in front of zero.
+    // No negative zero.
     if read == 0.0 { 0.0 } else { read }
 }

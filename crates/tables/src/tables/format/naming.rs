@@ -1,9 +1,9 @@
-//! Which axis a file of one axis is for, from its name: `x.comp`, `mill-y.com`, `joint_2.comp`, `zscrew.comp`.
+//! The axis of a single-axis file, by its name: `x.comp`, `mill-y.com`, `joint_2.comp`, `zscrew.comp`.
 
 use crate::tables::Wiring;
 use ncfix_base::geometry::Axis;
 
-/// The axis of a file name without its folders and its ending.
+/// The axis of a file name, ignoring folders and extension.
 pub(super) fn axis(wiring: &Wiring, name: &str) -> Option<Axis> {
     let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);

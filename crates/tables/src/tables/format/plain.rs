@@ -1,10 +1,10 @@
-//! Brings tables into the form of formats without weights, switches and free nodes, without changing what they add.
+//! Converts tables for formats without weights, switches and free nodes, without changing their effect.
 
 use super::rounded;
 use crate::tables::{Lookup, Nodes, Sense, Tables};
 use ncfix_base::geometry::Axis;
 
-/// Puts weights into the values and leaves out tables that are switched off. Products keep theirs: they name each other by their index.
+/// Applies weights to the values and drops disabled tables. Products keep theirs, as they refer to each other by index.
 pub(super) fn weigh(tables: &mut Tables) {
     if tables.lookups.iter().any(|one| one.factor.is_some()) {
         return;
@@ -18,9 +18,9 @@ pub(super) fn weigh(tables: &mut Tables) {
     }
 }
 
-/// Names the points one by one, at positions with so many decimals.
+/// Converts the nodes to explicit positions, rounded to a number of decimals.
 pub(super) fn name_points(one: &mut Lookup, decimals: usize) {
-    // Nothing may be as long as a step that is far too small would make it.
+    // A step that is far too small must not produce an extreme length.
     if one.values.len() == one.nodes.count() {
         let positions = (0..one.values.len()).map(|index| rounded(one.nodes.position(index), decimals));
         one.nodes = Nodes::At(positions.collect());
@@ -36,7 +36,7 @@ pub(super) fn round_steps(one: &mut Lookup, decimals: usize) {
     }
 }
 
-/// Makes named points that are as far apart steps, as far as the decimals go; the last step may be shorter.
+/// Converts explicit positions with equal spacing, within the decimals, to steps; the last step may be shorter.
 pub(super) fn even_points(one: &mut Lookup, decimals: usize) {
     let Nodes::At(points) = &one.nodes else { return };
     let (&[start, second, ..], Some(&end)) = (&points[..], points.last()) else { return };
@@ -60,8 +60,8 @@ pub(super) fn points_of<'a>(tables: impl IntoIterator<Item = &'a Lookup>) -> Vec
     points
 }
 
-/// The sum of tables of one axis that correct one axis: a table for both senses, or one for each. Sums of functions that are linear between
-/// points are linear between all of their points, so this changes nothing but the last digit.
+/// The sum of tables of one input and one output axis: a table for both directions, or one for each. Sums of piecewise linear functions are linear
+/// between all of their points, so this changes only the last digit.
 pub(super) fn sum(group: &[&Lookup], points: &[f64], decimals: usize) -> Vec<Lookup> {
     let Some(first) = group.first() else { return Vec::new() };
     let in_sense = |sense: Sense| -> Vec<f64> {
@@ -81,7 +81,7 @@ pub(super) fn sum(group: &[&Lookup], points: &[f64], decimals: usize) -> Vec<Loo
     }
 }
 
-/// The basic axes in the order in which they come first.
+/// The basic axes in the order of their first occurrence.
 pub(super) fn inputs(tables: &Tables) -> Vec<Axis> {
     let mut inputs = Vec::new();
     for one in &tables.lookups {
@@ -92,7 +92,7 @@ pub(super) fn inputs(tables: &Tables) -> Vec<Axis> {
     inputs
 }
 
-/// The table of an axis that corrects an axis in a sense, or in both.
+/// The table of an input axis for an output axis in a direction, or in both.
 pub(super) fn find(tables: &Tables, input: Axis, output: Axis, sense: Sense) -> Option<&Lookup> {
     let fits = |one: &&Lookup| {
         one.input == input && one.output == output && matches!(one.sense, Sense::Both) | (one.sense == sense)

@@ -1,8 +1,8 @@
-//! Whether tables are tables at all: as many values as points, positions that increase, numbers that are finite.
+//! Validity of tables: equal numbers of values and points, increasing positions, finite numbers.
 
 use crate::tables::{ErrorTables, Grid, Lookup, Nodes, Tables};
 
-/// What no format can write.
+/// Errors that no format can write.
 pub(super) fn faults(tables: &Tables) -> Vec<String> {
     let mut faults = Vec::new();
     for (index, one) in tables.lookups.iter().enumerate() {
@@ -20,7 +20,7 @@ fn are_finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> bool {
     values.into_iter().all(|value| value.is_finite())
 }
 
-/// Finite and strictly increasing.
+/// `true` if finite and strictly increasing.
 fn increase(positions: &[f64]) -> bool {
     are_finite(positions) && positions.windows(2).all(|pair| pair[0] < pair[1])
 }

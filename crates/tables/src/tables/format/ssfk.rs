@@ -1,9 +1,9 @@
 //! Leadscrew compensation of ISG kernels and Beckhoff TwinCAT: a list of compensation values (`kw.ssfk.*`) for each axis.
 //!
-//! A line has a name and a value: the position of each point (`setpoint`), a value for each sense (`pos`, `neg`) in 0.1 µm or 0.0001°. With
-//! `bilateral 0` only `pos` is read, and it holds in both senses. A value is measured position minus setpoint, so what is added to a command
-//! is the value with the other sign. (Beckhoff Information System, TF5200, Axis compensation: "Leadscrew error compensation", "Example of a
-//! compensation value list", P-COMP-00017 to P-COMP-00025.)
+//! A line has a name and a value: the position of each point (`setpoint`), and a value for each direction (`pos`, `neg`) in 0.1 µm or 0.0001°. With
+//! `bilateral 0` only `pos` is read, and applies in both directions. A value is measured position minus setpoint, so the correction added to a
+//! command is the negated value. (Beckhoff Information System, TF5200, Axis compensation: "Leadscrew error compensation", "Example of a compensation
+//! value list", P-COMP-00017 to P-COMP-00025.)
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -17,7 +17,7 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::{Source, Span};
 
-/// Units of a list in a millimetre or a degree.
+/// Units of a list per millimetre or degree.
 const PER_UNIT: f64 = 10_000.0;
 /// Decimals of values and positions.
 const DECIMALS: usize = 4;
@@ -28,7 +28,7 @@ pub(super) const FORMAT: Format = Format {
     title: "ISG/TwinCAT kw.ssfk",
     sign: "values are measured minus programmed position; the control adds their negatives",
     holds: &[Holds::Own, Holds::Senses, Holds::Repetition],
-    // 1500 entries unless P-COMP-00059 says more; values have 32 bits (16 in old ones, 3.2767 mm).
+    // 1500 entries unless P-COMP-00059 allows more; values have 32 bits (16 in old ones, 3.2767 mm).
     limits: FormatLimits { tables: 0, points: 1500, value_mm: 3.2767, resolution_mm: 1e-4 },
     round,
     faults,
@@ -54,7 +54,7 @@ fn round(tables: &mut Tables) {
         if group.iter().any(|one| one.output != input) || !are_alike {
             summed.extend(group.into_iter().cloned());
         } else {
-            // Within the same turn the values of tables that repeat are those of their points.
+            // Within the same turn the values of periodic tables are those of their points.
             let modulo = group.iter().any(|one| one.modulo);
             let plain: Vec<Lookup> = group.into_iter().map(|one| Lookup { modulo: false, ..one.clone() }).collect();
             let group: Vec<&Lookup> = plain.iter().collect();
@@ -120,7 +120,7 @@ fn is_mine(_: &str, bytes: &[u8]) -> bool {
     bytes.windows(MARK.len()).any(|part| part == MARK)
 }
 
-/// A list as far as it was read, in its units.
+/// A list as far as read, in its units.
 #[derive(Default)]
 struct List {
     axis: Option<Axis>,
@@ -130,7 +130,7 @@ struct List {
     is_in_increments: bool,
     bilateral: bool,
     modulo: bool,
-    /// Setpoint, value up, value down.
+    /// Setpoint, value upwards, value downwards.
     points: BTreeMap<usize, [Option<f64>; 3]>,
 }
 

@@ -1,4 +1,4 @@
-//! From functions of one axis, and products of two, to numbered tables.
+//! Converts functions of one axis, and products of two, to numbered tables.
 
 use std::collections::BTreeMap;
 
@@ -10,16 +10,16 @@ use ncfix_base::geometry::Axis;
 
 /// Decimals of positions, mm or degrees.
 const POSITION_DECIMALS: usize = 6;
-/// What is smaller everywhere is no correction: a tenth of a nanometre, mm or rad.
+/// Size below which a function is zero everywhere: a tenth of a nanometre, mm or rad.
 const NOTHING: f64 = 1e-7;
 
-/// Ends that are no farther apart differ by the noise of a fit, mm or degrees.
+/// Largest difference of ends that is fit noise, mm or degrees.
 const ENDS: f64 = 1e-5;
 
-/// Functions on their way to tables; values in mm or rad of the output.
+/// Functions to be converted to tables; values in mm or rad of the output.
 pub(super) struct Assembly<'a> {
     task: &'a Task<'a>,
-    /// What is added to an output for the position of an input.
+    /// Corrections of an output as a function of the position of an input.
     added: BTreeMap<(Axis, Axis), Vec<f64>>,
     constants: BTreeMap<Axis, f64>,
     products: Vec<Product>,
@@ -34,11 +34,11 @@ struct Product {
 /// A function of one axis at its nodes.
 pub(super) struct AxisFunction {
     pub(super) axis: Axis,
-    /// Two of them make a straight line.
+    /// Two values make a straight line.
     pub(super) values: Vec<f64>,
 }
 
-/// Equal steps over a range, mm or rad, with decimals that a file can hold: the nodes in mm or degrees.
+/// Equal steps over a range, mm or rad, with decimals that a file can store: the nodes in mm or degrees.
 pub(super) fn nodes(axis: Axis, [low, high]: [f64; 2], points: usize) -> Nodes {
     let unit = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
     let steps = points.max(2) - 1;
@@ -64,7 +64,7 @@ impl<'a> Assembly<'a> {
         positions(axis, self.task.region, self.task.points)
     }
 
-    /// Adds the same everywhere.
+    /// Adds a constant.
     pub(super) fn add_constant(&mut self, output: Axis, value: f64) {
         *self.constants.entry(output).or_default() += value;
     }
@@ -80,8 +80,8 @@ impl<'a> Assembly<'a> {
         self.products.push(Product { output, sides });
     }
 
-    /// The tables. A product is written as two tables that each name the other, each with half of it: whether a control adds a
-    /// table that only serves as a factor does then not matter.
+    /// The tables. A product is written as two tables that name each other, each with half of it. The result is then independent of whether a control
+    /// adds a table that only serves as a factor.
     pub(super) fn finish(mut self) -> Tables {
         let mut products = Vec::new();
         for product in std::mem::take(&mut self.products) {
@@ -104,11 +104,11 @@ impl<'a> Assembly<'a> {
         tables
     }
 
-    /// The two tables of a product, as large as each other; none where it is nothing.
+    /// The two tables of a product, balanced in size; `None` for a zero product.
     fn balanced(&mut self, product: Product) -> Option<[Lookup; 2]> {
         let [one, other] = product.sides.map(|side| {
             let mut lookup = self.lookup(product.output, side.axis, &side.values);
-            // Degrees times degrees are no degrees: the conversion of the output counts once.
+            // A product of degrees is not in degrees: the conversion of the output applies once.
             if product.output.is_rotary() {
                 lookup.values = side.values.clone();
             }
@@ -127,7 +127,7 @@ impl<'a> Assembly<'a> {
             lookup.values.iter_mut().for_each(|value| *value *= common / size);
         }
         if self.task.multiplication == Multiplication::Beside {
-            // What the control adds of each table alone is taken away again.
+            // The values that the control adds of each table alone are subtracted again.
             for lookup in &pair {
                 let alone: Vec<f64> = self.positions(lookup.input).iter().map(|&at| -at_position(lookup, at)).collect();
                 self.add(product.output, lookup.input, &alone);
@@ -146,7 +146,7 @@ impl<'a> Assembly<'a> {
         lookup
     }
 
-    /// Puts what is the same everywhere into a table that is there, or one of the output itself.
+    /// Adds constants to an existing table, or to one of the output itself.
     fn spread_constants(&mut self) {
         for (output, value) in std::mem::take(&mut self.constants) {
             if value.abs() < NOTHING {
@@ -164,9 +164,9 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Makes a table of an axis that turns further than once repeat, where it covers a turn and ends as it begins. An axis without end is at both
-/// ends in the same place: what differs there is noise of a fit, or what its terms cannot hold, and their mean stands at both. An
-/// axis with a longer travel may have errors that do not repeat.
+/// Makes the table of a rotary axis with more than a turn periodic, if it covers a turn and ends at its initial value. Both ends of a modulo axis are
+/// the same position: a difference is fit noise, or beyond its terms, so their mean is used for both. An axis with a longer travel may have errors
+/// that are not periodic.
 pub(super) fn repeat(task: &Task<'_>, lookup: &mut Lookup) {
     let Some(data) = task.target.machine.axis(lookup.input).filter(|data| data.axis.is_rotary()) else { return };
     let is_endless = data.modulo;
@@ -190,7 +190,7 @@ fn at_position(lookup: &Lookup, at: f64) -> f64 {
     if lookup.output.is_rotary() { value.to_radians() } else { value }
 }
 
-/// The largest value without its sign.
+/// The largest magnitude.
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| value.abs().max(most))
 }

@@ -1,39 +1,39 @@
-//! The fewest tables that reach the tolerance on a control: all schemes that it can hold are tried, and tables that are not needed are left out.
+//! The fewest tables that reach the tolerance on a control: all supported schemes are tried, and unnecessary tables are dropped.
 
 use super::{Scheme, Schemes, Task};
 use crate::tables::check::{CheckedPose, Errors, left, stands};
 use crate::tables::{Control, Tables};
 use ncfix_base::geometry::Axis;
 
-/// Poses at which schemes are compared, and at which tables are left out.
+/// Number of poses for comparing schemes and dropping tables.
 const POSES: usize = 1000;
 const SEED: u64 = 0x4155_544f;
-/// Points of a table that are tried, few first.
+/// Numbers of table points that are tried, ascending.
 const POINTS: [usize; 5] = [5, 9, 17, 33, 65];
-/// The share of the tolerance that the search aims at: other poses have a little more.
+/// Share of the tolerance used as the target of the search: other poses have slightly larger errors.
 pub const AIM: f64 = 0.95;
 
-/// A scheme that was tried.
+/// Result of a tried scheme.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tried {
     /// Its name.
     pub scheme: &'static str,
-    /// Points of a table.
+    /// Number of points of a table.
     pub points: usize,
-    /// Tables and values, and what they leave, root mean square: at the tip in mm, of the tilt in rad; or why it does not fit.
+    /// Numbers of tables and values, and root mean square residual: tip in mm, tilt in rad; or the reason why it does not fit.
     pub outcome: Result<(usize, usize, [f64; 2]), String>,
 }
 
-/// The tables with the fewest that reach the tolerance, and what was tried. `None` where no scheme does.
+/// The fewest tables that reach the tolerance, and the tried schemes. `None` if no scheme does.
 #[must_use]
 pub fn choose(task: &Task<'_>) -> (Option<(&'static Scheme, Tables)>, Vec<Tried>) {
     choose_with(&Schemes::default(), task)
 }
 
-/// The tables of the scheme among these with the fewest that reach the tolerance, as [`choose`] finds it.
+/// The fewest tables among these schemes that reach the tolerance, as [`choose`] determines them.
 #[must_use]
 pub fn choose_with(schemes: &Schemes, task: &Task<'_>) -> (Option<(&'static Scheme, Tables)>, Vec<Tried>) {
-    // What depends on the sense of motion is left by a control that has no tables for it: it counts in any case.
+    // Direction-dependent errors remain on a control without tables for them: they count in any case.
     let has_senses = |axis: &Axis| task.target.model.features(*axis).backlash;
     let axes: Vec<Axis> = task.region.axes().filter(has_senses).collect();
     let poses = stands(&task.region.reached(task.target.machine).poses(POSES, SEED), &axes);
@@ -73,7 +73,7 @@ fn attempt(task: &Task<'_>, scheme: &Scheme, poses: &[CheckedPose]) -> Result<(T
     let tables = scheme.tables(task)?;
     let errors = left(&task.target, &Control::new(task.target.machine, &tables), poses);
     let faults = task.format.faults_of(&tables, task.wiring);
-    // Too many tables may become few enough when those that do little are left out.
+    // An excessive number of tables may fit after dropping those with little effect.
     let slim = if faults.is_empty() { tables } else { without_idle(task, tables, poses, errors.rms_mm()) };
     match task.format.faults_of(&slim, task.wiring).first() {
         None => Ok((slim, errors)),
@@ -81,7 +81,7 @@ fn attempt(task: &Task<'_>, scheme: &Scheme, poses: &[CheckedPose]) -> Result<(T
     }
 }
 
-/// Leaves out tables, and products, as long as the tolerance is kept; the smallest first.
+/// Drops tables and products, smallest first, as long as the tolerance is kept.
 fn without_idle(task: &Task<'_>, tables: Tables, poses: &[CheckedPose], rms_mm: f64) -> Tables {
     if tables.lookups.is_empty() || rms_mm > AIM * task.tolerance_mm {
         return tables;
@@ -108,12 +108,12 @@ fn without_idle(task: &Task<'_>, tables: Tables, poses: &[CheckedPose], rms_mm: 
         }
     }
     let slim = subset(&tables, &kept);
-    // The sample was a third of the poses: all have the last word.
+    // The sample was a third of the poses: all poses decide.
     let rms = left(&task.target, &Control::new(task.target.machine, &slim), poses).rms_mm();
     if rms <= AIM * task.tolerance_mm { slim } else { tables }
 }
 
-/// The tables that are kept, with the numbers of their factors.
+/// The kept tables, with renumbered factors.
 fn subset(tables: &Tables, kept: &[bool]) -> Tables {
     let number = |old: usize| kept.iter().take(old).filter(|&&is_kept| is_kept).count();
     let mut subset = tables.clone();

@@ -1,18 +1,18 @@
-//! Forward and inverse kinematics in tables: the corrections that the chain of the machine asks for, term by term (Esmaeili 2021, chapter 7).
+//! Forward and inverse kinematics in tables: the corrections of the machine's chain, term by term (Esmaeili 2021, chapter 7).
 //!
-//! To the first order a correction is Σ e·c(q) over the error components e, and c, which the linear inverse kinematics makes of the linear
-//! forward kinematics, is straight in the positions of the linear axes:
+//! To the first order a correction is Σ e·c(q) over the error components e. The factor c results from the linear inverse kinematics of the linear
+//! forward kinematics, and is linear in the positions of the linear axes:
 //!
 //! ```text
 //! c(q) = c₀(R) + Σ_l q_l · c_l(R)          R: the rotary axes
 //! ```
 //!
-//! c₀ and c_l are evaluated on the chain of any machine, never typed in. Where they depend on one rotary axis, and location errors are
-//! constant, a correction is functions of one axis and products of a linear axis with a function of one axis: exactly what a
-//! control can add and multiply. Equal products are put together. A motion error e(q) makes products of its own axis with an arm in the same
-//! way. What depends on two rotary axes and on no arm – a head that swivels about both – is a sum of a few products, which are split off one by one.
-//! A product of three axes – a motion error with the arm of another axis and a function of a rotary axis – is beyond the
-//! control and gets the function at the middle of the region; the check shows what that leaves.
+//! c₀ and c_l are evaluated on the chain of any machine, never entered by hand. If they depend on one rotary axis, and location errors are constant,
+//! a correction consists of functions of one axis and products of a linear axis with a function of one axis: exactly what a control can add and
+//! multiply. Equal products are combined. A motion error e(q) gives products of its own axis with an arm in the same way. A dependence on two rotary
+//! axes without an arm – a head that swivels about both – is a sum of a few products, which are split off one by one. A product of three axes – a
+//! motion error with the arm of another axis and a function of a rotary axis – is beyond the control and uses the function at the middle of the
+//! region; the check shows the residual.
 
 use std::collections::BTreeMap;
 
@@ -33,16 +33,16 @@ pub(super) const SCHEME: Scheme = Scheme {
     fill: exact,
 };
 
-/// A length that makes arms visible, mm.
+/// Arm length for detecting a dependence, mm.
 const ARM_MM: f64 = 100.0;
 /// Relative change that counts as a dependence.
 const CHANGE: f64 = 1e-9;
-/// Products into which a function of two rotary axes is split at most, and what is too small to be one, mm or rad.
+/// Maximum number of products of a function of two rotary axes, and the size below which a product is dropped, mm or rad.
 const MOST_PRODUCTS: usize = 8;
 const NOTHING: f64 = 2e-6;
-/// Pairs of positions of two rotary axes at most.
+/// Maximum number of position pairs of two rotary axes.
 const MOST_PLACES: usize = 100_000;
-/// Places of a rotary axis at which a dependence is looked for.
+/// Number of positions of a rotary axis for detecting a dependence.
 const PLACES: usize = 5;
 
 /// The correction per unit of an error component at rotary positions: at linear positions 0, and per mm of each linear axis.
@@ -63,7 +63,7 @@ fn exact(task: &Task<'_>) -> Result<Tables, String> {
     Ok(terms.finish())
 }
 
-/// What a value depends on beside the arm.
+/// A dependence of a value in addition to the arm.
 struct Driver {
     axis: Axis,
     values: Vec<f64>,
@@ -72,14 +72,14 @@ struct Driver {
 struct Terms<'a> {
     task: &'a Task<'a>,
     assembly: Assembly<'a>,
-    /// Functions of an axis that are multiplied by the position of a linear one, by output, arm and axis.
+    /// Functions of an axis that are multiplied by the position of a linear axis, by output, arm and axis.
     arms: BTreeMap<(Axis, Axis, Axis), Vec<f64>>,
-    /// What depends on two rotary axes and on no arm, by output and axes: rows along the first, columns along the second.
+    /// Dependences on two rotary axes without an arm, by output and axes: rows along the first, columns along the second.
     planes: BTreeMap<(Axis, Axis, Axis), Vec<Vec<f64>>>,
 }
 
 impl<'a> Terms<'a> {
-    /// Adds what one entry of the error model asks for.
+    /// Adds the correction of one entry of the error model.
     fn add(&mut self, name: ErrorName, function: Option<&Function>, value: f64) -> Result<(), String> {
         let (factor, drivers) = match (function, name.axis()) {
             (Some(function), Some(axis)) => self.drivers(function, axis)?,
@@ -87,7 +87,7 @@ impl<'a> Terms<'a> {
         };
         let turning = self.dependence(name)?;
         let middle = self.affine(name, &self.task.region.middle())?;
-        // Along each rotary axis that matters, with the others at the middle.
+        // Along each relevant rotary axis, with the others at the middle.
         let along: Vec<(Axis, Vec<Affine>)> = turning
             .iter()
             .map(|&axis| {
@@ -138,7 +138,7 @@ impl<'a> Terms<'a> {
                 Err(format!("a motion error of {axis} depends on two axes; use another scheme"))
             }
             Function::Cross(cross) => {
-                // A product of two functions is known from a line along each through a place where it is not zero.
+                // A product of two functions is determined by a line along each through a position where it is not zero.
                 let mut place = middle;
                 let lines = self.assembly.positions(axis);
                 let with = self.assembly.positions(cross.with);
@@ -172,7 +172,7 @@ impl<'a> Terms<'a> {
             let [low, high] = self.task.region.range(axis);
             low + (high - low) * fraction
         };
-        // The others stand where no symmetry hides what one does: with a head upright its other axis turns nothing.
+        // The others are at positions without symmetry: on an upright head its other axis has no effect.
         let mut place = self.task.region.middle();
         self.task.target.rotary().for_each(|axis| place[axis] = at(axis, 0.71));
         let first = self.affine(name, &place)?;
@@ -231,8 +231,8 @@ impl<'a> Terms<'a> {
         correction.ok_or_else(|| "the linear axes cannot place the tip: two are parallel".to_owned())
     }
 
-    /// Splits a function of two axes into products, the largest first, until nothing is left (adaptive cross approximation, Bebendorf 2000): what
-    /// is left after a product is zero along the row and the column through its largest value.
+    /// Splits a function of two axes into products, the largest first, until nothing remains (adaptive cross approximation, Bebendorf 2000). The
+    /// residual after a product is zero along the row and the column through its largest value.
     fn split(&mut self, output: Axis, [first, second]: [Axis; 2], mut plane: Vec<Vec<f64>>) {
         for _ in 0..MOST_PRODUCTS {
             let all = plane
@@ -263,7 +263,7 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// Adds factor · drivers · c(R), times the position of the arm where there is one.
+    /// Adds factor · drivers · c(R), times the position of the arm if there is one.
     fn put(
         &mut self,
         output: Axis,
@@ -285,7 +285,7 @@ impl<'a> Terms<'a> {
             [] => common *= middle,
             [(axis, values)] => sides.push(AxisFunction { axis: *axis, values: values.clone() }),
             several => {
-                // Additive: each along its axis, less what the middle counts twice. What two axes do together is beyond that.
+                // Additive: each along its axis, minus the middle, which would count twice. Joint effects of two axes are not represented.
                 for (index, (axis, values)) in several.iter().enumerate() {
                     let less = if index == 0 { 0.0 } else { middle };
                     let one = vec![(*axis, values.iter().map(|value| value - less).collect())];
@@ -297,7 +297,7 @@ impl<'a> Terms<'a> {
         self.multiply(output, arm, common, sides);
     }
 
-    /// Adds a product of functions, after those of one axis were put together.
+    /// Adds a product of functions, after combining those of one axis.
     fn multiply(&mut self, output: Axis, arm: Option<Axis>, common: f64, sides: Vec<AxisFunction>) {
         let mut merged: Vec<AxisFunction> = Vec::new();
         for side in sides {
@@ -347,12 +347,12 @@ impl<'a> Terms<'a> {
         }
         for ((output, arm, axis), values) in std::mem::take(&mut self.arms) {
             let [low, high] = self.task.region.range(arm);
-            // What the function has in common at all places is no product but a table of the arm.
+            // The mean of the function is not a product but a table of the arm.
             let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
             let rest: Vec<f64> = values.iter().map(|value| value - mean).collect();
             let straight: Vec<f64> = self.assembly.positions(arm).iter().map(|at| mean * at).collect();
             self.assembly.add(output, arm, &straight);
-            // The arm is counted from the middle of its range: its product is then as small as it can be.
+            // The arm is measured from the middle of its range, which minimizes its product.
             let middle = f64::midpoint(low, high);
             let offset: Vec<f64> = rest.iter().map(|value| value * middle).collect();
             self.assembly.add(output, axis, &offset);
@@ -374,10 +374,10 @@ impl Affine {
     }
 }
 
-/// One component of coefficients along rotary axes.
+/// One component of the coefficients along rotary axes.
 fn functions(along: &[(Axis, Vec<Affine>)], of: impl Fn(&Affine) -> f64) -> Vec<(Axis, Vec<f64>)> {
     let values = |affines: &[Affine]| affines.iter().map(&of).collect::<Vec<f64>>();
     let all = along.iter().map(|(axis, affines)| (*axis, values(affines)));
-    // A component may not depend on an axis on which others do.
+    // A component may not depend on an axis on which others depend.
     all.filter(|(_, values)| values.iter().any(|value| (value - values[0]).abs() > CHANGE / ARM_MM)).collect()
 }

@@ -1,7 +1,7 @@
-//! Fits terms of a scheme to the exact corrections over the region, by least squares.
+//! Fits the terms of a scheme to the exact corrections over the region, by least squares.
 //!
-//! The rotary axes come first. The linear axes are then fitted to what brings the tip to its place with the rotary corrections that the
-//! tables really give: position goes before direction.
+//! The rotary axes are fitted first. The linear axes are then fitted to the corrections that place the tip with the actual rotary corrections of the
+//! tables: position has priority over direction.
 
 use super::Task;
 use super::assembly::{Assembly, AxisFunction};
@@ -11,14 +11,14 @@ use ncfix_base::numeric::System;
 use ncfix_machine::machine::State;
 use ncfix_model::Solve;
 
-/// Poses to which a scheme is fitted for each of its terms, and at least.
+/// Number of fitted poses per term, and minimum.
 const POSES_A_TERM: usize = 25;
 const LEAST_POSES: usize = 2000;
-/// Unknowns of a correction at most: the work goes with their third power.
+/// Maximum number of unknowns of a correction: the effort grows with the third power.
 const MOST_TERMS: usize = 600;
-/// Start of the generator of these poses; those of a check have another.
+/// Seed of the generator of these poses; the poses of a check have another.
 const SEED: u64 = 0x4649_5454_4544;
-/// Directions of terms that the poses tell less are left at zero.
+/// Relative singular value below which directions of terms are set to zero.
 const RANK_LIMIT: f64 = 1e-9;
 
 /// A function of the commands with an unknown coefficient.
@@ -26,15 +26,15 @@ const RANK_LIMIT: f64 = 1e-9;
 pub(super) enum FitTerm {
     /// 1.
     One,
-    /// A power of an axis in units of half its range from its middle.
+    /// A power of an axis in units of half its range, from its middle.
     Power(Axis, i32),
     /// 1 at a node, 0 at the others, linear between.
     Hat(Axis, usize),
-    /// A trigonometric function of a rotary axis, times a linear axis or alone.
+    /// A trigonometric function of a rotary axis, optionally times a linear axis.
     Wave(Option<Axis>, Axis, Wave),
 }
 
-/// The trigonometric functions of Esmaeili 2021, eq. 44, as far as they are independent: sin² + cos² is 1.
+/// The independent trigonometric functions of Esmaeili 2021, eq. 44: sin² + cos² is 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Wave {
     One,
@@ -59,7 +59,7 @@ impl Wave {
     }
 }
 
-/// The terms of a scheme with the nodes that they have.
+/// The terms of a scheme with their nodes.
 struct Basis<'a> {
     task: &'a Task<'a>,
     /// By slot of the axis.
@@ -67,13 +67,13 @@ struct Basis<'a> {
 }
 
 impl Basis<'_> {
-    /// A position in units of half the range from the middle of it.
+    /// A position in units of half the range, from its middle.
     fn scaled(&self, axis: Axis, at: f64) -> f64 {
         let [low, high] = self.task.region.range(axis);
         if high > low { (2.0 * at - low - high) / (high - low) } else { 0.0 }
     }
 
-    /// The part of a term that depends on an axis.
+    /// The factor of a term that depends on an axis.
     fn part(&self, term: FitTerm, axis: Axis, at: f64) -> f64 {
         match term {
             FitTerm::Power(own, power) if own == axis => self.scaled(axis, at).powi(power),
@@ -136,7 +136,7 @@ impl Basis<'_> {
                 FitTerm::One => assembly.add_constant(output, coefficient),
                 FitTerm::Power(axis, _) | FitTerm::Hat(axis, _) => assembly.add(output, axis, &at_nodes(axis)),
                 FitTerm::Wave(None, axis, _) => assembly.add(output, axis, &at_nodes(axis)),
-                // Straight in the linear axis: gathered below.
+                // Linear in the linear axis: collected below.
                 FitTerm::Wave(Some(_), ..) => {}
             }
         }
@@ -172,7 +172,7 @@ fn hat(nodes: &[f64], node: usize, at: f64) -> f64 {
     }
 }
 
-/// The tables of terms that are fitted to the corrections of all axes; each axis has its own.
+/// The tables of terms fitted to the corrections of all axes; each axis has its own terms.
 pub(super) fn fill(task: &Task<'_>, terms_of: &dyn Fn(Axis) -> Vec<FitTerm>) -> Result<Tables, String> {
     let mut nodes = vec![Vec::new(); ncfix_base::geometry::AXIS_COUNT];
     for axis in task.region.axes() {
@@ -182,7 +182,7 @@ pub(super) fn fill(task: &Task<'_>, terms_of: &dyn Fn(Axis) -> Vec<FitTerm>) -> 
     let outputs = task.linear().into_iter().chain(task.target.rotary());
     let most = outputs.map(|axis| terms_of(axis).len()).max().unwrap_or(0);
     if most > MOST_TERMS {
-        // The terms of an output that are free at every point grow with the points, the others do not.
+        // The number of free terms of an output grows with the points, others do not.
         let points = MOST_TERMS * task.points / most;
         return Err(format!(
             "{most} values of one axis would be fitted at once, and {MOST_TERMS} are the most that can be (the time goes with their third power): \

@@ -1,8 +1,8 @@
-//! One table for each error function: for controls that have the kinematics themselves (Spaan 1995, chapter 6: 18 functions of three axes).
+//! One table for each error function: for controls with their own kinematics (Spaan 1995, chapter 6: 18 functions of three axes).
 //!
-//! Location errors become part of the functions of their axis, for formats without a place for them: D(e₀)·M(q) = M(q)·D(e) with
-//! e = M(q)⁻¹ e₀, which is a function of the position (Spaan adds squareness to a rotation in the same way). Errors of the spindle become
-//! part of the last axis of its side.
+//! Location errors become part of the functions of their axis, for formats without a place for them: D(e₀)·M(q) = M(q)·D(e) with e = M(q)⁻¹ e₀, which
+//! is a function of the position (Spaan adds squareness to a rotation in the same way). Errors of the spindle become part of the last axis of its
+//! side.
 
 use super::{Holds, Scheme, Task};
 use crate::tables::{AxisErrors, ErrorTables, Orientation, Tables};
@@ -102,13 +102,13 @@ fn moved(name: ErrorName, value: f64, data: &AxisData, at: f64) -> [f64; 6] {
     joined(translation + rotation.cross(&(data.direction * at)), rotation)
 }
 
-/// A vector turned about a unit vector (Rodrigues).
+/// A vector rotated about a unit vector (Rodrigues).
 fn turned(vector: &Vector, about: &Vector, angle: f64) -> Vector {
     let (sin, cos) = angle.sin_cos();
     vector * cos + about.cross(vector) * sin + about * (about.dot(vector) * (1.0 - cos))
 }
 
-/// An error of the spindle as one of the axis that carries it: the rotation acts at the gauge point.
+/// An error of the spindle as an error of the axis that carries it: the rotation acts at the gauge point.
 fn spindle(task: &Task<'_>, name: ErrorName, value: f64, data: &AxisData) -> [f64; 6] {
     let (translation, rotation) = split(name, value);
     let arm = data.point_mm - task.target.machine.spindle.origin_mm;

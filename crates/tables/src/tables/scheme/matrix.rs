@@ -1,7 +1,7 @@
-//! A matrix between the axes and their motors: what is straight in the positions of X, Y and Z – scales and squareness.
+//! A matrix between the axes and their motors: errors that are linear in the positions of X, Y and Z, i.e. scales and squareness.
 //!
-//! The nine numbers are fitted to the exact corrections together with a constant of each axis. A matrix has no place for the constant – the arm of a
-//! tilted tool at Z0, say, which a zero offset takes – but without it in the fit it would bend scales and squareness.
+//! The nine numbers are fitted to the exact corrections together with a constant of each axis. A matrix cannot hold the constant, such as the arm of
+//! a tilted tool at Z0, which a zero offset compensates. Without it in the fit, it would distort scales and squareness.
 
 use super::{Holds, Scheme, Task};
 use crate::tables::region::Region;
@@ -18,10 +18,10 @@ pub(super) const SCHEME: Scheme = Scheme {
     fill: matrix,
 };
 
-/// Poses of the fit, and the start of their generator.
+/// Number of fitted poses, and the seed of their generator.
 const POSES: usize = 2000;
 const SEED: u64 = 0x4d41_5452;
-/// Directions that the region does not tell: an axis that does not move in it.
+/// Limit for directions that the region does not determine, such as an axis that does not move in it.
 const RANK_LIMIT: f64 = 1e-9;
 
 fn matrix(task: &Task<'_>) -> Result<Tables, String> {
@@ -39,7 +39,7 @@ fn matrix(task: &Task<'_>) -> Result<Tables, String> {
     for ((i, row), output) in matrix.iter_mut().enumerate().zip(axes) {
         let mut system = System::new(4);
         for (pose, correction) in poses.iter().zip(&wanted) {
-            // From the middle and in units of the range: an axis that stands still tells nothing, and all are alike in size.
+            // From the middle and in units of the range: a stationary axis is not identifiable, and all unknowns have similar sizes.
             let [x, y, z] = axes.map(|axis| scaled(&region, axis, pose[axis]));
             system.add(&[x, y, z, 1.0], correction[output], 1.0);
         }
@@ -53,7 +53,7 @@ fn matrix(task: &Task<'_>) -> Result<Tables, String> {
     Ok(Tables { matrix: Some(matrix), ..Tables::default() })
 }
 
-/// A position in units of half the range from the middle of it.
+/// A position in units of half the range, from its middle.
 fn scaled(region: &Region, axis: Axis, at: f64) -> f64 {
     let [low, high] = region.range(axis);
     if high > low { (2.0 * at - low - high) / (high - low) } else { 0.0 }

@@ -1,9 +1,8 @@
 //! A grid of corrections with the fewest nodes that reach the tolerance, axis by axis (Esmaeili 2021, chapter 4).
 //!
-//! The error of the trilinear interpolation is, to the first order, the sum of the errors along each axis. These are found with few poses for
-//! any number of nodes; the smallest grid whose sum is within the tolerance is then verified, with the interpolation of the control,
-//! at poses of its own. What is compared with the tolerance is the error that is left, not its change from one grid to the next
-//! (eq. 11), which ends the search too early.
+//! To the first order, the error of the trilinear interpolation is the sum of the errors along each axis. These are determined with few poses for any
+//! number of nodes. The smallest grid whose sum is within the tolerance is then verified, with the interpolation of the control, at separate poses.
+//! The residual error is compared with the tolerance, not its change from one grid to the next (eq. 11), which ends the search too early.
 
 use super::{AIM, Holds, Scheme, Task};
 use crate::tables::check::left;
@@ -20,12 +19,12 @@ pub(super) const SCHEME: Scheme = Scheme {
     fill: grid,
 };
 
-/// Poses for the errors along one axis, and for the verification.
+/// Number of poses for the errors along one axis, and for the verification.
 const POSES: usize = 400;
 const VERIFIED: usize = 2000;
-/// Start of their generator.
+/// Seed of their generator.
 const SEED: u64 = 0x4752_4944;
-/// Most nodes along an axis, and in all.
+/// Maximum number of nodes along an axis, and of all nodes.
 const MOST_NODES: usize = 200;
 const MOST_VALUES: usize = 1_000_000;
 
@@ -37,7 +36,7 @@ fn grid(task: &Task<'_>) -> Result<Tables, String> {
         let at = 0_f64.clamp(low, high);
         region.set(axis, [at, at]);
     }
-    // A grid has no rotary axes: what they would do about the direction of the tool is not part of it.
+    // A grid has no rotary axes, so their orientation corrections are excluded.
     let task = &task.without_rotary_corrections();
     let mesh = Mesh { task, axes, ranges: axes.map(|axis| region.range(axis)), rest: region.middle() };
     let poses = region.poses(POSES, SEED);
@@ -45,7 +44,7 @@ fn grid(task: &Task<'_>) -> Result<Tables, String> {
     let verified = region.poses(VERIFIED, SEED + 1);
     let aim = task.tolerance_mm * AIM;
     let mut goal = aim;
-    // The sum of the errors along the axes is a first guess: a few rounds correct it.
+    // The sum of the errors along the axes is a first guess, corrected in a few iterations.
     for _ in 0..8 {
         let count = smallest(&along, goal).ok_or_else(|| {
             format!("a grid of {MOST_NODES} nodes along an axis does not reach {:.4} um", task.tolerance_mm * 1e3)
@@ -60,12 +59,12 @@ fn grid(task: &Task<'_>) -> Result<Tables, String> {
     Err(format!("no grid reaches {:.4} um", task.tolerance_mm * 1e3))
 }
 
-/// A grid in the making.
+/// A grid under construction.
 struct Mesh<'a> {
     task: &'a Task<'a>,
     axes: [Axis; 3],
     ranges: [[f64; 2]; 3],
-    /// Where the axes are that the grid does not know.
+    /// Positions of the axes that the grid does not contain.
     rest: AxisVector,
 }
 
@@ -78,14 +77,14 @@ impl Mesh<'_> {
         Ok(self.axes.map(|axis| exact[axis]))
     }
 
-    /// Root mean square of what linear interpolation along one axis leaves, for 2, 3, 4 … nodes.
+    /// Root mean square residual of linear interpolation along one axis, for 2, 3, 4 … nodes.
     fn along(&self, i: usize, poses: &[AxisVector]) -> Result<Vec<f64>, String> {
         let [low, high] = self.ranges[i];
         let mut left = Vec::new();
         for count in 2..=MOST_NODES {
             let step = (high - low) / (count - 1) as f64;
             let mut squares = 0.0;
-            // Fine grids need fewer poses to say how little they leave.
+            // Fine grids need fewer poses for their small residual.
             let sample = &poses[..if count > 20 { POSES / 4 } else { POSES }];
             for pose in sample {
                 let position = self.axes.map(|axis| pose[axis]);
@@ -108,7 +107,7 @@ impl Mesh<'_> {
         Ok(left)
     }
 
-    /// What a grid leaves at poses: only the corners around each are computed.
+    /// Residual of a grid at poses: only the corners around each are computed.
     fn rms_mm(&self, count: [usize; 3], poses: &[AxisVector]) -> Result<f64, String> {
         let mut squares = 0.0;
         for pose in poses {
@@ -129,11 +128,11 @@ impl Mesh<'_> {
         Ok((squares / poses.len() as f64).sqrt())
     }
 
-    /// The same grid with fewer nodes along an axis wherever that still does.
+    /// Reduces the nodes along each axis as long as the target is met.
     fn trimmed(&self, mut count: [usize; 3], aim: f64, poses: &[AxisVector]) -> Result<[usize; 3], String> {
         loop {
             let mut order = [0, 1, 2];
-            // Where a node less saves most.
+            // The axis where one node less saves most comes first.
             order.sort_by_key(|&i| count[i]);
             let mut is_smaller = false;
             for i in order {
@@ -165,7 +164,7 @@ impl Mesh<'_> {
     }
 }
 
-/// The counts with the smallest product whose errors add up to no more than a goal.
+/// The counts with the smallest product whose summed errors meet a goal.
 fn smallest(along: &[Vec<f64>], goal: f64) -> Option<[usize; 3]> {
     let mut best: Option<[usize; 3]> = None;
     for (x, ex) in along[0].iter().enumerate() {

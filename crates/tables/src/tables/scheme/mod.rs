@@ -1,4 +1,4 @@
-//! The schemes that fill tables from the error model: one file each, and the register of them ([`Schemes`]), which a caller extends.
+//! The schemes that fill tables from the error model: one file each, and their register ([`Schemes`]), which a caller may extend.
 
 mod assembly;
 mod auto;
@@ -22,47 +22,47 @@ use ncfix_model::Accumulator;
 
 pub use auto::{AIM, Tried, choose, choose_with};
 
-/// What tables are wanted.
+/// A request for tables.
 #[derive(Clone, Copy, Debug)]
 pub struct Task<'a> {
-    /// The corrections that they shall give.
+    /// The target correction.
     pub target: Target<'a>,
-    /// What the rotary axes do, in place of that of the target; `None` for what each scheme is at home in.
+    /// Orientation option that replaces that of the target; `None` for the default of each scheme.
     pub orientation: Option<Orientation>,
     /// The errors one by one.
     pub errors: &'a Accumulator<'a>,
-    /// Where.
+    /// The region.
     pub region: &'a Region,
-    /// Points of a table.
+    /// Number of points of a table.
     pub points: usize,
-    /// How much of the error may be left, mm: its root mean square over the region.
+    /// Permitted residual error, mm: root mean square over the region.
     pub tolerance_mm: f64,
-    /// What the control does with products.
+    /// The control's interpretation of products.
     pub multiplication: Multiplication,
-    /// The format that shall hold them.
+    /// The format of the tables.
     pub format: &'a Format,
-    /// How the control names the axes.
+    /// The control's axis names.
     pub wiring: &'a Wiring,
 }
 
-/// A way to fill tables.
+/// A method of filling tables.
 #[derive(Clone, Copy, Debug)]
 pub struct Scheme {
     /// Its name for `--scheme`.
     pub name: &'static str,
-    /// What it does, in a few words.
+    /// Its description in a few words.
     pub title: &'static str,
-    /// What a format must hold for it.
+    /// Table kinds that it needs in a format.
     pub needs: &'static [Holds],
-    /// What of the direction of the tool it can hold best.
+    /// Its default orientation option.
     pub home: Orientation,
     /// Whether it finds its own nodes: what does not fit does not fit with more points.
     pub finds_nodes: bool,
-    /// Fills the tables; a sentence where it cannot.
+    /// Fills the tables; a message if that is impossible.
     pub fill: fn(&Task<'_>) -> Result<Tables, String>,
 }
 
-/// The schemes that fill tables: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
+/// The schemes that fill tables: [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
 pub type Schemes = Register<&'static Scheme>;
 
 impl Registered for &'static Scheme {
@@ -81,7 +81,7 @@ impl Registered for &'static Scheme {
     }
 }
 
-/// Those that are built in; [`choose`] picks among them.
+/// The built-in schemes; [`choose`] selects among them.
 pub const SCHEMES: &[Scheme] = &[
     functions::SCHEME,
     mesh::SCHEME,
@@ -103,7 +103,7 @@ impl Scheme {
     /// The rounded tables of this scheme for the format of a task.
     ///
     /// # Errors
-    /// A sentence where the format has no place for the scheme, or the scheme cannot describe the errors.
+    /// A message if the format does not support the scheme, or the scheme cannot represent the errors.
     pub fn tables(&self, task: &Task<'_>) -> Result<Tables, String> {
         if !self.needs.iter().all(|&need| task.format.can_hold(need)) {
             return Err(format!("{} has no place for the scheme {}", task.format.title, self.name));
@@ -120,7 +120,7 @@ impl Scheme {
 }
 
 impl<'a> Task<'a> {
-    /// The same without corrections by rotary axes, for tables that have none.
+    /// The task without corrections by rotary axes, for tables that have none.
     fn without_rotary_corrections(&self) -> Task<'a> {
         Task { target: Target { orientation: Orientation::Off, ..self.target }, ..*self }
     }
@@ -137,7 +137,7 @@ impl<'a> Task<'a> {
         axes
     }
 
-    /// A position as error functions have it: within a turn from 0 for an axis without end.
+    /// A position in the range of error functions: within a turn from 0 for a modulo axis.
     fn in_turn(&self, axis: Axis, at: f64) -> f64 {
         let is_endless = self.target.machine.axis(axis).is_some_and(|data| data.modulo);
         if is_endless { at.rem_euclid(std::f64::consts::TAU) } else { at }
@@ -152,7 +152,7 @@ impl<'a> Task<'a> {
     }
 }
 
-/// Adds the functions of one axis of others behind those that are there.
+/// Appends other functions of one axis after the existing ones.
 fn append(tables: &mut Tables, others: Tables) {
     let first = tables.lookups.len();
     for mut lookup in others.lookups {

@@ -1,6 +1,6 @@
-//! Tables for one sense of motion: what an axis with a reversal error needs beside the mean of both senses.
+//! Tables for one direction of motion: the correction of a reversal error in addition to the mean of both directions.
 //!
-//! What a format cannot hold – a play that moves another axis, where only the axis itself has a table for each sense – is left over.
+//! Errors that a format cannot hold remain, such as backlash that moves another axis if only the axis itself has a table for each direction.
 
 use super::assembly::{nodes, positions, repeat};
 use super::{Holds, Task};
@@ -8,10 +8,10 @@ use crate::tables::{Lookup, Sense, Tables};
 use ncfix_base::geometry::{AXES, Axis, AxisVector};
 use ncfix_machine::machine::State;
 
-/// What is smaller is no reversal, mm or rad.
+/// Size below which there is no reversal error, mm or rad.
 const NOTHING: f64 = 1e-6;
 
-/// Two tables, one for each sense, for every correction that depends on the sense in which an axis moves. Other axes stand in the middle.
+/// Two tables, one for each direction, for every correction that depends on the direction of an axis. Other axes are at their middle.
 pub(super) fn tables(task: &Task<'_>) -> Tables {
     let mut tables = Tables::default();
     let moving = task.region.axes().filter(|&axis| task.target.model.features(axis).backlash);
@@ -41,7 +41,7 @@ pub(super) fn tables(task: &Task<'_>) -> Tables {
     tables
 }
 
-/// Half of what the correction differs between both senses of an axis at a position.
+/// Half the difference of the correction between both directions of an axis at a position.
 fn half_difference(task: &Task<'_>, axis: Axis, at: f64) -> Option<AxisVector> {
     let mut pose = task.region.middle();
     pose[axis] = at;

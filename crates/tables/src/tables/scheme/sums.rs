@@ -1,7 +1,7 @@
 //! Sums of functions of one axis: 25 tables on a machine with five axes (Esmaeili 2021, chapter 5; Creamer et al. 2016).
 //!
-//! Δq_i = Σ_j f_ij(q_j), f_ij a cubic polynomial (eq. 24) or free at the points of the table. Products of two axes, such as the arm of an
-//! angular error, are beyond it.
+//! Δq_i = Σ_j f_ij(q_j), f_ij a cubic polynomial (eq. 24) or free at the points of the table. Products of two axes, such as the arm of an angular
+//! error, are not represented.
 
 use super::fit::{FitTerm, fill};
 use super::{Holds, Scheme, Task};

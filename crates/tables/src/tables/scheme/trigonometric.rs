@@ -1,7 +1,7 @@
 //! Products of linear axes with trigonometric functions of a rotary axis: 23 tables on a machine with five axes (Esmaeili 2021, chapter 6).
 //!
-//! Δq_I = f(A) + X·g(A) + Y·h(A) + Z·k(A) for the linear axes and Δq_J = f(A) for the rotary ones, every function a sum of 1, cos A, sin A,
-//! cos A sin A and sin² A. The printed basis (eq. 44) lacks the functions without an arm, which an offset of the C axis needs.
+//! Δq_I = f(A) + X·g(A) + Y·h(A) + Z·k(A) for the linear axes and Δq_J = f(A) for the rotary axes, every function a sum of 1, cos A, sin A, cos A sin
+//! A and sin² A. The printed basis (eq. 44) lacks the functions without an arm, which an offset of the C axis needs.
 
 use super::fit::{FitTerm, Wave, fill};
 use super::{Holds, Scheme, Task};
@@ -18,9 +18,9 @@ pub(super) const SCHEME: Scheme = Scheme {
     fill: trigonometric,
 };
 
-/// Poses that choose between rotary axes.
+/// Number of poses for selecting a rotary axis.
 const POSES: usize = 300;
-/// Start of their generator.
+/// Seed of their generator.
 const SEED: u64 = 0x5452_4947;
 
 fn trigonometric(task: &Task<'_>) -> Result<Tables, String> {

@@ -1,11 +1,11 @@
-//! Motions whose end the next one tells: they wait in the stage until it is known.
+//! Motions whose end is determined by the next one: they wait in the stage until it is known.
 
 use super::curve::{Curve, Flat, add};
 use super::moving::{Item, Moving};
 use super::stage::{ContourStage, OpenLine};
 use ncfix_base::geometry::{AxisSet, AxisVector};
 
-/// Items that may wait behind a motion without end.
+/// Maximum number of items waiting after a motion without end.
 const MOST_WAITING: usize = 1000;
 
 impl ContourStage {
@@ -13,7 +13,7 @@ impl ContourStage {
         self.open = Some(OpenLine { moving, behind: Vec::new() });
     }
 
-    /// Puts an item behind a motion without end; gives it back where there is none.
+    /// Stores an item after a motion without end; returns it if there is none.
     pub(super) fn behind_open(&mut self, item: Item) -> Option<Item> {
         match &mut self.open {
             Some(open) if open.behind.len() < MOST_WAITING => {
@@ -24,7 +24,7 @@ impl ContourStage {
         }
     }
 
-    /// The end is known, or never will be: the motion and what stands behind it go on.
+    /// Sets the end, or that there is none: the motion and the items after it proceed.
     pub(in crate::exec) fn close(&mut self, end: Option<AxisVector>, axes: AxisSet, out: &mut Vec<Item>) {
         let Some(mut open) = self.open.take() else { return };
         if let Some(end) = end {
@@ -40,8 +40,7 @@ impl ContourStage {
     }
 }
 
-/// Where two straight lines meet that are given by a point and the angle to the abscissa, rad; `None` where they run in the same
-/// direction.
+/// The intersection of two straight lines, each given by a point and the angle to the abscissa, rad; `None` if they are parallel.
 pub(in crate::exec) fn crossing(first: (Flat, f64), second: (Flat, f64)) -> Option<Flat> {
     let line = |(start, angle): (Flat, f64)| Curve::Line { start, end: add(start, [angle.cos(), angle.sin()]) };
     let found = line(first).crossings(&line(second)).iter().next();

@@ -1,4 +1,4 @@
-//! NORM, KONT and their kin: how compensation begins and ends.
+//! Start and end of compensation: NORM, KONT and related modes.
 
 use std::f64::consts::PI;
 
@@ -14,21 +14,21 @@ use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 
-/// How the tool gets from a place beside the contour to its first perpendicular position.
+/// The path of the tool from a position beside the contour to its first perpendicular position.
 enum Way {
     Straight,
     /// To this point, then around the corner.
     Around(Flat),
-    /// Over this point.
+    /// Through this point.
     Over(Flat),
-    /// To the point square to this direction, in which its block leads, then around the outer corner.
+    /// To the point perpendicular to the direction of its block, then around the outer corner.
     Own(Flat),
-    /// The place is nearer to the corner than the tool is wide, and behind the contour.
+    /// The position is nearer to the corner than the tool radius, and behind the contour.
     Blocked,
 }
 
 impl Active {
-    /// The straight motion to the first element, around its start where it must, and the element.
+    /// The straight motion to the first element, around its start if required, and the element.
     pub(super) fn approach(
         &mut self,
         approach: Box<Moving>,
@@ -83,7 +83,7 @@ impl Active {
         self.chain.push(link);
     }
 
-    /// The straight motion off the last element, and around its end where it must. Gives everything.
+    /// The straight motion off the last element, around its end if required. Returns everything.
     pub(super) fn retract(
         mut self,
         mut moving: Box<Moving>,
@@ -148,7 +148,7 @@ impl Active {
         out.push(Item::Path(Box::new(last)));
     }
 
-    /// Around the outer corner behind which the first element begins; none of it is cut back any more.
+    /// Around the outer corner before the first element, none of which is cut back.
     fn around(&mut self, mut link: Link, own: Vec<Item>, limits: &Limits, findings: &mut Vec<Fault>) {
         let (beside, d, e) = (link.moving.wish.distance_mm, self.tangent, link.contour.first_tangent());
         let most = limits.most_left_out(link.moving.wish.modal.rules);
@@ -165,7 +165,7 @@ impl Active {
         self.chain.links.iter_mut().take(before).for_each(|link| link.is_sealed = true);
     }
 
-    /// Around the outer corner behind the last element into a direction; gives what is left of the motion.
+    /// Around the outer corner after the last element into a direction; returns the rest of the motion.
     fn off(&mut self, mut moving: Box<Moving>, e: Flat, own: Vec<Item>, findings: &mut Vec<Fault>) -> Box<Moving> {
         let (beside, d) = (self.distance, self.tangent);
         let first = |moving: &mut Box<Moving>| {
@@ -194,8 +194,8 @@ impl Active {
         moving
     }
 
-    /// Ends the last piece where it meets the way beside a straight element that would go on in a direction; where it does not, it
-    /// ends as it is.
+    /// Ends the last piece at its intersection with the path beside a virtual straight continuation in a direction; without an intersection the piece
+    /// stays.
     fn cut_along(&mut self, direction: Flat) {
         let start = add(self.point, scaled(left(direction), self.distance));
         let line = Curve::Line { start, end: add(start, direction) };
@@ -212,7 +212,7 @@ impl Active {
         }
     }
 
-    /// From a place to the position beside the corner; of the way off the contour, everything reversed.
+    /// From a position to the position beside the corner; for the path off the contour, everything is reversed.
     fn way(&self, place: Flat, tangent: Flat, beside: f64, moving: &Moving, limits: &Limits) -> Way {
         let to_place = sub(place, self.point);
         if moving.wish.modal.approach == Approach::Own {
@@ -230,7 +230,7 @@ impl Active {
         if apart <= beside.abs() + SAME_MM {
             return Way::Blocked;
         }
-        // The tangent from the place to the circle of the tool center about the corner.
+        // The tangent from the position to the circle of the tool center about the corner.
         let towards = unit(to_place);
         let along = (apart * apart - beside * beside).sqrt();
         let direction = scaled(add(scaled(towards, -along), scaled(left(towards), -beside)), 1.0 / apart);

@@ -1,4 +1,4 @@
-//! Bench of the stage for tests: a few words of a program in, the moves that leave it out.
+//! Test fixture of the stage: takes a few program words, and returns the resulting moves.
 
 use std::sync::Arc as Shared;
 
@@ -9,8 +9,8 @@ use ncfix_base::source::{FileId, Span};
 use ncfix_machine::machine::Control;
 use ncfix_machine::snc::{Element, FeedUnit, Kind, Manner, Move, Origin, Setup};
 
-/// Takes lines of `G0 G1 G2 G3 G40 G41 G42 G43 G44 X Y Z I J F` – positions absolute, I J from the start, with G40 a direction – and
-/// `(comments)`; gives the moves in the notation of a reference, comments, and the codes of findings with their lines.
+/// Takes lines of `G0 G1 G2 G3 G40 G41 G42 G43 G44 X Y Z I J F` – positions absolute, I J from the start, with G40 a direction – and `(comments)`.
+/// Returns the moves in the notation of a reference, comments, and the codes of diagnostics with their lines.
 pub(super) struct Bench {
     pub(super) control: Control,
     pub(super) modal: ContourModal,
@@ -111,12 +111,12 @@ impl Bench {
         stage.finish(&mut out);
         let codes: Vec<String> =
             stage.findings.iter().map(|found| format!("{}:{}", found.code, found.span.start)).collect();
-        // What is refused need not fit together.
+        // Moves of a rejected program may have gaps.
         let moves = if codes.is_empty() { self.shown(out) } else { Vec::new() };
         (moves, codes)
     }
 
-    /// The moves; each begins where the one before it ended.
+    /// The moves; each begins at the end of the previous one.
     fn shown(&self, items: Vec<Item>) -> Vec<String> {
         let mut place = position(self.start);
         let mut out = Vec::new();
@@ -157,13 +157,13 @@ impl Bench {
         out
     }
 
-    /// Checks the findings of a program.
+    /// Checks the diagnostics of a program.
     #[track_caller]
     pub(super) fn check_codes(&self, text: &str, expected: &[&str]) {
         assert_eq!(self.run(text).1, expected);
     }
 
-    /// Checks the moves of a program without findings; words that are 0 are left out of both.
+    /// Checks the moves of a program without diagnostics; zero words are left out on both sides.
     #[track_caller]
     pub(super) fn check(&self, text: &str, expected: &str) {
         let (moves, codes) = self.run(text);
@@ -179,7 +179,7 @@ fn position([x, y, z]: [f64; 3]) -> AxisVector {
     out
 }
 
-/// ` X12.5` with four decimals; nothing for 0.
+/// ` X12.5` with four decimals; empty for 0.
 fn word(letter: char, value: f64) -> String {
     let rounded = (value * 1e4).round() / 1e4;
     if rounded == 0.0 { String::new() } else { format!(" {letter}{rounded}") }

@@ -1,4 +1,4 @@
-//! The way of the tool center while it may still change: pieces that are cut back where they meet, or left out where they do not.
+//! The tool center path while it may still change: pieces that are cut back at intersections, or left out without one.
 
 use std::collections::VecDeque;
 
@@ -8,25 +8,25 @@ use super::moving::Item;
 use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 
-/// How much nearer than the radius the tool may come to an element that is left out, mm.
+/// Largest violation of the radius at an element that is left out, mm.
 const GOUGE_MM: f64 = 1e-6;
 
-/// A crossing of pieces that are no neighbors lies this far from their ends, mm.
+/// Minimum distance of a crossing from the ends of pieces that are not neighbours, mm.
 const INSIDE_MM: f64 = 1e-4;
-/// How much nearer than the radius the tool may come to an element because of the decimals of the program, mm.
+/// Violation of the radius at an element that may result from the decimals of the program, mm.
 const CLEAR_MM: f64 = 1e-3;
 
 /// Pieces, oldest first.
 #[derive(Debug, Default)]
 pub(super) struct Chain {
     pub(super) links: VecDeque<Link>,
-    /// Elements behind them that nothing of the chain meets: too short for the tool.
+    /// Elements after the pieces without intersection with the chain: too short for the tool.
     pub(super) waiting: Vec<Link>,
     /// Items before the first piece.
     pub(super) first_items: Vec<Item>,
 }
 
-/// Where two pieces meet.
+/// The intersection of two pieces.
 struct Meeting {
     index: usize,
     /// Length along the piece of the chain, and along the new one.
@@ -35,7 +35,7 @@ struct Meeting {
 }
 
 impl Chain {
-    /// Items behind the last piece.
+    /// Items after the last piece.
     pub(super) fn tail(&mut self) -> &mut Vec<Item> {
         match (self.waiting.last_mut(), self.links.back_mut()) {
             (Some(link), _) | (None, Some(link)) => &mut link.items,
@@ -43,12 +43,12 @@ impl Chain {
         }
     }
 
-    /// Appends a piece that begins where the last one ends.
+    /// Appends a piece that begins at the end of the last one.
     pub(super) fn push(&mut self, link: Link) {
         self.links.push_back(link);
     }
 
-    /// Appends a piece that touches the end of the last element; where that was too short for the tool, cuts back.
+    /// Appends a piece that touches the end of the last element; if that was too short for the tool, cuts back.
     pub(super) fn push_touching(&mut self, link: Link, most: usize, findings: &mut Vec<Fault>) {
         if self.waiting.is_empty() {
             self.push(link);
@@ -57,8 +57,8 @@ impl Chain {
         }
     }
 
-    /// Appends a piece that crosses the last ones: both are cut at the crossing; pieces between are left out.
-    /// `hint` is a place for both that does where the last piece and this one do not quite cross.
+    /// Appends a piece that crosses the last ones: both are cut at the crossing, and pieces between are left out. `hint` is an intersection to use if
+    /// the last piece and this one almost cross.
     pub(super) fn cut(&mut self, link: Link, most: usize, findings: &mut Vec<Fault>) {
         self.cut_at(link, None, most, findings);
     }
@@ -77,7 +77,7 @@ impl Chain {
         self.links.push_back(link);
     }
 
-    /// Cuts the last piece back and leaves out what stood behind it.
+    /// Cuts the last piece back and leaves out the pieces after it.
     fn leave_out(&mut self, dropped: Vec<Link>, end: f64, findings: &mut Vec<Fault>) {
         let mut items = Vec::new();
         for dropped in dropped {
@@ -99,8 +99,8 @@ impl Chain {
         }
     }
 
-    /// CDON: where a piece crosses an earlier one that is no neighbor, what is between them and would be damaged is left out.
-    /// The last piece can still be cut back and is looked at only where nothing follows it.
+    /// CDON: if a piece crosses an earlier one that is not its neighbour, pieces between them that would damage the contour are left out. The last
+    /// piece can still be cut back and is examined only if nothing follows it.
     pub(super) fn skip_bottlenecks(&mut self, is_end: bool, most: usize, findings: &mut Vec<Fault>) {
         let mut index = 0;
         while index + usize::from(!is_end) < self.links.len() {
@@ -122,7 +122,7 @@ impl Chain {
         }
     }
 
-    /// Where a piece crosses one before its neighbor so that the way between them damages the contour.
+    /// The crossing of a piece with one before its neighbour, if the path between them damages the contour.
     fn bottleneck(&self, later: usize, most: usize) -> Option<Meeting> {
         let link = self.links.get(later)?;
         let mut left_out = 0;
@@ -131,7 +131,7 @@ impl Chain {
             if old.is_sealed || left_out > most {
                 return None;
             }
-            // What touches is a neighbor, or meant.
+            // Touching pieces are neighbours or intended.
             if old.contour.gap(&link.contour, CLEAR_MM) < CLEAR_MM {
                 left_out += usize::from(old.role == Role::Contour);
                 continue;
@@ -155,7 +155,7 @@ impl Chain {
         None
     }
 
-    /// Whether the way from one crossing piece to the other damages the contour, and does not any more without it.
+    /// `true` if the path between two crossing pieces damages the contour, and does not after removing it.
     fn is_damaged(&self, found: &Meeting, later: usize, point: Flat) -> bool {
         let loops: Vec<&Link> = self.links.range(found.index..=later).collect();
         let part = |at: usize, link: &Link| match at {
@@ -171,7 +171,7 @@ impl Chain {
             })
     }
 
-    /// Where a new piece crosses one of the last `depth` pieces.
+    /// The crossing of a new piece with one of the last `depth` pieces.
     fn meeting(&self, link: &Link, count: usize, depth: usize, most: usize) -> Option<Meeting> {
         let mut left_out = self.waiting.iter().filter(|link| link.role == Role::Contour).count();
         for index in (0..count).rev().take(depth) {
@@ -199,7 +199,7 @@ impl Chain {
         None
     }
 
-    /// The last piece and a new one at a point that is nearly on both.
+    /// The intersection of the last piece and a new one at a point that is almost on both.
     fn meeting_at(&self, link: &Link, point: Flat) -> Option<Meeting> {
         let old = self.links.back().filter(|old| self.waiting.is_empty() && !old.is_sealed)?;
         let (end, start) = (old.curve.along(point, old.to), link.curve.along(point, 0.0));
@@ -207,13 +207,13 @@ impl Chain {
         fits.then_some(Meeting { index: self.links.len() - 1, end, start })
     }
 
-    /// Whether the tool at a point keeps clear of all that would be left out behind a piece.
+    /// `true` if the tool at a point keeps clear of everything that would be left out after a piece.
     fn is_clear(&self, point: Flat, index: usize) -> bool {
         let dropped = self.links.iter().skip(index + 1).chain(&self.waiting);
         dropped.into_iter().all(|link| link.contour.distance(point) >= link.clearance_mm - GOUGE_MM)
     }
 
-    /// Nothing meets the new piece: perhaps something does what follows.
+    /// Stores a new piece without intersection: a following one may intersect.
     fn wait(&mut self, link: Link, most: usize, findings: &mut Vec<Fault>) {
         self.waiting.push(link);
         if self.waiting.iter().filter(|link| link.role == Role::Contour).count() > most {
@@ -221,7 +221,7 @@ impl Chain {
         }
     }
 
-    /// Elements wait that nothing meets any more; whether there were some.
+    /// Reports waiting elements without intersection. Returns `true` if there were any.
     pub(super) fn give_up(&mut self, findings: &mut Vec<Fault>) -> bool {
         let Some(first) = self.waiting.first() else { return false };
         let message = match first.contour {

@@ -1,4 +1,4 @@
-//! What radius compensation refuses.
+//! Conditions that radius compensation rejects.
 
 use super::curve::Curve;
 use super::moving::Moving;

@@ -1,7 +1,7 @@
-//! G41 and G42: the way of the tool center beside the contour.
+//! G41 and G42: the tool center path beside the contour.
 //!
-//! Contour elements are moved sideways by the radius of the tool and joined: around outer corners by an arc or to the intersection,
-//! at inner corners by cutting both back. The last pieces are kept until nothing that follows can change them.
+//! Contour elements are offset by the tool radius and joined: around outer corners by an arc or to the intersection, at inner corners by cutting both
+//! back. The last pieces are held until no following element can change them.
 
 use super::chain::Chain;
 use super::check::{no_contour, polynomial, soft_alone, too_narrow, transformed};
@@ -23,23 +23,23 @@ use ncfix_base::geometry::{AxisVector, PlaneBasis};
 use ncfix_machine::machine::Control;
 use ncfix_machine::snc::Manner;
 
-/// Directions that differ by less are one: no corner, rad.
+/// Change of direction below which there is no corner, rad.
 pub(super) const NO_CORNER: f64 = 1e-7;
-/// Below this the misfit of two elements that should be tangential may be rounding of the program, rad.
+/// Misfit of two nominally tangential elements that may be rounding of the program, rad.
 pub(super) const NEARLY_TANGENTIAL: f64 = 1e-2;
-/// Arcs of this radius beside the contour are a point, mm.
+/// Radius below which arcs beside the contour are a point, mm.
 const POINT_MM: f64 = 1e-4;
 
-/// What the control allows.
+/// Limits of the control.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Beyond this change of direction G451 goes around the corner too, rad.
+    /// Change of direction above which G451 also goes around the corner, rad.
     pub(super) corner_rad: f64,
-    /// Below this change of direction G450 goes to the intersection too, rad.
+    /// Change of direction below which G450 also goes to the intersection, rad.
     pub(super) flat_rad: f64,
     pub(super) blocks_between: usize,
     pub(super) look_ahead: usize,
-    /// Whether the control compensates the way of the tool center again, by wear.
+    /// `true` if the control compensates the tool center path again, by wear.
     pub(super) keeps_wear: bool,
 }
 
@@ -54,7 +54,7 @@ impl Limits {
         }
     }
 
-    /// Elements that may be left out where the tool is too wide for them: the others stop there.
+    /// Maximum number of elements left out if the tool is too wide for them; other controls stop there.
     pub(super) fn most_left_out(&self, rules: Rules) -> usize {
         if rules == Rules::Sinumerik { self.look_ahead } else { 0 }
     }
@@ -65,22 +65,22 @@ impl Limits {
 pub(super) struct Compensation {
     pub(super) limits: Limits,
     pub(super) active: Option<Box<Active>>,
-    /// The same by the rules of RS274/NGC.
+    /// State for the rules of RS274/NGC.
     pub(super) tracking: Option<Box<Tracking>>,
-    /// G43, G44: where the tool stands beside the end that the program says.
+    /// G43, G44: the tool position beside the programmed end.
     pub(super) reached: Option<Box<AxisVector>>,
 }
 
-/// Compensation while it acts.
+/// State of active compensation.
 #[derive(Debug)]
 pub(super) struct Active {
     pub(super) basis: PlaneBasis,
-    /// Where the tool center is behind what was released.
+    /// Tool center after the released items.
     pub(super) position: AxisVector,
     /// The motion that begins it, until the first contour element is known.
     pub(super) approach: Option<Box<Moving>>,
     pub(super) chain: Chain,
-    /// Of bottlenecks.
+    /// Checks for bottlenecks.
     pub(super) guard: Guard,
     /// Of the last contour element: the motion, its end, its last tangent, the distance beside it.
     pub(super) last: Box<Moving>,
@@ -94,17 +94,17 @@ impl Compensation {
         Compensation { limits: Limits::new(control, keeps_wear), active: None, tracking: None, reached: None }
     }
 
-    /// Whether what comes must wait, or begins elsewhere than it says.
+    /// `true` if following items must wait or begin at another position than programmed.
     pub(super) fn is_holding(&self) -> bool {
         self.active.is_some() || self.tracking.is_some() || self.reached.is_some()
     }
 
-    /// Whether the tool is beside the contour.
+    /// `true` if the tool is beside the contour.
     pub(super) fn is_on(&self) -> bool {
         self.active.is_some() || self.tracking.is_some()
     }
 
-    /// Takes an item and gives those that are final.
+    /// Takes an item and emits final ones.
     pub(super) fn take(&mut self, item: Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         if let Item::Element(element) = &item
             && self.is_on()
@@ -199,8 +199,8 @@ impl Compensation {
         }));
     }
 
-    /// Compensation by the rules of RS274/NGC has ended and nothing leads back to the contour: gives what is held, and where the tool
-    /// center is if it is beside the contour.
+    /// Ends compensation by the rules of RS274/NGC without a motion back to the contour: emits what is held, and returns the tool center if it is
+    /// beside the contour.
     pub(super) fn settle(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) -> Option<AxisVector> {
         self.no_wear_at_end(findings);
         let mut tracking = self.tracking.take()?;
@@ -208,7 +208,7 @@ impl Compensation {
         Some(tracking.position)
     }
 
-    /// Gives everything that is held: the program has ended, or waits here.
+    /// Emits everything that is held: the program has ended, or waits here.
     pub(super) fn finish(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         self.no_wear_at_end(findings);
         if let Some(tracking) = &mut self.tracking {
@@ -285,14 +285,14 @@ impl Active {
         self.last = moving;
     }
 
-    /// Whether an arc inside is as wide as the tool and goes on from where the last element ended.
+    /// `true` for an inner arc with the tool radius that continues from the end of the last element.
     fn is_point(&self, contour: &Curve, beside: f64) -> bool {
         let Curve::Arc { radius, sweep, .. } = *contour else { return false };
         let is_smooth = angle_between(self.tangent, contour.first_tangent()) < NEARLY_TANGENTIAL;
         (radius - beside * sweep.signum()).abs() < POINT_MM && self.approach.is_none() && is_smooth
     }
 
-    /// Joins an element to the one before it.
+    /// Joins an element to the previous one.
     fn join(&mut self, mut link: Link, own: Vec<Item>, limits: &Limits, findings: &mut Vec<Fault>) {
         let (beside, before) = (link.moving.wish.distance_mm, self.distance);
         let (d, e) = (self.tangent, link.contour.first_tangent());
@@ -322,7 +322,7 @@ impl Active {
             self.chain.push_touching(link, most, findings);
             return;
         }
-        // On the bisector, as far from both elements as the tool center.
+        // On the bisector, at the distance of the tool center from both elements.
         let middle = unit(add(left(d), left(e)));
         let tip = add(self.point, scaled(middle, beside / (bend / 2.0).cos().max(1e-9)));
         if !is_outer {
@@ -333,7 +333,7 @@ impl Active {
         self.outer(link, own, tip, limits, findings);
     }
 
-    /// Gives all pieces but the last ones, which may still change.
+    /// Releases all pieces except the last ones, which may still change.
     pub(super) fn release(&mut self, look_ahead: usize, out: &mut Vec<Item>) {
         let first = std::mem::take(&mut self.chain.first_items);
         if self.approach.is_some() {
@@ -350,14 +350,14 @@ impl Active {
         }
     }
 
-    /// Elements wait that nothing meets any more.
+    /// Reports waiting elements without intersection.
     pub(super) fn give_up(&mut self, findings: &mut Vec<Fault>) {
         if self.chain.give_up(findings) {
             self.guard.switch_off();
         }
     }
 
-    /// Nothing follows the pieces: watches over those that are held too.
+    /// Ends the pieces: checks the held ones too.
     pub(super) fn end_pieces(&mut self, limits: &Limits, findings: &mut Vec<Fault>) {
         self.chain.skip_bottlenecks(true, limits.look_ahead, findings);
         for link in &mut self.chain.links {
@@ -368,7 +368,7 @@ impl Active {
         self.guard.end(findings);
     }
 
-    /// Gives everything as it is.
+    /// Emits everything unchanged.
     pub(super) fn flush(&mut self, out: &mut Vec<Item>) {
         if let Some(approach) = self.approach.take() {
             self.position = approach.path.motion.target;
@@ -392,12 +392,12 @@ impl Active {
         )
     }
 
-    /// Whether a soft approach ends where the next motion ends.
+    /// `true` if a soft approach ends at the end of the next motion.
     pub(super) fn awaits_end(&self) -> bool {
         self.approach.as_ref().is_some_and(|approach| approach.wish.soft.is_some() && !approach.names_plane())
     }
 
-    /// The soft approach ends where this motion ends.
+    /// Sets the end of the soft approach to the end of this motion.
     pub(super) fn end_of_approach(&mut self, moving: &Moving) {
         if let Some(approach) = &mut self.approach {
             let motion = &mut approach.path.motion;
@@ -412,7 +412,7 @@ impl Active {
         }
     }
 
-    /// Why a motion in the plane cannot be part of the contour.
+    /// The fault for a motion in the plane that cannot be part of the contour.
     pub(super) fn objection(&self, moving: &Moving) -> Option<Fault> {
         let (code, message, help) = if moving.path.setup.transform.is_some() {
             return Some(transformed(moving));

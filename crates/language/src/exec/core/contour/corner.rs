@@ -1,4 +1,4 @@
-//! Outer corners: around them on an arc or on straight lines, or beyond them to an intersection; and what else happens at corners.
+//! Outer corners: around them on an arc or on straight lines, or beyond them to an intersection; and other corner handling.
 
 use super::compensation::{Active, Limits, NEARLY_TANGENTIAL};
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, distance, left, scaled};
@@ -9,13 +9,13 @@ use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 
-/// Ways around a corner that are shorter are none, mm.
+/// Length below which a path around a corner is omitted, mm.
 pub(super) const NO_WAY_MM: f64 = 1e-3;
-/// What an angle may be off through rounding, rad.
+/// Rounding error of an angle, rad.
 const ROUNDING: f64 = 1e-9;
 
 impl Active {
-    /// From the last element to the next around an outer corner; `tip` is where their ways would meet if they were straight.
+    /// From the last element to the next around an outer corner; `tip` is the intersection of their straight extensions.
     pub(super) fn outer(
         &mut self,
         mut link: Link,
@@ -47,7 +47,7 @@ impl Active {
             self.straight_around(link, own, d, most, findings);
             return;
         }
-        // The control traverses the corner with the block behind it: with its feed, or at rapid.
+        // The control traverses the corner with the block after it: with its feed, or at rapid.
         self.chain.tail().extend(own);
         let mut corner = self.corner(scaled(left(d), beside), scaled(left(e), beside), beside);
         let known = corner.moving.path.motion.known;
@@ -56,8 +56,8 @@ impl Active {
         self.chain.push_touching(link, most, findings);
     }
 
-    /// Around an outer corner between a direction and that of an element: to the intersection where it bends by a right angle at most,
-    /// else a radius beyond the corner on both sides and straight from one to the other.
+    /// Around an outer corner between a direction and that of an element: to the intersection if it bends by at most a right angle. Otherwise a
+    /// radius beyond the corner on both sides, and straight between them.
     pub(super) fn straight_around(
         &mut self,
         mut link: Link,
@@ -87,7 +87,7 @@ impl Active {
         self.chain.push_touching(link, most, findings);
     }
 
-    /// Points of the way around an outer corner by straight lines, and where it ends.
+    /// Points of the path around an outer corner by straight lines, and its end.
     pub(super) fn points_around(&self, d: Flat, e: Flat, beside: f64) -> ([Flat; 2], Flat) {
         let bend = angle_between(d, e);
         let [start, end] = [d, e].map(|direction| add(self.point, scaled(left(direction), beside)));
@@ -99,7 +99,7 @@ impl Active {
         }
     }
 
-    /// From the end of the last piece straight on to a point: by the piece itself where it is straight. Gives the point.
+    /// Extends the last piece straight to a point: the piece itself if it is straight. Returns the point.
     pub(super) fn extend_to(
         &mut self,
         point: Flat,
@@ -114,7 +114,7 @@ impl Active {
             link.to += distance(start, point);
             return point;
         }
-        // What stands behind the last element takes place where its block ends.
+        // Items after the last element act at the end of its block.
         let items = std::mem::take(self.chain.tail());
         let piece = self.piece(Box::new(self.last.further()), Curve::Line { start, end: point }, beside);
         self.chain.push_touching(piece, most, findings);
@@ -122,12 +122,12 @@ impl Active {
         point
     }
 
-    /// A piece of the way around the corner.
+    /// A piece of the path around the corner.
     pub(super) fn piece(&self, moving: Box<Moving>, curve: Curve, beside: f64) -> Link {
         Link::new(Role::Corner, moving, Curve::Line { start: self.point, end: self.point }, curve, beside)
     }
 
-    /// G41, G42 again: the last element ends square to itself, whatever the corner, and the next one leads from there to its end.
+    /// Repeated G41, G42: the last element ends perpendicular to itself at any corner, and the next one leads from there to its end.
     pub(super) fn square(&mut self, mut link: Link, own: Vec<Item>, findings: &mut Vec<Fault>) {
         if matches!(link.contour, Curve::Arc { .. }) {
             findings.push(link.moving.fault(
@@ -145,12 +145,12 @@ impl Active {
         self.chain.push(link);
     }
 
-    /// Where the sides may not change without G40.
+    /// Reports a change of sides that needs G40.
     pub(super) fn check_side_change(&self, link: &Link, findings: &mut Vec<Fault>) {
         let start = add(self.point, scaled(left(self.tangent), self.distance));
         let allows = match link.moving.wish.modal.rules {
             Rules::Sinumerik => true,
-            // Back along the same line the tool stays where it is.
+            // On the way back along the same line the tool stays.
             Rules::Fanuc => distance(start, link.curve.start()) < NO_WAY_MM,
             Rules::Grundig | Rules::Rs274 => false,
         };
@@ -175,7 +175,7 @@ impl Active {
         Link::new(Role::Corner, Box::new(moving), Curve::Line { start: self.point, end: self.point }, curve, beside)
     }
 
-    /// Extends the last piece and the new one to their intersection beyond an outer corner, if they have one near the tip.
+    /// Extends the last piece and the new one to their intersection beyond an outer corner, if there is one near the tip.
     fn extend(&mut self, link: &mut Link, tip: Flat) -> bool {
         if !self.chain.waiting.is_empty() {
             return false;
@@ -207,7 +207,7 @@ impl Active {
         self.chain.push(through);
     }
 
-    /// Another radius from this element on: a straight one goes over to it.
+    /// Changes the radius from this element on: a straight element tapers to it.
     pub(super) fn taper(&mut self, link: &mut Link, before: f64, bend: f64, findings: &mut Vec<Fault>) {
         let beside = link.moving.wish.distance_mm;
         let is_smooth = bend < NEARLY_TANGENTIAL && self.chain.waiting.is_empty();
@@ -229,7 +229,7 @@ impl Active {
 }
 
 impl Link {
-    /// Whether it ends at a point in a direction, and is straight.
+    /// `true` if it is straight and ends at a point in a direction.
     fn goes_straight_to(&self, point: Flat, direction: Flat) -> bool {
         matches!(self.curve, Curve::Line { .. })
             && self.role == Role::Contour
@@ -239,7 +239,7 @@ impl Link {
     }
 }
 
-/// The motion of the first of several pieces of the block of an element; what is left to the element stands behind it.
+/// The motion of the first of several pieces of an element's block; the element keeps the rest.
 pub(super) fn first_of(link: &mut Link, known: AxisSet) -> Box<Moving> {
     let behind = Box::new(link.moving.further());
     let mut moving = std::mem::replace(&mut link.moving, behind);

@@ -5,12 +5,12 @@ use std::f64::consts::{PI, TAU};
 /// A point or direction of the plane.
 pub(super) type Flat = [f64; 2];
 
-/// Points nearer than this are one, mm.
+/// Points nearer to each other than this are equal, mm.
 pub(super) const SAME_MM: f64 = 1e-7;
 /// Sine of the angle below which directions are parallel.
 const PARALLEL: f64 = 1e-12;
 
-/// A line or an arc, with a parameter that is the length along it, mm, and may run beyond both ends.
+/// A line or an arc. Its parameter is the length along it, mm, and may exceed both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Curve {
     Line {
@@ -51,12 +51,12 @@ pub(super) fn distance(a: Flat, b: Flat) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Turned left by a right angle.
+/// A vector rotated left by a right angle.
 pub(super) fn left(a: Flat) -> Flat {
     [-a[1], a[0]]
 }
 
-/// Of length 1; of something too short, along the abscissa.
+/// A vector of length 1; along the abscissa for a zero vector.
 pub(super) fn unit(a: Flat) -> Flat {
     let length = a[0].hypot(a[1]);
     if length > 0.0 && length.is_finite() { scaled(a, 1.0 / length) } else { [1.0, 0.0] }
@@ -69,7 +69,7 @@ pub(super) fn turn(angle: f64) -> f64 {
 }
 
 impl Curve {
-    /// The arc from one point to another; where they coincide, a full circle.
+    /// The arc from one point to another; a full circle if they coincide.
     pub(super) fn arc(start: Flat, end: Flat, center: Flat, clockwise: bool, extra_turns: u32) -> Curve {
         let (a, b) = (sub(start, center), sub(end, center));
         let (from, to) = (a[1].atan2(a[0]), b[1].atan2(b[0]));
@@ -81,7 +81,7 @@ impl Curve {
             turn(to - from)
         };
         let total = part + f64::from(extra_turns) * TAU;
-        // Of a spiral, the radius that its end has: where it begins is settled by then.
+        // For a spiral, the radius at its end, as its start is already fixed.
         let (first, last) = (a[0].hypot(a[1]), b[0].hypot(b[1]));
         let radius = if (first - last).abs() < SAME_MM { first } else { last };
         Curve::Arc { center, radius, from, sweep: if clockwise { -total } else { total } }
@@ -135,7 +135,7 @@ impl Curve {
         self.tangent(self.length())
     }
 
-    /// The curve at a distance to the left; `None` where the arc is too narrow for it.
+    /// The curve at a distance to the left; `None` if the arc is too narrow for it.
     pub(super) fn offset(&self, by: f64) -> Option<Curve> {
         Some(match *self {
             Curve::Line { start, end } => {
@@ -143,7 +143,7 @@ impl Curve {
                 Curve::Line { start: add(start, normal), end: add(end, normal) }
             }
             Curve::Arc { center, radius, from, sweep } => {
-                // Left of a counter-clockwise arc lies its center.
+                // The center of a counter-clockwise arc is on its left.
                 let radius = radius - by * sweep.signum();
                 if radius < SAME_MM {
                     return None;
@@ -153,7 +153,7 @@ impl Curve {
         })
     }
 
-    /// The length along the curve at which a point on it lies, nearest to `near` where turns of an arc leave a choice.
+    /// The length along the curve of a point on it, nearest to `near` if turns of an arc make it ambiguous.
     pub(super) fn along(&self, point: Flat, near: f64) -> f64 {
         match *self {
             Curve::Line { start, end } => dot(sub(point, start), unit(sub(end, start))),
@@ -166,7 +166,7 @@ impl Curve {
         }
     }
 
-    /// Intersections of two curves that go on beyond their ends.
+    /// Intersections of two curves extended beyond their ends.
     pub(super) fn crossings(&self, other: &Curve) -> Crossings {
         match (*self, *other) {
             (Curve::Line { start: a, end: b }, Curve::Line { start: c, end: d }) => {
@@ -195,7 +195,7 @@ impl Curve {
         }
     }
 
-    /// The part between two lengths along the curve, which may lie beyond its ends.
+    /// The part between two lengths along the curve, which may be beyond its ends.
     pub(super) fn part(&self, from: f64, to: f64) -> Curve {
         match *self {
             Curve::Line { .. } => Curve::Line { start: self.at(from), end: self.at(to) },
@@ -230,12 +230,12 @@ impl Curve {
     pub(super) fn extra_turns(&self) -> u32 {
         match *self {
             Curve::Line { .. } => 0,
-            // A full circle is one turn and no extra one.
+            // A full circle is one turn without extra turns.
             Curve::Arc { sweep, .. } => ((sweep.abs() - 1e-9) / TAU).floor().clamp(0.0, 1e6) as u32,
         }
     }
 
-    /// Whether all its numbers are finite.
+    /// `true` if all its numbers are finite.
     pub(super) fn is_finite(&self) -> bool {
         match *self {
             Curve::Line { start, end } => start.iter().chain(&end).all(|value| value.is_finite()),
@@ -256,7 +256,7 @@ impl Crossings {
     }
 }
 
-/// Points on both sides of a foot; one where the curves only touch, within rounding.
+/// Points on both sides of a foot point; one if the curves only touch, within rounding.
 fn on_both_sides(foot: Flat, direction: Flat, square: f64, size: f64) -> Crossings {
     if square < -SAME_MM * size.max(SAME_MM) {
         return Crossings::default();

@@ -2,13 +2,13 @@
 
 use super::curve::{Curve, Flat, add, dot, left, scaled, sub, unit};
 
-/// Lengths beyond the ends that rounding may put a point of the curve, mm.
+/// Rounding error of a point beyond the ends of a curve, mm.
 const ROUNDING_MM: f64 = 1e-9;
-/// Points nearer than this are meant to be one, mm.
+/// Points nearer to each other than this are intended to be equal, mm.
 const SAME_POINT_MM: f64 = 5e-3;
 
 impl Curve {
-    /// The smallest distance between two curves between their ends; `most` where it is no smaller than that.
+    /// The smallest distance between two curves between their ends, or `most` if that is smaller.
     pub(super) fn gap(&self, other: &Curve, most: f64) -> f64 {
         let ((low, high), (other_low, other_high)) = (self.bounds(), other.bounds());
         if (0..2).any(|k| low[k] - other_high[k] >= most || other_low[k] - high[k] >= most) {
@@ -20,7 +20,7 @@ impl Curve {
                 smallest = smallest.min(other.distance(point));
             }
         };
-        // Where a distance is smallest, one of the points is an end, or the common normal runs through the centers.
+        // At the smallest distance, one of the points is an end, or the common normal passes through the centers.
         for point in [self.start(), self.end()].into_iter().chain(self.crossings(other).iter()) {
             consider(point);
         }
@@ -44,7 +44,7 @@ impl Curve {
         }
     }
 
-    /// Where normals of the curve, also beyond its ends, run through a point.
+    /// Foot points of the normals through a point, also beyond the ends of the curve.
     fn feet(&self, point: Flat) -> [Flat; 2] {
         match *self {
             Curve::Line { start, end } => {
@@ -66,7 +66,7 @@ impl Curve {
         }
     }
 
-    /// Whether the curve runs through a point, within the decimals of a program.
+    /// `true` if the curve passes through a point, within the decimals of a program.
     pub(super) fn passes(&self, point: Flat) -> bool {
         self.distance(point) < SAME_POINT_MM
     }
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn gaps_are_those_of_many_points() {
-        // Numbers without a pattern from the golden ratio.
+        // Pseudo-random numbers from the golden ratio.
         let mut state = 0.5_f64;
         let mut next = |low: f64, high: f64| {
             state = (state + 0.618_033_988_749_895).fract();
@@ -100,7 +100,7 @@ mod tests {
             let sampled =
                 (0..=400).map(|k| b.distance(a.at(a.length() * f64::from(k) / 400.0))).fold(f64::INFINITY, f64::min);
             let gap = a.gap(&b, 1e3);
-            // Between two of the points the distance changes by half their spacing at most.
+            // Between two sample points the distance changes by at most half their spacing.
             assert!(gap <= sampled + 1e-9 && gap >= sampled - a.length() / 800.0 - 1e-9, "{gap} {sampled} {a:?} {b:?}");
             assert!((gap - b.gap(&a, 1e3)).abs() < 1e-7, "{a:?} {b:?}");
             assert!((a.gap(&b, 1.0) - gap.min(1.0)).abs() < 1e-12);

@@ -1,7 +1,7 @@
-//! Watches that the way of the tool center keeps its distance from contour elements that are no neighbors: bottlenecks.
+//! Checks that the tool center path keeps its distance from contour elements that are not neighbours: bottlenecks.
 //!
-//! A piece that leaves the stage is held against the elements near it in the program, before and behind. What is found waits until
-//! it is known whether the element is a wall at all: the first and last elements of a closed contour may lead onto it through the air.
+//! A piece that leaves the stage is compared with the elements near it in the program, before and after. A violation is held until it is known
+//! whether the element is a wall: the first and last elements of a closed contour may lead onto it through the air.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -14,23 +14,23 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::PlaneBasis;
 use ncfix_base::source::{FileId, Span};
 
-/// How much too near the tool may come, mm: what the decimals of a program leave open.
+/// Tolerance of the distance, mm: rounding of the program's decimals.
 const TOLERANCE_MM: f64 = 2e-3;
-/// An arc that lacks less than this angle is a full circle, rad.
+/// Missing angle below which an arc is a full circle, rad.
 const FULL_CIRCLE: f64 = 1e-6;
-/// Elements that may lead onto a closed contour, and off it.
+/// Maximum number of elements that lead onto a closed contour, and off it.
 const LEADING: usize = 3;
-/// Windows as many times as long as the look-ahead.
+/// Length of the window as a multiple of the look-ahead.
 const WINDOWS: usize = 3;
 
-/// What pieces and contour elements have in common.
+/// Common data of pieces and contour elements.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     curve: Curve,
-    /// Lowest and highest place of the tool.
+    /// Lowest and highest position of the tool.
     heights: (f64, f64),
     clearance_mm: f64,
-    /// How far the curve ends from where the program says.
+    /// Distance of the curve's end from the programmed end.
     slack_mm: f64,
 }
 
@@ -40,21 +40,21 @@ struct Wall {
     place: Place,
     span: Span,
     file: FileId,
-    /// Leads onto or off a closed contour.
+    /// `true` if it leads onto or off a closed contour.
     is_open: bool,
-    /// The piece that came nearest, whether it did under CDON, and how much too near, mm.
+    /// The piece with the largest violation, `true` if under CDON, and the violation, mm.
     worst: Option<(Place, bool, f64)>,
 }
 
-/// The watch.
+/// The bottleneck check.
 #[derive(Debug, Default)]
 pub(super) struct Guard {
     /// The first ones are those of the whole contour, then the last ones.
     walls: VecDeque<Wall>,
     pieces: VecDeque<(Place, bool)>,
-    /// Walls to come that lead off a closed contour.
+    /// Number of walls to come that lead off a closed contour.
     leading_off: usize,
-    /// Something is refused anyway.
+    /// `true` after another error.
     is_off: bool,
 }
 
@@ -68,7 +68,7 @@ impl Guard {
         look_ahead: usize,
         findings: &mut Vec<Fault>,
     ) {
-        // Rapid is in the air.
+        // Rapid motion is in the air.
         if self.is_off || moving.path.motion.rapid {
             return;
         }
@@ -93,10 +93,10 @@ impl Guard {
         }
     }
 
-    /// Whether an element closes the contour; what stands before the place where it does, and behind it, is not part of it.
+    /// `true` if an element closes the contour; elements before and after the closing position are not part of it.
     fn close(&mut self, contour: &mut Curve) -> bool {
         if matches!(*contour, Curve::Arc { sweep, .. } if sweep.abs() > TAU - FULL_CIRCLE) {
-            // A circle closes by itself.
+            // A circle is closed by itself.
             self.walls.iter_mut().rev().take(LEADING).for_each(|wall| wall.is_open = true);
             return true;
         }
@@ -127,7 +127,7 @@ impl Guard {
         false
     }
 
-    /// A piece that is final.
+    /// Checks a final piece.
     pub(super) fn piece(&mut self, basis: &PlaneBasis, link: &Link, look_ahead: usize) {
         let moving = &link.moving;
         if self.is_off || link.role == Role::Approach || link.clearance_mm == 0.0 || moving.path.motion.rapid {
@@ -144,13 +144,13 @@ impl Guard {
         }
     }
 
-    /// What was found; the watch begins anew.
+    /// Reports the violations; the check restarts.
     pub(super) fn end(&mut self, findings: &mut Vec<Fault>) {
         findings.extend(self.walls.drain(..).filter_map(|wall| wall.found()));
         *self = Guard::default();
     }
 
-    /// What follows cannot be judged.
+    /// Switches the check off, as the following motions cannot be evaluated.
     pub(super) fn switch_off(&mut self) {
         *self = Guard { is_off: true, ..Guard::default() };
     }
@@ -159,7 +159,7 @@ impl Guard {
 impl Wall {
     fn hold(&mut self, piece: &Place, is_refused: bool) {
         let wanted = piece.clearance_mm.min(self.place.clearance_mm) - piece.slack_mm - self.place.slack_mm;
-        // Above the wall lies what is cut before it.
+        // Motion above the wall cuts material before it.
         if wanted <= TOLERANCE_MM || piece.heights.0 > self.place.heights.1 + TOLERANCE_MM {
             return;
         }
@@ -183,7 +183,7 @@ impl Wall {
     }
 }
 
-/// Where a motion of a contour leads, along a curve.
+/// Position and curve of a motion of a contour.
 fn place(basis: &PlaneBasis, moving: &Moving, curve: Curve, clearance_mm: f64) -> Place {
     let (start, end) = (&moving.path.start, &moving.path.motion.target);
     let (from, to) = (basis.height(start), basis.height(end));

@@ -1,4 +1,4 @@
-//! A piece of the way of the tool center, and what stands behind it.
+//! A piece of the tool center path, with the items after it.
 
 use super::curve::{Curve, SAME_MM, distance};
 use super::moving::{Item, Moving};
@@ -6,13 +6,13 @@ use super::wish::FeedAt;
 use ncfix_base::geometry::{AXES, AxisVector, PlaneBasis};
 use ncfix_machine::snc::Kind;
 
-/// Items that may wait, whatever they are.
+/// Maximum number of waiting items of any kind.
 pub(super) const MOST_WAITING: usize = 10_000;
 
-/// What a piece is.
+/// Role of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
-    /// A contour element moved sideways.
+    /// An offset contour element.
     Contour,
     /// Around an outer corner.
     Corner,
@@ -26,29 +26,29 @@ pub(super) struct Link {
     pub(super) role: Role,
     /// The motion it comes from.
     pub(super) moving: Box<Moving>,
-    /// The contour that it keeps clear of: the element, or the corner as a point.
+    /// The contour that it must not violate: the element, or the corner as a point.
     pub(super) contour: Curve,
-    /// The way of the tool center.
+    /// The tool center path.
     pub(super) curve: Curve,
-    /// Lengths along it between which it is traversed.
+    /// Lengths along the curve between which it is traversed.
     pub(super) from: f64,
     pub(super) to: f64,
     /// Distance from the contour, mm.
     pub(super) clearance_mm: f64,
     pub(super) items: Vec<Item>,
-    /// Nothing is cut back here or before it.
+    /// `true` if nothing is cut back here or before it.
     pub(super) is_sealed: bool,
-    /// It begins where the tool is, straight to its end, wherever its curve begins.
+    /// `true` if it begins at the tool position and leads straight to its end, independent of the start of its curve.
     pub(super) begins_anywhere: bool,
-    /// Bottlenecks before it have been looked for.
+    /// `true` if bottlenecks before it have been searched.
     pub(super) is_checked: bool,
-    /// The guard has seen it.
+    /// `true` if the guard has checked it.
     pub(super) is_watched: bool,
 }
 
-/// Steps of a computed feed in one mm/min or mm per turn.
+/// Number of steps of a computed feed per mm/min or mm per turn.
 const FEED_STEPS: f64 = 1e5;
-/// Gaps between pieces smaller than this are rounding of what the program says, mm.
+/// Gap between pieces that counts as rounding of the program, mm.
 const GAP_MM: f64 = 1e-3;
 
 impl Link {
@@ -77,14 +77,14 @@ impl Link {
         Link::new(Role::Approach, Box::new(moving), curve, curve, 0.0)
     }
 
-    /// Gives the motion and what stands behind it; `position` is where the tool center is.
+    /// Emits the motion and the items after it; `position` is the tool center.
     pub(super) fn release(self, basis: PlaneBasis, position: &mut AxisVector, out: &mut Vec<Item>) {
         let part = match self.curve.part(self.from, self.to) {
             part if self.begins_anywhere => Curve::Line { start: basis.flat(position), end: part.end() },
             part => part,
         };
         let mut moving = *self.moving;
-        // Heights and other axes have arrived at the end of the element before the corner.
+        // Heights and other axes have reached the end of the element before the corner.
         let other_axes = if self.role == Role::Corner { *position } else { moving.path.motion.target };
         if distance(basis.flat(position), part.start()) > GAP_MM {
             let line = Curve::Line { start: basis.flat(position), end: part.start() };
@@ -104,7 +104,7 @@ impl Link {
         release_items(self.items, basis, position, out);
     }
 
-    /// The piece is left out: what is left of it are its other axes, and its items.
+    /// Leaves the piece out: only its other axes and its items are kept.
     pub(super) fn into_items(self, out: &mut Vec<Item>) {
         if self.role != Role::Corner {
             out.push(Item::Path(self.moving));
@@ -113,7 +113,7 @@ impl Link {
     }
 }
 
-/// Gives what stands behind a piece; motions of other axes take place where the tool center is.
+/// Emits the items after a piece; motions of other axes take place at the tool center.
 pub(super) fn release_items(items: Vec<Item>, basis: PlaneBasis, position: &mut AxisVector, out: &mut Vec<Item>) {
     for item in items {
         match item {
@@ -123,7 +123,7 @@ pub(super) fn release_items(items: Vec<Item>, basis: PlaneBasis, position: &mut 
     }
 }
 
-/// Gives a motion; of one that moves nothing, its place in the program.
+/// Emits a motion; for one of zero length, only its programmed position.
 fn push_unless_still(moving: Moving, length: f64, position: &mut AxisVector, out: &mut Vec<Item>) {
     let target = moving.path.motion.target;
     let is_still =
@@ -136,7 +136,7 @@ fn push_unless_still(moving: Moving, length: f64, position: &mut AxisVector, out
     }
 }
 
-/// The feed of the tool center by that of the contour.
+/// Ratio of the tool center feed to the contour feed.
 fn feed_share(at: FeedAt, contour: &Curve, curve: &Curve) -> f64 {
     let (Curve::Arc { radius, .. }, Curve::Arc { radius: beside, .. }) = (contour, curve) else { return 1.0 };
     match at {

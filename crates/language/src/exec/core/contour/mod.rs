@@ -1,8 +1,7 @@
-//! The contour stage: holds motions back until what follows them is known.
+//! The contour stage: holds motions back until the following ones are known.
 //!
-//! First [`transition`] puts roundings and chamfers between contour elements, then [`compensation`] moves them sideways by the radius
-//! of the tool. Motions that nothing changes pass through at once. While one is held, the elements behind it wait with it, so that
-//! the order of the stream stays that of the program.
+//! First [`transition`] inserts roundings and chamfers between contour elements, then [`compensation`] offsets them by the tool radius. Unaffected
+//! motions pass immediately. While a motion is held, the elements after it wait too, so that the stream keeps the program order.
 
 mod angle;
 mod approach;

@@ -1,4 +1,4 @@
-//! A motion in the stage: its curve in plane coordinates, and what becomes of it when the curve changes.
+//! A motion in the stage: its curve in plane coordinates, and its form after the curve changes.
 
 use super::curve::{Curve, Flat, SAME_MM, distance};
 use super::wish::Wish;
@@ -9,17 +9,17 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, LINEAR_AXES, PlaneBasis};
 use ncfix_machine::snc::{Element, Kind, Manner};
 
-/// A motion, the element that it becomes, and what it asks for. The kind of the element is a placeholder.
+/// A motion, its element, and its contour request. The kind of the element is a placeholder.
 #[derive(Clone, Debug)]
 pub(in crate::exec) struct Moving {
     pub(in crate::exec) path: Path,
     pub(in crate::exec) element: Element,
     pub(in crate::exec) wish: Wish,
-    /// What it tells the control.
+    /// Its compensation word for the control.
     pub(in crate::exec) switch: Switch,
 }
 
-/// What waits in the stage, and what leaves it.
+/// An input or output item of the stage.
 #[derive(Debug)]
 pub(in crate::exec) enum Item {
     /// Anything without motion.
@@ -28,18 +28,18 @@ pub(in crate::exec) enum Item {
     Path(Box<Moving>),
 }
 
-/// How far straight pieces may be off an arc at rapid, mm.
+/// Largest distance of straight pieces from an arc at rapid, mm.
 const RAPID_CHORD_MM: f64 = 1e-3;
-/// Directions of two planes nearer than this are the same.
+/// Tolerance of equal plane directions.
 const SAME_PLANE: f64 = 1e-9;
 
 impl Moving {
-    /// A motion as its block has it.
+    /// A motion as programmed in its block.
     pub(in crate::exec) fn new(path: Path, element: Element, wish: Wish) -> Moving {
         Moving { path, element, wish, switch: Switch::None }
     }
 
-    /// Whether it moves in the working plane.
+    /// `true` if it moves in the working plane.
     pub(super) fn is_plane_motion(&self) -> bool {
         match self.path.shape {
             Shape::Line => {
@@ -51,18 +51,18 @@ impl Moving {
         }
     }
 
-    /// Whether it goes to a place of the machine in the plane, however near the program is to it: the tool is beside the contour.
+    /// `true` if it goes to a machine position in the plane, even one near the programmed position: the tool is beside the contour.
     pub(super) fn goes_off_contour(&self) -> bool {
         let motion = &self.path.motion;
         (motion.in_machine_frame || motion.manner == Manner::Positioning) && self.names_plane()
     }
 
-    /// Whether its block names an axis of the plane.
+    /// `true` if its block names an axis of the plane.
     pub(super) fn names_plane(&self) -> bool {
         !self.path.motion.named.intersection(plane_axes(&self.path.basis)).is_empty()
     }
 
-    /// Its curve in the coordinates of a basis; `None` where it has none.
+    /// Its curve in the coordinates of a basis; `None` if it has none.
     pub(super) fn curve(&self, basis: &PlaneBasis) -> Option<Curve> {
         let (start, end) = (basis.flat(&self.path.start), basis.flat(&self.path.motion.target));
         let curve = match &self.path.shape {
@@ -77,12 +77,12 @@ impl Moving {
         (curve.is_finite() && curve.length() > 0.0).then_some(curve)
     }
 
-    /// The motion along another curve, from a position on; heights and other axes end where they did.
+    /// The motion along another curve, from a position; the ends of heights and other axes stay.
     pub(super) fn along(&self, curve: &Curve, basis: PlaneBasis, from: AxisVector) -> Moving {
         self.ending(curve, basis, from, self.path.motion.target)
     }
 
-    /// The same with another end of the heights and other axes.
+    /// The motion along another curve, with other ends of the heights and other axes.
     pub(super) fn ending(&self, curve: &Curve, basis: PlaneBasis, from: AxisVector, other_axes: AxisVector) -> Moving {
         let mut out = self.clone();
         out.path.start = from;
@@ -90,10 +90,10 @@ impl Moving {
         out.path.motion.target = basis.moved(&other_axes, curve.end());
         out.path.motion.named = out.path.motion.named.union(plane_axes(&basis));
         out.path.shape = match *curve {
-            // What is left of an arc without length must not become a full circle.
+            // An arc shortened to zero length must not become a full circle.
             _ if curve.length() < SAME_MM => Shape::Line,
             Curve::Line { .. } => Shape::Line,
-            // Rapid is straight.
+            // Rapid motion is straight.
             Curve::Arc { .. } if out.path.motion.rapid => {
                 Shape::Chords(chords(curve, &basis, &from, &out.path.motion.target))
             }
@@ -104,7 +104,7 @@ impl Moving {
         out
     }
 
-    /// A further motion of the same block, behind this one.
+    /// A further motion of the same block, after this one.
     pub(super) fn further(&self) -> Moving {
         let mut out = self.clone();
         out.element.starts_block = false;
@@ -114,7 +114,7 @@ impl Moving {
         out
     }
 
-    /// The same motion with the plane coordinates of a position.
+    /// The motion with the plane coordinates of a position.
     pub(super) fn carried(mut self: Box<Self>, basis: &PlaneBasis, from: AxisVector) -> Box<Self> {
         let flat = basis.flat(&from);
         self.path.start = from;
@@ -123,7 +123,7 @@ impl Moving {
         self
     }
 
-    /// A finding at the block.
+    /// A fault at the block.
     pub(super) fn fault(&self, code: Code, message: impl Into<String>, help: &str) -> Fault {
         fault(code, self.wish.span, message, help).of_file(self.wish.file)
     }
@@ -137,7 +137,7 @@ impl Item {
         }
     }
 
-    /// Whether a control counts its block as one without motion in the plane.
+    /// `true` if a control counts its block as one without motion in the plane.
     pub(super) fn counts(&self) -> bool {
         match self {
             Item::Element(element) => {
@@ -149,7 +149,7 @@ impl Item {
     }
 }
 
-/// Takes off the end of `items` those that belong to the block of the motion that comes now.
+/// Removes the items at the end of `items` that belong to the block of the next motion.
 pub(super) fn own_of(items: &mut Vec<Item>, next: &Element) -> Vec<Item> {
     if next.starts_block {
         return Vec::new();
@@ -168,7 +168,7 @@ pub(super) fn own_of(items: &mut Vec<Item>, next: &Element) -> Vec<Item> {
     items.split_off(at)
 }
 
-/// How many blocks that do not move in the plane stand between the motion of an element and the end of `items`.
+/// Number of blocks without motion in the plane between the motion of an element and the end of `items`.
 pub(super) fn blocks_between(first: &Element, items: &[Item]) -> usize {
     let mut last = first.origin;
     let mut count = 0;
@@ -182,7 +182,7 @@ pub(super) fn blocks_between(first: &Element, items: &[Item]) -> usize {
     count
 }
 
-/// Ends of straight pieces that stand for an arc.
+/// Ends of straight pieces that approximate an arc.
 fn chords(curve: &Curve, basis: &PlaneBasis, from: &AxisVector, to: &AxisVector) -> Vec<AxisVector> {
     let Curve::Arc { radius, sweep, .. } = *curve else { return vec![*to] };
     let count = chord_count(radius, sweep, RAPID_CHORD_MM);
@@ -196,7 +196,7 @@ fn chords(curve: &Curve, basis: &PlaneBasis, from: &AxisVector, to: &AxisVector)
     ends
 }
 
-/// The axes that move when plane coordinates change.
+/// The axes that move with plane coordinates.
 pub(super) fn plane_axes(basis: &PlaneBasis) -> AxisSet {
     match basis {
         PlaneBasis::Principal(plane) => {
@@ -207,13 +207,13 @@ pub(super) fn plane_axes(basis: &PlaneBasis) -> AxisSet {
     }
 }
 
-/// Whether two bases are of one plane and not mirrored.
+/// `true` if two bases have one plane and are not mirrored.
 pub(super) fn same_plane(a: &PlaneBasis, b: &PlaneBasis) -> bool {
     let normal = |basis: &PlaneBasis| basis.lift([0.0, 0.0], 1.0);
     a == b || (normal(a) - normal(b)).norm() < SAME_PLANE
 }
 
-/// Plane coordinates in one basis of a point in another basis of the same plane.
+/// Plane coordinates in one basis for a point in another basis of the same plane.
 fn at_height(basis: &PlaneBasis, own: &PlaneBasis, point: Flat) -> Flat {
     let xyz = own.lift(point, 0.0);
     let mut position = AxisVector::ZERO;
@@ -223,7 +223,7 @@ fn at_height(basis: &PlaneBasis, own: &PlaneBasis, point: Flat) -> Flat {
     basis.flat(&position)
 }
 
-/// What a motion does to the compensation of the control.
+/// Effect of a motion on the compensation of the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::exec) enum Switch {
     #[default]

@@ -1,4 +1,4 @@
-//! G43 and G44 of Grundig: straight motions that end a tool radius before or beyond their end, and what follows them.
+//! G43 and G44 of Grundig: straight motions that end a tool radius before or beyond their end, and the following motions.
 
 use super::check::transformed;
 use super::compensation::{Active, Compensation};
@@ -12,7 +12,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisVector;
 
 impl Compensation {
-    /// Takes a motion that ends elsewhere than it says, or begins where such a one ended; gives back what is not concerned.
+    /// Takes a motion that ends at another position than programmed, or begins after such a one; returns unaffected items.
     pub(super) fn reach(&mut self, item: Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) -> Option<Item> {
         let wants = |moving: &Moving| moving.wish.modal.reach != Reach::End && !moving.wish.compensates();
         let moving = match item {
@@ -24,7 +24,7 @@ impl Compensation {
             self.reached = None;
             self.begin_beside(moving, position, findings);
         } else if !moving.is_plane_motion() && !moving.names_plane() {
-            // Heights and other axes move where the tool stands.
+            // Heights and other axes move at the tool position.
             let basis = moving.path.basis;
             let carried = moving.carried(&basis, position);
             self.reached = self.reached.take().map(|_| Box::new(carried.path.motion.target));
@@ -55,7 +55,7 @@ impl Compensation {
         None
     }
 
-    /// Compensation begins with a contour element beside whose start the tool stands already.
+    /// Begins compensation with a contour element whose start the tool is already beside.
     fn begin_beside(&mut self, moving: Box<Moving>, position: AxisVector, findings: &mut Vec<Fault>) {
         if moving.path.setup.transform.is_some() {
             findings.push(transformed(&moving));

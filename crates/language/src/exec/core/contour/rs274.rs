@@ -1,8 +1,8 @@
-//! Radius compensation by the rules of RS274/NGC, as LinuxCNC executes it.
+//! Radius compensation by the rules of RS274/NGC, as in LinuxCNC.
 //!
-//! The first motion ends square to its own end, so that its way is tangent to the tool at its start. From then on one motion and what
-//! stands behind it waits for the next: at an inner corner both are cut back to where their ways meet, around an outer corner leads an
-//! arc in the block behind it. Nothing is left out; what does not meet is refused. The motion behind G40 begins where the tool is.
+//! The first motion ends perpendicular to its own end, so that its path is tangent to the tool at its start. From then on one motion, with the items
+//! after it, waits for the next. At an inner corner both are cut back to their intersection; around an outer corner an arc is inserted in the next
+//! block. Nothing is left out; motions without intersection are rejected. The motion after G40 begins at the tool position.
 
 use super::moving::Switch;
 use super::tracking::unreachable;
@@ -18,11 +18,11 @@ use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisVector, Plane, PlaneBasis};
 
-/// Changes of direction below this are none, rad.
+/// Changes of direction below this count as none, rad.
 const SMALL_RAD: f64 = 0.05;
 
 impl Compensation {
-    /// Takes an item under the rules of RS274/NGC; gives back what is under other ones, or needs nothing.
+    /// Takes an item under the rules of RS274/NGC; returns items that need no change.
     pub(super) fn track(&mut self, item: Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) -> Option<Item> {
         let moving = match (item, &mut self.tracking) {
             (Item::Path(moving), None) if moving.wish.modal.rules == Rules::Rs274 && has_no_radius(&moving) => {
@@ -72,12 +72,12 @@ fn is_beside(moving: &Moving) -> bool {
     moving.wish.compensates() && moving.wish.distance_mm != 0.0
 }
 
-/// Beside the contour by nothing is on it.
+/// `true` if the offset is zero: the tool is on the contour.
 fn has_no_radius(moving: &Moving) -> bool {
     moving.wish.compensates() && moving.wish.distance_mm == 0.0
 }
 
-/// The motion behind the compensation.
+/// The motion after the compensation.
 fn leave(mut moving: Box<Moving>, place: AxisVector, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
     if matches!(moving.path.shape, Shape::Arc { .. }) {
         findings.push(not_straight(&moving));
@@ -87,7 +87,7 @@ fn leave(mut moving: Box<Moving>, place: AxisVector, out: &mut Vec<Item>, findin
 }
 
 impl Tracking {
-    /// The first motion; `place` is where the tool center is, which behind G40 is not where the program says.
+    /// The first motion; `place` is the tool center, which after G40 is not the programmed position.
     fn begin(
         mut moving: Box<Moving>,
         place: AxisVector,
@@ -133,7 +133,7 @@ impl Tracking {
         let way = match contour {
             Curve::Line { .. } => Some(Way::Line([0.0; 2])),
             Curve::Arc { center, radius, sweep, .. } => {
-                // About a point from which start and end are equally far, on the line from the end to the center of the program.
+                // About a point equidistant from start and end, on the line from the end to the programmed center.
                 let u = unit(sub(center, beside_end));
                 let chord = sub(start, beside_end);
                 let along = dot(chord, u);
@@ -162,7 +162,7 @@ impl Tracking {
         Some(tracking)
     }
 
-    /// A motion while compensation acts.
+    /// A motion under active compensation.
     fn element(&mut self, moving: Box<Moving>, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         if !moving.is_plane_motion() {
             let end = self.basis.flat(&self.center);
@@ -186,7 +186,7 @@ impl Tracking {
         let next = match contour {
             Curve::Line { .. } => Next { direction: contour.first_tangent(), arc: None },
             Curve::Arc { center, sweep, .. } => {
-                // The radius is that to the end.
+                // The radius is that at the end.
                 let wide = distance(center, contour.end());
                 let is_inside = sweep * side > 0.0;
                 if is_inside && wide <= radius {
@@ -201,7 +201,7 @@ impl Tracking {
         let before = scaled(left(square), -side);
         let turn = -side * cross(before, next.direction).atan2(dot(before, next.direction));
         let bend = if turn < -FRAC_PI_2 { turn + TAU } else { turn };
-        // Back along an arc the tool could go around the corner or stay beside both: it stays.
+        // On the way back along an arc, going around the corner and staying beside both are equal: the tool stays.
         let turns_back = (bend - PI).abs() < SMALL_RAD
             && match (next.arc, self.last_arc()) {
                 (Some((.., is_inside)), _) => !is_inside,
@@ -239,7 +239,7 @@ impl Tracking {
         self.hold(moving, end, way);
     }
 
-    /// Why a motion cannot be compensated.
+    /// The fault for a motion that cannot be compensated.
     fn objection(&self, moving: &Moving) -> Option<Fault> {
         let (code, message, help) = if moving.path.setup.transform.is_some() {
             return Some(super::check::transformed(moving));

@@ -1,4 +1,4 @@
-//! Radius compensation of RS274/NGC at the stage: what arithmetic says of the rules.
+//! Radius compensation of RS274/NGC at the stage: expected values from the arithmetic of the rules.
 
 use super::ContourModal;
 use super::bench::Bench;
@@ -10,7 +10,7 @@ fn bench() -> Bench {
 
 #[test]
 fn the_first_motion_ends_square_to_itself() {
-    // (0.6, 0.8) of 50 mm; to its left (-0.8, 0.6). What follows goes on in the same direction.
+    // (0.6, 0.8) of 50 mm; to its left (-0.8, 0.6). The next element continues in the same direction.
     bench().check("G41 G1 X30 Y40 F100\nX60 Y80\nG40 X90 Y80", "G1 X26 Y43 F100\nG1 X56 Y83 F100\nG1 X90 Y80 F100");
     bench().check("G42 G1 X30 Y40\nG40 X90", "G1 X34 Y37\nG1 X90 Y40");
     // Not longer than the radius.
@@ -20,8 +20,8 @@ fn the_first_motion_ends_square_to_itself() {
 
 #[test]
 fn the_first_motion_along_an_arc_keeps_its_tangents() {
-    // About (0, 25) counter-clockwise to (25, 25): 5 mm inside it lies (20, 25). The center is as far from there as from the start:
-    // 20 - x = √(x² + 25²) gives x = -5.625.
+    // About (0, 25) counter-clockwise to (25, 25): 5 mm inside it is (20, 25). The center is equidistant from there and from the start: 20 - x = √(x²
+    // + 25²) gives x = -5.625.
     bench().check("G41 G3 X25 Y25 I0 J25\nG1 Y60\nG40 X0", "G3 X20 Y25 I-5.625 J25\nG1 X20 Y60\nG1 Y60");
     bench().check_codes("G41 G3 X4 Y4 I0 J4\nG1 Y60\nG40 X0", &["E0233:1"]);
 }
@@ -29,13 +29,13 @@ fn the_first_motion_along_an_arc_keeps_its_tangents() {
 #[test]
 fn inner_corners_cut_both_back() {
     bench().check("G41 G1 X30\nY40\nG40 X0", "G1 X25 Y5\nG1 X25 Y40\nG1 Y40");
-    // Tangential lines and arcs are what they are, inside and outside.
+    // Tangential lines and arcs are only offset, inside and outside.
     bench().check("G41 G1 X20\nX30\nG3 X50 Y20 I0 J20\nG40 G1 X60", "G1 X20 Y5\nG1 X30 Y5\nG3 X45 Y20 J15\nG1 X60 Y20");
     bench().check(
         "G41 G1 X20\nX30\nG2 X50 Y-20 I0 J-20\nG40 G1 X60",
         "G1 X20 Y5\nG1 X30 Y5\nG2 X55 Y-20 J-25\nG1 X60 Y-20",
     );
-    // A bump of radius 15 about X45 on the line, 20 beside it: the line 5 above it meets it √(20² - 5²) beside its center.
+    // A bump of radius 15 about X45 on the line, offset to 20: the line 5 above intersects it √(20² - 5²) beside its center.
     bench().check(
         "G41 G1 X10\nX30\nG2 X45 Y15 I15 J0\nG1 X70\nG40 Y40",
         "G1 X10 Y5\nG1 X25.6351 Y5\nG2 X45 Y20 I19.3649 J-5\nG1 X70 Y20\nG1 X70 Y40",
@@ -44,7 +44,7 @@ fn inner_corners_cut_both_back() {
         "G41 G1 Y15\nX45\nG2 X60 Y0 I0 J-15\nG1 X90\nG40 Y40",
         "G1 X-5 Y15\nG2 Y20 I5\nG1 X45 Y20\nG2 X64.3649 Y5 J-20\nG1 X90 Y5\nG1 X90 Y40",
     );
-    // Two of them side by side meet half-way between their centers, √(20² - 15²) above.
+    // Two adjacent ones meet half-way between their centers, √(20² - 15²) above.
     bench().check(
         "G41 G1 Y15\nX45\nG2 X60 Y0 I0 J-15\n(here)\nG2 X75 Y15 I15 J0\nG1 X90\nG40 Y40",
         "G1 X-5 Y15
@@ -66,16 +66,16 @@ fn outer_corners_get_an_arc_in_the_block_behind() {
     );
     // At rapid there are no arcs.
     bench().check("G41 G1 X60\nG0 Y-40\nG40 X90", "G1 X60 Y5\nG0 X65\nG0 X65 Y-40\nG0 X90 Y-40");
-    // Bends of less than 0.05 are none.
+    // Bends below 0.05 count as none.
     bench().check("G41 G1 X60\nX100 Y-1\nG40 X150", "G1 X60 Y5\nG1 X100.125 Y3.9984\nG1 X150 Y-1");
 }
 
 #[test]
 fn behind_g40_motions_begin_where_the_tool_is() {
-    // Heights too: the tool goes back to the contour.
+    // Heights too: the tool returns to the contour.
     bench().check("G41 G1 X60\nG40 Z20\nX70", "G1 X60 Y5\nG1 X60 Z20\nG1 X70 Z20");
     bench().check_codes("G41 G1 X60\nG40 G2 X70 Y-10 I0 J-10", &["E0232:2"]);
-    // Anew without a motion between: the direction is that of the program.
+    // Restarted without a motion between: the direction is the programmed one.
     bench().check("G41 G1 X60\nG40\nG42\nY40\nG40 X0", "G1 X60 Y5\nG1 X65 Y40\nG1 Y40");
     // It ends with the program.
     bench().check("G41 G1 X60\nX80", "G1 X60 Y5\nG1 X80 Y5");

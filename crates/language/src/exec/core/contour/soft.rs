@@ -1,7 +1,7 @@
 //! Soft approach and retraction, G147 to G348: tangentially onto the contour by a line, a quadrant or a semicircle.
 //!
-//! Points are those of the control: P0 start, P1 above the curve at the height of the start, P2 at the clearance, P3 start of the
-//! curve, P4 the contour. Retraction runs them backwards.
+//! Points are named as in the control: P0 start, P1 above the curve at the height of the start, P2 at the clearance, P3 start of the curve, P4 the
+//! contour. Retraction uses them in reverse order.
 
 use super::compensation::Active;
 use super::curve::{Curve, Flat, add, dot, left, scaled, sub};
@@ -31,7 +31,7 @@ impl Active {
         let fast = |mut moving: Moving| {
             moving.path.motion.rapid = soft.rapid_before;
             moving.path.motion.feed = soft.feed_before;
-            // The F of the block is that of the pieces behind it.
+            // The F of the block belongs to the following pieces.
             moving.path.motion.feed_named = false;
             moving
         };
@@ -62,7 +62,7 @@ impl Active {
         }
     }
 
-    /// Pieces from the end of the last element to above the end of the curve; the rest of the way is the caller's.
+    /// Pieces from the end of the last element to above the end of the curve; the caller adds the rest of the path.
     pub(super) fn soft_retract(&mut self, moving: &Moving, soft: &Soft, findings: &mut Vec<Fault>) {
         let basis = self.basis;
         let start = add(self.point, scaled(left(self.tangent), self.distance));
@@ -101,7 +101,7 @@ impl Active {
     }
 }
 
-/// +1 where the curve lies to the left of the contour, −1 to the right.
+/// +1 if the curve is to the left of the contour, −1 if to the right.
 fn side_of(soft: &Soft, beside: f64, place: Flat, tangent: Flat) -> Option<f64> {
     match soft.side {
         SoftSide::Left => Some(1.0),
@@ -114,12 +114,12 @@ fn side_of(soft: &Soft, beside: f64, place: Flat, tangent: Flat) -> Option<f64> 
     }
 }
 
-/// The curve that arrives at a point along a tangent.
+/// The curve that reaches a point along a tangent.
 fn curve_onto(soft: &Soft, end: Flat, tangent: Flat, side: f64, beside: f64) -> Curve {
     let across = scaled(left(tangent), side * soft.size_mm);
     let center = add(end, across);
     let start = match soft.form {
-        // The edge of the tool is to be that far from the contour.
+        // The edge of the tool is to have this distance from the contour.
         SoftForm::Line => {
             return Curve::Line { start: sub(end, scaled(tangent, soft.size_mm + beside.abs())), end };
         }
@@ -136,7 +136,7 @@ fn reverse(curve: &Curve) -> Curve {
     }
 }
 
-/// A position at the clearance above the contour, on the side of another position; not beyond that.
+/// A position at the clearance above the contour, towards another position but not beyond it.
 fn at_clearance(basis: PlaneBasis, contour: &AxisVector, other: &AxisVector, clearance: Clearance) -> AxisVector {
     let (low, high) = (basis.height(contour), basis.height(other));
     let above = match clearance {

@@ -1,4 +1,4 @@
-//! The stage itself: motions go in, and come out where nothing can change them any more.
+//! The stage: takes motions, and emits them once nothing can change them.
 
 use super::compensation::Compensation;
 use super::moving::{Item, Moving};
@@ -15,12 +15,12 @@ pub(in crate::exec) struct ContourStage {
     transitions: Transitions,
     compensation: Compensation,
     between: Vec<Item>,
-    /// What was found.
+    /// Faults found so far.
     pub(in crate::exec) findings: Vec<Fault>,
 }
 
 impl ContourStage {
-    /// With `keeps_wear` motions that begin and end compensation are marked for the control.
+    /// Creates a stage; with `keeps_wear`, motions that begin and end compensation are marked for the control.
     pub(in crate::exec) fn new(control: &Control, keeps_wear: bool) -> ContourStage {
         ContourStage {
             open: None,
@@ -31,24 +31,24 @@ impl ContourStage {
         }
     }
 
-    /// Whether something is held, so that whatever comes must wait behind it.
+    /// `true` if something is held, so that following items must wait.
     pub(in crate::exec) fn is_holding(&self) -> bool {
         self.open.is_some() || self.transitions.is_holding() || self.compensation.is_holding()
     }
 
-    /// A block reads what the control knows only when it has got there: it looks no further ahead.
+    /// Records a read access to the main run: the control looks no further ahead.
     pub(in crate::exec) fn stop(&mut self, origin: Origin, name: &'static str) {
         self.transitions.stop(origin, name);
     }
 
-    /// Takes an item and gives those that are final now.
+    /// Takes an item and emits those that are now final.
     pub(in crate::exec) fn take(&mut self, item: Item, out: &mut Vec<Item>) {
         let Some(item) = self.behind_open(item) else { return };
         self.transitions.take(item, &mut self.between, &mut self.findings);
         self.compensate(out);
     }
 
-    /// Gives everything that is held: the program has ended, or must wait here.
+    /// Emits everything that is held: the program has ended, or must wait here.
     pub(in crate::exec) fn finish(&mut self, out: &mut Vec<Item>) {
         self.close(None, AxisSet::EMPTY, out);
         self.transitions.finish(&mut self.between, &mut self.findings);
@@ -56,7 +56,7 @@ impl ContourStage {
         self.compensation.finish(out, &mut self.findings);
     }
 
-    /// The control looks where the axes are: gives what is held, and where the tool center is if it is beside the contour.
+    /// Handles a read of the axis positions by the control: emits what is held, and returns the tool center if it is beside the contour.
     pub(in crate::exec) fn settle(&mut self, out: &mut Vec<Item>) -> Option<AxisVector> {
         self.transitions.finish(&mut self.between, &mut self.findings);
         self.compensate(out);
@@ -70,7 +70,7 @@ impl ContourStage {
     }
 }
 
-/// A motion whose end is not known yet, and what stands behind it.
+/// A motion whose end is not known yet, with the items after it.
 #[derive(Debug)]
 pub(super) struct OpenLine {
     pub(super) moving: Box<Moving>,

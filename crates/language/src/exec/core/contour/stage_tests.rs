@@ -1,4 +1,4 @@
-//! Radius compensation of Fanuc, RS274/NGC and Grundig at the stage: what a reference lists, and what arithmetic says.
+//! Radius compensation of Fanuc, RS274/NGC and Grundig at the stage: expected values from a reference and from arithmetic.
 
 use super::ContourModal;
 use super::bench::Bench;
@@ -38,7 +38,7 @@ fn fanuc_goes_to_the_intersection_of_right_angles() {
     );
 }
 
-/// The tool comes onto the contour at X0 Y0, bends by 149.036° at X0 Y50 and leaves at X30.
+/// The tool reaches the contour at X0 Y0, turns by 149.036° at X0 Y50 and leaves at X30.
 const ACUTE: &str = "G41 G1 X0 Y0
     Y50
     X30 Y0
@@ -94,7 +94,7 @@ fn grundig_to_the_contour_then_along_it() {
     );
 }
 
-/// Behind X20 Y20 the contour goes up.
+/// After X20 Y20 the contour goes up.
 fn onto(start: [f64; 3], bench: Bench) -> Bench {
     Bench { start, ..bench }
 }
@@ -105,14 +105,14 @@ const UP: &str = "G41 G1 X20 Y20
 
 #[test]
 fn fanuc_begins_by_type_a_or_b() {
-    // In front of the contour both are the same.
+    // Before the contour both are equal.
     for start in [A, B] {
         fanuc(start, None).check(UP, "G1 X15 Y20\nG1 X15 Y60\nG1 Y60");
     }
-    // From 45° behind it: 5 mm square to the block, then 5 · tan 22.5° to the intersection.
+    // From 45° behind it: 5 mm perpendicular to the block, then 5 · tan 22.5° to the intersection.
     onto([40.0, 0.0, 0.0], fanuc(A, None)).check(UP, "G1 X15 Y20\nG1 X15 Y60\nG1 Y60");
     onto([40.0, 0.0, 0.0], fanuc(B, None)).check(UP, "G1 X16.4645 Y16.4645\nG1 X15 Y17.9289\nG1 X15 Y60\nG1 Y60");
-    // The corner bends by 135°: a radius beyond it on both sides.
+    // The corner turns by 135°: a radius beyond it on both sides.
     onto([50.0, 50.0, 0.0], fanuc(B, None))
         .check(UP, "G1 X23.5355 Y16.4645\nG1 X20 Y12.9289\nG1 X15 Y15\nG1 X15 Y60\nG1 Y60");
     onto([50.0, 50.0, 0.0], fanuc(B, CIRCULAR))
@@ -124,9 +124,9 @@ fn fanuc_ends_by_type_a_or_b_or_along_a_direction() {
     let along = |end: &str| format!("G41 G1 X20 Y40\nX80\n{end}");
     let bench = |start| onto([0.0, 40.0, 0.0], fanuc(start, None));
     bench(A).check(&along("G40 X100 Y20"), "G1 X20 Y45\nG1 X80 Y45\nG1 X100 Y20");
-    // Mirrored to the start: the intersection lies 5 · tan 22.5° beyond the end.
+    // Mirrored to the start: the intersection is 5 · tan 22.5° beyond the end.
     bench(B).check(&along("G40 X100 Y20"), "G1 X20 Y45\nG1 X82.0711 Y45\nG1 X83.5355 Y43.5355\nG1 X100 Y20");
-    // As if the contour went down, up, or straight on.
+    // As if the contour continued down, up, or straight on.
     bench(A).check(&along("G40 X100 Y20 I0 J-10"), "G1 X20 Y45\nG1 X85 Y45\nG1 X100 Y20");
     bench(A).check(&along("G40 X100 Y20 I0 J10"), "G1 X20 Y45\nG1 X75 Y45\nG1 X100 Y20");
     bench(B).check(&along("G40 X100 Y20 I10 J0"), "G1 X20 Y45\nG1 X80 Y45\nG1 X100 Y20");
@@ -135,12 +135,12 @@ fn fanuc_ends_by_type_a_or_b_or_along_a_direction() {
 #[test]
 fn fanuc_goes_straight_onto_the_tangents_of_arcs() {
     let bench = |radius| Bench { start: [-20.0, 0.0, 0.0], radius_mm: radius, ..fanuc(A, None) };
-    // A right angle: over its tip.
+    // A right angle: via its tip.
     bench(5.0).check(
         "G41 G1 X0 Y0\nY50\nG2 X10 Y40 I0 J-10\nG1 Y0\nG40 X30",
         "G1 X-5\nG1 X-5 Y55\nG1 Y55\nG2 X15 Y40 J-15\nG1 X15\nG1 X30",
     );
-    // The arc begins in the direction (0.6, -0.8), 143° off; its center lies to its left, with the tool.
+    // The arc begins in the direction (0.6, -0.8), turned by 143°; its center is on its left, with the tool.
     bench(5.0).check(
         "G41 G1 X0 Y0\nY50 F100\nG3 X16 Y42 I16 J12 F200\nG1 X40\nG40 X50 Y60",
         "G1 X-5
@@ -151,7 +151,7 @@ fn fanuc_goes_straight_onto_the_tangents_of_arcs() {
         G1 X40 Y47 F200
         G1 X50 Y60 F200",
     );
-    // Behind an arc the straight way is the block's own, and what stands behind it comes at its end: the mirror image.
+    // After an arc the straight path is the block's own, and the following items come at its end: the mirror image.
     bench(5.0).check(
         "G42 G1 X0 Y-42\nX24\nG2 X40 Y-50 I0 J-20 F200\n(here)\nG1 X40 Y0 F100\nG40 X60",
         "G1 Y-47
@@ -176,7 +176,7 @@ fn only_sinumerik_leaves_out_what_the_tool_does_not_reach() {
 
 #[test]
 fn sides_change_back_along_the_same_line_only() {
-    // Up on the left and down on the right is the same way of the tool.
+    // Up on the left and down on the right is the same tool path.
     fanuc(A, None).check("G41 G1 X20 Y20\nY60\nG42 Y20\nG40 X0", "G1 X15 Y20\nG1 X15 Y60\nG1 X15 Y20\nG1 Y20");
     fanuc(A, None).check_codes("G41 G1 X20 Y20\nY60\nG42 X60\nG40 Y90", &["E0232:3"]);
     grundig(None).check_codes("G41 G1 X20 Y20\nY60\nG42 Y20\nG40 X0", &["E0232:3"]);
@@ -184,7 +184,7 @@ fn sides_change_back_along_the_same_line_only() {
 
 #[test]
 fn fanuc_programmed_again_begins_square_to_the_last_element() {
-    // Outside and inside: the element before ends 5 mm beside its end.
+    // Outside and inside: the previous element ends 5 mm beside its end.
     fanuc(A, None).check(
         "G41 G1 X20 Y20\nY60\nG41 X60\nY40\nG40 X90",
         "G1 X15 Y20\nG1 X15 Y60\nG1 X65 Y65\nG1 X65 Y40\nG1 X90 Y40",
@@ -194,7 +194,7 @@ fn fanuc_programmed_again_begins_square_to_the_last_element() {
 
 #[test]
 fn grundig_to_and_past_an_end() {
-    // 5 mm along (0.6, 0.8) are (3, 4); the height follows where the tool is, and G40 leads to the programmed end.
+    // 5 mm along (0.6, 0.8) are (3, 4); the height moves at the tool position, and G40 leads to the programmed end.
     grundig(None).check(
         "G43 X0 Y60\nZ-3\nG44 X-30 Y20\nG40 X-30 Y0\nX0",
         "G1 X-3 Y56\nG1 X-3 Y56 Z-3\nG1 X-33 Y16 Z-3\nG1 X-30 Z-3\nG1 Z-3",
@@ -202,7 +202,7 @@ fn grundig_to_and_past_an_end() {
     grundig(None).check("G44 X0\nG42\nY60\nG40 X30", "G1 X5 Y20\nG1 X5 Y60\nG1 X30 Y60");
     // The end that the program has already reached.
     grundig(None).check("G43 X0\nG40 X0\nX10", "G1 X-5 Y20\nG1 Y20\nG1 X10 Y20");
-    // On the wrong side, and not square to the contour.
+    // On the wrong side, and not perpendicular to the contour.
     grundig(None).check_codes("G43 X0\nG42\nY60\nG40 X30", &["E0232:3"]);
     grundig(None).check_codes("G43 X0 Y60\nG41\nY90\nG40 X-30", &["E0232:3"]);
     grundig(None).check_codes("G43 X0\nG2 X10 Y30 I0 J10", &["E0232:2"]);
@@ -213,7 +213,7 @@ fn grundig_alone_begins_with_the_next_motion() {
     grundig(None).check("G41\nX0\nY60\nG40\nX-30", "G1 X-5 Y20\nG1 X-5 Y60\nG1 X-30 Y60");
 }
 
-/// Numbers without a pattern.
+/// A pseudo-random generator.
 struct Random(u64);
 
 impl Random {
@@ -223,11 +223,11 @@ impl Random {
     }
 }
 
-/// Motions from X0 Y0 on that bend away from a tool on their left, as text and as curves.
+/// Motions from X0 Y0 that bend away from a tool on their left, as text and as curves.
 fn convex(random: &mut Random) -> (String, Vec<Curve>) {
     let (mut text, mut curves) = (String::new(), Vec::new());
     let (mut place, mut heading) = ([0.0_f64; 2], 0.0_f64);
-    // Not so far that the contour meets itself.
+    // Limited so that the contour does not intersect itself.
     let mut left = 3.0;
     for k in 0..6 {
         let bend = random.between(0.0, left);
@@ -255,7 +255,7 @@ fn convex(random: &mut Random) -> (String, Vec<Curve>) {
     (text, curves)
 }
 
-/// The move that a line of the bench is, from a place on.
+/// The move of a line of the fixture, from a position.
 fn move_of(text: &str, start: [f64; 2]) -> Curve {
     let word = |letter: char| {
         text.split_whitespace().find_map(|word| word.strip_prefix(letter)).map_or(0.0, |value| value.parse().unwrap())
@@ -290,7 +290,7 @@ fn around_outer_corners_the_tool_keeps_its_distance_and_misses_nothing() {
             place = curve.end();
             way.push(curve);
         }
-        // Decimals of the bench.
+        // Decimals of the fixture.
         let tolerance = 2e-3;
         for element in &contour {
             for (index, curve) in way.iter().enumerate().take(way.len() - 1).skip(1) {
@@ -334,7 +334,7 @@ fn whatever_comes_moves_hang_together() {
                 0 => text += &format!("{code}\n"),
                 1 => text += &format!("{code}G1 Z{}\n", end[0]),
                 2 => {
-                    // Somewhere on the perpendicular bisector, at times the middle; a full circle where the ends are one.
+                    // A point on the perpendicular bisector, sometimes the middle; a full circle if the ends are equal.
                     let [dx, dy] = [end[0] - place[0], end[1] - place[1]];
                     let share = random.between(-2.0, 2.0).round() / 2.0;
                     let [i, j] = if dx == 0.0 && dy == 0.0 {

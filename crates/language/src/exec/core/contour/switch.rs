@@ -1,7 +1,7 @@
-//! Words for the control in a motion that radius compensation begins or ends with: it works with wear alone.
+//! Words for the control in motions at the start or end of radius compensation: the control compensates wear alone.
 //!
-//! The way of the tool center ends square to the first contour element and begins square to the last one, so that a control which
-//! compensates it again by a small radius moves all of it sideways by that: the curve beside a curve beside the contour.
+//! The tool center path ends perpendicular to the first contour element and begins perpendicular to the last one. A control that compensates it again
+//! by a small radius therefore offsets all of it: an offset curve of an offset curve.
 
 use super::compensation::Compensation;
 use super::curve::SAME_MM;
@@ -17,12 +17,12 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, AxisSet};
 use ncfix_machine::snc::Kind;
 
-/// How long the part of a motion to the contour is in which the control goes over to its radius, mm. It is one piece of the output, so that no corner
-/// lies between it and the contour.
+/// Length of the part of a motion to the contour in which the control applies its radius, mm. It is one output piece, so that there is no corner
+/// between it and the contour.
 const LEAD_MM: f64 = 5.0;
 
 impl Moving {
-    /// The words for it.
+    /// The compensation words of the motion.
     pub(in crate::exec) fn switch_words(&self) -> Option<String> {
         let modal = &self.wish.modal;
         let word = match self.switch {
@@ -32,20 +32,20 @@ impl Moving {
             Switch::On => "G42",
         };
         Some(match (modal.rules, modal.register) {
-            // The way onto the contour and around its outer corners is there already. To intersections it is by any wear the way beside the contour,
-            // at inner corners with a wear below 0 too.
+            // The path onto the contour and around its outer corners is already complete. Via intersections it is the offset path for any wear, at
+            // inner corners also for a negative wear.
             (Rules::Sinumerik, _) => format!("{word} NORM G451 {}", if modal.collision { "CDON" } else { "CDOF" }),
             (_, Some(register)) => format!("{word} D{register}"),
             (_, None) => word.to_owned(),
         })
     }
 
-    /// The parts of a motion before and behind the place where the control is told: nothing before it, or a long way that the control makes without
+    /// The parts of a motion before and after the compensation word: nothing before it, or a long path that the control executes without
     /// compensation.
     pub(in crate::exec) fn parted(self: Box<Self>) -> (Option<Box<Moving>>, Box<Moving>, Option<Box<Moving>>) {
         let way = (self.path.motion.target - self.path.start).xyz().norm();
         let is_long = way > 2.0 * LEAD_MM && matches!(self.path.shape, Shape::Line) && !self.path.motion.rapid;
-        // A place between is known only where both ends are.
+        // An intermediate position is known only if both ends are.
         let (start, target) = (&self.path.start, &self.path.motion.target);
         let moving: AxisSet = AXES.into_iter().filter(|&axis| start[axis] != target[axis]).collect();
         let is_known = moving.union(self.path.motion.named).difference(self.path.start_known).is_empty();
@@ -60,17 +60,17 @@ impl Moving {
         if before.switch == Switch::On { (Some(before), behind, None) } else { (None, before, Some(behind)) }
     }
 
-    /// The finding about compensation that cannot be left to the control.
+    /// The fault for compensation that cannot be left to the control.
     pub(super) fn no_wear(&self, message: &str, help: &str) -> Fault {
         self.fault(Code::NO_WEAR, format!("{message}: with --compensation wear the control cannot do that"), help)
     }
 }
 
 impl Compensation {
-    /// What the control must not see, or cannot follow with wear alone.
+    /// Rejects or replaces items that the control must not see, or cannot follow with wear alone.
     pub(super) fn told(&self, mut item: Item, findings: &mut Vec<Fault>) -> Item {
         match &mut item {
-            // The motion that leads off the contour says it.
+            // The motion off the contour carries the word.
             Item::Element(element) if self.is_on() && element.kind == Kind::Keep("G40") => element.kind = Kind::Empty,
             Item::Element(_) => {}
             Item::Path(moving) => findings.extend(self.no_wear_for(moving)),
@@ -117,7 +117,7 @@ impl Compensation {
         })
     }
 
-    /// The program ends, or the control looks where the axes are, and no motion has led off the contour.
+    /// Reports a program end or a position read without a motion off the contour.
     pub(super) fn no_wear_at_end(&self, findings: &mut Vec<Fault>) {
         let held = self.tracking.as_ref().and_then(|tracking| {
             tracking.held.iter().find_map(|held| if let Held::Piece(piece) = held { Some(&piece.moving) } else { None })

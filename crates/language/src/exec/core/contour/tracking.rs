@@ -1,4 +1,4 @@
-//! The way of the tool center by the rules of RS274/NGC: the motion that waits, how it is cut back, and the arc about an outer corner.
+//! The tool center path by the rules of RS274/NGC: the waiting motion, its cut-back, and the arc about an outer corner.
 
 use std::f64::consts::PI;
 
@@ -9,20 +9,20 @@ use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisVector, LINEAR_AXES, PlaneBasis};
 
-/// How much longer an arc may become where it is cut back, rad.
+/// Largest extension of an arc by the cut-back, rad.
 const LONGER_RAD: f64 = 0.0254;
-/// An arc that lacks less than this angle is a full circle, rad.
+/// Missing angle below which an arc is a full circle, rad.
 const FULL_CIRCLE_RAD: f64 = 1e-6;
 
-/// The way of the tool center while compensation acts, and until the motion behind it.
+/// The tool center path under active compensation, and until the motion after it.
 #[derive(Debug)]
 pub(super) struct Tracking {
     pub(super) basis: PlaneBasis,
-    /// Where the tool center is behind what was released.
+    /// Tool center after the released items.
     pub(super) position: AxisVector,
-    /// The last motion in the plane, and what stands behind it.
+    /// The last motion in the plane, with the items after it.
     pub(super) held: Vec<Held>,
-    /// Where the tool center is behind that.
+    /// Tool center after these.
     pub(super) center: AxisVector,
     /// The end of the contour there.
     pub(super) point: Flat,
@@ -37,7 +37,7 @@ pub(super) enum Held {
     Item(Item),
 }
 
-/// A piece of the way whose end in the plane may still change.
+/// A piece of the path whose end in the plane may still change.
 #[derive(Debug)]
 pub(super) struct Piece {
     pub(super) moving: Box<Moving>,
@@ -47,28 +47,28 @@ pub(super) struct Piece {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Way {
-    /// In the direction of the program; without length where it does not count.
+    /// In the programmed direction; a zero vector if it does not count.
     Line(Flat),
     Arc {
         center: Flat,
         radius: f64,
         clockwise: bool,
         extra_turns: u32,
-        /// Swept by the contour, rad; 0 where it does not count.
+        /// Angle swept by the contour, rad; 0 if it does not count.
         sweep: f64,
     },
 }
 
-/// A way that the last one meets at an inner corner.
+/// A path that intersects the last one at an inner corner.
 pub(super) struct Next {
     /// Its direction at the corner.
     pub(super) direction: Flat,
-    /// Of an arc: center, radius beside it, whether it turns counter-clockwise, whether the tool is inside.
+    /// For an arc: center, radius beside it, `true` if counter-clockwise, `true` if the tool is inside.
     pub(super) arc: Option<(Flat, f64, bool, bool)>,
 }
 
 impl Tracking {
-    /// The arc about the outer corner, at rapid the chord; gives what is left of the motion.
+    /// The arc about the outer corner, at rapid the chord; returns the rest of the motion.
     pub(super) fn around(&mut self, moving: Box<Moving>, end: Flat, out: &mut Vec<Item>) -> Box<Moving> {
         let behind = Box::new(moving.further());
         let mut corner = *moving;
@@ -94,7 +94,7 @@ impl Tracking {
         self.held.push(Held::Piece(Piece { moving, end, way }));
     }
 
-    /// Holds what stands behind the last motion in the plane, within reason.
+    /// Holds the items after the last motion in the plane, up to a limit.
     pub(super) fn wait(&mut self, item: Held, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         self.held.push(item);
         if self.held.len() < MOST_WAITING {
@@ -110,7 +110,7 @@ impl Tracking {
         self.release(out);
     }
 
-    /// Center, radius and turn of the arc that is held.
+    /// Center, radius and direction of the held arc.
     pub(super) fn last_arc(&self) -> Option<(Flat, f64, bool)> {
         match self.held.iter().find_map(|held| if let Held::Piece(piece) = held { Some(piece.way) } else { None })? {
             Way::Line(_) => None,
@@ -118,7 +118,7 @@ impl Tracking {
         }
     }
 
-    /// Where the last way and the next one meet at an inner corner.
+    /// The intersection of the last path and the next one at an inner corner.
     pub(super) fn meeting(&self, place: Flat, before: Flat, next: &Next) -> Option<Flat> {
         let side = self.distance.signum();
         match (self.last_arc(), next.arc) {
@@ -128,7 +128,7 @@ impl Tracking {
                 line(place, before).crossings(&line(beside, next.direction)).iter().next()
             }
             (None, Some((center, radius, _, is_inside))) => {
-                // As LinuxCNC does: with the radius to the end of the arc, even where that to its start is a little another.
+                // As in LinuxCNC: with the radius at the end of the arc, even if that at its start differs slightly.
                 let wide = if is_inside { radius + self.distance.abs() } else { radius - self.distance.abs() };
                 let height = wide * dot(unit(sub(self.point, center)), left(before)) + self.distance;
                 let square = radius * radius - height * height;
@@ -156,7 +156,7 @@ impl Tracking {
         }
     }
 
-    /// Ends what is held at a point of the plane.
+    /// Ends the held motion at a point of the plane.
     pub(super) fn cut_back(&mut self, point: Flat, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         let start = self.basis.flat(&self.position);
         for held in &mut self.held {
@@ -176,7 +176,7 @@ impl Tracking {
         self.release(out);
     }
 
-    /// Gives what is held.
+    /// Emits what is held.
     pub(super) fn release(&mut self, out: &mut Vec<Item>) {
         for held in self.held.drain(..) {
             match held {
@@ -186,14 +186,14 @@ impl Tracking {
                     let (curve, end) = match way {
                         Way::Line(_) => (Curve::Line { start, end }, end),
                         Way::Arc { center, radius, clockwise, extra_turns, sweep } => {
-                            // A full circle stays one whatever rounding makes of its ends.
+                            // A full circle stays one for any rounding of its ends.
                             let is_circle = sweep.abs() > PI && distance(start, end) < FULL_CIRCLE_RAD * radius;
                             let end = if is_circle { start } else { end };
                             (Curve::arc(start, end, center, clockwise, extra_turns), end)
                         }
                     };
                     let mut moved = moving.ending(&curve, self.basis, self.position, moving.path.motion.target);
-                    // Behind a small bend an arc begins a little off its circle; it ends where it should.
+                    // After a small bend an arc begins slightly off its circle; its end is correct.
                     moved.path.motion.target = self.basis.moved(&moved.path.motion.target, end);
                     self.position = moved.path.motion.target;
                     out.push(Item::Path(Box::new(moved)));
@@ -202,7 +202,7 @@ impl Tracking {
         }
     }
 
-    /// Compensation ends here, or the program does.
+    /// Ends at the end of compensation or of the program.
     pub(super) fn finish(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         let end = self.basis.flat(&self.center);
         self.cut_back(end, out, findings);
@@ -213,7 +213,7 @@ pub(super) fn sign(is_positive: bool) -> f64 {
     if is_positive { 1.0 } else { -1.0 }
 }
 
-/// A root of what may be less than 0 through rounding only.
+/// The square root of a value that is negative only by rounding; `None` for a truly negative one.
 fn checked_root(square: f64) -> Option<f64> {
     (square > -1e-9).then(|| square.max(0.0).sqrt())
 }

@@ -10,30 +10,30 @@ use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::Origin;
 
-/// Blocks without motion that may stand between two elements with a transition (Sinumerik MD20200).
+/// Maximum number of blocks without motion between two elements with a transition (Sinumerik MD20200).
 const BLOCKS_BETWEEN: usize = 3;
-/// Items that may wait, whatever they are.
+/// Maximum number of waiting items of any kind.
 const MOST_WAITING: usize = 1000;
-/// Elements that meet under a smaller angle than this go on without a corner, rad.
+/// Angle below which elements continue without a corner, rad.
 const NO_CORNER: f64 = 1e-6;
-/// Steps of the search for the setback of a chamfer between arcs.
+/// Number of steps of the search for the setback of a chamfer between arcs.
 const STEPS: usize = 200;
 
-/// Waits for the element behind a transition.
+/// The element that waits for the one after a transition.
 #[derive(Debug, Default)]
 pub(super) struct Transitions {
     held: Option<Box<Moving>>,
     behind: Vec<Item>,
-    /// What the control stops for behind the element that is held: where, and what it reads there.
+    /// The stop of the control after the held element: its origin, and the variable it reads.
     stop: Option<(Origin, &'static str)>,
 }
 
-/// Two elements with a transition between them, lengths along the elements.
+/// Two elements with a transition between them; lengths along the elements.
 struct Fit {
-    /// Where the first ends.
+    /// End of the first element.
     first_end: f64,
     between: Curve,
-    /// Where the second begins.
+    /// Start of the second element.
     second_start: f64,
 }
 
@@ -42,14 +42,14 @@ impl Transitions {
         self.held.is_some()
     }
 
-    /// A block reads what the control knows only when it has got there.
+    /// Records a read access to the main run.
     pub(super) fn stop(&mut self, origin: Origin, name: &'static str) {
         if self.held.is_some() && self.stop.is_none() {
             self.stop = Some((origin, name));
         }
     }
 
-    /// Takes an item and gives those that are final.
+    /// Takes an item and emits final ones.
     pub(super) fn take(&mut self, item: Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         match item {
             Item::Element(_) if self.held.is_none() => out.push(item),
@@ -73,7 +73,7 @@ impl Transitions {
         }
     }
 
-    /// Gives what is held, without a transition.
+    /// Emits what is held, without a transition.
     pub(super) fn finish(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         if let Some(first) = self.held.take() {
             let stop = self.stop.take();
@@ -96,7 +96,7 @@ impl Transitions {
         }
     }
 
-    /// Both elements are known: gives the first and what is between, returns the second.
+    /// Joins both known elements: emits the first and the transition, returns the second.
     fn meet(
         &mut self,
         first: Box<Moving>,
@@ -164,7 +164,7 @@ impl Transitions {
         shortened.wish.corner = None;
         between.wish.corner = None;
         out.push(Item::Path(Box::new(shortened)));
-        // Behind words of their own it has a line of its own: what they do comes before it.
+        // After separate words it has its own line: their effect comes before it.
         between.element.starts_block = self.behind.iter().any(Item::counts);
         out.append(&mut self.behind);
         out.push(Item::Path(Box::new(between)));
@@ -173,7 +173,7 @@ impl Transitions {
     }
 }
 
-/// Fits a transition; `Ok(None)` where the elements meet without a corner.
+/// Fits a transition; `Ok(None)` if the elements meet without a corner.
 fn fit(transition: Transition, a: &Curve, b: &Curve) -> Result<Option<Fit>, String> {
     let (d, e) = (a.last_tangent(), b.first_tangent());
     let bend = angle_between(d, e);
@@ -184,7 +184,7 @@ fn fit(transition: Transition, a: &Curve, b: &Curve) -> Result<Option<Fit>, Stri
         Transition::Round(radius) => rounding(radius, a, b).map(Some),
         Transition::ChamferSetback(setback) => chamfer(setback, a, b).map(Some),
         Transition::ChamferLength(length) => {
-            // Between lines the setback follows from the triangle; arcs need a search, as their chord grows with it.
+            // Between lines the setback follows from the triangle; arcs need a search, as their chord depends on it.
             let straight = length / 2.0 / ((PI - bend) / 2.0).sin();
             let lines = matches!((a, b), (Curve::Line { .. }, Curve::Line { .. }));
             let setback = if lines { straight } else { setback_of(length, a, b) };
@@ -205,7 +205,7 @@ fn chamfer(setback: f64, a: &Curve, b: &Curve) -> Result<Fit, String> {
     Ok(Fit { first_end, between: Curve::Line { start: a.at(first_end), end: b.at(second_start) }, second_start })
 }
 
-/// The setback along both elements at which the chamfer has a length.
+/// The setback along both elements for a chamfer length.
 fn setback_of(length: f64, a: &Curve, b: &Curve) -> f64 {
     let chord = |setback: f64| distance(a.at(a.length() - setback), b.at(setback));
     let (mut low, mut high) = (0.0, a.length().min(b.length()));
@@ -221,7 +221,7 @@ fn setback_of(length: f64, a: &Curve, b: &Curve) -> f64 {
 
 fn rounding(radius: f64, a: &Curve, b: &Curve) -> Result<Fit, String> {
     let (d, e) = (a.last_tangent(), b.first_tangent());
-    // The center lies on the side to which the contour bends.
+    // The center is on the side to which the contour bends.
     let side = if cross(d, e) >= 0.0 { 1.0 } else { -1.0 };
     let does_not_fit = || format!("a rounding of radius {radius:.4} mm does not fit between these elements");
     let (Some(beside_a), Some(beside_b)) = (a.offset(side * radius), b.offset(side * radius)) else {
@@ -254,7 +254,7 @@ mod tests {
 
     #[test]
     fn a_rounding_touches_both_elements() {
-        // A line along the abscissa into a circle of radius 10 about (10, 10) that is met at (4, 2) from outside.
+        // A line along the abscissa into a circle of radius 10 about (10, 10), reached at (4, 2) from outside.
         let line = Curve::Line { start: [-20.0, 2.0], end: [4.0, 2.0] };
         let arc = Curve::arc([4.0, 2.0], [0.0, 10.0], [10.0, 10.0], true, 0);
         let fit = rounding(1.0, &line, &arc).unwrap();

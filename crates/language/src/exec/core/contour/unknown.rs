@@ -1,5 +1,5 @@
-//! What the contour stage must know and does not: places that the program has not stated, and what stands between contour elements –
-//! programs of the control, stops, tool changes, another zero or tool.
+//! Missing information of the contour stage: positions that the program has not stated, and elements between contour elements – programs of the
+//! control, stops, tool changes, another zero or tool.
 
 use super::moving::{Item, Moving, plane_axes};
 use super::wish::Wish;
@@ -11,10 +11,10 @@ use ncfix_machine::snc::{Element, Kind, Origin, Word, WordValue};
 
 /// Stops the look-ahead of a Sinumerik.
 const STOP_OF_LOOK_AHEAD: &str = "STOPRE";
-/// M functions at which an operator or a tool changer may move the axes: stops and the change of the tool.
+/// M functions at which an operator or tool changer may move the axes: stops and the tool change.
 const STANDING: [f64; 4] = [0.0, 1.0, 6.0, 60.0];
 
-/// The finding about a motion that goes through the contour stage and depends on a place that the program has not stated.
+/// The fault for a motion that the contour stage changes and that depends on an unstated position.
 pub(in crate::exec) fn unstated(path: &Path, wish: &Wish, plane: Plane) -> Option<Fault> {
     let needs_start = wish.corner.is_some() || wish.soft.is_some() || wish.modal.depends_on_start();
     let known = if needs_start { path.start_known.intersection(path.motion.known) } else { path.motion.known };
@@ -31,7 +31,7 @@ pub(in crate::exec) fn unstated(path: &Path, wish: &Wish, plane: Plane) -> Optio
     Some(fault(Code::UNKNOWN_START, wish.span, message, help))
 }
 
-/// A word at which the axes stand still until somebody lets the program go on, or the tool is changed.
+/// A word that stops the axes until an operator continues, or that changes the tool.
 fn stands_still(words: &[Word]) -> Option<&Word> {
     let is_standing = |word: &&Word| {
         let is_function = word.letter == b'M' && word.extension.is_none();
@@ -40,7 +40,7 @@ fn stands_still(words: &[Word]) -> Option<&Word> {
     words.iter().find(is_standing)
 }
 
-/// The first item that a control may not look across for the element behind a transition; if possible one that has a name.
+/// The first item across which a control must not look for the element after a transition; preferably one with a name.
 fn first_of(items: &[Item]) -> Option<&Element> {
     let is_unknown = |element: &&Element| match &element.kind {
         Kind::Verbatim(_) | Kind::Message(_) => true,
@@ -53,7 +53,7 @@ fn first_of(items: &[Item]) -> Option<&Element> {
     elements().find(is_unknown).or_else(|| elements().find(is_lost))
 }
 
-/// The finding about a transition behind an element, where what follows it before the next one is not known.
+/// The fault for a transition after an element if the items before the next element are unknown.
 pub(super) fn across(first: &Moving, behind: &[Item]) -> Option<Fault> {
     first.wish.corner?;
     let between = first_of(behind)?;
@@ -75,7 +75,7 @@ pub(super) fn across(first: &Moving, behind: &[Item]) -> Option<Fault> {
     Some(fault(Code::CORNER_OVER_UNKNOWN, origin.span, message, BEFORE_OR_BEHIND).of_file(origin.file))
 }
 
-/// The finding about a transition behind an element where a block before the next one reads what the control knows when it gets there.
+/// The fault for a transition after an element if a block before the next one reads the main run.
 pub(super) fn across_stop(first: &Moving, stop: Option<(Origin, &str)>) -> Option<Fault> {
     let (origin, name) = stop.filter(|_| first.wish.corner.is_some())?;
     let line = first.element.origin.line;
@@ -85,7 +85,7 @@ pub(super) fn across_stop(first: &Moving, stop: Option<(Origin, &str)>) -> Optio
     Some(fault(Code::CORNER_OVER_UNKNOWN, origin.span, message, BEFORE_OR_BEHIND).of_file(origin.file))
 }
 
-/// The finding about a transition whose second element begins elsewhere than the first one has ended, or in other coordinates.
+/// The fault for a transition whose second element begins at another position than the end of the first one, or in other coordinates.
 pub(super) fn between(first: &Moving, second: &Moving) -> Option<Fault> {
     first.wish.corner.filter(|_| second.is_plane_motion())?;
     let (old, new) = (&first.path.setup, &second.path.setup);
@@ -111,7 +111,7 @@ pub(super) fn between(first: &Moving, second: &Moving) -> Option<Fault> {
 
 const BEFORE_OR_BEHIND: &str = "put it before the first element or behind the second one, or take the transition out";
 
-/// The finding about a program of the control, or whatever else moves axes unseen, under radius compensation.
+/// The fault for a program of the control, or other unseen axis motion, under radius compensation.
 pub(super) fn under_compensation(element: &Element) -> Option<Fault> {
     let Kind::Lost(axes) = &element.kind else { return None };
     if axes.intersection(AxisSet::XYZ).is_empty() {

@@ -1,4 +1,4 @@
-//! What the program wants of the contour: modal codes, and what one motion asks of the stage.
+//! Contour requests of the program: modal codes, and the request of one motion to the stage.
 
 use ncfix_base::geometry::Plane;
 use ncfix_base::geometry::{Frame, PlaneBasis};
@@ -13,21 +13,21 @@ pub(in crate::exec) enum Side {
     Right,
 }
 
-/// How compensation begins and ends: NORM, KONT and its kin.
+/// Start and end of compensation: NORM, KONT and related modes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::exec) enum Approach {
     /// Straight to the perpendicular position.
     #[default]
     Norm,
-    /// Around the first corner where the start lies behind the contour.
+    /// Around the first corner if the start is behind the contour.
     Kont,
-    /// Square to its own end, then around the first corner where that is an outer one.
+    /// Perpendicular to its own end, then around the first corner if that is an outer one.
     Own,
     /// KONTT, KONTC.
     Polynomial,
 }
 
-/// On which contours F holds where the tool moves beside them: CFC, CFTCP, CFIN.
+/// The contours on which F applies if the tool moves beside them: CFC, CFTCP, CFIN.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::exec) enum FeedAt {
     /// The contour.
@@ -47,7 +47,7 @@ pub(in crate::exec) enum SoftSide {
     Compensation,
     Left,
     Right,
-    /// Where the start lies as seen from the tangent.
+    /// The side of the start relative to the tangent.
     Nearest,
 }
 
@@ -56,9 +56,9 @@ pub(in crate::exec) enum SoftSide {
 pub(in crate::exec) struct ContourModal {
     pub(in crate::exec) side: Side,
     pub(in crate::exec) approach: Approach,
-    /// G451 instead of G450: straight around outer corners.
+    /// `true` for G451, `false` for G450: straight around outer corners.
     pub(in crate::exec) sharp: bool,
-    /// CDON: intersections of motions that are no neighbors count too.
+    /// CDON: intersections of motions that are not neighbours count too.
     pub(in crate::exec) collision: bool,
     pub(in crate::exec) feed_at: FeedAt,
     /// RNDM, mm, 0 for none.
@@ -70,52 +70,52 @@ pub(in crate::exec) struct ContourModal {
     /// TOFFR, mm.
     pub(in crate::exec) radius_change_mm: f64,
     pub(in crate::exec) soft_side: SoftSide,
-    /// G341 instead of G340.
+    /// `true` for G341, `false` for G340.
     pub(in crate::exec) soft_in_plane: bool,
-    /// Whose rules of radius compensation hold.
+    /// The rules of radius compensation.
     pub(in crate::exec) rules: Rules,
     /// G43, G44 of Grundig.
     pub(in crate::exec) reach: Reach,
-    /// How often compensation has been switched on.
+    /// Number of activations of compensation so far.
     pub(in crate::exec) activation: u32,
-    /// The number of the register that holds the radius, where it stands beside G41 and G42: D.
+    /// The number of the radius register next to G41 and G42: D.
     pub(in crate::exec) register: Option<u32>,
     /// The plane as the output shows it.
     pub(in crate::exec) shown: Shown,
-    /// G40 I J: the direction in the plane in which the contour seems to go on behind its end.
+    /// G40 I J: the direction in the plane in which the contour virtually continues after its end.
     pub(in crate::exec) leaves_along: Option<[f64; 2]>,
 }
 
 impl ContourModal {
-    /// Whether radius compensation is on.
+    /// `true` if radius compensation is active.
     pub(in crate::exec) fn compensates(&self) -> bool {
         self.side != Side::Off
     }
 
-    /// Whether motions are what they are.
+    /// `true` if motions are unaffected.
     pub(in crate::exec) fn is_plain(&self) -> bool {
         !self.compensates() && self.round_mm == 0.0 && self.reach == Reach::End
     }
 }
 
-/// What stands between two contour elements.
+/// The transition between two contour elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::exec) enum Transition {
     /// RND: an arc of this radius, mm.
     Round(f64),
     /// CHF: a chamfer of this length, mm.
     ChamferLength(f64),
-    /// CHR: a chamfer that begins and ends this far from the corner, mm.
+    /// CHR: a chamfer that begins and ends at this distance from the corner, mm.
     ChamferSetback(f64),
 }
 
-/// A transition behind a block.
+/// A transition after a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::exec) struct Corner {
     pub(in crate::exec) transition: Transition,
     /// Its feed, 0 for that of the block.
     pub(in crate::exec) feed: f64,
-    /// RNDM: does not have to be there.
+    /// RNDM: may be omitted.
     pub(in crate::exec) is_modal: bool,
 }
 
@@ -127,10 +127,10 @@ pub(in crate::exec) enum SoftForm {
     Semicircle,
 }
 
-/// Where the fast part of a soft approach ends.
+/// End of the fast part of a soft approach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::exec) enum Clearance {
-    /// This far from the plane of the contour, mm.
+    /// At this distance from the plane of the contour, mm.
     Above(f64),
     /// At this height, mm: as programmed, then above the plane of the basis.
     At(f64),
@@ -149,12 +149,12 @@ pub(in crate::exec) struct Soft {
     pub(in crate::exec) clearance: Clearance,
     /// FAD, 0 for none.
     pub(in crate::exec) infeed: f64,
-    /// Feed and rapid of the block before.
+    /// Feed and rapid mode of the previous block.
     pub(in crate::exec) feed_before: f64,
     pub(in crate::exec) rapid_before: bool,
 }
 
-/// What one motion asks of the stage.
+/// The contour request of one motion.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::exec) struct Wish {
     pub(in crate::exec) modal: ContourModal,
@@ -167,7 +167,7 @@ pub(in crate::exec) struct Wish {
 }
 
 impl Wish {
-    /// Whether the tool stops or moves beside what is programmed, by its radius.
+    /// `true` if the tool is beside the programmed contour or end, by its radius.
     pub(in crate::exec) fn is_beside(&self) -> bool {
         self.compensates() || self.modal.reach != Reach::End
     }
@@ -177,20 +177,20 @@ impl Wish {
     }
 }
 
-/// Whose rules.
+/// The rules of radius compensation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::exec) enum Rules {
     #[default]
     Sinumerik,
-    /// Cutter compensation C. [`ContourModal::sharp`]: lines around outer corners.
+    /// Cutter compensation C. With [`ContourModal::sharp`], lines around outer corners.
     Fanuc,
-    /// RS274/NGC as LinuxCNC executes it: the first motion ends beside its own end, none leads off.
+    /// RS274/NGC as in LinuxCNC: the first motion ends beside its own end, none leads off.
     Rs274,
-    /// [`ContourModal::sharp`]: outer corners to the intersection.
+    /// With [`ContourModal::sharp`], outer corners to the intersection.
     Grundig,
 }
 
-/// Where a straight motion without compensation of its side ends: G43, G44 of Grundig.
+/// End of a straight motion without side compensation: G43, G44 of Grundig.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::exec) enum Reach {
     /// At its end.
@@ -202,22 +202,22 @@ pub(in crate::exec) enum Reach {
     Past,
 }
 
-/// Normals of planes are the same to this.
+/// Tolerance of equal plane normals.
 const SAME_PLANE: f64 = 1e-12;
 
-/// The plane of the program as the frame of the output shows it.
+/// The plane of the program as seen in the output frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::exec) enum Shown {
     #[default]
     Same,
-    /// From the other side: what is left of the contour there is right of it here.
+    /// Seen from the other side: left of the contour there is right of it here.
     Mirrored,
     /// Another plane.
     Other,
 }
 
 impl Shown {
-    /// The plane behind the frame of the program, whose basis is given, as the frame of the output has it.
+    /// The plane with the given basis after the program's frame, as seen in the output frame.
     pub(in crate::exec) fn of(basis: &PlaneBasis, output: &Frame, plane: Plane) -> Shown {
         let normal = |basis: &PlaneBasis| basis.lift([0.0, 0.0], 1.0);
         let Some(shown) = PlaneBasis::behind(output, plane) else { return Shown::Other };

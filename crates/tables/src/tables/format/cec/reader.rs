@@ -1,4 +1,4 @@
-//! Reads `$AN_CEC` tables. A field that is not written is a fault: the control keeps what it had there.
+//! Reads `$AN_CEC` tables. A missing field is an error: the control keeps its previous value.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,12 +10,12 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::{Source, Span};
 
-/// Numbers of tables that are read: two for each of 31 axes, and some.
+/// Maximum table number plus one: two for each of 31 axes, and some spare.
 const MOST_TABLES: usize = 128;
-/// The fields without which a table in use is not known.
+/// Required fields of a table in use.
 const FIELDS: [&str; 6] = ["STEP", "MIN", "MAX", "DIRECTION", "MULT_BY_TABLE", "IS_MODULO"];
 
-/// The numbers of the tables that a file has points of.
+/// The numbers of the tables for which a file has points.
 pub(super) fn numbers(source: &Source) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     let mut place = IniPosition::new("CEC", "CEC");
@@ -28,7 +28,7 @@ pub(super) fn numbers(source: &Source) -> BTreeSet<usize> {
     found
 }
 
-/// A table as far as it was read.
+/// A table as far as read.
 #[derive(Clone, Debug, Default)]
 struct Raw {
     /// Millimetres of its unit of length.
@@ -36,16 +36,16 @@ struct Raw {
     values: BTreeMap<usize, f64>,
     /// The names of its axes.
     axes: BTreeMap<String, String>,
-    /// Its other fields, without `$AN_CEC_` or `$SN_CEC_TABLE_`.
+    /// Its other fields, without the prefixes `$AN_CEC_` or `$SN_CEC_TABLE_`.
     fields: BTreeMap<String, f64>,
-    /// Whether it has more than settings.
+    /// `true` if it has more than settings.
     is_own: bool,
-    /// Where it begins.
+    /// Span of its beginning.
     span: Option<Span>,
 }
 
 impl Raw {
-    /// A field; 0 where it is not written.
+    /// A field; 0 if not written.
     fn field(&self, name: &str) -> f64 {
         self.fields.get(name).copied().unwrap_or(0.0)
     }
@@ -54,7 +54,7 @@ impl Raw {
         self.axes.get(name).map_or("", String::as_str)
     }
 
-    /// The index of the table that it is multiplied by.
+    /// The index of the table by which it is multiplied.
     fn factor(&self) -> Option<usize> {
         (self.field("MULT_BY_TABLE") as usize).checked_sub(1)
     }
@@ -90,7 +90,7 @@ impl Reader<'_> {
     fn assignment(&mut self, line: &ScannedLine<'_>, unit_mm: f64, one: &IniAssignment<'_>) {
         let name = one.name.as_str();
         let Some(field) = name.strip_prefix("$AN_CEC").or_else(|| name.strip_prefix("$SN_CEC_TABLE")) else {
-            // Leadscrew tables are of another format, whose reader takes them.
+            // Leadscrew tables belong to another format, with its own reader.
             let is_known = ["$MA_CEC", "$MN_MM_CEC", "$AA_ENC_COMP"].iter().any(|head| name.starts_with(head));
             if !is_known {
                 let message = format!("{} is not part of the sag compensation and is left out", shown(name));
@@ -133,7 +133,7 @@ impl Reader<'_> {
         self.report.fault(line, text, format!("{} of table {t} is there twice, with different values", what), TWICE);
     }
 
-    /// The value of a point.
+    /// Reads the value of a point.
     fn point(&mut self, line: &ScannedLine<'_>, t: usize, one: &IniAssignment<'_>) {
         let Some(number) = self.report.number(line, one.value) else { return };
         let Some(n) = one.index(1, MOST_POINTS) else {
@@ -147,7 +147,7 @@ impl Reader<'_> {
         }
     }
 
-    /// One of the numbers that say what a table is.
+    /// Reads one of the parameters of a table.
     fn parameter(&mut self, line: &ScannedLine<'_>, t: usize, field: &str, one: &IniAssignment<'_>) {
         let value = one.value;
         let Some(number) = self.report.number(line, value) else { return };
@@ -178,7 +178,7 @@ impl Reader<'_> {
         };
         let Some(raw) = self.raw.get_mut(&t) else { return };
         if let Some((message, help)) = fault {
-            // Told once: what would follow from such a value is no news, and that the field is missing is not true.
+            // Reported once: consequences of such a value are not reported, nor the field as missing.
             raw.fields.entry(field.to_owned()).or_insert(if field == "ENABLE" { 1.0 } else { 0.0 });
             self.report.fault(line, value, message, help);
         } else if raw.fields.insert(field.to_owned(), number).is_some_and(|before| before != number) {
@@ -186,7 +186,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The tables, where each is complete.
+    /// Adds the complete tables.
     fn finish(mut self, tables: &mut Tables) -> Vec<Diagnostic> {
         let raw = std::mem::take(&mut self.raw);
         if raw.is_empty() {
@@ -220,7 +220,7 @@ impl Reader<'_> {
         self.report.findings
     }
 
-    /// Which table is multiplied by which.
+    /// Sets the factors of the tables.
     fn products(&mut self, raw: &BTreeMap<usize, Raw>, places: &BTreeMap<usize, usize>, tables: &mut Tables) {
         for (t, one) in raw {
             let (Some(&at), Some(other)) = (places.get(t), one.factor()) else { continue };
@@ -241,7 +241,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The axis of a name in a table.
+    /// The axis for a name in a table.
     fn axis(&mut self, t: usize, what: &str, name: &str, span: Span) -> Option<Axis> {
         let axis = self.wiring.axis(name);
         if axis.is_none() && name.is_empty() {

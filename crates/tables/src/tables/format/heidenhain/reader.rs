@@ -1,4 +1,4 @@
-//! Reads `.COM` tables. `.CMA` tables only name files; which basic axis a `.COM` is for, its own name tells.
+//! Reads `.COM` tables. `.CMA` tables only name files; the basic axis of a `.COM` follows from its own name.
 
 use crate::tables::format::naming;
 use crate::tables::format::scan::{MOST_POINTS, Report, ScannedLine, lines, shown};
@@ -8,24 +8,24 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::source::Source;
 use ncfix_base::units::MM_PER_INCH;
 
-/// Columns that are read at most.
+/// Maximum number of columns that are read.
 const MOST_COLUMNS: usize = 64;
 
-/// A column and where it begins in the line.
+/// A column and its start in the line.
 struct Column {
     name: String,
     start: usize,
-    /// Positions and values of the rows that have one.
+    /// Positions and values of the non-empty rows.
     points: Vec<(f64, f64)>,
 }
 
 struct Reader<'a> {
     report: Report<'a>,
-    /// The name behind BEGIN.
+    /// The name after BEGIN.
     name: String,
     is_inch: bool,
     columns: Vec<Column>,
-    /// Rows so far, and the last position.
+    /// Number of rows so far, and the last position.
     rows: usize,
     last: f64,
     is_remark: bool,
@@ -119,7 +119,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The cells of a row: one for each column, or what stands under each where some are empty.
+    /// The cells of a row: one for each column, or by position if some are empty.
     fn cells<'t>(&mut self, line: &ScannedLine<'_>, text: &'t str) -> Option<Vec<&'t str>> {
         let words: Vec<&str> = text.split_whitespace().take(self.columns.len() + 1).collect();
         if words.len() == self.columns.len() {
@@ -127,7 +127,7 @@ impl Reader<'_> {
         }
         let ends = self.columns.iter().skip(1).map(|column| column.start).chain([text.len()]);
         let cells = self.columns.iter().zip(ends).map(|(column, end)| {
-            // The last cells of a row that is cut off are empty.
+            // The last cells of a truncated row are empty.
             let end = end.min(text.len());
             let cell = if column.start >= end { Some("") } else { text.get(column.start..end) };
             cell.map(str::trim).filter(|cell| !cell.contains(char::is_whitespace))
