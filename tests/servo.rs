@@ -2,11 +2,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use ncfix_base::geometry::{Arc, AxisVector, Plane, Vector};
+use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Element, FeedUnit, Kind, Manner, Move, Origin, Way};
 use ncfix_model::{ErrorModel, Model, file};
-use ncfix_path::servo::{Drive, Moment, MoveSpeed, ServoMove, SpaceCircle};
+use ncfix_path::path::Options;
+use ncfix_path::servo::{Drive, Moment, MoveSpeed, Run, ServoMove, SpaceCircle};
 
 /// A mill with three axes; `servo` are the lines of `[servo]` and of its axes.
 fn machine_with(servo: &str, rest: &str) -> (Machine, ErrorModel) {
@@ -153,6 +155,61 @@ fn programs_take_the_time_of_their_trapezoids() {
     let timed = ServoMove { pace: MoveSpeed::Time(2.0), ..line(100.0, 0.0, 0.0) };
     let (_, time_s) = moments(&machine, &[line(0.0, 0.0, 6000.0), timed]);
     assert!((time_s - 2.05).abs() < 1e-9, "{time_s}");
+}
+
+/// Time of 100 mm along X at 100 mm/s in two moves, behind these words, on a control.
+fn time_of_halves(controller: &str, words: &[&'static str]) -> f64 {
+    let loops = "velocity_gain_per_s = 50\nfeed_forward = 1\nmax_acceleration_m_s2 = 1";
+    let (mut machine, errors) = machine_with(&servo(FINE, loops, loops), "");
+    machine.controller = controller.to_owned();
+    let model = Model::new(&machine, &errors);
+    let options = Options { start: Some(AxisVector::ZERO), ..Options::default() };
+    let mut run = Run::new(&machine, machine.servo.as_ref().unwrap(), &model, &options);
+    let named: AxisSet = [Axis::X].into_iter().collect();
+    let half = |x: f64| {
+        Kind::Move(Move {
+            rapid: false,
+            arc: None,
+            target: at(x, 0.0),
+            named,
+            known: AxisSet::XYZ,
+            feed: 6000.0,
+            feed_named: true,
+            unit: FeedUnit::PerMinute,
+            ways: [Way::default(); 3],
+            in_machine_frame: false,
+            manner: Manner::Path,
+            off_curve_mm: 0.0,
+        })
+    };
+    for kind in words.iter().map(|word| Kind::Keep(word)).chain([half(50.0), half(100.0)]) {
+        let element = Element { origin: Origin::default(), starts_block: true, number: None, kind };
+        run.element(&element, 0, &mut |_| {});
+    }
+    run.finish(&mut |_| {});
+    run.time_s()
+}
+
+#[test]
+fn axes_stop_between_blocks_where_the_language_says_so() {
+    // One trapezoid with ramps of 0.1 s: 1.1 s; two: 1.2 s, and what the axes need to arrive.
+    for (controller, words, stops) in [
+        ("sinumerik", ["G60", "G62"].as_slice(), true),
+        ("sinumerik", &["G9"], true),
+        ("sinumerik", &["G60", "G64"], false),
+        ("sinumerik", &["G61"], false),
+        ("fanuc", &["G61"], true),
+        ("fanuc", &["G61", "G62"], false),
+        ("fanuc", &["G60"], false),
+        ("rs274", &["G61.1"], true),
+        ("rs274", &["G61.1", "G61"], false),
+        ("rs274", &["G9"], false),
+        ("grundig", &["G61"], false),
+    ] {
+        let time_s = time_of_halves(controller, words);
+        let is_right = if stops { (1.2..1.6).contains(&time_s) } else { (time_s - 1.1).abs() < 2e-3 };
+        assert!(is_right, "{controller} {words:?}: {time_s}");
+    }
 }
 
 #[test]

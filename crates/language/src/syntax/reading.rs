@@ -9,7 +9,7 @@ pub(super) fn hidden(source: &Source) -> Vec<Diagnostic> {
     let bytes = source.bytes();
     let mut findings = Vec::new();
     let (mut at, mut looks) = (0, 0);
-    while let Some(step) = bytes[at..].iter().position(|&byte| IS_SUSPECT[usize::from(byte)]) {
+    while let Some(step) = next_suspect(&bytes[at..]) {
         at += step;
         let (finding, length) = match bytes[at] {
             b'\r' if source.line_end() == b'\n' => carriage_return(source, at),
@@ -39,6 +39,25 @@ const IS_SUSPECT: [bool; 256] = {
     }
     suspect
 };
+
+/// The offset of the next suspect byte. It tests eight bytes at a time, because most text is plain.
+fn next_suspect(bytes: &[u8]) -> Option<usize> {
+    const LOW: u64 = 0x0101_0101_0101_0101;
+    const HIGH: u64 = 0x8080_8080_8080_8080;
+    let is_suspect = |byte: &u8| IS_SUSPECT[usize::from(*byte)];
+    let (words, rest) = bytes.as_chunks::<8>();
+    for (number, word) in words.iter().enumerate() {
+        let value = u64::from_le_bytes(*word);
+        // A byte below a blank borrows and 0x7f becomes 0x80: if no eighth bit is set, all eight bytes are plain.
+        if (value | value.wrapping_sub(LOW * 0x20) | value.wrapping_add(LOW)) & HIGH == 0 {
+            continue;
+        }
+        if let Some(place) = word.iter().position(is_suspect) {
+            return Some(8 * number + place);
+        }
+    }
+    rest.iter().position(is_suspect).map(|place| 8 * words.len() + place)
+}
 
 /// Checks carriage returns at an offset, and returns their number: only blanks may follow a line end.
 fn carriage_return(source: &Source, at: usize) -> (Option<Diagnostic>, usize) {
@@ -108,6 +127,21 @@ mod tests {
         let source = Source::new(FileId(0), "p", text.to_vec()).unwrap();
         let all = hidden(&source);
         all.iter().map(|one| (one.code.as_str(), one.place.unwrap().span.start as usize)).collect()
+    }
+
+    #[test]
+    fn every_suspect_byte_is_found_at_any_place_among_any_other() {
+        for other in 0..=255_u8 {
+            for place in 0..20 {
+                for suspect in [0x07, b'\r', 0x1b, 0x7f, 0xe2] {
+                    let mut bytes = [other; 20];
+                    bytes[place] = suspect;
+                    let first = if IS_SUSPECT[usize::from(other)] { 0 } else { place };
+                    assert_eq!(next_suspect(&bytes), Some(first), "{suspect} at {place} among {other}");
+                }
+            }
+            assert_eq!(next_suspect(&[other; 20]).is_some(), IS_SUSPECT[usize::from(other)]);
+        }
     }
 
     #[test]

@@ -88,7 +88,7 @@ impl Parameter {
         }
     }
 
-    /// Whether the error is proportional to it.
+    /// `true` if the error is proportional to it.
     #[must_use]
     pub fn is_linear(&self) -> bool {
         match self {

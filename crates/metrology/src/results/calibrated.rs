@@ -1,4 +1,4 @@
-//! What a calibration found: parameters, unknowns of the set-ups, and each measurement against the result.
+//! Results of a calibration: parameters, unknowns of the set-ups, and the comparison with each measurement.
 
 use serde::Serialize;
 
@@ -8,37 +8,37 @@ use super::not_told::LeftOut;
 use super::selection::Selection;
 use ncfix_base::units::Unit;
 
-/// What was found of a machine. Uncertainties are standard uncertainties.
+/// Calibration of a machine. Uncertainties are standard uncertainties.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CalibrationResult {
     /// Parameters of the machine.
     pub parameters: Vec<Estimate>,
-    /// What was unknown of the set-ups.
+    /// Unknowns of the set-ups.
     pub unknowns: Vec<Estimate>,
-    /// Parameters of the model that were left out because the data cannot tell them.
+    /// Parameters of the model that were left out because the data do not determine them.
     pub left_out: Vec<LeftOut>,
     /// Measurements.
     pub data: Vec<Data>,
-    /// Figures of ISO 230 of the measurements, which do not depend on the model.
+    /// Figures of ISO 230 of the measurements, independent of the model.
     pub figures: Vec<figures::Measurement>,
-    /// Rows that count for less because they do not fit.
+    /// Rows with a reduced weight because they do not fit.
     pub weighted_down: Vec<Row>,
-    /// Largest by smallest singular value of the equations; `null` without a result.
+    /// Condition number of the equations, largest to smallest singular value; `null` without a result.
     pub condition: Option<f64>,
-    /// Equations less unknowns.
+    /// Equations minus unknowns.
     pub degrees_of_freedom: usize,
-    /// Rounds of Gauss–Newton.
+    /// Number of Gauss–Newton iterations.
     pub rounds: usize,
     /// The preset or file of parameters.
     pub model: String,
     /// Name of the machine.
     pub machine: String,
-    /// How parameters were chosen, where they were.
+    /// Selection of the parameters, if any.
     pub selection: Option<Selection>,
 }
 
-/// A number that was found.
+/// An estimated number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
@@ -49,20 +49,20 @@ pub struct Estimate {
     /// Its uncertainty.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub sigma: f64,
-    /// The scatter of simulated repetitions, where they were asked for.
+    /// The scatter of simulated repetitions, if requested.
     pub sigma_monte_carlo: Option<f64>,
-    /// The unit of these: `µm`, `µrad/m`.
+    /// The unit of value and uncertainty: `µm`, `µrad/m`.
     pub unit: String,
-    /// Its value in the machine file that the calibration began with; 0 for set-ups.
+    /// Its value in the initial machine file; 0 for set-ups.
     pub start: f64,
-    /// How far it moves the tip, root of the mean square over the readings; `null` for set-ups.
+    /// Tip motion due to it, root mean square over the readings; `null` for set-ups.
     pub effect_um: Option<f64>,
-    /// How much its variance grows because the others are unknown too.
+    /// Variance inflation factor due to the other unknowns.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub inflation: f64,
 }
 
-/// A measurement against the result.
+/// Comparison of a measurement with the result.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Data {
@@ -70,31 +70,31 @@ pub struct Data {
     pub name: String,
     /// Its kind.
     pub kind: &'static str,
-    /// Whether it was held out of the fit.
+    /// True if it was held out of the fit.
     pub is_held_out: bool,
-    /// Readings.
+    /// Number of readings.
     pub readings: usize,
     /// The unit of all sizes.
     pub unit: Unit,
-    /// Root of the mean square of what a machine without errors leaves.
+    /// Root mean square of the measured values, i.e. the residuals of an error-free machine.
     pub measured_rms: f64,
-    /// The largest of it.
+    /// The largest measured value.
     pub measured_max: f64,
-    /// Root of the mean square of what the model leaves.
+    /// Root mean square residual of the model.
     pub left_rms: f64,
-    /// The largest of it.
+    /// The largest residual.
     pub left_max: f64,
-    /// Standard uncertainty of a reading, described or estimated; `null` where neither is.
+    /// Standard uncertainty of a reading, described or estimated; `null` if neither is known.
     pub sigma: Option<f64>,
     /// Share of the measured sizes that the model explains (Spaan, eq. 3.6).
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub efficiency: f64,
     /// By direction or component.
     pub parts: Vec<Part>,
-    /// Sums of the measured sizes and of those that are left, for the efficiency of several measurements together.
+    /// Sums of the magnitudes of measured values and of residuals, for the efficiency of several measurements together.
     #[serde(skip)]
     pub sums: [f64; 2],
-    /// The readings themselves; empty where nobody asks for pictures.
+    /// The readings themselves; empty if no pictures are requested.
     #[serde(skip)]
     pub shown: Readings,
 }
@@ -107,16 +107,16 @@ pub struct Row {
     pub file: String,
     /// Its line, from 1.
     pub line: usize,
-    /// What is left of it.
+    /// Its residual.
     pub residual: f64,
-    /// The unit of it.
+    /// The unit of the residual.
     pub unit: Unit,
-    /// What it counts, 0 to 1.
+    /// Its weight, 0 to 1.
     pub weight: f64,
 }
 
 impl CalibrationResult {
-    /// The efficiency of all measurements in a unit together, those held out or those used; `None` where there are none.
+    /// The efficiency of all measurements in a unit together, held out or used; `None` if there are none.
     #[must_use]
     pub fn efficiency(&self, is_held_out: bool, unit: Unit) -> Option<f64> {
         let own = self.data.iter().filter(|one| one.is_held_out == is_held_out && one.unit == unit);

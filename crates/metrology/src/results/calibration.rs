@@ -1,4 +1,4 @@
-//! A calibration as a whole: checks of the readings, the fit, its uncertainties, and what it leaves of every measurement.
+//! A complete calibration: checks of the readings, the fit, its uncertainties, and the residuals of every measurement.
 
 pub use super::calibrated::{CalibrationResult, Data, Estimate, Row};
 use super::cells::{cell, estimate, weighted_down};
@@ -18,19 +18,19 @@ use ncfix_base::units::um_from_mm;
 use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::{ErrorModel, Model, ModelRegisters, file, write};
 
-/// The model leaves more than the instrument explains beyond this many standard uncertainties.
+/// Residual in standard uncertainties of the instrument above which the model is poor.
 const POOR: f64 = 3.0;
-/// An angle counts by what it moves at this arm, mm.
+/// Arm at which angles count as lengths, mm.
 const ARM_MM: f64 = 1000.0;
 
-/// The machine that a calibration begins with.
+/// The initial machine of a calibration.
 #[derive(Clone, Copy, Debug)]
 pub struct CalibrationStart<'a> {
     /// The machine.
     pub machine: &'a Machine,
-    /// Its errors so far.
+    /// Its current errors.
     pub errors: &'a ErrorModel,
-    /// The condition in which the data were taken, as far as their tables do not say it.
+    /// The condition of the machine during the measurements, if their tables do not state it.
     pub condition: &'a Condition,
 }
 
@@ -40,24 +40,24 @@ impl CalibrationStart<'_> {
     }
 }
 
-/// How a calibration is made.
+/// Settings of a calibration.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CalibrationSettings {
-    /// A reading, or what a parameter does, that is larger than this many mm is refused.
+    /// Largest accepted reading or parameter effect, mm.
     pub max_mm: f64,
-    /// Whether rows that do not fit count for less.
+    /// `true` to reduce the weight of rows that do not fit.
     pub robust: bool,
-    /// Whether parameters that the data cannot tell are left out.
+    /// `true` to leave out parameters that the data do not determine.
     pub reduce: bool,
-    /// Simulated repetitions, and the seed of their noise.
+    /// Number of simulated repetitions, and the seed of their noise.
     pub monte_carlo: Option<[u64; 2]>,
-    /// The chance at which candidates are chosen where there is nothing.
+    /// Significance level of the selection.
     pub significance: f64,
-    /// Whether single readings are kept for pictures.
+    /// `true` to keep single readings for pictures.
     pub with_readings: bool,
 }
 
-/// Measurements that are checked, and parameters that they may tell.
+/// Checked measurements, with the parameters to be fitted.
 #[derive(Debug)]
 pub struct PreparedFit<'a> {
     begin: CalibrationStart<'a>,
@@ -67,8 +67,8 @@ pub struct PreparedFit<'a> {
     held_out: Vec<Measurement>,
 }
 
-/// Checks measurements of which the first `used` are used and the others held out, and leaves parameters out where that is wanted; `None` where findings
-/// forbid to go on.
+/// Checks measurements, of which the first `used` are used and the others held out, and leaves parameters out if requested; `None` if diagnostics
+/// forbid to continue.
 pub fn prepare<'a>(
     begin: CalibrationStart<'a>,
     settings: CalibrationSettings,
@@ -95,26 +95,26 @@ pub fn prepare<'a>(
 }
 
 impl PreparedFit<'_> {
-    /// The data that are used.
+    /// The used data.
     #[must_use]
     pub fn data(&self) -> Vec<DataSet> {
         data_of(&self.used)
     }
 
-    /// The measurements that are used.
+    /// The used measurements.
     #[must_use]
     pub fn used(&self) -> &[Measurement] {
         &self.used
     }
 
-    /// The parameters that are fitted whatever is chosen.
+    /// The fixed parameters, which are fitted for every selection.
     #[must_use]
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
 
-    /// Fits the parameters, and where there are `candidates` those of them that the data need; `None` where the data do not allow it, which findings say.
-    /// `progress` hears the share of the repetitions that is done.
+    /// Fits the parameters, and those of the `candidates` that the data need; `None` if the data do not allow it, as diagnostics report. `progress`
+    /// receives the completed share of the repetitions.
     pub fn fit(
         &self,
         candidates: Option<&[Parameter]>,
@@ -180,7 +180,7 @@ impl PreparedFit<'_> {
         Some(fit)
     }
 
-    /// The fit, and the parameters of which it is.
+    /// The fit, and its parameters.
     fn fitted(
         &self,
         candidates: Option<&[Parameter]>,
@@ -198,7 +198,7 @@ impl PreparedFit<'_> {
         Ok((found.fit, found.parameters))
     }
 
-    /// Says which rows do not fit; behind what is said of whole measurements, as they may be many.
+    /// Reports rows that do not fit; after the diagnostics about whole measurements, as they may be many.
     fn rows(&self, fit: &Fit, findings: &mut Vec<Diagnostic>, report: &mut CalibrationResult) {
         for (row, place) in weighted_down(fit, &self.used) {
             let size = format!("{} {}", significant(row.residual), row.unit.sign());
@@ -209,7 +209,7 @@ impl PreparedFit<'_> {
         }
     }
 
-    /// Holds the result against all measurements.
+    /// Compares the result with all measurements.
     fn compare(&self, fit: &Fit, findings: &mut Vec<Diagnostic>, report: &mut CalibrationResult) {
         let used = self.used.iter().enumerate().map(|(number, one)| {
             let sigmas = [fit.sigmas.get(number).copied(), fit.angle_sigmas.get(number).copied()];
@@ -244,14 +244,13 @@ impl PreparedFit<'_> {
     }
 }
 
-/// A line of the head that an earlier calibration wrote begins with this.
+/// Beginning of a header line of an earlier calibration.
 const HEAD: &str = "# calibrated:";
 
-/// The text of a machine file with the parameters of a fit, and lines of a head that say where they come from in place of those of an earlier
-/// calibration.
+/// The text of a machine file with the parameters of a fit. Header lines with their origin replace those of an earlier calibration.
 ///
 /// # Errors
-/// Why it cannot be written, as a part of a sentence.
+/// The reason why it cannot be written, as a part of a sentence.
 pub fn machine_text(
     (start, registers): (&Source, &ModelRegisters),
     before: &ErrorModel,
@@ -264,7 +263,7 @@ pub fn machine_text(
     let head = head.iter().map(|line| format!("{HEAD} {line}"));
     let kept = body.lines().skip_while(|line| line.starts_with(HEAD)).map(str::to_owned);
     let text: String = head.chain(kept).map(|line| line + "\n").collect();
-    // What is written must be what was found.
+    // The written text must give the fitted values.
     let again =
         Source::new(start.id(), start.name(), text.clone().into_bytes()).map_err(|_| "it is too long".to_owned())?;
     let Some((_, written)) = file::load_with(&again, registers).0 else {
@@ -279,13 +278,13 @@ pub fn machine_text(
     Ok(text)
 }
 
-/// Says where readings are in another unit than their column, as far as their size tells.
+/// Reports readings whose size indicates another unit than that of their column.
 #[must_use]
 pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: f64) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     let data = &measurement.data;
     let help = "check the unit of the column; if the machine is like this, give a larger --max";
-    // Lengths, then angles: sum of squares, number, the first row.
+    // Lengths, then angles: sum of squares, count, the first row.
     let mut sums = [(0.0, 0.0_f64, None); 2];
     for row in &data.observations {
         let arm = if row.is_angle() { ARM_MM } else { 1.0 };
@@ -319,7 +318,7 @@ pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_
     findings
 }
 
-/// Says which probing is far from the others of its ball.
+/// Reports probings that are far from the others of their ball.
 fn check_balls(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: f64, findings: &mut Vec<Diagnostic>) {
     let data = &measurement.data;
     if data.kind.measurand != Measurand::BallPlace || !data.free.is_empty() {

@@ -1,4 +1,4 @@
-//! What a calibration says of a fit: numbers in the units of people, and the cells of tables that they are about.
+//! Presentation of a fit: numbers in display units, and the table cells to which they refer.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use ncfix_base::diagnostic::Place;
 use ncfix_base::units::{Unit, um_from_mm};
 use ncfix_model::ErrorModel;
 
-/// A number that was found; `start` is the error model before.
+/// An estimated number; `start` is the previous error model.
 pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -> calibrated::Estimate {
     let (factor, unit) = unit_of(&found.column, data);
     let name = found.column.name(data).to_string();
@@ -34,7 +34,7 @@ pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -
     }
 }
 
-/// The factor from mm, rad and powers of them to the unit that is shown: µm, µrad, per power of m or rad.
+/// The display unit and the factor from mm, rad and powers of them: µm, µrad, per power of m or rad.
 pub(super) fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
     if let Some(mm_per_k) = column.mm_per_k(data) {
         return (1.0 / mm_per_k, "K".into());
@@ -52,11 +52,11 @@ pub(super) fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
     }
 }
 
-/// The rows that count for less because they do not fit, once each, with the places of their worst readings.
+/// The rows with reduced weight, once each, with the places of their worst readings.
 pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::Row, Place)> {
     let mut rows: Vec<(calibrated::Row, Place)> = Vec::new();
     let mut tables: Vec<Option<Cells<'_>>> = all.iter().map(|_| None).collect();
-    // Of the row before: its measurement and number, and how many of its readings there were.
+    // Of the previous row: its measurement and index, and the number of its readings so far.
     let mut last = (usize::MAX, usize::MAX, 0);
     let mut shown = (usize::MAX, usize::MAX);
     for &(set, row, residual, weight) in &fit.residuals {
@@ -75,7 +75,7 @@ pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::
             unit: Unit::of(observation.is_angle()),
             weight,
         };
-        // A row may have three readings: the worst says it all.
+        // A row may have three readings: the worst is reported.
         match rows.last_mut().filter(|_| shown == (set, row)) {
             Some(known) if known.0.weight > weight => *known = (found, place),
             Some(_) => {}
@@ -90,7 +90,7 @@ pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::
 struct Cells<'a> {
     measurement: &'a Measurement,
     table: Option<Table>,
-    /// The numbers of rows by where they begin.
+    /// The indices of rows by their start offset.
     rows: HashMap<u32, usize>,
 }
 
@@ -102,7 +102,7 @@ impl<'a> Cells<'a> {
         Cells { measurement, table, rows }
     }
 
-    /// The place of the reading of this number in its row; the row itself where it has no cell of its own.
+    /// The place of a reading of a row, by index; the row itself if it has no separate cell.
     fn place(&self, row: &Observation, number: usize) -> Place {
         let columns = self.measurement.data.kind.columns;
         let index = (0..row.values.len()).filter(|&k| row.values[k].is_some()).nth(number);
@@ -116,7 +116,7 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// Where a value of a row stands in its table; the row itself where there is none.
+/// The place of a value of a row in its table; the row itself if there is none.
 pub(super) fn cell(measurement: &Measurement, row: Place, index: usize) -> (Place, String) {
     let (table, _) = Table::read(&measurement.sources[0]);
     let columns = measurement.data.kind.columns;

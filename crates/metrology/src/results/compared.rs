@@ -1,9 +1,9 @@
-//! Measurements against a result, reading by reading and direction by direction: what tables sum up and pictures show.
+//! Comparison of measurements with a result, reading by reading and direction by direction, for tables and pictures.
 
 use ncfix_base::units::Unit;
 use serde::Serialize;
 
-/// Readings that count less than this do not fit: a residual of 3.3 standard deviations.
+/// Weight below which readings do not fit: a residual of 3.3 standard deviations.
 pub const DOES_NOT_FIT: f64 = 0.25;
 
 /// The readings of one direction or component of a measurement.
@@ -12,33 +12,33 @@ pub const DOES_NOT_FIT: f64 = 0.25;
 pub struct Part {
     /// `dx`, `EXX`, `dr`.
     pub name: String,
-    /// Readings.
+    /// Number of readings.
     pub readings: usize,
     /// The unit of all sizes.
     pub unit: Unit,
-    /// Root of the mean square of what a machine without errors leaves.
+    /// Root mean square of the measured values, i.e. the residuals of an error-free machine.
     pub measured_rms: f64,
-    /// The largest of it.
+    /// The largest measured value.
     pub measured_max: f64,
-    /// Root of the mean square of what the model leaves.
+    /// Root mean square residual of the model.
     pub left_rms: f64,
-    /// The largest of it.
+    /// The largest residual.
     pub left_max: f64,
-    /// Standard deviation of what the model leaves about its mean; `null` for one reading.
+    /// Standard deviation of the residuals about their mean; `null` for one reading.
     pub left_sigma: Option<f64>,
     /// Share of the measured sizes that the model explains (Spaan, eq. 3.6).
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub efficiency: f64,
 }
 
-/// The readings of a measurement in one unit, one after another; all lists of readings are of one length.
+/// The readings of a measurement in one unit; all lists of readings have the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Readings {
     /// Labels of the set-ups.
     pub setups: Vec<String>,
     /// The readings in the order of the table.
     pub points: Vec<Point>,
-    /// Time and axes that moved: name with unit (`X in mm`), and the value of each reading.
+    /// Time and moving axes: name with unit (`X in mm`), and the value for each reading.
     pub axes: Vec<(String, Vec<f64>)>,
     /// Circles of a ball-bar.
     pub circles: Vec<Circle>,
@@ -49,31 +49,31 @@ pub struct Readings {
 pub struct Point {
     /// Row of the table, from 1.
     pub row: usize,
-    /// Number of its [`Part`].
+    /// Index of its [`Part`].
     pub part: usize,
-    /// Number of its set-up.
+    /// Index of its set-up.
     pub setup: usize,
-    /// What a machine without errors leaves.
+    /// Residual of an error-free machine.
     pub measured: f64,
-    /// What the model leaves.
+    /// Residual of the model.
     pub left: f64,
-    /// What it counted, 0 to 1; 1 for readings that were held out.
+    /// Its weight, 0 to 1; 1 for holdout readings.
     pub weight: f64,
 }
 
 /// A run of a ball-bar in a plane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Circle {
-    /// Number of its set-up.
+    /// Index of its set-up.
     pub setup: usize,
     /// `XY`, or the azimuth of the plane.
     pub plane: String,
-    /// What lies at angle 0, and at 90°.
+    /// The directions at angle 0 and at 90°.
     pub axes: [String; 2],
     /// Nominal length of the ball-bar, mm.
     pub radius_mm: f64,
-    /// Whether it went counterclockwise.
+    /// True if it is counterclockwise.
     pub is_counterclockwise: bool,
-    /// Number of a point and angle, rad.
+    /// Index of a point and its angle, rad.
     pub angles: Vec<(usize, f64)>,
 }

@@ -1,4 +1,4 @@
-//! What measurements say of temperatures and loads, against what the effects of the machine need.
+//! Temperatures and loads in measurements, compared with the needs of the machine's effects.
 
 use super::measurement::Measurement;
 use crate::calibrate::Parameter;
@@ -8,7 +8,8 @@ use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::condition::columns::Column;
 use ncfix_model::{Effect, ErrorModel};
 
-/// Says which sensors and loads are missing: refused where a parameter that is fitted needs them and no table has them, pointed out where
+/// Reports missing sensors and loads: an error if a fitted parameter needs them and no table has them, otherwise a note that an effect is in its
+/// reference state.
 /// an effect counts as in the reference state.
 pub(super) fn check(
     (errors, base): (&ErrorModel, &Condition),
@@ -28,7 +29,7 @@ pub(super) fn check(
     for parameter in parameters {
         let Parameter::Effect(parameter) = parameter else { continue };
         let Some(effect) = parameter.effect(errors) else { continue };
-        // A parameter of one sensor has its name.
+        // A parameter of one sensor contains its name.
         let sensors = effect.sensors();
         let last = parameter.name().split('.').nth(2).unwrap_or_default();
         let own = sensors.iter().copied().filter(|sensor| last.split('~').next() == Some(*sensor));

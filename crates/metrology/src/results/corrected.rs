@@ -1,4 +1,4 @@
-//! Measurement mode over a table: takes the corrections out of positions that were read on the machine, row by row.
+//! Measurement mode for a table: removes the corrections from measured positions, row by row.
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;
@@ -15,12 +15,12 @@ use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{Condition, Kinematics, Machine};
 use ncfix_model::{ErrorModel, Model, NotConverged, Solve};
 
-/// Decimals of mm: a hundredth of what a correction promises.
+/// Decimals of mm: a hundredth of the promised accuracy.
 const DECIMALS_MM: usize = 8;
 /// Decimals of degrees: 1e-7 mm at an arm of 500 mm.
 const DECIMALS_DEG: usize = 10;
 
-/// A table of positions whose corrections were taken out.
+/// A table of positions after removal of their corrections.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CorrectedReadings {
@@ -40,12 +40,12 @@ pub struct CorrectedReadings {
 pub struct AxisCorrection {
     /// Axis.
     pub axis: String,
-    /// How large they are.
+    /// Size of the corrections.
     #[serde(flatten)]
     pub size: CorrectionSize,
 }
 
-/// How large corrections are, without their sign.
+/// Absolute size of corrections.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
@@ -57,7 +57,7 @@ pub enum CorrectionSize {
     Angle { mean_urad: f64, max_urad: f64 },
 }
 
-/// Sizes of corrections as they are met.
+/// Statistics of corrections.
 #[derive(Clone, Debug, Default)]
 struct CorrectionSums {
     rows: u64,
@@ -96,27 +96,27 @@ impl CorrectionSums {
     }
 }
 
-/// How corrections are taken out of readings.
+/// Settings for removing corrections from readings.
 #[derive(Clone, Copy, Debug)]
 pub struct ReadingCorrection<'a> {
-    /// The machine on which was read.
+    /// The measured machine.
     pub machine: &'a Machine,
     /// Its errors.
     pub errors: &'a ErrorModel,
-    /// Its condition; of a log the instant of each row, where the rows have times.
+    /// Its condition; from a log, that at the time of each row, if the rows have times.
     pub condition: &'a Condition,
-    /// Whether rotary axes are corrected too.
+    /// Selects whether rotary axes are corrected too.
     pub solve: Solve,
-    /// Larger corrections are refused, mm at the tool.
+    /// Largest accepted correction, mm at the tool.
     pub max_correction_mm: f64,
 }
 
 impl ReadingCorrection<'_> {
-    /// Writes a copy of the table with corrected positions. `progress` hears the share of the rows that is done; `found` takes diagnostics and says whether
-    /// it is worth to go on. After the first error the copy is of no use, but all diagnostics are gathered.
+    /// Writes a copy of the table with corrected positions. `progress` receives the completed share of the rows; `found` receives diagnostics and
+    /// returns `true` to continue. After the first error the copy is invalid, but all diagnostics are collected.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Errors of `out`.
     pub fn write(
         &self,
         table: &Table,
@@ -167,7 +167,7 @@ impl ReadingCorrection<'_> {
         fault.map_or_else(|| Ok(sizes.result(&axes, self.machine)), Err)
     }
 
-    /// The diagnostic for a position whose correction is larger than was asked for, as of a program.
+    /// The diagnostic for a position whose correction is larger than permitted, as for a program.
     fn too_large(
         &self,
         kinematics: &Kinematics,
@@ -195,7 +195,7 @@ impl ReadingCorrection<'_> {
     }
 }
 
-/// The condition of the machine when each row was read, where the rows have times and the state is a log.
+/// The condition of the machine at each row, if the rows have times and the state is a log.
 struct Clock<'a> {
     correction: &'a ReadingCorrection<'a>,
     condition: Condition,
@@ -209,7 +209,7 @@ impl<'a> Clock<'a> {
         Clock { correction, condition: correction.condition.clone(), column }
     }
 
-    /// The model of another instant than that of the row before; `None` where it is the same.
+    /// The model at the time of a row; `None` if it is that of the previous row.
     fn model_at(&mut self, row: &Row, sign: DecimalSign) -> Result<Option<Model>, Diagnostic> {
         let Some(column) = self.column else { return Ok(None) };
         let time_s = row.number(column, sign)?;
@@ -227,7 +227,7 @@ impl<'a> Clock<'a> {
     }
 }
 
-/// Writes the positions of a row. A position without a correction stays as it was written.
+/// Writes the positions of a row. A position without a correction keeps its text.
 fn put<W: std::io::Write>(
     copy: &mut Copy<W>,
     row: &Row,
@@ -249,7 +249,7 @@ fn put<W: std::io::Write>(
     Ok(())
 }
 
-/// Whether an axis whose error depends on the sense of its motion has none.
+/// `true` if an axis with a direction-dependent error has no direction.
 fn lacks_sense(model: &Model, reading: &Reading, readings: &Readings) -> bool {
     readings.axes().iter().any(|&(axis, _)| model.features(axis).backlash && reading.state.direction(axis) == 0)
 }

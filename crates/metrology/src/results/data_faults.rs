@@ -1,8 +1,7 @@
-//! Faults of the data, which a diagnosis looks for first: reports them, refuses files that say something else than what was measured, and
-//! takes out what is at fault.
+//! Data defects, the first step of a diagnosis: reports them, rejects files whose content is not what was measured, and removes defective data.
 //!
-//! In data held out rows stay in whatever is found: they are the judge, and nobody shall choose what it sees. What its sensors say at fault is no
-//! reading of them, though, and a file in another unit or with other axes judges nothing: it is refused as well.
+//! In holdout data rows stay whatever is found: they are the independent test, and must not be selected. The readings of a defective sensor are
+//! dropped, though, and a file in another unit or with other axes is rejected too, as it tests nothing.
 
 use serde::Serialize;
 
@@ -16,7 +15,7 @@ use ncfix_base::source::Source;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 
-/// A fault of the data.
+/// A data defect.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DataFault {
@@ -25,22 +24,23 @@ pub struct DataFault {
     pub kind: DefectKind,
     /// The measurement, sensor or column.
     pub name: String,
-    /// What is wrong with it.
+    /// The defect.
     pub what: String,
-    /// Rows from 1: the first and the last, of outliers each.
+    /// Rows from 1: the first and the last, or each row of outliers.
     pub rows: Vec<usize>,
     /// The measurement.
     pub file: String,
-    /// Why this is thought.
+    /// Evidence.
     pub evidence: String,
-    /// What was left out for it.
+    /// Data excluded because of it.
     pub excluded: String,
-    /// Whether [`Self::rows`] are a first and a last row, and not rows one by one.
+    /// True if [`Self::rows`] are a first and a last row, and not individual rows.
     #[serde(skip)]
     pub is_range: bool,
 }
 
-/// Looks for faults in measurements of which the first `used` are used and the others held out, and takes sensors out that have one; rows of the
+/// Searches measurements for defects, of which the first `used` are used and the others held out, and removes defective sensors. Rows of the former
+/// are excluded from a scene with [`crate::diagnose::fault::exclude`] by the returned list.
 /// former are excluded from a scene with [`crate::diagnose::fault::exclude`] by what comes back.
 pub(super) fn look(
     of: (&Machine, &ErrorModel, &Checks),
@@ -62,9 +62,9 @@ fn look_in(
     report: &mut Vec<DataFault>,
 ) -> Vec<Fault> {
     let mut sets = data_of(measurements);
-    // Where readings cannot even tell the set-ups, who goes on says so.
+    // If readings do not even determine the set-ups, a later step reports it.
     let mut faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find_with(checks, &scene));
-    // Rows that judge stay in: then the sensor says nothing.
+    // Holdout rows stay: only the sensor is dropped.
     for fault in faults
         .iter_mut()
         .filter(|fault| is_held_out && fault.kind == DefectKind::Sensor && fault.then == Then::WithoutRows)
@@ -82,13 +82,13 @@ fn look_in(
     faults
 }
 
-/// Whether nothing can be made of the measurement. An old model looks like a table that is active: in data held out both are for the reader.
+/// `true` if the measurement is unusable. An outdated model resembles an active table: in holdout data both are left to the reader.
 fn is_refused(fault: &Fault, is_held_out: bool) -> bool {
     fault.then == Then::Refuse
         && !(is_held_out && [DefectKind::Compensated, DefectKind::Topology].contains(&fault.kind))
 }
 
-/// What the search goes without.
+/// Data that the search excludes.
 fn excluded(fault: &Fault, is_held_out: bool) -> String {
     match &fault.then {
         _ if is_refused(fault, is_held_out) => "the whole file".into(),
@@ -105,14 +105,14 @@ fn excluded(fault: &Fault, is_held_out: bool) -> String {
     }
 }
 
-/// Readings that are far out are single ones, all others those of some rows.
+/// Outliers are single readings, all other defects affect ranges of rows.
 fn is_range(fault: &Fault) -> bool {
     fault.kind != DefectKind::Outlier
 }
 
 fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
     let rows = match &fault.then {
-        // Single readings are no range.
+        // Single readings are not a range.
         Then::WithoutReadings(readings) if !is_range(fault) => {
             let mut rows: Vec<usize> = readings.iter().map(|(row, _)| row + 1).collect();
             rows.dedup();
@@ -132,7 +132,7 @@ fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
     }
 }
 
-/// The first row, in the column that is at fault where there is one.
+/// The first row, in the defective column if there is one.
 fn place(fault: &Fault, source: &Source) -> Option<Place> {
     let table = Table::read(source).0?;
     let column = fault.name.split(' ').next().and_then(|name| table.column(name));

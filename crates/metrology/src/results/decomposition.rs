@@ -1,4 +1,4 @@
-//! A division of traces at several feeds into its sources, in the units of people, and the machine file with what gives way.
+//! A decomposition of traces at several feeds into its sources, in display units, and the machine file with compliances.
 
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ use ncfix_model::source::dynamic;
 /// The version of the object.
 pub const SCHEMA: u32 = 1;
 
-/// What traces at several feeds were divided into.
+/// Decomposition of traces at several feeds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Decomposition {
@@ -23,21 +23,21 @@ pub struct Decomposition {
     pub machine: String,
     /// Cycle of the control.
     pub cycle_ms: f64,
-    /// Delay of the record of the encoders behind that of the set-points.
+    /// Delay of the encoder recording relative to the set-points.
     pub record_delay: Delay,
-    /// Delay of the readings behind the encoders; `null` where nothing was measured.
+    /// Delay of the readings relative to the encoders; `null` if nothing was measured.
     pub reading_delay: Option<Delay>,
-    /// The loops of the axes that move.
+    /// The loops of the moving axes.
     pub servo: Vec<Loop>,
-    /// Link errors beyond those of the machine file.
+    /// Link errors relative to the machine file.
     pub links: Vec<Link>,
-    /// How motion errors were described: `pose:6`, `path:20`.
+    /// Representation of motion errors: `pose:6`, `path:20`.
     pub motion: String,
     /// The runs, the slowest first.
     pub runs: Vec<Run>,
-    /// What gives way, in the order in which it was found.
+    /// Compliances, in the order in which they were found.
     pub compliances: Vec<Compliance>,
-    /// Power laws of the RMS: contouring and dynamic, along X, Y, Z.
+    /// Power laws of the RMS: contouring and dynamics, along X, Y, Z.
     pub power_laws: Vec<Law>,
 }
 
@@ -47,9 +47,9 @@ pub struct Decomposition {
 pub struct Delay {
     /// Its value.
     pub ms: f64,
-    /// Its standard uncertainty; 0 where it was given.
+    /// Its standard uncertainty; 0 if it was given.
     pub uncertainty_ms: f64,
-    /// Of every run alone.
+    /// Delay of every run alone.
     pub by_run_ms: Vec<f64>,
 }
 
@@ -59,17 +59,17 @@ pub struct Delay {
 pub struct Loop {
     /// Its axis.
     pub axis: String,
-    /// Velocity gain; `null` where no lag is seen.
+    /// Velocity gain; `null` without a visible lag.
     pub velocity_gain_per_s: Option<f64>,
-    /// Share of velocity feed-forward.
+    /// Velocity feed-forward, as a share.
     pub feed_forward: f64,
     /// Lag at constant velocity.
     pub lag_ms: f64,
-    /// RMS of what is left between encoder and loop, µm or µrad.
+    /// RMS residual between encoder and loop, µm or µrad.
     pub rms: f64,
-    /// Of the value.
+    /// Unit of the value.
     pub unit: UnitKey,
-    /// Shift between set-points and encoder that fits best, by run; `null` where the axis stands.
+    /// Best fitting shift between set-points and encoder, by run; `null` if the axis does not move.
     pub shift_ms: Vec<Option<f64>>,
 }
 
@@ -79,11 +79,11 @@ pub struct Loop {
 pub struct Link {
     /// Its name.
     pub parameter: String,
-    /// Its value beyond the machine file, µm or µrad.
+    /// Its value relative to the machine file, µm or µrad.
     pub value: f64,
-    /// Of the value.
+    /// Unit of the value.
     pub unit: UnitKey,
-    /// Whether the path tells it from the others.
+    /// True if the path separates it from the others.
     pub is_told: bool,
 }
 
@@ -99,18 +99,18 @@ pub struct BySource<T> {
     pub motion: T,
     /// Thermal drift.
     pub thermal: T,
-    /// Deflections, and what else is left.
+    /// Deflections and other residuals.
     pub dynamic: T,
 }
 
 impl<T: Copy> BySource<T> {
-    /// From a list in the order of [`crate::decompose::SOURCES`].
+    /// Creates it from a list in the order of [`crate::decompose::SOURCES`].
     #[must_use]
     pub fn new([contouring, link, motion, thermal, dynamic]: [T; 5]) -> BySource<T> {
         BySource { contouring, link, motion, thermal, dynamic }
     }
 
-    /// As such a list.
+    /// The values as such a list.
     #[must_use]
     pub fn list(&self) -> [T; 5] {
         [self.contouring, self.link, self.motion, self.thermal, self.dynamic]
@@ -125,9 +125,9 @@ pub struct Run {
     pub run: String,
     /// Programmed feed.
     pub feed_mm_min: Option<f64>,
-    /// Samples in which the machine moves.
+    /// Number of samples in which the machine moves.
     pub samples: usize,
-    /// How long it moves.
+    /// Duration of its motion.
     pub moving_s: f64,
     /// Mean share of the sum of the norms.
     pub share_percent: BySource<f64>,
@@ -135,17 +135,17 @@ pub struct Run {
     pub max_um: BySource<[f64; 3]>,
     /// RMS along X, Y, Z.
     pub rms_um: BySource<[f64; 3]>,
-    /// Offset against the slowest run along X, Y, Z.
+    /// Offset relative to the slowest run along X, Y, Z.
     pub thermal_um: [f64; 3],
     /// The contouring error at right angles to the path in the workpiece: largest and RMS.
     pub contouring_error_um: [f64; 2],
     /// Length of that path.
     pub path_in_workpiece_mm: f64,
-    /// RMS of single readings about their mean over a cycle, X, Y, Z.
+    /// RMS of single readings about their mean over a control cycle, X, Y, Z.
     pub noise_um: [f64; 3],
-    /// RMS of the dynamic part as it is, and as the compliances that the other feeds tell leave it; averaged as accelerations are.
+    /// RMS of the dynamic part, and its residual with the compliances of the other feeds; averaged as accelerations are.
     pub held_out_um: Option<[f64; 2]>,
-    /// Along the path, for pictures.
+    /// Samples along the path, for pictures.
     #[serde(skip)]
     pub along: Vec<Along>,
 }
@@ -153,11 +153,11 @@ pub struct Run {
 /// A sample, for pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Along {
-    /// Since the run began to move, s.
+    /// Time since the start of motion, s.
     pub t_s: f64,
     /// The sources along X, Y, Z, µm.
     pub parts_um: [[f64; 3]; 5],
-    /// What compliances explain, µm.
+    /// Part explained by compliances, µm.
     pub explained_um: [f64; 3],
 }
 
@@ -165,23 +165,23 @@ pub struct Along {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Compliance {
-    /// The component that gives way.
+    /// The compliant component.
     pub component: String,
     /// The axis that accelerates.
     pub axis: String,
-    /// What it gives way under.
+    /// Cause of the deflection.
     pub of: Under,
-    /// Its value, by `unit`.
+    /// Its value, in `unit`.
     pub value: f64,
     /// Its standard uncertainty.
     pub uncertainty: f64,
     /// The key of the machine file: `um_per_m_s2`.
     pub unit: String,
-    /// By which share the RMS of feeds that it was not fitted to fell when it was added.
+    /// Relative reduction of the RMS of feeds to which it was not fitted, when it was added.
     pub gain: f64,
 }
 
-/// What a compliance gives way under.
+/// Cause of a deflection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -204,7 +204,7 @@ impl Under {
     }
 }
 
-/// The source that a power law is of.
+/// The source described by a power law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -227,11 +227,11 @@ impl LawOf {
     }
 }
 
-/// δ = κ Fᴺ.
+/// Power law δ = κ Fᴺ.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Law {
-    /// Of what.
+    /// Its source.
     pub source: LawOf,
     /// `X`, `Y`, `Z`.
     pub direction: &'static str,
@@ -239,9 +239,9 @@ pub struct Law {
     pub factor_um: f64,
     /// N.
     pub exponent: f64,
-    /// Half width of its interval of 95 %; `null` with two feeds.
+    /// Half width of its 95 % interval; `null` with two feeds.
     pub exponent_95: Option<f64>,
-    /// Share of the variance of the logarithms that it explains.
+    /// Explained share of the variance of the logarithms.
     pub explained: f64,
     /// N without the slowest run.
     pub without_slowest: Option<f64>,
@@ -251,14 +251,14 @@ pub struct Law {
 pub const DIRECTIONS: [&str; 3] = ["X", "Y", "Z"];
 
 impl Decomposition {
-    /// Whether an instrument measured.
+    /// `true` if an instrument measured.
     #[must_use]
     pub fn is_measured(&self) -> bool {
         self.reading_delay.is_some()
     }
 }
 
-/// What is said of traces that cannot be divided.
+/// The diagnostic for traces that cannot be decomposed.
 #[must_use]
 pub fn told(fault: &Fault) -> Diagnostic {
     let (code, help) = match fault {
@@ -378,7 +378,7 @@ fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> Ru
     }
 }
 
-/// The text of a machine file with the compliances added to those that it has; `None` where it cannot take them.
+/// The text of a machine file with the compliances added to the existing ones; `None` if it cannot contain them.
 #[must_use]
 pub fn extended(text: &[u8], found: &decompose::Decomposition) -> Option<String> {
     let mut edit = Edit::parse(std::str::from_utf8(text).ok()?)?;
@@ -403,7 +403,7 @@ pub fn extended(text: &[u8], found: &decompose::Decomposition) -> Option<String>
     Some(edit.text())
 }
 
-/// Five digits: more were not measured.
+/// Five digits, the available accuracy.
 fn rounded(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
 }

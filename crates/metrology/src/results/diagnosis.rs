@@ -1,4 +1,4 @@
-//! A diagnosis as a whole: faults of the data, the search for causes, what is told of each, and the machine file with what was found.
+//! A complete diagnosis: data defects, the search for causes, their presentation, and the extended machine file.
 
 use std::panic::resume_unwind;
 
@@ -23,62 +23,62 @@ use ncfix_base::units::UnitKey;
 use ncfix_machine::machine::Machine;
 use ncfix_model::{ErrorModel, ModelRegisters};
 
-/// Readings beyond the unknowns of set-ups that say anything.
+/// Minimum number of readings beyond the unknowns of set-ups.
 const LEAST: usize = 3;
 
 /// The version of the object.
 pub const SCHEMA: u32 = 1;
 
-/// What the model lacks, why, and what is left.
+/// Missing causes of the model, with evidence, and the residuals.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DiagnosisResult {
     /// [`SCHEMA`].
     pub schema: u32,
-    /// Unit of all sizes `…_um`: `um`, or `urad` where only angles were read.
+    /// Unit of all sizes `…_um`: `um`, or `urad` if only angles were read.
     pub unit: UnitKey,
     /// Noise of the readings.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub noise_um: f64,
-    /// How it is known.
+    /// Source of the noise estimate.
     pub noise_from: NoiseFrom,
-    /// What the descriptions of the instruments say of it; `null` where they say nothing.
+    /// Noise stated in the descriptions of the instruments; `null` if not stated.
     pub noise_stated_um: Option<f64>,
-    /// What a machine without errors would leave.
+    /// Residuals of an error-free machine.
     pub without_model: Sizes,
-    /// What the model leaves.
+    /// Residuals of the model.
     pub before: Sizes,
-    /// What it lacks, the largest first.
+    /// Missing causes, the largest first.
     pub findings: Vec<Cause>,
-    /// Readings that did not count.
+    /// Excluded readings.
     pub data_faults: Vec<DataFault>,
-    /// What is left behind all findings.
+    /// Residuals after all findings.
     pub after: Sizes,
-    /// Share by which the root of the mean square falls.
+    /// Relative reduction of the root mean square.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub gain: f64,
-    /// The same on the data held out.
+    /// Relative reduction on the holdout data.
     pub holdout_gain: Option<f64>,
-    /// Its interval of 95 %.
+    /// Its 95 % interval.
     pub holdout_gain_95: Option<[f64; 2]>,
-    /// Whether the model says the data (those held out, where there are any) worse than no model.
+    /// True if the model fits the data (holdout data, if any) worse than no model.
     pub expired: bool,
-    /// What is left beyond the noise.
+    /// Residual beyond the noise.
     pub unexplained: Unexplained,
-    /// What stood in the data but was not confirmed by the data held out.
+    /// Causes in the data that the holdout data did not confirm.
     pub not_confirmed: Vec<String>,
-    /// What was tried and stopped.
+    /// Candidates that failed an acceptance test.
     pub rejected: Vec<Rejected>,
-    /// Candidates that were tried.
+    /// Number of candidates tried.
     pub tried: usize,
-    /// Readings that were used.
+    /// Number of readings used.
     pub readings: usize,
     /// Name of the machine.
     pub machine: String,
 }
 
 impl DiagnosisResult {
-    /// Where nothing was diagnosed no size is known: `null` for programs, no zero.
+    /// Sets all sizes to unknown if nothing was diagnosed: `null` in JSON, not zero.
     pub fn forget_sizes(&mut self) {
         let none = Sizes {
             rms_um: f64::NAN,
@@ -92,7 +92,7 @@ impl DiagnosisResult {
     }
 }
 
-/// How the noise of readings is known.
+/// Source of the noise estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -107,7 +107,7 @@ pub enum NoiseFrom {
     Instrument,
     /// From differences of neighbours.
     Neighbours,
-    /// From all that is left: it is white, and more than stated.
+    /// From the whole residual: it is white, and larger than stated.
     Rest,
 }
 
@@ -122,59 +122,59 @@ impl From<Source> for NoiseFrom {
     }
 }
 
-/// How large readings are.
+/// Statistics of readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Sizes {
     /// Root of the mean square.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub rms_um: f64,
-    /// Its interval of 95 %.
+    /// Its 95 % interval.
     #[cfg_attr(feature = "schema", schemars(with = "[Option<f64>; 2]"))]
     pub rms_95_um: [f64; 2],
-    /// Largest.
+    /// Largest magnitude.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub max_um: f64,
-    /// Share of the sum of sizes that is said (Spaan 1995, eq. 3.6).
+    /// Explained share of the sum of magnitudes (Spaan 1995, eq. 3.6).
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub efficiency: f64,
-    /// The same of the data held out.
+    /// Root mean square of the holdout data.
     pub holdout_rms_um: Option<f64>,
-    /// Interval of 95 %.
+    /// Its 95 % interval.
     pub holdout_rms_95_um: Option<[f64; 2]>,
-    /// Largest.
+    /// Largest magnitude of the holdout data.
     pub holdout_max_um: Option<f64>,
-    /// Efficiency.
+    /// Efficiency on the holdout data.
     pub holdout_efficiency: Option<f64>,
 }
 
-/// What no finding says.
+/// The part that no finding explains.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unexplained {
     /// Root of the mean square beyond the noise.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub rms_um: f64,
-    /// Whether it is more than noise, and enough to matter.
+    /// True if it is more than noise, and large enough to matter.
     pub structure: bool,
-    /// Chance of such correlations in noise (Ljung & Box).
+    /// p-value of its autocorrelation (Ljung & Box).
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub p: f64,
-    /// What it goes with.
+    /// Columns with which it correlates.
     pub with: Vec<With>,
 }
 
-/// A column that what is left goes with.
+/// A column with which the residual correlates.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct With {
     /// Its name.
     pub driver: String,
-    /// How much of it.
+    /// Correlated part, root mean square.
     pub rms_um: f64,
 }
 
-/// A candidate that did not stand.
+/// A candidate that was not accepted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Rejected {
@@ -182,19 +182,19 @@ pub struct Rejected {
     pub effect: String,
     /// ISO 230-1 name, axes or direction.
     pub parameter: String,
-    /// What it depends on.
+    /// Its drivers.
     pub drivers: Vec<String>,
-    /// The gate that stopped it.
+    /// The acceptance test that it failed.
     pub why: Gate,
-    /// Chance of this where there is nothing, over all candidates.
+    /// p-value, corrected for all candidates.
     pub p: f64,
-    /// Share of the root of the mean square of unseen readings that it takes away; `null` where that was not tried, or the parts could not say.
+    /// Relative reduction of the root mean square of unseen readings; `null` if not determined.
     pub gain: Option<f64>,
-    /// What it is in each file, where files surely differ; else empty.
+    /// Its value in each file, if files differ significantly; otherwise empty.
     pub by_file: Vec<InFile>,
 }
 
-/// What a cause is in one file.
+/// The value of a cause in one file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct InFile {
@@ -208,13 +208,13 @@ pub struct InFile {
     pub u95: f64,
 }
 
-/// A place of a shape.
+/// A point of a shape.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Place {
     /// Values of the drivers, in their order and units.
     pub at: Vec<f64>,
-    /// The deviation there (µrad where the unit of the finding is `urad`).
+    /// The deviation there (µrad if the unit of the finding is `urad`).
     pub value_um: f64,
 }
 
@@ -226,13 +226,13 @@ pub struct Cause {
     pub effect: String,
     /// ISO 230-1 name, axes or direction.
     pub parameter: String,
-    /// What it depends on.
+    /// Its drivers.
     pub drivers: Vec<String>,
-    /// Sensor of temperature; `null` where it is none.
+    /// Temperature sensor; `null` if there is none.
     pub sensor: Option<String>,
     /// Its time constant.
     pub lag_s: Option<f64>,
-    /// Period, where it repeats.
+    /// Period, if periodic.
     pub period: Option<f64>,
     /// Size: reversal value, amplitude, slope, range over the travel.
     pub value: f64,
@@ -240,64 +240,64 @@ pub struct Cause {
     pub unit: String,
     /// Expanded uncertainty (95 %).
     pub u95: f64,
-    /// What it does to the readings (root of the mean square).
+    /// Effect on the readings (root mean square).
     pub rms_um: f64,
-    /// By how much it alone swings the readings of a set-up: the largest less the smallest of what it does.
+    /// Range of its effect on the readings of a set-up: largest minus smallest.
     pub alone_um: f64,
-    /// The part of that in the sum over all findings.
+    /// Share of this range in the sum over all findings.
     pub alone_share: f64,
-    /// Share of the root of the mean square of unseen readings that it takes away.
+    /// Relative reduction of the root mean square of unseen readings.
     pub gain_holdout: f64,
-    /// Its fair part of the squares (Shapley).
+    /// Share of the squares (Shapley).
     pub share: f64,
-    /// What comes back without it.
+    /// Share of the squares without it in the model.
     pub share_alone: f64,
-    /// Chance of this where there is nothing, over all candidates.
+    /// p-value, corrected for all candidates.
     pub p: f64,
-    /// What it is in each file, where files surely differ; else empty.
+    /// Its value in each file, if files differ significantly; otherwise empty.
     pub by_file: Vec<InFile>,
-    /// Explanations that the data cannot tell from it, itself first.
+    /// Equivalent explanations, itself first.
     pub class: Vec<String>,
-    /// The measurement that tells them apart; `null` where there is one explanation.
+    /// The measurement that separates them; `null` for a single explanation.
     pub separate_by: Option<String>,
-    /// What can be done about it.
+    /// Possible correction.
     pub correctable: Correctable,
-    /// Whether the machine file that was written has it.
+    /// True if the written machine file contains it.
     pub extends: bool,
-    /// Why it does not, or must not; `null` where it does, and where none was asked for.
+    /// Reason why it is not or must not be in the file; `null` if it is, or if no file was requested.
     pub extends_why: Option<String>,
-    /// What makes it.
+    /// Physical cause.
     pub made_by: String,
-    /// What shows it.
+    /// Evidence.
     pub shown_by: String,
-    /// Of a finding without a name: what it depends on and where it acts, in a sentence.
+    /// For an unnamed finding: its drivers and place of action, in a sentence.
     pub what: Option<String>,
-    /// How large it is over its drivers; empty where the value says it all.
+    /// Its value over its drivers; empty if the single value suffices.
     pub shape: Vec<Place>,
-    /// The unit of that.
+    /// The unit of the shape.
     #[serde(skip)]
     pub shape_unit: UnitKey,
 }
 
-/// What is asked of a diagnosis beside the causes.
+/// Settings of a diagnosis other than the causes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DiagnosisSettings<'a> {
-    /// The causes that are looked for; without them those that are built in.
+    /// The causes to search; default: the built-in ones.
     pub causes: Option<&'a Causes>,
-    /// The kinds of faults of the data that are looked for; without them those that are built in.
+    /// The kinds of data defects to search; default: the built-in ones.
     pub checks: Option<&'a Checks>,
-    /// What the machine file may say of errors; without it what is built in.
+    /// Error types of the machine file; default: the built-in ones.
     pub model: Option<&'a ModelRegisters>,
-    /// The machine file, where there is one: what it cannot hold is not called correctable.
+    /// The machine file, if any: errors that it cannot contain are not called correctable.
     pub file: Option<&'a source::Source>,
-    /// Whether it is to be written with what was found: findings say then why it cannot be.
+    /// `true` if it is to be written with the findings: these then give a reason if they are not in it.
     pub is_extended: bool,
-    /// Whether single readings are kept for pictures.
+    /// `true` to keep single readings for pictures.
     pub with_readings: bool,
 }
 
-/// Diagnoses measurements of which the first `used` are used and the others held out; `None` where findings say why nothing was diagnosed. `progress` hears
-/// what is done and the share of it. The machine file with what was found, where one was given.
+/// Diagnoses measurements, of which the first `used` are used and the others held out; `None` if diagnostics explain why nothing was diagnosed.
+/// `progress` receives the current step and the completed share. Returns the machine file with the findings, if one was given.
 pub fn run(
     (machine, errors): (&Machine, &ErrorModel),
     mut all: Vec<Measurement>,
@@ -369,8 +369,8 @@ pub fn run(
     Some(made)
 }
 
-/// What can be done about findings, whether or not a file is written: what the file has as a table needs no name, and what it cannot have is not to be
-/// corrected.
+/// Sets the possible correction of findings, with or without a written file: a table of the file needs no name, and an error that the file cannot
+/// contain is not correctable.
 fn can_be_done(why_not: &[Option<String>], report: &mut DiagnosisResult) {
     for (told, why_not) in report.findings.iter_mut().zip(why_not) {
         told.extends_why.clone_from(why_not);
@@ -382,7 +382,7 @@ fn can_be_done(why_not: &[Option<String>], report: &mut DiagnosisResult) {
     }
 }
 
-/// Everything that was found, in the units of reports.
+/// All findings, in display units.
 fn tell_all(found: &Found, scene: &Scene<'_>, (sets, used): (&[DataSet], usize), report: &mut DiagnosisResult) {
     let of_angles = reads_angles(scene);
     report.unit = UnitKey::of(of_angles);
@@ -487,7 +487,7 @@ fn cause(found: &diagnose::Finding, scene: &Scene<'_>, used: usize, (micro, alon
         made_by: one.cause.made_by.to_owned(),
         shown_by: one.cause.shown_by.to_owned(),
         what: shape::sentence(found, scene, used),
-        // Where columns stand for places the value alone says little.
+        // If columns represent positions, the single value is not meaningful.
         shape: if one.points.is_empty() { Vec::new() } else { shape::shape(found, scene, used) }
             .into_iter()
             .map(|(at, value_um)| Place { at, value_um })

@@ -1,4 +1,4 @@
-//! The machine file with what a diagnosis found: text of the old one, new entries, and all parameters fitted again together.
+//! The machine file with the findings of a diagnosis: the old text, new entries, and a joint fit of all parameters.
 
 use super::not_told;
 use crate::calibrate::{Fit, Options, Parameter, fit};
@@ -15,51 +15,51 @@ use ncfix_model::parameter::Term;
 use ncfix_model::{ErrorModel, ModelRegisters, ParameterName, file, write};
 
 const MACHINE: FileId = FileId(0);
-/// What is read back may differ by the digits that are written.
+/// Relative tolerance of values read back, due to the written digits.
 const DIGITS: f64 = 1e-9;
 const SECTIONS: &str = "write location and motion as sections of their own";
 
-/// What shall be written.
+/// The content to be written.
 pub(super) struct Job<'a> {
     pub(super) machine: &'a Machine,
-    /// What its file may say.
+    /// Error types of its file.
     pub(super) registers: ModelRegisters,
     pub(super) scene: &'a Scene<'a>,
-    /// Measurements that were used; those behind them were held out.
+    /// Number of used measurements; those after them were held out.
     pub(super) used: usize,
     pub(super) found: &'a Diagnosis,
-    /// For every finding its changes, or why there are none.
+    /// For every finding its changes, or the reason why there are none.
     pub(super) extension: Vec<Result<Vec<Change>, String>>,
 }
 
-/// The file as it would be.
+/// The extended file.
 #[derive(Clone, Debug)]
 pub struct Extended {
-    /// The text, or why there is none and what to do.
+    /// The text, or the reason why there is none, and help.
     pub text: Result<String, NotWritten>,
-    /// For every finding why the file does not have it; `None` where it does.
+    /// For every finding the reason why it is not in the file; `None` if it is.
     pub why_not: Vec<Option<String>>,
 }
 
 impl Extended {
-    /// The text; a finding says why there is none.
+    /// The text; a diagnostic explains why there is none.
     #[must_use]
     pub fn text(self, findings: &mut Vec<Diagnostic>) -> Option<String> {
         self.text.map_err(|(message, help)| findings.push(Diagnostic::nowhere(Code::NOT_TOLD, message, help))).ok()
     }
 }
 
-/// Why something is not written, and what to do.
+/// Reason why something is not written, and help.
 pub type NotWritten = (String, &'static str);
 
-/// A text in which some findings are, each with where it stands.
+/// A text with some findings, each with its place.
 struct Grown {
     text: String,
     anchors: Vec<Result<Vec<Anchor>, String>>,
 }
 
 impl Job<'_> {
-    /// Makes the extended machine file, whether or not it is written: what it cannot have is not called correctable either. `None` where it is no text.
+    /// Creates the extended machine file, written or not: errors that it cannot contain are not called correctable either. `None` if it is not text.
     pub(super) fn make(&self, old: &Source, findings: &mut Vec<Diagnostic>) -> Option<Extended> {
         let text = std::str::from_utf8(old.bytes()).ok()?;
         let grown = self.grow(old, text);
@@ -73,7 +73,7 @@ impl Job<'_> {
         Some(Extended { text, why_not })
     }
 
-    /// Makes the changes of one finding after another; those that do not go beside what is there are left out.
+    /// Applies the changes of one finding after another; incompatible ones are left out.
     fn grow(&self, old: &Source, text: &str) -> Grown {
         let mut grown = Grown { text: note::without_left_out(text), anchors: Vec::new() };
         for changes in &self.extension {
@@ -96,7 +96,7 @@ impl Job<'_> {
         grown
     }
 
-    /// The text, or what is wrong and what to do.
+    /// The text, or the error and help.
     fn text(
         &self,
         old: &Source,
@@ -134,7 +134,7 @@ impl Job<'_> {
         self.helps(&written).map(|()| out)
     }
 
-    /// All parameters fitted together; `None` where they stay as the search found them.
+    /// All parameters fitted together; `None` if they keep the values of the search.
     fn fitted(
         &self,
         read: &ErrorModel,
@@ -155,7 +155,7 @@ impl Job<'_> {
             stay("readings that do not count, or findings that the machine file does not hold, cannot be taken out of these data".into());
             return None;
         };
-        // Time constants too, which the search took from a list; without them where that does not go.
+        // Including time constants, which the search took from a list; without them if that fails.
         let linear: Vec<Parameter> = parameters.iter().filter(|one| one.is_linear()).cloned().collect();
         let found = self.fit(read, parameters, &data);
         let found =
@@ -163,7 +163,7 @@ impl Job<'_> {
         found.map_err(stay).ok()
     }
 
-    /// A fit that says the readings as well as what the search found; least squares without a memory of the noise go astray where terms are alike.
+    /// A fit as good as the result of the search; least squares without noise autocorrelation fail if terms are similar.
     fn fit(&self, read: &ErrorModel, parameters: &[Parameter], data: &[DataSet]) -> Result<Fit, String> {
         let found = fit(self.machine, read, parameters, data, Options { robust: true });
         let found = found.map_err(not_told::words)?;
@@ -177,7 +177,7 @@ impl Job<'_> {
         Ok(found)
     }
 
-    /// The text with what is said beside the terms, and behind it what it does not have.
+    /// The text with notes at the terms, and a list of left-out findings after it.
     fn noted(&self, text: &str, grown: &Grown, fitted: Option<&Fit>) -> String {
         let Some(mut edit) = Edit::parse(text) else { return text.to_owned() };
         let name = |set: &DataSet| set.name.clone();
@@ -211,14 +211,14 @@ impl Job<'_> {
 
     fn level(&self, errors: &ErrorModel) -> [f64; 2] {
         let scene = Scene::new(self.machine, errors, self.scene.sets).map(|mut scene| {
-            // What was left out as a fault of the data does not count here either.
+            // Data excluded as defective do not count here either.
             scene.items.iter_mut().zip(&self.scene.items).for_each(|(item, known)| item.sigma = known.sigma);
             levels(&scene, self.used)
         });
         scene.unwrap_or([f64::INFINITY; 2])
     }
 
-    /// Whether the model says the data better with it: the data held out where there are any.
+    /// Checks that the model fits the data better with the change, on the holdout data if any.
     fn helps(&self, errors: &ErrorModel) -> Result<(), NotWritten> {
         let before = levels(self.scene, self.used);
         let after = self.level(errors);
@@ -236,10 +236,10 @@ impl Job<'_> {
     }
 }
 
-/// More than this of what the search leaves is not better.
+/// Largest accepted ratio of the residual to that of the search.
 const LOST: f64 = 1.01;
 
-/// Makes one change in a text; where it stands, or why it does not go.
+/// Makes one change in a text. Returns its place, or the reason why it fails.
 fn made(from: (&Source, &ModelRegisters), text: &mut String, change: &Change) -> Result<Anchor, String> {
     let no = || "it does not go beside what the machine file has already".to_owned();
     let anchor = if let Change::Parameter { name, amount } = change {
@@ -258,7 +258,7 @@ fn made(from: (&Source, &ModelRegisters), text: &mut String, change: &Change) ->
     Ok(anchor)
 }
 
-/// Where a parameter stands.
+/// Place of a parameter.
 fn place_of(name: &ParameterName, errors: &ErrorModel) -> Anchor {
     if name.component.kind == ErrorKind::Location {
         return Anchor::Key("location", name.component.to_string());
@@ -272,7 +272,7 @@ fn place_of(name: &ParameterName, errors: &ErrorModel) -> Anchor {
     Anchor::Entry("motion", index.unwrap_or(0))
 }
 
-/// What a fit found of the parameters of some changes: name, value, standard uncertainty, unit.
+/// Fitted parameters of some changes: name, value, standard uncertainty, unit.
 fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64, String)> {
     let Some(fitted) = fitted else { return Vec::new() };
     let is_own = |parameter: &Parameter| {

@@ -21,31 +21,31 @@ pub struct Measurement {
     pub figures: Vec<Group>,
 }
 
-/// Figures that belong together: of a component, of circles in a plane, of a sphere.
+/// A group of figures: of a component, of circles in a plane, of a sphere.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Group {
     /// Label of the set-up.
     pub setup: String,
-    /// What they are of: `EXX`, `XY`, `sphere`.
+    /// Their subject: `EXX`, `XY`, `sphere`.
     pub of: String,
-    /// Where they are defined.
+    /// Their definition.
     pub standard: Standard,
     /// The unit of all.
     pub unit: Unit,
     /// The figures in the order of the standard.
     pub values: Vec<Value>,
-    /// Under which conditions: runs, radius, feed, start.
+    /// Their conditions: runs, radius, feed, start.
     pub conditions: Vec<String>,
-    /// Why there are none; `null` where there are.
+    /// Reason why there are none; `null` otherwise.
     pub reason: Option<String>,
 }
 
-/// Where figures are defined.
+/// Definition of figures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Standard {
-    /// Nowhere: there are none.
+    /// None: there are no figures.
     #[default]
     #[serde(rename = "")]
     None,
@@ -90,7 +90,7 @@ pub fn of(data: &DataSet, machine: &Machine) -> Measurement {
     Measurement { name: data.name.clone(), kind: data.kind.name, figures }
 }
 
-/// The figures of measurements; a finding for each that has none.
+/// The figures of measurements; a diagnostic for each that has none.
 #[must_use]
 pub fn of_all(all: &[super::measurement::Measurement], machine: &Machine) -> (Vec<Measurement>, Vec<Diagnostic>) {
     let mut found = Vec::new();

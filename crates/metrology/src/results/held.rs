@@ -1,4 +1,4 @@
-//! What holds of a measurement that is held against a model: sizes by direction and component, readings and circles for pictures.
+//! Comparison data of a measurement: statistics by direction and component, readings and circles for pictures.
 
 use super::calibrated::Data;
 use super::compared::{Circle, Part, Point, Readings};
@@ -10,17 +10,17 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::units::Unit;
 use ncfix_machine::machine::Machine;
 
-/// What holds of a measurement that is compared.
+/// Comparison data of a measurement.
 pub(super) struct Held<'a> {
     /// The measurement.
     pub(super) data: &'a DataSet,
-    /// Its readings against the model.
+    /// Comparison of its readings with the model.
     pub(super) quality: Quality,
     /// Standard uncertainty of a length, mm, and of an angle, rad.
     pub(super) sigmas: [Option<f64>; 2],
-    /// What each reading counted; empty where it was held out.
+    /// The weight of each reading; empty if it was held out.
     pub(super) weights: Vec<f64>,
-    /// Whether it was held out.
+    /// `true` if it was held out.
     pub(super) is_held_out: bool,
 }
 
@@ -30,7 +30,7 @@ pub(super) fn weights(fit: &Fit, set: usize) -> Vec<f64> {
 }
 
 impl Held<'_> {
-    /// The measurement against the result, lengths and angles apart; with its readings where pictures are wanted.
+    /// The comparison of the measurement with the result, lengths and angles separately; with its readings if pictures are requested.
     pub(super) fn shown(&self, machine: &Machine, with_readings: bool) -> Vec<Data> {
         [false, true].into_iter().filter_map(|angles| self.in_unit(angles, machine, with_readings)).collect()
     }
@@ -111,7 +111,7 @@ impl Held<'_> {
         if let Some(component) = row.component {
             return component.to_string();
         }
-        // Each value that was read has an equation, in their order; a probed ball has three without a column.
+        // Each value has an equation, in order; a probed ball has three without a column.
         let column = row.values.iter().enumerate().filter(|(_, value)| value.is_some()).nth(line.index);
         let name = column.and_then(|(k, _)| self.data.kind.columns.get(k)).map(|name| name.trim_end_matches("_um"));
         match name {
@@ -120,7 +120,7 @@ impl Held<'_> {
         }
     }
 
-    /// Directions and components in the order in which they are first met.
+    /// Directions and components in the order of their first occurrence.
     fn part_names(&self, lines: &[Compared]) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         for line in lines {
@@ -132,7 +132,7 @@ impl Held<'_> {
         names
     }
 
-    /// Time, where it is known, and positions of the axes that moved.
+    /// Time, if known, and positions of the moving axes.
     fn axes(&self, machine: &Machine, lines: &[Compared]) -> Vec<(String, Vec<f64>)> {
         let of = |axis: Axis| -> Vec<f64> {
             let factor = if axis.is_rotary() { 1.0_f64.to_degrees() } else { 1.0 };
@@ -152,13 +152,13 @@ impl Held<'_> {
         if self.data.kind.measurand != Measurand::BallDistance {
             return Vec::new();
         }
-        // Readings of a ball-bar are one to a row, in its order.
+        // Readings of a ball-bar are one per row, in order.
         let number = |row: usize| points.binary_search_by_key(&(row + 1), |point| point.row).ok();
         circles(machine, self.data).iter().map(|circle| shown_circle(circle, self.data, number)).collect()
     }
 }
 
-/// Times in a unit in which they are no long numbers; `None` where a reading has none.
+/// Times in a unit with short numbers; `None` if a reading has none.
 pub(super) fn timed(times: Vec<f64>) -> Option<(String, Vec<f64>)> {
     if times.iter().any(|time| !time.is_finite()) {
         return None;
@@ -173,7 +173,7 @@ pub(super) fn timed(times: Vec<f64>) -> Option<(String, Vec<f64>)> {
     Some((format!("time in {unit}"), times.into_iter().map(|time| time / seconds).collect()))
 }
 
-/// A circle for pictures; `number` gives the number of the reading of a row.
+/// A circle for pictures; `number` returns the index of the reading of a row.
 pub(super) fn shown_circle(found: &circles::Circle, data: &DataSet, number: impl Fn(usize) -> Option<usize>) -> Circle {
     let (plane, axes) = match found.main_plane() {
         Some(0) => ("XY".to_owned(), ["X", "Y"].map(String::from)),

@@ -16,48 +16,48 @@ use ncfix_model::ErrorModel;
 /// A measurement with its texts.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// What was read.
+    /// The readings.
     pub data: DataSet,
     /// Table and description.
     pub sources: [Source; 2],
 }
 
-/// What is read of a pair of texts.
+/// Required content of a pair of texts.
 #[derive(Clone, Copy, Debug)]
 pub enum Purpose<'a> {
-    /// All readings, of a trace too.
+    /// All readings, including those of a trace.
     Fit,
     /// A plan: positions without readings.
     Plan,
-    /// Readings, with sensors that may be dead in some rows, which is no refusal; of a trace what goes with the speed, beside this model.
+    /// Readings, with temperature sensors that may have failed in some rows; of a trace the speed-dependent part relative to this model.
     Diagnosis(&'a ErrorModel),
 }
 
-/// The identities of the texts of a measurement: `number` tells measurements apart, 0 is left for the machine file.
+/// The ids of the texts of a measurement: `number` identifies the measurement, 0 is reserved for the machine file.
 #[must_use]
 pub fn ids(number: usize) -> [FileId; 2] {
     [1, 2].map(|offset| FileId(u16::try_from(2 * number + offset).unwrap_or(u16::MAX)))
 }
 
-/// The description beside a table; `None` where there can be none.
+/// The description next to a table; `None` if there cannot be one.
 #[must_use]
 pub fn description_of(table: &Path) -> Option<PathBuf> {
     let is_toml = table.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     (table != Path::new("-") && !is_toml).then(|| table.with_extension("toml"))
 }
 
-/// The file of what a control recorded beside a trace, where the description of a table names one.
+/// The control recording next to a trace, if the description of the table names one.
 #[must_use]
 pub fn control_file(table: &Path, described: &Described) -> Option<PathBuf> {
     let name = described.control.as_ref()?;
     Some(table.parent().unwrap_or(Path::new(".")).join(name))
 }
 
-/// The measurement that a pair of texts is, of one of these kinds; `None` where findings forbid to use it. `control` reads what a control recorded beside a trace, by its
-/// description.
+/// The measurement of a pair of texts, of one of these kinds; `None` if diagnostics forbid its use. `control` reads the control recording next to a
+/// trace, given its description.
 ///
 /// # Errors
-/// Those of `control`.
+/// Errors of `control`.
 pub fn parse<E>(
     name: &str,
     sources: &[Source; 2],
@@ -85,7 +85,7 @@ pub fn parse<E>(
         findings.extend(found);
         data.map(|mut data| {
             if reads_angles(&data) {
-                // An instrument for angles has as many µrad as one for lengths has µm.
+                // An angle instrument has as many µrad as a length instrument has µm.
                 data.sigma_rad = data.sigma_rad.or(data.sigma.map(|mm| rad_from_urad(um_from_mm(mm))));
             }
             data
@@ -94,7 +94,7 @@ pub fn parse<E>(
     Ok(data.map(|data| Measurement { data, sources: sources.clone() }))
 }
 
-/// A trace, brought to one clock.
+/// A trace on a common clock.
 fn of_trace(
     described: &Described,
     table: &Source,
@@ -126,7 +126,7 @@ fn of_trace(
     }
 }
 
-/// Says which tables are the same as one before: readings that count twice look better than they are, and those that were fitted are no test.
+/// Reports tables that equal an earlier one: readings that count twice underestimate uncertainties, and fitted ones are not an independent test.
 #[must_use]
 pub fn check_copies(all: &[Measurement]) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
@@ -142,7 +142,7 @@ pub fn check_copies(all: &[Measurement]) -> Vec<Diagnostic> {
     findings
 }
 
-/// Says which tables have readings of one before, rounded or in another order: a judge that was fitted is none.
+/// Reports tables that contain readings of an earlier one, rounded or reordered: fitted readings are not an independent test.
 #[must_use]
 pub fn check_near_copies(all: &[Measurement]) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
@@ -162,7 +162,7 @@ pub fn check_near_copies(all: &[Measurement]) -> Vec<Diagnostic> {
     findings
 }
 
-/// Whether all readings of a measurement are angles.
+/// `true` if all readings of a measurement are angles.
 #[must_use]
 pub fn reads_angles(data: &DataSet) -> bool {
     !data.observations.is_empty() && data.observations.iter().all(Observation::is_angle)

@@ -1,7 +1,8 @@
-//! Typed results of what a person asks of measured data as a whole, and what computes them: from texts of measurements to a calibration, a diagnosis,
-//! figures, a division at speed. Nothing here opens a file, prints or stops a run: each function gives its result and the findings about the texts.
+//! Typed results of evaluations of measured data, and the functions that compute them: from texts of measurements to a calibration, a diagnosis,
+//! figures, or a decomposition at speed. Nothing here opens a file, prints or ends a run: each function returns its result and the diagnostics about
+//! the texts.
 //!
-//! The types are what `--json` prints; [`ncfix_report`](https://docs.rs/ncfix-report) draws them as text and pages.
+//! The types are printed by `--json`; [`ncfix_report`](https://docs.rs/ncfix-report) draws them as text and pages.
 
 mod calibrated;
 pub mod calibration;
@@ -28,7 +29,7 @@ pub mod weighed;
 
 use ncfix_base::diagnostic::Diagnostic;
 
-/// Whether any of the findings forbids to go on.
+/// `true` if any of the diagnostics forbids to continue.
 fn has_errors(findings: &[Diagnostic]) -> bool {
     findings.iter().any(Diagnostic::is_error)
 }

@@ -1,4 +1,4 @@
-//! What is said of parameters that the data cannot tell: refusals, and models that are reduced.
+//! Diagnostics about unidentifiable parameters: rejected fits, and reduced models.
 
 use serde::Serialize;
 
@@ -17,25 +17,25 @@ use ncfix_model::ErrorModel;
 pub struct LeftOut {
     /// Their names.
     pub parameters: Vec<String>,
-    /// Why the data cannot tell them.
+    /// Reason why the data do not determine them.
     pub reason: String,
 }
 
-/// Kinds of combinations that are said, the most frequent ones.
+/// Maximum number of reported kinds of combinations, the most frequent ones.
 const MOST_SAID: usize = 10;
-/// A known distance is off by so many standard uncertainties.
+/// Deviation of a known distance in standard uncertainties above which it is contradictory.
 const CONTRADICTS: f64 = 5.0;
-/// No readings are so far off by themselves.
+/// Implausible size of residuals.
 const RUNS_AWAY: f64 = 1e6;
 
-/// Adds findings for a fit that is not possible; `of` says what was fitted.
+/// Adds diagnostics for an impossible fit; `of` names the fitted parameters.
 pub(super) fn refuse(fault: Fault, of: &str, all: &[Measurement], findings: &mut Vec<Diagnostic>) {
     let described = |set: usize| all.get(set).or(all.first()).map(|one| first_line(&one.sources[1]));
     let refused = refusals(fault, of).into_iter();
     findings.extend(refused.map(|(set, found)| Diagnostic { place: described(set.unwrap_or(0)), ..found }));
 }
 
-/// Findings, each with the number of its measurement.
+/// Diagnostics, each with the index of its measurement.
 fn refusals(fault: Fault, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
     match fault {
         Fault::TooFew { equations, unknowns, lost } => {
@@ -51,7 +51,7 @@ fn refusals(fault: Fault, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
     }
 }
 
-/// The first thing that a fault says, as a part of a sentence.
+/// The first message of a failure, as a part of a sentence.
 pub(super) fn words(fault: Fault) -> String {
     refusals(fault, "").into_iter().next().map_or_else(|| "nothing can be told".to_owned(), |(_, found)| found.message)
 }
@@ -107,7 +107,7 @@ fn not_settled(why: Option<Unsettled>, of: &str) -> (Option<usize>, Diagnostic) 
     (Some(set), Diagnostic::nowhere(Code::NOT_SETTLED, message, help))
 }
 
-/// Says which parameters are told so badly that their uncertainty alone moves the tool by more than `max_mm`, which is refused. Returns whether there are
+/// Reports parameters so uncertain that their uncertainty alone moves the tool by more than `max_mm`, which is rejected. Returns `true` if there are
 /// any.
 pub(super) fn badly_told(fit: &Fit, all: &[Measurement], max_mm: f64, findings: &mut Vec<Diagnostic>) -> bool {
     let uncertain = |one: &Estimate| {
@@ -133,7 +133,7 @@ pub(super) fn badly_told(fit: &Fit, all: &[Measurement], max_mm: f64, findings: 
     true
 }
 
-/// Says which known distances do not fit: they contradict each other or the probings.
+/// Reports known distances that do not fit: they contradict each other or the probings.
 pub(super) fn distances(fit: &Fit, all: &[Measurement], findings: &mut Vec<Diagnostic>) {
     for &(set, tie, left, sigma) in fit.ties.iter().filter(|(.., left, sigma)| left.abs() > CONTRADICTS * sigma) {
         let Some(one) = all.get(set) else { continue };
@@ -157,7 +157,7 @@ pub(super) fn distances(fit: &Fit, all: &[Measurement], findings: &mut Vec<Diagn
     }
 }
 
-/// Leaves out what the data cannot tell, with a finding for each reason. The parameters that stay.
+/// Leaves out unidentifiable parameters, with a diagnostic for each reason. Returns the remaining parameters.
 pub(super) fn reduced(
     (machine, start): (&Machine, &ErrorModel),
     parameters: &[Parameter],
@@ -166,7 +166,7 @@ pub(super) fn reduced(
     left_out: &mut Vec<LeftOut>,
 ) -> Vec<Parameter> {
     let data = data_of(all);
-    // Where numbers are not finite the fit says so.
+    // If numbers are not finite, the fit reports it.
     let Some(found) = reduce(machine, start, parameters, &data) else { return parameters.to_vec() };
     for Confused { sentence, remedy, parameters, set } in found.left_out {
         let one = all.get(set.unwrap_or(0)).or(all.first());

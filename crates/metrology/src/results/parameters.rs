@@ -1,4 +1,4 @@
-//! Parameters by their names, as a text has them.
+//! Parameters by name, from a text.
 
 use std::collections::HashSet;
 
@@ -10,10 +10,10 @@ use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 use ncfix_model::parameter::ParameterName;
 
-/// Names in a help at most.
+/// Maximum number of names in a help text.
 const MOST_SHOWN: usize = 12;
 
-/// What to say of a line that begins like the parameters of effects but names none of this machine file.
+/// The message for a line that begins like effect parameters but names none of this machine file.
 fn no_effect(text: &str, effects: &[EffectParameter]) -> Option<(String, String)> {
     const SECTIONS: [&str; 4] = ["load", "drift", "expansion", "segment"];
     let end = text.find(['.', '@', '[', '~']).unwrap_or(text.len());
@@ -29,7 +29,7 @@ fn no_effect(text: &str, effects: &[EffectParameter]) -> Option<(String, String)
     Some((format!("{text} is no parameter of [[{section}]]"), format!("there are {shown}{more}")))
 }
 
-/// The parameters of a text: one in each line, comments behind `#`. Findings where a line is none, or is there twice.
+/// The parameters of a text: one per line, with comments after `#`. Diagnostics for invalid and repeated lines.
 #[must_use]
 pub fn read(source: &Source, machine: &Machine, errors: &ErrorModel) -> (Vec<Parameter>, Vec<Diagnostic>) {
     let (mut parameters, mut findings) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! A plan of a measurement: how large it is, and what it tells of the parameters of a model, alone and together with others.
+//! Results of a measurement plan: its size, and the identifiability of model parameters, alone and together with other measurements.
 
 use std::fmt;
 
@@ -11,9 +11,9 @@ use crate::measure::plan::builder::Builder;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 
-/// What a row without a reading is taken for when it is asked what it tells.
+/// Assumed reading of a row without one, for the identifiability.
 const READ: f64 = 0.0;
-/// Names that are shown of those that would have to be left out.
+/// Maximum number of shown names of parameters to be left out.
 const MOST_NAMES: usize = 30;
 
 /// A plan that was made.
@@ -24,64 +24,64 @@ pub struct PlanResult {
     pub kind: String,
     /// Name of the machine.
     pub machine: String,
-    /// The preset or file of parameters that the measurement shall tell.
+    /// The preset or parameter file whose identifiability is judged.
     pub model: Option<String>,
-    /// What is told of the model, in the order in which it was asked.
+    /// Identifiability of the model, in the order of the judgements.
     pub judgements: Vec<PlanJudgement>,
-    /// What a person should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
-    /// Rows of the table.
+    /// Number of table rows.
     pub rows: usize,
-    /// Set-ups.
+    /// Number of set-ups.
     pub setups: usize,
 }
 
-/// Which measurements are asked about.
+/// The judged measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum JudgedPlan {
-    /// The plan, and there is nothing beside it.
+    /// The plan, and there are no other measurements.
     Plan,
-    /// The plan without the others that there are.
+    /// The plan without the other existing measurements.
     Alone,
-    /// The plan with this many others.
+    /// The plan with this number of other measurements.
     WithOthers(usize),
-    /// The same with this many poses more.
+    /// As [`JudgedPlan::WithOthers`], with this number of additional poses.
     WithMorePoses(usize),
 }
 
-/// What measurements tell of the parameters of a model.
+/// Identifiability of the parameters of a model from measurements.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PlanJudgement {
-    /// Which measurements.
+    /// The judged measurements.
     pub of: JudgedPlan,
-    /// What they tell; `null` where positions are too large to judge it.
+    /// The result; `null` if positions are too large for a judgement.
     pub determined: Option<Determined>,
 }
 
-/// How many unknowns are determined, and what is not.
+/// Number of determined unknowns, and the unidentifiable ones.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Determined {
-    /// Parameters of the model.
+    /// Number of model parameters.
     pub parameters: usize,
-    /// Unknowns of the set-ups.
+    /// Number of set-up unknowns.
     pub unknowns: usize,
-    /// How many combinations of both are determined.
+    /// Number of determined combinations of both.
     pub rank: usize,
-    /// Both together.
+    /// Number of parameters and unknowns.
     pub columns: usize,
-    /// Largest by smallest singular value that is not zero.
+    /// Condition number: largest to smallest nonzero singular value.
     pub condition: f64,
-    /// What is not identifiable, and what would help.
+    /// Unidentifiable parameters, with remedies.
     pub not_identifiable: Vec<NotIdentifiable>,
-    /// Combinations of unknowns of set-ups alone, which do no harm; empty where parameters have to be left out.
+    /// Combinations of set-up unknowns alone, which are harmless; empty if parameters must be left out.
     pub harmless: Vec<String>,
-    /// How many parameters have to be left out so that all others are determined.
+    /// Number of parameters to be left out so that all others are determined.
     pub left_out: usize,
-    /// Their names, as far as they are shown.
+    /// Their names, as far as shown.
     pub left_out_names: String,
 }
 
@@ -89,20 +89,20 @@ pub struct Determined {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct NotIdentifiable {
-    /// What cannot be told from what.
+    /// The sentence about them.
     pub sentence: String,
-    /// What would help.
+    /// The remedy.
     pub remedy: String,
 }
 
-/// Why a plan cannot be asked about a model.
+/// Reason why a plan cannot be judged for a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PlanNotJudged {
-    /// Its readings are not of the geometry.
+    /// Its readings do not depend on the geometry.
     NotGeometric,
     /// It has no further poses.
     NoCandidates,
-    /// A further pose cannot be reached: why.
+    /// A further pose is unreachable: the reason.
     NoWay(String),
 }
 
@@ -122,10 +122,10 @@ impl fmt::Display for PlanNotJudged {
 
 impl std::error::Error for PlanNotJudged {}
 
-/// Asks what a plan tells of parameters, together with other measurements, and adds the `more` poses that help most.
+/// Judges the identifiability of parameters from a plan together with other measurements, and adds the `more` most helpful poses.
 ///
 /// # Errors
-/// Where it is no measurement of them, or there are no further poses.
+/// An error if it does not measure them, or there are no further poses.
 pub fn judge(
     plan: &mut Builder,
     others: Vec<DataSet>,
@@ -172,7 +172,7 @@ pub fn judge(
     Ok(judgements)
 }
 
-/// What measurements determine; `None` where their positions are too large.
+/// The identifiability from measurements; `None` if their positions are too large.
 fn determined(
     (machine, errors): (&Machine, &ErrorModel),
     parameters: &[Parameter],
@@ -197,7 +197,7 @@ fn determined(
     })
 }
 
-/// Whether something was read in a row: a value, or the position at a ball. A table without any such row is a plan.
+/// `true` if a row has a reading: a value, or a position at a ball. A table without any such row is a plan.
 #[must_use]
 pub fn has_reading(row: &Observation) -> bool {
     row.values.iter().any(Option::is_some) || row.target.is_some() && row.component.is_none()

@@ -1,4 +1,4 @@
-//! The readings of a diagnosis one by one, for pictures: what is left before and after, what each finding does, and all that they may depend on.
+//! Individual readings of a diagnosis, for pictures: residuals before and after, the contribution of each finding, and all possible drivers.
 
 use std::collections::HashMap;
 
@@ -11,25 +11,25 @@ use crate::measure::data::TIME;
 use crate::measure::kind::Measurand;
 use ncfix_base::units::Unit;
 
-/// What a page shows beside the object for programs.
+/// Page content in addition to the JSON object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShownReadings {
-    /// Measurements, lengths and angles apart.
+    /// Measurements, lengths and angles separately.
     pub sets: Vec<Set>,
-    /// What was tried, by cause.
+    /// Tried candidates, by cause.
     pub causes: Vec<Tried>,
 }
 
-/// Readings of a measurement in one unit; all lists of readings are of one length.
+/// Readings of a measurement in one unit; all lists of readings have the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Set {
     /// Its name.
     pub name: String,
     /// Its kind.
     pub kind: &'static str,
-    /// Whether nothing was looked for in it.
+    /// `true` if it was held out.
     pub is_held_out: bool,
-    /// Of all of them.
+    /// Unit of all readings.
     pub unit: Unit,
     /// Directions or components.
     pub parts: Vec<String>,
@@ -37,9 +37,9 @@ pub struct Set {
     pub setups: Vec<String>,
     /// The readings in the order of the table.
     pub readings: Vec<Reading>,
-    /// What each finding does to every reading, in the order of the findings; empty where it was held out.
+    /// Contribution of each finding to every reading, in the order of the findings; empty if it was held out.
     pub doing: Vec<Vec<f64>>,
-    /// What they may depend on.
+    /// Possible drivers.
     pub drivers: Vec<Driver>,
     /// Circles of a ball-bar.
     pub circles: Vec<Circle>,
@@ -50,26 +50,26 @@ pub struct Set {
 pub struct Reading {
     /// Row of the table, from 1.
     pub row: usize,
-    /// Number among [`Set::parts`].
+    /// Index in [`Set::parts`].
     pub part: usize,
-    /// What the model leaves.
+    /// Residual of the model.
     pub before: f64,
-    /// What is left with all findings.
+    /// Residual after all findings.
     pub after: f64,
-    /// Whether it counted.
+    /// `true` if it was used.
     pub counts: bool,
 }
 
-/// A column that readings may depend on.
+/// A possible driver of readings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Driver {
-    /// Its name, as findings have it.
+    /// Its name, as in findings.
     pub name: String,
-    /// The same with its unit: `X in mm`.
+    /// Its name with unit: `X in mm`.
     pub title: String,
     /// Whether it is the time of the readings.
     pub is_time: bool,
-    /// Its value at each reading.
+    /// Its value for each reading.
     pub values: Vec<f64>,
 }
 
@@ -80,15 +80,15 @@ pub struct Tried {
     pub cause: String,
     /// Kind of effect.
     pub effect: String,
-    /// What shows it.
+    /// Evidence.
     pub shown_by: String,
-    /// Candidates of it.
+    /// Number of its candidates.
     pub candidates: usize,
-    /// Parameter of the best that does not stand, and the share of the squares of what is left that it would take.
+    /// Parameter of the best candidate that was not accepted, and its share of the residual squares.
     pub best: Option<(String, f64)>,
 }
 
-/// Puts the readings of a diagnosis into what is shown; the first measurements were `used`.
+/// Fills in the readings of a diagnosis; the first `used` measurements were used.
 pub(super) fn fill(found: &Diagnosis, scene: &Scene<'_>, used: usize, shown: &mut ShownReadings) {
     let drivers = drivers(scene);
     for number in 0..scene.sets.len() {
@@ -109,7 +109,7 @@ fn tried(one: &diagnose::Tried) -> Tried {
     }
 }
 
-/// All drivers there are: time, axes and their senses, further columns.
+/// All drivers: time, axes and their directions, further columns.
 fn drivers(scene: &Scene<'_>) -> Vec<shape::Driver> {
     let axes: Vec<String> = scene.machine.axes.iter().flatten().map(|data| data.axis.to_string()).collect();
     let mut names = vec![TIME.to_owned()];
@@ -179,7 +179,7 @@ fn set(
     })
 }
 
-/// A driver at the readings of some rows; `None` where it is always the same there.
+/// A driver at the readings of some rows; `None` if it is constant there.
 fn along(driver: &shape::Driver, rows: &[usize]) -> Option<Driver> {
     let values: Vec<f64> = rows.iter().map(|&row| driver.values.get(row).copied().unwrap_or(f64::NAN)).collect();
     let mut known = values.iter().copied().filter(|value| value.is_finite());

@@ -1,4 +1,4 @@
-//! Simulated repetitions of a fit beside its uncertainties.
+//! Simulated repetitions of a fit for checking its uncertainties.
 
 use super::calibrated::CalibrationResult;
 use super::cells::unit_of;
@@ -10,10 +10,10 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::number::significant;
 use ncfix_machine::machine::Machine;
 
-/// Names in the finding.
+/// Maximum number of names in the diagnostic.
 const MOST_NAMES: usize = 6;
 
-/// Repeats the fit, and fills the scatter in.
+/// Repeats the fit, and fills in the scatter.
 pub(super) fn repeat(
     (machine, parameters): (&Machine, &[Parameter]),
     all: &[Measurement],
@@ -41,7 +41,7 @@ pub(super) fn repeat(
     findings.extend(contradictions(fit, &found));
 }
 
-/// What repetitions say against the uncertainties.
+/// Diagnostics for uncertainties that the repetitions contradict.
 fn contradictions(fit: &Fit, found: &MonteCarlo) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     let all = fit.estimates.iter().zip(&found.spreads);
@@ -93,7 +93,7 @@ mod tests {
             freedom: 1,
             rounds: 1,
         };
-        // With 201 repetitions three standard deviations of a standard deviation are 15 %: 40 % are the limit.
+        // With 201 repetitions three standard deviations of a standard deviation are 15 %: the limit is 40 %.
         let found = MonteCarlo { spreads: vec![2.7, 2.9, 1.0], runs: 201, failed: 0 };
         let said = contradictions(&fit, &found);
         assert_eq!(said.len(), 1);

@@ -1,4 +1,4 @@
-//! How parameters are chosen: steps, terms with what could stand for them, gain on readings that were held out.
+//! The selection of parameters: steps, terms with alternatives, gain on holdout readings.
 
 use std::collections::HashMap;
 
@@ -12,27 +12,27 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::numeric::stepwise;
 use ncfix_model::name::ErrorName;
 
-/// The choice among candidates.
+/// The selection among candidates.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Selection {
-    /// Candidates that the data tells, and that were tried.
+    /// Number of identifiable candidates that were tried.
     pub tried: usize,
-    /// Chance to accept anything where there is nothing.
+    /// Probability of accepting anything if there is no effect.
     pub significance: f64,
-    /// Candidates that the data tells nothing of, or nothing beside what is always in.
+    /// Unidentifiable candidates, by themselves or in addition to the fixed parameters.
     pub not_told: Vec<String>,
-    /// Steps of the last choice.
+    /// Steps of the last selection.
     pub steps: Vec<Step>,
-    /// What was chosen.
+    /// Selected terms.
     pub terms: Vec<Term>,
-    /// Correlation of neighbouring readings, by measurement.
+    /// Autocorrelation of neighbouring readings, by measurement.
     pub correlation: Vec<Correlation>,
-    /// What all terms help with readings that were held out, the choice repeated in every fold; `null` where nothing was chosen.
+    /// Gain of all terms on holdout readings, with the selection repeated in every fold; `null` if nothing was selected.
     pub held_out: Option<Gain>,
-    /// Choices and fits in turn.
+    /// Number of alternations between selection and fit.
     pub passes: usize,
-    /// Whether the last choice was that before it.
+    /// True if the last selection equals the previous one.
     pub is_settled: bool,
 }
 
@@ -40,37 +40,37 @@ pub struct Selection {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Step {
-    /// What happened.
+    /// Kind of change.
     pub change: StepChange,
     /// The candidate.
     pub name: String,
-    /// The candidate whose place it took.
+    /// The candidate that it replaced.
     pub instead_of: Option<String>,
     /// Its t value; F is its square.
     pub t: f64,
     /// Effective degrees of freedom.
     pub freedom: f64,
-    /// Chance, times the number of candidates.
+    /// p-value, times the number of candidates.
     pub p: f64,
-    /// Correlation of neighbours that was assumed.
+    /// Assumed autocorrelation.
     pub correlation: f64,
 }
 
-/// What a step did with its candidate.
+/// Change of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum StepChange {
-    /// It came in.
+    /// The candidate was added.
     #[default]
     #[serde(rename = "in")]
     In,
-    /// It went out.
+    /// The candidate was removed.
     #[serde(rename = "out")]
     Out,
     /// It was not significant.
     #[serde(rename = "not significant")]
     NotSignificant,
-    /// It did not help with readings that were held out.
+    /// It did not improve holdout readings.
     #[serde(rename = "no gain")]
     NoGain,
 }
@@ -88,7 +88,7 @@ impl StepChange {
     }
 }
 
-/// What was chosen.
+/// A selected term.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Term {
@@ -98,39 +98,39 @@ pub struct Term {
     pub t: f64,
     /// Effective degrees of freedom.
     pub freedom: f64,
-    /// Chance, times the number of candidates.
+    /// p-value, times the number of candidates.
     pub p: f64,
-    /// What it helps with readings that were held out, beside the other terms.
+    /// Gain on holdout readings, in addition to the other terms.
     pub held_out: Gain,
-    /// Candidates that the data cannot tell from it.
+    /// Candidates that are not distinguishable from it.
     pub rivals: Vec<String>,
 }
 
-/// What is left of readings that were held out, in units of their uncertainty.
+/// Residuals of holdout readings, in units of their uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Gain {
-    /// Root of the mean square without.
+    /// Root mean square without it.
     pub before: f64,
-    /// And with.
+    /// Root mean square with it.
     pub after: f64,
-    /// The share of the squares by which it falls.
+    /// Relative reduction of the squares.
     pub gain: f64,
     /// Its standard error, over blocks.
     pub error: f64,
 }
 
-/// The correlation of neighbouring readings.
+/// Autocorrelation of neighbouring readings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Correlation {
-    /// The measurement; angles of one that has lengths too are separate.
+    /// The measurement; its angles are separate if it also has lengths.
     pub name: String,
-    /// The correlation.
+    /// The autocorrelation.
     pub correlation: f64,
 }
 
-/// Adds findings for a choice that is not possible.
+/// Adds diagnostics for an impossible selection.
 pub(super) fn refuse(refusal: Refusal, all: &[Measurement], findings: &mut Vec<Diagnostic>) {
     match refusal {
         Refusal::Fault(fault) => not_told::refuse(fault, "", all, findings),
@@ -143,7 +143,7 @@ pub(super) fn refuse(refusal: Refusal, all: &[Measurement], findings: &mut Vec<D
     }
 }
 
-/// The choice in words and numbers.
+/// The selection in words and numbers.
 pub(super) fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> Selection {
     let choice = &found.choice;
     let name = |number: usize| found.candidates.get(number).map_or_else(String::new, Parameter::to_string);
@@ -196,7 +196,7 @@ pub(super) fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> Selection 
     }
 }
 
-/// Candidates that are not told; an error of which no term is told has one entry.
+/// Unidentifiable candidates; an error without any identifiable term has one entry.
 fn names_not_told(found: &Selected) -> Vec<String> {
     let component = |parameter: &Parameter| match parameter {
         Parameter::Geometry(name) => Some(name.component),

@@ -84,18 +84,18 @@ pub struct SensorSubset {
     pub is_exact: bool,
 }
 
-/// The texts of runs of temperatures and displacements.
+/// The texts of runs with temperatures and displacements.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorTexts<'a> {
-    /// Runs that are learned from.
+    /// Training runs.
     pub learned: &'a [Source],
-    /// Runs that judge what was learned.
+    /// Independent runs.
     pub independent: &'a [Source],
-    /// Logs of temperatures with the same clock, where the runs have none; the last one counts.
+    /// Temperature logs with the same clock, if the runs have none; the last one is used.
     pub logs: &'a [Source],
 }
 
-/// The runs, those that are learned from first; `None` where findings forbid it.
+/// The runs, training runs first; `None` if diagnostics forbid it.
 pub fn read(texts: &SensorTexts<'_>, machine: &Machine, findings: &mut Vec<Diagnostic>) -> Option<Vec<SensorRun>> {
     let mut temperatures: Option<Condition> = None;
     for source in texts.logs {
@@ -188,7 +188,7 @@ impl From<&SensorSelection> for SensorChoice {
 
 /// The file with drift entries.
 fn file(selections: &[SensorSelection], runs: &[SensorRun], machine: &Machine) -> String {
-    // A name may have any character; a comment ends with its line.
+    // A name may contain any character; a comment ends with its line.
     let name = |text: &str| text.replace(char::is_control, " ");
     let names: Vec<String> = runs.iter().map(|run| name(&run.name)).collect();
     format!(

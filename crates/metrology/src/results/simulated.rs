@@ -1,4 +1,4 @@
-//! Simulated readings of a planned measurement: the plan's own table with what the instruments would read.
+//! Simulated readings of a planned measurement: the plan's own table with the instrument readings.
 
 use std::io::{self, Write};
 
@@ -19,7 +19,7 @@ use ncfix_model::{ErrorModel, Model};
 const DECIMALS_UM: usize = 5;
 /// Decimals of positions in mm.
 const DECIMALS_MM: usize = 8;
-/// A position this much beyond its limit is on it, mm.
+/// Tolerance within which a position counts as on its limit, mm.
 const ON_LIMIT: f64 = 1e-9;
 const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 
@@ -30,15 +30,15 @@ pub struct PlannedReadings<'a> {
     pub machine: &'a Machine,
     /// Its errors.
     pub errors: &'a ErrorModel,
-    /// Both in the condition of the machine.
+    /// The error model in the condition of the machine.
     pub model: &'a Model,
-    /// The plan, with the condition in its rows.
+    /// The plan, with the conditions of its rows.
     pub plan: &'a Measurement,
     /// Its table.
     pub table: &'a Table,
 }
 
-/// A number on its way into a column.
+/// A number for a column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulatedCell {
     column: String,
@@ -47,7 +47,7 @@ pub struct SimulatedCell {
 }
 
 impl PlannedReadings<'_> {
-    /// What is read in every row, with normal noise of this standard deviation, mm, whose numbers a seed repeats. What cannot be read is a finding.
+    /// The readings of every row, with normal noise of this standard deviation, mm, reproducible by a seed. Impossible readings are reported.
     pub fn rows(&self, noise_mm: Option<f64>, seed: u64, findings: &mut Vec<Diagnostic>) -> Vec<Vec<SimulatedCell>> {
         let data = &self.plan.data;
         let mut simulation = Simulation::new(self.machine, self.errors, data);
@@ -85,7 +85,7 @@ impl PlannedReadings<'_> {
         rows
     }
 
-    /// Positions of a probing, and where the order of noisy positions could say otherwise the senses of motion of the plan.
+    /// Positions of a probing, with the directions of motion of the plan if the order of noisy positions could contradict them.
     fn position_cells(&self, row: &Observation, position: &AxisVector) -> Vec<SimulatedCell> {
         let mut cells: Vec<SimulatedCell> = LINEAR
             .iter()
@@ -114,10 +114,10 @@ impl PlannedReadings<'_> {
         }
     }
 
-    /// Writes the table with the cells; columns that are not there are added behind the others.
+    /// Writes the table with the cells; missing columns are appended.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Errors of `out`.
     pub fn write(&self, rows: &[Vec<SimulatedCell>], out: &mut dyn Write) -> io::Result<()> {
         let sign = Readings::with(self.table, self.machine, &self.plan.data.fixed)
             .map_or(DecimalSign::Point, |readings| readings.sign());
@@ -155,14 +155,14 @@ impl PlannedReadings<'_> {
         if needs_quotes && text.contains(',') { format!("\"{text}\"") } else { text }
     }
 
-    /// The description, with the uncertainty of the instrument, mm, where it says none.
+    /// The description, with the uncertainty of the instrument, mm, if it has none.
     #[must_use]
     pub fn description(&self, noise: Option<f64>) -> Vec<u8> {
         let bytes = self.plan.sources[1].bytes();
         let (Some(noise), None) = (noise, self.plan.data.sigma) else { return bytes.to_vec() };
         let Some(mut edit) = std::str::from_utf8(bytes).ok().and_then(Edit::parse) else { return bytes.to_vec() };
         edit.set("measurement", "sigma_um", &Given::Number(um_from_mm(noise)));
-        // Where lengths and angles were read, angles have as many µrad.
+        // If lengths and angles were read, angles have as many µrad.
         let rows = &self.plan.data.observations;
         let is_mixed = rows.iter().any(Observation::is_angle) && !rows.iter().all(Observation::is_angle);
         if is_mixed && self.plan.data.sigma_rad.is_none() {
@@ -172,7 +172,7 @@ impl PlannedReadings<'_> {
     }
 }
 
-/// The column of a value: one each, or for single components the one of their unit.
+/// The column of a value: one for each value, or for single components that of their unit.
 fn column_of(columns: &[&str], row: &Observation, index: usize) -> String {
     let column = match row.component {
         Some(name) if name.direction.is_rotation() => columns.iter().find(|name| name.ends_with("_urad")),

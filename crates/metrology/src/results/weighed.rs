@@ -1,4 +1,4 @@
-//! What a weighing of the workpiece found.
+//! Result of weighing the workpiece.
 
 use serde::Serialize;
 

@@ -1,11 +1,11 @@
 //! F, S, M functions, dwells.
 
-use super::channel::Channel;
 use super::channel::GrundigAtHand;
 use super::gathered::Gathered;
 use super::modal::Modal;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::outlet::Outlet;
+use crate::exec::core::settings::RunSettings;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
@@ -43,26 +43,32 @@ pub(super) fn feed_and_speed(
 }
 
 /// M functions: emits those that act before the motion and returns the others.
-pub(super) fn functions(channel: &mut Channel<'_>, gathered: &mut Gathered) -> Result<Vec<Word>, Fault> {
+pub(super) fn functions(
+    settings: &RunSettings<'_>,
+    block: &mut GrundigAtHand,
+    spindle: &mut Option<u16>,
+    outlet: &mut Outlet<'_>,
+    gathered: &mut Gathered,
+) -> Result<Vec<Word>, Fault> {
     let mut behind = Vec::new();
     for code in std::mem::take(&mut gathered.functions) {
         let word = Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(code.number)) };
         if code.number == 19
             && let Some((angle, _)) = gathered.take(b'D', None)
         {
-            channel.block.before.push(Word { letter: b'D', extension: None, value: WordValue::Number(angle) });
+            block.before.push(Word { letter: b'D', extension: None, value: WordValue::Number(angle) });
         }
         match code.number {
-            3 | 4 | 13 | 14 => channel.spindle = Some(if matches!(code.number, 3 | 13) { 3 } else { 4 }),
-            5 | 30 | 2 => channel.spindle = None,
-            53 | 54 => head(channel.settings.machine, code.number, code.span)?,
+            3 | 4 | 13 | 14 => *spindle = Some(if matches!(code.number, 3 | 13) { 3 } else { 4 }),
+            5 | 30 | 2 => *spindle = None,
+            53 | 54 => head(settings.machine, code.number, code.span)?,
             _ => {}
         }
-        if BEHIND.contains(&code.number) { behind.push(word) } else { channel.block.before.push(word) }
+        if BEHIND.contains(&code.number) { behind.push(word) } else { block.before.push(word) }
     }
-    let before = std::mem::take(&mut channel.block.before);
+    let before = std::mem::take(&mut block.before);
     if !before.is_empty() {
-        channel.outlet.push(Kind::Before(before));
+        outlet.push(Kind::Before(before));
     }
     Ok(behind)
 }

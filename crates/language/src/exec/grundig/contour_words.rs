@@ -238,10 +238,10 @@ fn without_end(outlet: &mut Outlet<'_>, open: &Open) -> Fault {
 }
 
 /// Reports an element that is still incomplete.
-pub(super) fn end_open(channel: &mut Channel<'_>) {
-    if let Some(open) = channel.open.take() {
-        let found = without_end(&mut channel.outlet, &open);
-        channel.outlet.warnings.push(found);
+pub(super) fn end_open(open: &mut Option<Open>, outlet: &mut Outlet<'_>) {
+    if let Some(open) = open.take() {
+        let found = without_end(outlet, &open);
+        outlet.warnings.push(found);
     }
 }
 
@@ -271,7 +271,7 @@ pub(super) fn two_lines(channel: &mut Channel<'_>, gathered: &mut Gathered, span
         (Some(middle), _) => middle,
         (None, Leg { angle: Some(b), place: [Some(_), Some(_)], .. }) => {
             let Some(a) = first.angle else { return Err(bad_value(span, "the first line has no end", help)) };
-            let end = second.given(from, scale, channel);
+            let end = second.given(from, scale, &channel.modal);
             let line = |degrees: f64| Element::Line { angle_rad: degrees.to_radians() };
             meet(from, line(a), line(b), end, Choice::First)
                 .map_err(|found| fault(Code::BAD_WORD_VALUE, span, found.message(), help))?
@@ -373,9 +373,9 @@ impl Leg {
     }
 
     /// The given coordinates; missing ones are those of the start.
-    fn given(&self, from: Flat, scale: f64, channel: &Channel<'_>) -> Flat {
+    fn given(&self, from: Flat, scale: f64, modal: &Modal) -> Flat {
         // In G18 the second coordinate is −Z.
-        let signs = [1.0, if channel.modal.modes.plane.number() == 18 { -1.0 } else { 1.0 }];
+        let signs = [1.0, if modal.modes.plane.number() == 18 { -1.0 } else { 1.0 }];
         let mut out = from;
         for ((place, word), sign) in out.iter_mut().zip(self.place).zip(signs) {
             if let Some(value) = word {
@@ -387,7 +387,7 @@ impl Leg {
 
     /// Its end; `None` if not determined.
     fn end(&self, from: Flat, scale: f64, channel: &Channel<'_>) -> Option<Flat> {
-        let given = self.given(from, scale, channel);
+        let given = self.given(from, scale, &channel.modal);
         let direction = |degrees: f64| {
             target::flat(
                 &channel.modal,

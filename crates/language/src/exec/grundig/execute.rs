@@ -1,6 +1,7 @@
 //! Starts a program, and executes its blocks.
 
 use super::channel::Channel;
+use super::expression::Parameters;
 use super::expression::Scope;
 use super::flow::FLOW_CODES;
 use super::gathered::Gathered;
@@ -129,7 +130,7 @@ impl Interpreter<'_> {
         }
         let Some(loaded) = self.levels.last().and_then(|level| self.programs.get(level.program)) else { return Ok(()) };
         let program = &loaded.program;
-        assignments(program, block, &mut self.channel)?;
+        assignments(program, block, &mut self.channel.parameters)?;
         let scope = Scope { program, parameters: &self.channel.parameters };
         self.own.gather(program, block, scope)?;
         self.own.put_on_grid(&self.channel.modal, self.channel.settings.machine);
@@ -189,15 +190,15 @@ fn tables_left_out(program: &Program) -> Option<Diagnostic> {
 }
 
 /// Executes `E1=…`, from left to right, before everything else in the block.
-fn assignments(program: &Program, block: &Block, channel: &mut Channel<'_>) -> Result<(), Fault> {
+fn assignments(program: &Program, block: &Block, parameters: &mut Parameters) -> Result<(), Fault> {
     for word in program.words_of(block) {
         let Address::Indexed(b'E', number) = word.address else { continue };
         let value = match word.value {
             Value::Number { value, .. } => value,
-            Value::Expr(id) => Scope { program, parameters: &channel.parameters }.number(id)?,
+            Value::Expr(id) => Scope { program, parameters }.number(id)?,
             Value::None => return Err(bad_value(word.span, "an assignment without a value", "add the value")),
         };
-        channel.parameters.set(usize::from(number), value, word.span)?;
+        parameters.set(usize::from(number), value, word.span)?;
     }
     Ok(())
 }

@@ -45,7 +45,13 @@ pub(super) fn execute(
     tool::compensation_codes(channel.settings.strict, &mut channel.modal, gathered)?;
     check_supported(channel.codes, gathered)?;
     auxiliary::feed_and_speed(&mut channel.modal, &mut channel.block, &mut channel.outlet, gathered)?;
-    let behind = auxiliary::functions(channel, gathered)?;
+    let behind = auxiliary::functions(
+        &channel.settings,
+        &mut channel.block,
+        &mut channel.spindle,
+        &mut channel.outlet,
+        gathered,
+    )?;
     channel.comment(comment);
     if let Some(span) = gathered.take_code(4) {
         auxiliary::dwell(&mut channel.outlet, gathered, span)?;
@@ -119,7 +125,7 @@ pub(super) fn check_codes(codes: &'static CodeTable, gathered: &Gathered) -> Res
 
 /// Emits what is held back.
 pub(super) fn finish(channel: &mut Channel<'_>, has_errors: bool) {
-    contour_words::end_open(channel);
+    contour_words::end_open(&mut channel.open, &mut channel.outlet);
     contour_words::end_soft(&mut channel.block, &mut channel.outlet);
     channel.outlet.end(has_errors);
 }

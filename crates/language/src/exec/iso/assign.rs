@@ -108,7 +108,14 @@ fn assign_number(
             Err(at(span, Code::BAD_WORD_VALUE, message, "it stands for the state of the machine"))
         }
         Place::Variable => {
-            if channel.language == Language::Rs274 && predefined::write_parameter(channel, known, value.unwrap_or(0.0))
+            if channel.language == Language::Rs274
+                && predefined::write_parameter(
+                    channel.settings.machine,
+                    &mut channel.written,
+                    &mut channel.outlet,
+                    known,
+                    value.unwrap_or(0.0),
+                )
             {
                 return Ok(());
             }

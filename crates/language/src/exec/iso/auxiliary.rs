@@ -1,6 +1,7 @@
 //! M codes.
 
 use super::channel::Cycles;
+use super::channel::IsoAtHand;
 use super::forbidden;
 use super::modal::Modal;
 use super::modes;
@@ -142,10 +143,10 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
 }
 
 /// Makes the axes unknown that M functions move according to the machine file.
-pub(super) fn lose_by_functions(channel: &mut Channel<'_>, gathered: &Gathered) {
-    if gathered.m_codes.iter().any(|&(number, _)| channel.outlet.function_moves(f64::from(number))) {
-        let lost = channel.modal.forget(AxisSet::ALL);
-        channel.push(Kind::Lost(lost));
+pub(super) fn lose_by_functions(modal: &mut Modal, outlet: &mut Outlet<'_>, gathered: &Gathered) {
+    if gathered.m_codes.iter().any(|&(number, _)| outlet.function_moves(f64::from(number))) {
+        let lost = modal.forget(AxisSet::ALL);
+        outlet.push(Kind::Lost(lost));
     }
 }
 
@@ -223,7 +224,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
             channel.modal.tool.active = Some(tool);
             channel.modal.tool.selected = Some(tool);
             look_where_axes_are(&mut channel.modal, &mut channel.outlet, gathered);
-            m_with_words(channel, gathered, number, b"Q");
+            m_with_words(&mut channel.block, &mut channel.outlet, gathered, number, b"Q");
         }
         70 => state::save_state(&channel.modal, &mut channel.saved, false),
         73 => state::save_state(&channel.modal, &mut channel.saved, true),
@@ -233,7 +234,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
             let message = format!("M{number} runs a program of the control, and what it does is not known here");
             let help = "check that it moves no axis and changes no offset";
             channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, help));
-            m_with_words(channel, gathered, number, b"PQ");
+            m_with_words(&mut channel.block, &mut channel.outlet, gathered, number, b"PQ");
         }
         48..=53 | 62..=68 if channel.modal.contour.compensates() => {
             let message = format!("M{number} while radius compensation is on");
@@ -247,14 +248,14 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
             Some((_, letters)) => {
                 note_spindle(&mut channel.modal, &mut channel.cycles, number);
                 note_override(&mut channel.modal, gathered, number);
-                m_with_words(channel, gathered, number, letters);
+                m_with_words(&mut channel.block, &mut channel.outlet, gathered, number, letters);
             }
             None => {
                 note_spindle(&mut channel.modal, &mut channel.cycles, number);
                 note_override(&mut channel.modal, gathered, number);
                 let spindle = gathered.raw(b'$').filter(|_| matches!(number, 3..=5));
                 match spindle {
-                    Some(_) => m_with_words(channel, gathered, number, b"$"),
+                    Some(_) => m_with_words(&mut channel.block, &mut channel.outlet, gathered, number, b"$"),
                     None => channel.block.before.push(word(number)),
                 }
             }
@@ -264,9 +265,9 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
 }
 
 /// An M code with its own words.
-fn m_with_words(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, letters: &[u8]) {
+fn m_with_words(block: &mut IsoAtHand, outlet: &mut Outlet<'_>, gathered: &Gathered, number: u32, letters: &[u8]) {
     if !gathered.has_any(letters) {
-        channel.block.before.push(word(number));
+        block.before.push(word(number));
         return;
     }
     let mut text = format!("M{number}");
@@ -276,7 +277,7 @@ fn m_with_words(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, let
             let _ = write!(text, " {}{value}", char::from(letter));
         }
     }
-    channel.push(Kind::Verbatim(text.into_bytes()));
+    outlet.push(Kind::Verbatim(text.into_bytes()));
 }
 
 /// Appends a word as written.

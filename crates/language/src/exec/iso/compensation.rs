@@ -1,6 +1,7 @@
 //! Radius compensation: G40, G41, G42 and related codes, and requests of a motion to the contour stage.
 
 use super::channel::Channel;
+use super::channel::WrittenData;
 use super::codes::{Group, name_of};
 use super::gathered::Gathered;
 use super::measure;
@@ -8,7 +9,9 @@ use super::measure::whole;
 use super::modes;
 use crate::exec::core::contour::{Shown, Side, Wish, unstated};
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
 use crate::exec::core::path::Path;
+use crate::exec::core::settings::RunSettings;
 use crate::exec::core::tool::without_value;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisVector, Plane, PlaneBasis};
@@ -40,7 +43,8 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
             let help = "write the number of the offset with it, for example G41 D1";
             return Err(fault(Code::BAD_COMPENSATION, span, message, help));
         };
-        channel.modal.tool.radius_mm = radius_of(channel, number, span)?;
+        channel.modal.tool.radius_mm =
+            radius_of(&channel.settings, &channel.written, &mut channel.outlet, number, span)?;
         channel.modal.contour.register = Some(number);
     } else {
         if channel.modal.contour.compensates() {
@@ -72,7 +76,7 @@ pub(super) fn compensation_codes(channel: &mut Channel<'_>, gathered: &Gathered)
                 };
                 channel.modal.d = Some(number);
                 channel.modal.contour.register = Some(number);
-                radius_of(channel, number, span)?
+                radius_of(&channel.settings, &channel.written, &mut channel.outlet, number, span)?
             }
         };
         if gathered.raw(b'L').is_some_and(|value| value != 0.0) {
@@ -111,7 +115,8 @@ fn offset_number(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), F
         let number = whole(value, gathered.span_of(b'D'), "D")?;
         channel.modal.d = Some(number);
         if channel.modal.contour.compensates() {
-            channel.modal.tool.radius_mm = radius_of(channel, number, gathered.span_of(b'D'))?;
+            channel.modal.tool.radius_mm =
+                radius_of(&channel.settings, &channel.written, &mut channel.outlet, number, gathered.span_of(b'D'))?;
             channel.modal.contour.register = Some(number);
         }
     }
@@ -119,16 +124,22 @@ fn offset_number(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), F
 }
 
 /// The radius of an offset number, mm.
-fn radius_of(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<f64, Fault> {
+fn radius_of(
+    settings: &RunSettings<'_>,
+    written: &WrittenData,
+    outlet: &mut Outlet<'_>,
+    number: u32,
+    span: Span,
+) -> Result<f64, Fault> {
     if number == 0 {
         return Ok(0.0);
     }
-    if let Some(size) = channel.written.tools.size(channel.settings.machine, number, 1) {
-        return Ok(size.compensated_mm(channel.settings.radius));
+    if let Some(size) = written.tools.size(settings.machine, number, 1) {
+        return Ok(size.compensated_mm(settings.radius));
     }
     let message = format!("offset {number} has no radius in the machine file");
     let help = "add a [[tool]] entry of this number there or in a file given with --setup";
-    without_value(channel.settings.strict, &mut channel.outlet.warnings, span, &message, "0", help)?;
+    without_value(settings.strict, &mut outlet.warnings, span, &message, "0", help)?;
     Ok(0.0)
 }
 

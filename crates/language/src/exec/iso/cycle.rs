@@ -9,7 +9,10 @@ use super::one_axis;
 use super::spline;
 use super::step;
 use super::target;
+use crate::exec::core::outlet::Outlet;
+use crate::exec::core::settings::RunSettings;
 use crate::exec::core::standing::InForce;
+use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 use std::sync::Arc as Shared;
 
@@ -143,7 +146,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         let help = "the tap needs a chuck that gives way; keep the override at 100 %";
         channel.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
     }
-    stop_exactly(channel);
+    stop_exactly(channel.language, &channel.modal, &mut channel.cycles, &mut channel.outlet);
     let mut feed_named = gathered.has(b'F');
     let mut is_brought = was_drawn_out;
     for (place, action) in actions.into_iter().enumerate() {
@@ -158,12 +161,20 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
             }
             CycleStep::Brought(to) => {
                 end[applicate] = to.height;
-                brought(channel, applicate, &end, gathered.span)?;
+                brought(
+                    &channel.settings,
+                    &channel.standing,
+                    &mut channel.modal,
+                    &mut channel.outlet,
+                    applicate,
+                    &end,
+                    gathered.span,
+                )?;
                 is_brought = true;
                 continue;
             }
             other => {
-                aside(channel, other);
+                aside(&mut channel.modal, &mut channel.outlet, other);
                 continue;
             }
         };
@@ -184,26 +195,34 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
 }
 
 /// Handles an axis that the operator has moved: its position is an assumption.
-fn brought(channel: &mut Channel<'_>, axis: Axis, place: &AxisVector, span: Span) -> Result<(), Fault> {
-    let setup = Shared::clone(&channel.standing.setup);
+fn brought(
+    settings: &RunSettings<'_>,
+    standing: &InForce,
+    modal: &mut Modal,
+    outlet: &mut Outlet<'_>,
+    axis: Axis,
+    place: &AxisVector,
+    span: Span,
+) -> Result<(), Fault> {
+    let setup = Shared::clone(&standing.setup);
     let named: AxisSet = [axis].into_iter().collect();
-    channel.modal.position.command = step::reach(&channel.modal, &setup, named, place, span)?;
-    if channel.settings.strict {
-        let lost = channel.modal.forget(named);
-        channel.push(Kind::Lost(lost));
+    modal.position.command = step::reach(modal, &setup, named, place, span)?;
+    if settings.strict {
+        let lost = modal.forget(named);
+        outlet.push(Kind::Lost(lost));
     }
     Ok(())
 }
 
 /// Emits an action of a cycle other than motion.
-fn aside(channel: &mut Channel<'_>, action: CycleStep) {
+fn aside(modal: &mut Modal, outlet: &mut Outlet<'_>, action: CycleStep) {
     let word = |number: u16| Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) };
-    let before = channel.modal.spindle;
+    let before = modal.spindle;
     match action {
-        CycleStep::Dwell(seconds) => channel.push(Kind::Dwell(Dwell::Seconds(seconds))),
-        CycleStep::Spindle(Turn::Off) => channel.push(Kind::After(vec![word(5)])),
-        CycleStep::Spindle(turn) => channel.push(Kind::Before(vec![word(turn.m_code(u16::from(before)))])),
-        CycleStep::Stop => channel.push(Kind::After(vec![word(0)])),
+        CycleStep::Dwell(seconds) => outlet.push(Kind::Dwell(Dwell::Seconds(seconds))),
+        CycleStep::Spindle(Turn::Off) => outlet.push(Kind::After(vec![word(5)])),
+        CycleStep::Spindle(turn) => outlet.push(Kind::Before(vec![word(turn.m_code(u16::from(before)))])),
+        CycleStep::Stop => outlet.push(Kind::After(vec![word(0)])),
         CycleStep::Rapid { .. } | CycleStep::Line { .. } | CycleStep::Arc { .. } | CycleStep::Brought(_) => {}
     }
 }
@@ -341,11 +360,11 @@ fn check_rigid(machine: &Machine, cycles: &Cycles, code: u16, name: &str, span: 
 }
 
 /// LinuxCNC stops exactly within cycles; the equivalent motions must not be blended.
-fn stop_exactly(channel: &mut Channel<'_>) {
-    if channel.is_rs274()
-        && !channel.modal.codes.is(Group::Control, 610)
-        && !std::mem::replace(&mut channel.cycles.is_exact, true)
+fn stop_exactly(language: Language, modal: &Modal, cycles: &mut Cycles, outlet: &mut Outlet<'_>) {
+    if (language == Language::Rs274)
+        && !modal.codes.is(Group::Control, 610)
+        && !std::mem::replace(&mut cycles.is_exact, true)
     {
-        channel.push(Kind::Keep("G61"));
+        outlet.push(Kind::Keep("G61"));
     }
 }

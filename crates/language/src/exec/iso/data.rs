@@ -6,7 +6,9 @@ use super::modal::Modal;
 use super::offsets;
 use super::target;
 use super::text;
+use crate::exec::core::outlet::Outlet;
 use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
 
 use super::channel::Channel;
 use super::channel::ToolOffset;
@@ -87,7 +89,15 @@ fn set_offset(channel: &mut Channel<'_>, gathered: &Gathered, system: System, sp
     if parts.rotation[2] != 0.0 {
         named = named.union([Axis::X, Axis::Y].into_iter().collect());
     }
-    say_offset(channel, system, &parts, named, gathered.has(b'R'));
+    say_offset(
+        channel.settings.machine,
+        channel.language,
+        &mut channel.outlet,
+        system,
+        &parts,
+        named,
+        gathered.has(b'R'),
+    );
     // Without a value in the machine file an offset is known once the program sets X, Y and Z. The offset of all systems counts as zero.
     let is_external = system == System::EXTERNAL;
     if known.is_some() || is_external || !channel.settings.strict || AxisSet::XYZ.difference(gathered.axes).is_empty() {
@@ -126,21 +136,28 @@ fn place_here(
     Ok(())
 }
 
-fn say_offset(channel: &mut Channel<'_>, system: System, parts: &FrameParts, named: AxisSet, with_angle: bool) {
+fn say_offset(
+    machine: &Machine,
+    language: Language,
+    outlet: &mut Outlet<'_>,
+    system: System,
+    parts: &FrameParts,
+    named: AxisSet,
+    with_angle: bool,
+) {
     let mut text = match system.0.checked_sub(System::ADDITIONAL) {
         Some(number) => format!("G10 L20 P{number}"),
         None => format!("G10 L2 P{}", system.0),
     };
     for axis in named.iter() {
         let value = parts.shift()[axis];
-        let shown =
-            if axis.is_rotary() { value.to_degrees() } else { value / text::output_unit_mm(channel.settings.machine) };
-        text::append(channel.language, &mut text, axis.letter(), shown);
+        let shown = if axis.is_rotary() { value.to_degrees() } else { value / text::output_unit_mm(machine) };
+        text::append(language, &mut text, axis.letter(), shown);
     }
     if with_angle {
-        text::append(channel.language, &mut text, b'R', parts.rotation[2].to_degrees());
+        text::append(language, &mut text, b'R', parts.rotation[2].to_degrees());
     }
-    channel.push(Kind::Verbatim(text.into_bytes()));
+    outlet.push(Kind::Verbatim(text.into_bytes()));
 }
 
 /// `G10 L1`, `L10`, `L11` of RS274/NGC: length and radius of a tool.

@@ -1,10 +1,11 @@
 //! Tool directions of G43.5: I J K at the end of a block become positions of the rotary axes.
 
 use super::modal::Modal;
+use crate::exec::core::outlet::Outlet;
+use crate::exec::core::settings::RunSettings;
 use ncfix_machine::machine::Machine;
 use std::f64::consts::TAU;
 
-use super::channel::Channel;
 use super::codes::Group;
 use super::gathered::Gathered;
 use crate::exec::core::fault::{Fault, bad_value, fault};
@@ -71,20 +72,25 @@ pub(super) fn tool_direction(
 }
 
 /// Adds the direction of a block to its motion.
-pub(super) fn orient(channel: &mut Channel<'_>, path: &mut Path, direction: Vector, span: Span) -> Result<(), Fault> {
-    let Some(kinematics) = channel.outlet.kinematics.as_deref() else { return Ok(()) };
+pub(super) fn orient(
+    settings: &RunSettings<'_>,
+    modal: &mut Modal,
+    outlet: &mut Outlet<'_>,
+    path: &mut Path,
+    direction: Vector,
+    span: Span,
+) -> Result<(), Fault> {
+    let Some(kinematics) = outlet.kinematics.as_deref() else { return Ok(()) };
     let direction = path.setup.frame.apply_direction(direction);
     let Some(direction) = direction.try_normalize(1e-9).filter(|unit| unit.iter().all(|part| part.is_finite())) else {
         return Err(bad_value(span, "a direction of the tool without length", "give I, J, K values"));
     };
     // Two axis positions give the same direction; the selected one depends on the current position.
-    if let Some(axis) =
-        kinematics.rotary_axes().find(|&axis| !path.start_known.contains(axis) && channel.settings.strict)
-    {
+    if let Some(axis) = kinematics.rotary_axes().find(|&axis| !path.start_known.contains(axis) && settings.strict) {
         return Err(unknown_start(span, axis));
     }
     let mut axes: Vec<Axis> = kinematics.rotary_axes().collect();
-    let in_table = |axis: &Axis| channel.settings.machine.topology.workpiece.contains(axis);
+    let in_table = |axis: &Axis| settings.machine.topology.workpiece.contains(axis);
     if !axes.iter().all(in_table) {
         axes.reverse();
     }
@@ -99,8 +105,8 @@ pub(super) fn orient(channel: &mut Channel<'_>, path: &mut Path, direction: Vect
         path.motion.target[axis] = found[axis];
         path.motion.named.insert(axis);
         path.motion.known.insert(axis);
-        channel.modal.position.command[axis] = found[axis];
-        channel.modal.position.known.insert(axis);
+        modal.position.command[axis] = found[axis];
+        modal.position.known.insert(axis);
     }
     Ok(())
 }

@@ -7,6 +7,7 @@ use super::measure;
 use super::modal::Modal;
 use super::modes;
 use super::text;
+use crate::exec::core::outlet::Outlet;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 use std::fmt::Write as _;
@@ -104,11 +105,11 @@ pub(super) fn speed(
     Ok(())
 }
 
-pub(super) fn tool_word(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn tool_word(modal: &mut Modal, outlet: &mut Outlet<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(value) = gathered.raw(b'T') else { return Ok(()) };
     let number = whole(value, gathered.span_of(b'T'), "T")?;
-    channel.modal.tool.selected = Some(number);
-    channel.push(Kind::Tool(WordValue::Number(f64::from(number))));
+    modal.tool.selected = Some(number);
+    outlet.push(Kind::Tool(WordValue::Number(f64::from(number))));
     Ok(())
 }
 

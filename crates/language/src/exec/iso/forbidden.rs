@@ -7,6 +7,8 @@ use super::codes::{Group, name_of};
 use super::gathered::Gathered;
 use super::modal::Modal;
 use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::settings::RunSettings;
+use crate::exec::core::standing::InForce;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 use ncfix_base::geometry::AxisSet;
@@ -183,20 +185,26 @@ pub(super) fn check_offset_write(
 }
 
 /// Rejects motions in a tilted plane that would differ from those of the control.
-pub(super) fn check_tilt(channel: &Channel<'_>, named: AxisSet, span: Span) -> Result<(), Fault> {
-    let Some(stand) = channel.modal.transforms.stand() else {
-        let has_rotary = channel.settings.machine.axis_set().iter().any(Axis::is_rotary);
-        if channel.settings.strict && has_rotary && !named.intersection(AxisSet::XYZ).is_empty() {
+pub(super) fn check_tilt(
+    settings: &RunSettings<'_>,
+    modal: &Modal,
+    standing: &InForce,
+    named: AxisSet,
+    span: Span,
+) -> Result<(), Fault> {
+    let Some(stand) = modal.transforms.stand() else {
+        let has_rotary = settings.machine.axis_set().iter().any(Axis::is_rotary);
+        if settings.strict && has_rotary && !named.intersection(AxisSet::XYZ).is_empty() {
             let message = "a motion in a tilted plane on which the tool was not put";
             return Err(refused_with(span, message, "program G53.1 behind G68.2"));
         }
         return Ok(());
     };
-    if stand.tool_mm != channel.standing.setup.tool_mm {
+    if stand.tool_mm != standing.setup.tool_mm {
         let message = "the tool length changes within a tilted plane";
         return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
     }
-    if stand.below != channel.modal.below_transforms() {
+    if stand.below != modal.below_transforms() {
         let message = "the zero offset changes within a tilted plane";
         return Err(refused_with(span, message, "change it before G68.2, or behind G69"));
     }

@@ -1,6 +1,7 @@
 //! Tool length compensation: G43, G44, G49 and the offset tables.
 
 use super::channel::Channel;
+use super::channel::WrittenData;
 use super::codes::{Group, name_of};
 use super::forbidden;
 use super::gathered::Gathered;
@@ -12,6 +13,8 @@ use super::text;
 use super::tilt;
 use super::tip;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
+use crate::exec::core::settings::RunSettings;
 use crate::exec::core::tool::without_value;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Vector};
@@ -56,13 +59,14 @@ fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
             if gathered.has(b'H') {
                 text::append(channel.language, &mut text, b'H', f64::from(number));
             }
-            (length, assumed) = table_length(channel, number, span)?;
+            (length, assumed) = table_length(&channel.settings, &channel.written, &mut channel.outlet, number, span)?;
             channel.modal.h = number;
         }
         432 if gathered.has(b'H') => {
             let number = whole(gathered.raw(b'H').unwrap_or(0.0), gathered.span_of(b'H'), "H")?;
             text::append(channel.language, &mut text, b'H', f64::from(number));
-            let (more, is_assumed) = table_length(channel, number, span)?;
+            let (more, is_assumed) =
+                table_length(&channel.settings, &channel.written, &mut channel.outlet, number, span)?;
             length += more;
             assumed = is_assumed;
         }
@@ -89,17 +93,23 @@ fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
 }
 
 /// The offset for a number, and `true` if it is assumed.
-fn table_length(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(Vector, bool), Fault> {
+fn table_length(
+    settings: &RunSettings<'_>,
+    written: &WrittenData,
+    outlet: &mut Outlet<'_>,
+    number: u32,
+    span: Span,
+) -> Result<(Vector, bool), Fault> {
     if number == 0 {
         return Ok((Vector::zeros(), false));
     }
-    if let Some(size) = channel.written.tools.size(channel.settings.machine, number, 1) {
+    if let Some(size) = written.tools.size(settings.machine, number, 1) {
         let [along_z, along_y, along_x] = size.length_mm;
         return Ok((Vector::new(along_x, along_y, along_z), false));
     }
     let message = format!("tool offset {number} has no value in the machine file");
     let help = "add a [[tool]] entry of this number there or in a file given with --setup";
-    without_value(channel.settings.strict, &mut channel.outlet.warnings, span, &message, "length 0", help)?;
+    without_value(settings.strict, &mut outlet.warnings, span, &message, "length 0", help)?;
     Ok((Vector::zeros(), true))
 }
 
@@ -112,8 +122,11 @@ fn fanuc_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
         channel.modal.h = whole(value, gathered.span_of(b'H'), "H")?;
     }
     let is_off = code == 490;
-    let (table, assumed) =
-        if is_off { (Vector::zeros(), false) } else { table_length(channel, channel.modal.h, span)? };
+    let (table, assumed) = if is_off {
+        (Vector::zeros(), false)
+    } else {
+        table_length(&channel.settings, &channel.written, &mut channel.outlet, channel.modal.h, span)?
+    };
     let size = if code == 440 { -table[2] } else { table[2] };
     // Along several axes if several blocks command it; G49 ends all of them, H0 that of its axis.
     let mut length = Vector::zeros();

@@ -1,17 +1,22 @@
 //! Zero offsets: G54 and related codes, G52 and G92.
 
 use super::channel::Channel;
+use super::channel::Warned;
 use super::codes::{Group, name_of};
 use super::forbidden;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use super::setup;
 use super::target;
 use super::text;
 use super::zero_offset::System;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
+use crate::exec::core::settings::RunSettings;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::Span;
+use ncfix_dialect::Language;
 use ncfix_machine::snc::{FrameWords, Kind};
 
 /// Activates the zero offset without output.
@@ -33,18 +38,23 @@ pub(super) fn load_offset(channel: &mut Channel<'_>, span: Span) -> Result<(), F
 }
 
 /// Reports an active zero offset without value: an error if it must not be assumed.
-pub(super) fn check_offset(channel: &mut Channel<'_>, span: Span) {
-    if !channel.modal.offset_assumed || channel.warned.offset == Some(channel.modal.system) {
+pub(super) fn check_offset(
+    settings: &RunSettings<'_>,
+    modal: &Modal,
+    warned: &mut Warned,
+    outlet: &mut Outlet<'_>,
+    span: Span,
+) {
+    if !modal.offset_assumed || warned.offset == Some(modal.system) {
         return;
     }
-    channel.warned.offset = Some(channel.modal.system);
-    let words = channel.modal.system.words();
+    warned.offset = Some(modal.system);
+    let words = modal.system.words();
     let help = format!("add [zero_offset.\"{words}\"] there");
     // The motion continues nevertheless, so that one error is not repeated in every block.
-    let (code, end) =
-        if channel.settings.strict { (Code::NO_OFFSET, "") } else { (Code::OFFSET_ASSUMED, "; zero is used") };
+    let (code, end) = if settings.strict { (Code::NO_OFFSET, "") } else { (Code::OFFSET_ASSUMED, "; zero is used") };
     let message = format!("{words} has no value in the machine file{end}");
-    channel.outlet.warnings.push(fault(code, span, message, help));
+    outlet.warnings.push(fault(code, span, message, help));
 }
 
 /// `G54` … `G59.3`, `G54.1 P`
@@ -66,7 +76,7 @@ pub(super) fn coordinates(channel: &mut Channel<'_>, gathered: &Gathered) -> Res
     };
     channel.modal.system = system;
     load_offset(channel, span)?;
-    check_offset(channel, span);
+    check_offset(&channel.settings, &channel.modal, &mut channel.warned, &mut channel.outlet, span);
     channel.push(Kind::Frame(FrameWords::Settable(system.words())));
     Ok(())
 }
@@ -116,22 +126,22 @@ pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code:
             }
         }
     }
-    say_end(channel, gathered, code);
+    say_end(channel.language, &mut channel.outlet, gathered, code);
     setup::refresh_setup(channel);
     Ok(())
 }
 
 /// Emits codes that end a shift, as an earlier program may have left one active in the control: G52 with zeros, G92.1 of Fanuc.
-fn say_end(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) {
+fn say_end(language: Language, outlet: &mut Outlet<'_>, gathered: &Gathered, code: u16) {
     let named = gathered.axes;
     if code == 920 || code == 520 && named.iter().any(|axis| gathered.raw(axis.letter()) != Some(0.0)) {
         return;
     }
     let mut text = name_of(code);
     for axis in named.iter() {
-        text::append(channel.language, &mut text, axis.letter(), 0.0);
+        text::append(language, &mut text, axis.letter(), 0.0);
     }
-    channel.push(Kind::Verbatim(text.into_bytes()));
+    outlet.push(Kind::Verbatim(text.into_bytes()));
 }
 
 /// G92.1, G92.2, G92.3 of RS274/NGC.

@@ -21,6 +21,7 @@ use super::special;
 use super::target;
 use super::transform;
 use crate::exec::core::fault::{Fault, fault};
+use crate::exec::core::outlet::Outlet;
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::Kind;
 
@@ -51,7 +52,7 @@ pub(super) fn execute_rs274(channel: &mut Channel<'_>, gathered: &mut Gathered) 
     feed::feed_mode(channel, gathered)?;
     feed::feed(&mut channel.modal, gathered)?;
     feed::speed(channel.settings.machine, &mut channel.modal, &mut channel.block, gathered)?;
-    feed::tool_word(channel, gathered)?;
+    feed::tool_word(&mut channel.modal, &mut channel.outlet, gathered)?;
     auxiliary::m_codes(channel, gathered)?;
     channel.flush_before();
     feed::dwell(channel, gathered)?;
@@ -90,7 +91,7 @@ pub(super) fn execute_fanuc(channel: &mut Channel<'_>, gathered: &mut Gathered) 
     if gathered.code(Group::Action) != Some(40) {
         feed::feed(&mut channel.modal, gathered)?;
     }
-    feed::tool_word(channel, gathered)?;
+    feed::tool_word(&mut channel.modal, &mut channel.outlet, gathered)?;
     compensation::compensation_codes(channel, gathered)?;
     offsets::coordinates(channel, gathered)?;
     takes_axes |= length::length_codes(channel, gathered)?;
@@ -123,17 +124,17 @@ pub(super) fn move_axes(channel: &mut Channel<'_>, gathered: &Gathered, takes_ax
             if moves {
                 done = motion::motion(channel, gathered, code);
             } else {
-                feed_alone(channel, gathered);
+                feed_alone(&channel.modal, &mut channel.outlet, gathered);
             }
         }
     } else {
-        feed_alone(channel, gathered);
+        feed_alone(&channel.modal, &mut channel.outlet, gathered);
     }
     if !channel.block.after.is_empty() {
         let after = std::mem::take(&mut channel.block.after);
         channel.push(Kind::After(after));
     }
-    auxiliary::lose_by_functions(channel, gathered);
+    auxiliary::lose_by_functions(&mut channel.modal, &mut channel.outlet, gathered);
     done
 }
 
@@ -144,9 +145,9 @@ pub(super) fn has_way(modal: &Modal, gathered: &Gathered, code: u16) -> bool {
 }
 
 /// Handles F of a block without motion.
-pub(super) fn feed_alone(channel: &mut Channel<'_>, gathered: &Gathered) {
+pub(super) fn feed_alone(modal: &Modal, outlet: &mut Outlet<'_>, gathered: &Gathered) {
     if gathered.has(b'F') && gathered.code(Group::Action) != Some(40) {
-        channel.push(Kind::Feed(channel.modal.modes.feed));
+        outlet.push(Kind::Feed(modal.modes.feed));
     }
 }
 

@@ -1,14 +1,17 @@
 //! Parameters of RS274/NGC with control state: numbers from 5161 on, and names with a leading underscore.
 
 use super::channel::Channel;
+use super::channel::WrittenData;
 use super::modal::Modal;
 use super::system;
 use super::target;
 use super::variables::Missing;
 use super::zero_offset::System;
 use crate::exec::core::contour::Side;
+use crate::exec::core::outlet::Outlet;
 use crate::exec::core::standing::InForce;
 use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{FeedUnit, Kind};
 
 /// The axes in the order of the parameters.
@@ -114,9 +117,15 @@ fn here_of(strict: bool, modal: &Modal, standing: &InForce, axis: Axis) -> Resul
 }
 
 /// Assigns to a parameter of a zero offset. It takes effect when the program selects the offset.
-pub(super) fn write_parameter(channel: &mut Channel<'_>, number: u32, value: f64) -> bool {
+pub(super) fn write_parameter(
+    machine: &Machine,
+    written: &mut WrittenData,
+    outlet: &mut Outlet<'_>,
+    number: u32,
+    value: f64,
+) -> bool {
     let Some((system, place)) = offset_place(number) else { return false };
-    let mut parts = target::offset_of(channel.settings.machine, &channel.written, system).unwrap_or_default();
+    let mut parts = target::offset_of(machine, written, system).unwrap_or_default();
     match ORDER.get(place as usize) {
         Some(&axis) => {
             parts.translation[axis] = if axis.is_rotary() { value.to_radians() } else { value };
@@ -124,8 +133,8 @@ pub(super) fn write_parameter(channel: &mut Channel<'_>, number: u32, value: f64
         }
         None => parts.rotation[2] = value.to_radians(),
     }
-    channel.written.offsets.insert(system, parts);
-    channel.push(Kind::Verbatim(format!("#{number}={value}").into_bytes()));
+    written.offsets.insert(system, parts);
+    outlet.push(Kind::Verbatim(format!("#{number}={value}").into_bytes()));
     true
 }
 

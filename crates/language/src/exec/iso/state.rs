@@ -10,6 +10,7 @@ use super::setup;
 use super::text;
 use crate::exec::core::contour::Side;
 use crate::exec::core::fault::{Fault, bad_value};
+use crate::exec::core::outlet::Outlet;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{FeedUnit, FrameWords, Kind, Word, WordValue};
 
@@ -143,13 +144,13 @@ fn bring_back_auxiliaries(channel: &mut Channel<'_>, saved: &Modal) {
         let [mist, flood] = saved.coolant;
         for (code, is_wanted) in [(9.0, true), (7.0, mist), (8.0, flood)] {
             if is_wanted {
-                on_its_own(channel, Kind::Before(vec![word((b'M', code))]));
+                on_its_own(&mut channel.outlet, Kind::Before(vec![word((b'M', code))]));
             }
         }
     }
     for (number, (was, is)) in (50..).zip(saved.overrides.into_iter().zip(channel.modal.overrides)) {
         if was != is {
-            on_its_own(channel, Kind::Verbatim(format!("M{number} P{}", u8::from(was)).into_bytes()));
+            on_its_own(&mut channel.outlet, Kind::Verbatim(format!("M{number} P{}", u8::from(was)).into_bytes()));
         }
     }
     channel.modal.overrides = saved.overrides;
@@ -161,8 +162,8 @@ fn bring_back_auxiliaries(channel: &mut Channel<'_>, saved: &Modal) {
 }
 
 /// Emits an M code in a separate line: LinuxCNC accepts one code of a group and one P in a block.
-fn on_its_own(channel: &mut Channel<'_>, kind: Kind) {
-    channel.outlet.begin_line();
-    channel.push(kind);
-    channel.outlet.begin_line();
+fn on_its_own(outlet: &mut Outlet<'_>, kind: Kind) {
+    outlet.begin_line();
+    outlet.push(kind);
+    outlet.begin_line();
 }

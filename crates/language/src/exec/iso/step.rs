@@ -1,6 +1,7 @@
 //! One motion: from its target to the outlet.
 
 use super::channel::Channel;
+use super::channel::Warned;
 use super::compensation;
 use super::direction;
 use super::forbidden;
@@ -13,8 +14,10 @@ use super::target;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::bad_value;
 use crate::exec::core::fault::fault;
+use crate::exec::core::outlet::Outlet;
 use crate::exec::core::path::Path;
 use crate::exec::core::path::Shape;
+use crate::exec::core::settings::RunSettings;
 use crate::exec::core::standing::known_behind;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
@@ -136,14 +139,14 @@ pub(super) fn send(
 ) -> Result<(), Fault> {
     let in_machine_frame = !Shared::ptr_eq(&setup, &channel.standing.setup);
     if !in_machine_frame {
-        offsets::check_offset(channel, step.span);
+        offsets::check_offset(&channel.settings, &channel.modal, &mut channel.warned, &mut channel.outlet, step.span);
         if std::mem::take(&mut channel.standing.changed) {
             channel.push(Kind::Setup(Shared::clone(&channel.standing.shown)));
         }
     }
-    check_feed(channel, &step);
+    check_feed(&channel.settings, &channel.modal, &mut channel.warned, &mut channel.outlet, &step);
     if channel.modal.transforms.tilt().is_some() && !in_machine_frame {
-        forbidden::check_tilt(channel, step.named, step.span)?;
+        forbidden::check_tilt(&channel.settings, &channel.modal, &channel.standing, step.named, step.span)?;
     }
     let basis = PlaneBasis::behind(&setup.frame, channel.modal.modes.plane)
         .ok_or_else(|| bad_value(step.span, "the frame squeezes the working plane flat", "check its factors"))?;
@@ -182,30 +185,34 @@ pub(super) fn send(
     };
     let mut path = Path { motion, start, start_known: begun, basis, shape, setup, span: step.span };
     if let Some((direction, span)) = channel.block.direction {
-        direction::orient(channel, &mut path, direction, span)?;
+        direction::orient(&channel.settings, &mut channel.modal, &mut channel.outlet, &mut path, direction, span)?;
     }
     channel.block.has_moved = true;
     compensation::pass(channel, path);
     Ok(())
 }
 
-pub(super) fn check_feed(channel: &mut Channel<'_>, step: &Step) {
-    if step.rapid
-        || channel.modal.modes.feed > 0.0 && (step.feed_named || channel.modal.modes.feed_unit != FeedUnit::InverseTime)
-    {
+pub(super) fn check_feed(
+    settings: &RunSettings<'_>,
+    modal: &Modal,
+    warned: &mut Warned,
+    outlet: &mut Outlet<'_>,
+    step: &Step,
+) {
+    if step.rapid || modal.modes.feed > 0.0 && (step.feed_named || modal.modes.feed_unit != FeedUnit::InverseTime) {
         return;
     }
     if matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven()) {
         return;
     }
-    let (message, help) = match channel.modal.modes.feed_unit {
+    let (message, help) = match modal.modes.feed_unit {
         FeedUnit::InverseTime => ("a feed motion in G93 without F", "program F in each block with G93"),
         _ => ("a feed motion, and no F was programmed yet", "program F before it or in it"),
     };
-    if channel.settings.strict {
-        channel.outlet.warnings.push(fault(Code::MISSING_FEED, step.span, message, help));
-    } else if !std::mem::replace(&mut channel.warned.feed, true) {
-        channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, step.span, message, help));
+    if settings.strict {
+        outlet.warnings.push(fault(Code::MISSING_FEED, step.span, message, help));
+    } else if !std::mem::replace(&mut warned.feed, true) {
+        outlet.warnings.push(fault(Code::FEED_ASSUMED, step.span, message, help));
     }
 }
 

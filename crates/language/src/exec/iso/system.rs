@@ -1,5 +1,6 @@
 //! System variables of Fanuc: the control state in variables from #1000 on.
 
+use super::call::Call;
 use super::channel::Channel;
 use super::channel::ToolOffset;
 use super::codes::Group;
@@ -12,6 +13,7 @@ use super::variables::Missing;
 use super::zero_offset::System;
 use crate::exec::core::contour::Side;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Frame};
@@ -123,7 +125,9 @@ pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Opti
             let axis = axis_at(channel.axes, place).ok_or(Missing::Unknown)?;
             position(channel, kind, axis).map(Some)
         }
-        Meaning::Modal(place) => modal_value(channel, place).map(Some).ok_or(Missing::OnlyMachine),
+        Meaning::Modal(place) => {
+            modal_value(&channel.modal, &channel.modal_calls, place).map(Some).ok_or(Missing::OnlyMachine)
+        }
     }
 }
 
@@ -173,8 +177,8 @@ pub(super) fn work_frame(modal: &Modal) -> Frame {
 }
 
 /// The G code of a group, or the value of an address.
-fn modal_value(channel: &Channel<'_>, place: u32) -> Option<f64> {
-    let modal = &channel.modal;
+fn modal_value(modal: &Modal, modal_calls: &[Call], place: u32) -> Option<f64> {
+    let modal = modal;
     let either = |is_first: bool, first: u16, second: u16| f64::from(if is_first { first } else { second });
     Some(match place {
         1 if modal.modes.motion <= 330 => f64::from(modal.modes.motion) / 10.0,
@@ -195,7 +199,7 @@ fn modal_value(channel: &Channel<'_>, place: u32) -> Option<f64> {
         9 if modal.modes.motion >= 730 => f64::from(modal.modes.motion) / 10.0,
         9 => 80.0,
         10 => either(modal.ends_at_r(), 99, 98),
-        12 => either(channel.modal_calls.is_empty(), 67, 66),
+        12 => either(modal_calls.is_empty(), 67, 66),
         13 => f64::from(modal.code(Group::SpindleMode)) / 10.0,
         14 if modal.system.0 > System::ADDITIONAL => 54.1,
         14 => 53.0 + f64::from(modal.system.0),
@@ -235,7 +239,7 @@ pub(super) fn write_system(
         }
         Some(Meaning::Told) => {
             let text = if number == 3006 { format!("({})", comment_of(loaded, block)) } else { String::new() };
-            tell(channel, number, number_value, &text);
+            tell(&mut channel.outlet, number, number_value, &text);
             Ok(())
         }
         Some(Meaning::Offset(system, place)) => write_offset(channel, number, system, place, number_value, span),
@@ -248,10 +252,10 @@ pub(super) fn write_system(
 }
 
 /// Passes the assignment to a system variable through, with its evaluated value.
-fn tell(channel: &mut Channel<'_>, number: u32, value: f64, behind: &str) {
+fn tell(outlet: &mut Outlet<'_>, number: u32, value: f64, behind: &str) {
     let mut shown = format!("{value:.6}");
     shown.truncate(shown.trim_end_matches('0').trim_end_matches('.').len());
-    channel.push(Kind::Verbatim(format!("#{number}={shown}{behind}").into_bytes()));
+    outlet.push(Kind::Verbatim(format!("#{number}={shown}{behind}").into_bytes()));
 }
 
 fn write_offset(
@@ -285,7 +289,7 @@ fn write_offset(
     parts.fine[axis] = 0.0;
     channel.written.offsets.insert(system, parts);
     tell(
-        channel,
+        &mut channel.outlet,
         number,
         if axis.is_rotary() { value } else { inside / text::output_unit_mm(channel.settings.machine) },
         "",
@@ -313,7 +317,7 @@ fn write_tool(
     let inside = value * channel.modal.modes.scale();
     *part_of(&mut offset, part) = inside;
     channel.written.tools.write(tool, 1, ToolOffset { is_stated: true, ..offset });
-    tell(channel, number, inside / text::output_unit_mm(channel.settings.machine), "");
+    tell(&mut channel.outlet, number, inside / text::output_unit_mm(channel.settings.machine), "");
     Ok(())
 }
 

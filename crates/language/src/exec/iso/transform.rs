@@ -5,6 +5,7 @@ use super::codes::{Group, name_of};
 use super::frames::Within;
 use super::gathered::Gathered;
 use super::measure;
+use super::modal::Modal;
 use super::one_axis;
 use super::polar::Polar;
 use super::setup;
@@ -14,9 +15,11 @@ use super::target;
 use super::text;
 use super::tilt;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet};
 use ncfix_base::source::Span;
+use ncfix_dialect::Language;
 use ncfix_machine::snc::Kind;
 
 /// Unit of a factor without decimal point (Fanuc parameter 5400, bit 7).
@@ -58,7 +61,7 @@ pub(super) fn transform_codes(channel: &mut Channel<'_>, gathered: &Gathered) ->
         allowed(done, 500, gathered.code_span(Group::Scale))?;
     }
     match gathered.code(Group::Mirror) {
-        Some(501) => took |= end_mirror(channel, gathered)?,
+        Some(501) => took |= end_mirror(channel.language, &mut channel.modal, &mut channel.outlet, gathered)?,
         Some(_) => {
             mirror(channel, gathered)?;
             took = true;
@@ -133,7 +136,12 @@ fn mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
 }
 
 /// `G50.1 X Y Z`. Returns `true` if it consumed the axis words.
-fn end_mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fault> {
+fn end_mirror(
+    language: Language,
+    modal: &mut Modal,
+    outlet: &mut Outlet<'_>,
+    gathered: &Gathered,
+) -> Result<bool, Fault> {
     let has_motion = gathered.code(Group::Motion).is_some();
     let named = LETTERS.map(|letter| !has_motion && gathered.has(letter));
     if !has_motion {
@@ -141,10 +149,10 @@ fn end_mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<bool, Fa
     }
     let mut text = "G50.1".to_owned();
     for (letter, _) in LETTERS.into_iter().zip(named).filter(|&(_, is_named)| is_named) {
-        text::append(channel.language, &mut text, letter, 0.0);
+        text::append(language, &mut text, letter, 0.0);
     }
-    channel.push(Kind::Verbatim(text.into_bytes()));
-    let done = channel.modal.transforms.end_mirror(named);
+    outlet.push(Kind::Verbatim(text.into_bytes()));
+    let done = modal.transforms.end_mirror(named);
     allowed(done, 501, gathered.code_span(Group::Mirror))?;
     Ok(!has_motion && named != [false; 3])
 }

@@ -7,6 +7,7 @@ use super::names::Meaning;
 use super::scope::scope_of;
 use super::system_write::{SystemName, assign_system};
 use super::value::Value as ExecValue;
+use super::variables::Variables;
 use super::variables::{List, Shape};
 use crate::exec::core::fault::{Fault, at};
 use crate::syntax::sinumerik::{Address, Block, Definition, ExprId, NameId, Node, Value, Word};
@@ -27,9 +28,9 @@ pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Bl
             }
             Address::Name(name) if channel.variables.has(name, loaded.program.names.text(name)) => {
                 let list = assigned(loaded, channel, word)?;
-                assign_name(loaded, channel, name, list, span)?;
+                assign_name(loaded, &mut channel.variables, name, list, span)?;
             }
-            Address::Indexed(left) if beside::is_assignable(loaded, channel, left) => {
+            Address::Indexed(left) if beside::is_assignable(loaded, &channel.variables, left) => {
                 let list = assigned(loaded, channel, word)?;
                 assign(loaded, channel, left, list, span)?;
             }
@@ -59,13 +60,13 @@ pub(super) fn assigned(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> R
 
 pub(super) fn assign_name(
     loaded: &Loaded,
-    channel: &mut Channel<'_>,
+    variables: &mut Variables,
     name: NameId,
     list: List,
     span: Span,
 ) -> Result<(), Fault> {
     let text = loaded.program.names.text(name);
-    if channel.variables.assign(name, text, &[], list, span)? {
+    if variables.assign(name, text, &[], list, span)? {
         return Ok(());
     }
     Err(at(
@@ -107,7 +108,7 @@ pub(super) fn assign(
             let name = loaded.program.names.text(name);
             assign_system(loaded, channel, SystemName { name, range: None, span }, list)
         }
-        Node::Name(name) => assign_name(loaded, channel, name, list, span),
+        Node::Name(name) => assign_name(loaded, &mut channel.variables, name, list, span),
         Node::Indexed(name, range) if channel.variables.has(name, loaded.program.names.text(name)) => {
             let text = loaded.program.names.text(name);
             if let Some((axis, component, front)) = scope.component(range)? {

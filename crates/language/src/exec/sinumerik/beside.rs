@@ -6,6 +6,7 @@
 use super::channel::Channel;
 use super::level::Loaded;
 use super::names::Meaning;
+use super::variables::Variables;
 use crate::exec::core::fault::{Fault, at};
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, ExprId, NameId, Node, Value, Word};
 use ncfix_base::diagnostic::Code;
@@ -69,7 +70,7 @@ fn part(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> Part {
                 _ => Part::Other,
             }
         }
-        Address::Indexed(left) if is_assignable(loaded, channel, left) => match program.expr(left).node {
+        Address::Indexed(left) if is_assignable(loaded, &channel.variables, left) => match program.expr(left).node {
             Node::Indexed(name, _) => of_name(program.names.text(name)),
             _ => Part::Assignment,
         },
@@ -118,11 +119,11 @@ impl Look<'_> {
 }
 
 /// `true` if the left side is not an address of the language such as `POS[X]=`.
-pub(super) fn is_assignable(loaded: &Loaded, channel: &Channel<'_>, left: ExprId) -> bool {
+pub(super) fn is_assignable(loaded: &Loaded, variables: &Variables, left: ExprId) -> bool {
     match loaded.program.expr(left).node {
         Node::Indexed(name, _) => {
             let text = loaded.program.names.text(name);
-            text.starts_with('$') || channel.variables.has(name, text)
+            text.starts_with('$') || variables.has(name, text)
         }
         _ => true,
     }

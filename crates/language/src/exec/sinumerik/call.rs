@@ -260,7 +260,7 @@ impl Interpreter<'_> {
     pub(super) fn leave(&mut self) -> Option<Level> {
         let mut level = self.levels.pop()?;
         let called = &self.programs[level.program];
-        parameters::results(called, &self.channel, called.parameters(level.part), &mut level.own.arguments);
+        parameters::results(called, &self.channel.variables, called.parameters(level.part), &mut level.own.arguments);
         let own = self.channel.variables.exchange(std::mem::take(&mut level.own.callers_variables));
         if let Some(lent) = level.own.lent.take() {
             self.channel.variables.take_back(own, &lent);

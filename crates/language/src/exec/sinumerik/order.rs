@@ -53,7 +53,7 @@ pub(super) fn execute(
     }
     frames::without_statement(gathered)?;
     if let Some(pole) = gathered.pole {
-        polar::set_pole(channel, gathered, pole)?;
+        polar::set_pole(&channel.settings, &mut channel.modal, gathered, pole)?;
         channel.comment(comment);
         return Ok(());
     }

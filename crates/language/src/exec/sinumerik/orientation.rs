@@ -1,21 +1,28 @@
 //! Tool directions in a block: `A3= B3= C3=` vectors and `A2= B2= C2=` angles become positions of the rotary axes.
 
 use super::address::Named;
-use super::channel::Channel;
 use super::gathered::Gathered;
+use super::modal::Modal;
 use super::surface;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::five_axis;
+use crate::exec::core::outlet::Outlet;
 use crate::exec::core::path::Path;
+use crate::exec::core::settings::RunSettings;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::OrientationAngles;
 
 /// Adds the orientation of a block to its motion.
-pub(super) fn orient(channel: &mut Channel<'_>, gathered: &Gathered, path: &mut Path) -> Result<(), Fault> {
-    let on_path =
-        surface::direction_on_path(channel.settings.machine, &channel.modal, &channel.outlet, gathered, path)?;
+pub(super) fn orient(
+    settings: &RunSettings<'_>,
+    modal: &mut Modal,
+    outlet: &mut Outlet<'_>,
+    gathered: &Gathered,
+    path: &mut Path,
+) -> Result<(), Fault> {
+    let on_path = surface::direction_on_path(settings.machine, modal, outlet, gathered, path)?;
     let Some((number, values, span)) = on_path.map(|(values, span)| (3, values, span)).or_else(|| words(gathered))
     else {
         return Ok(());
@@ -24,7 +31,7 @@ pub(super) fn orient(channel: &mut Channel<'_>, gathered: &Gathered, path: &mut 
         let message = "cones and second curves for orientations are not supported yet";
         return Err(fault(Code::NOT_SUPPORTED, span, message, "give the direction of the tool with A3, B3, C3"));
     }
-    let (Some(turning), Some(kinematics)) = (path.setup.transform, &channel.outlet.kinematics) else {
+    let (Some(turning), Some(kinematics)) = (path.setup.transform, &outlet.kinematics) else {
         let message = "a direction of the tool without TRAORI";
         return Err(bad_value(span, message, "program TRAORI first, or positions of the rotary axes"));
     };
@@ -32,11 +39,11 @@ pub(super) fn orient(channel: &mut Channel<'_>, gathered: &Gathered, path: &mut 
         let message = format!("a direction of the tool and a position of {axis} in one block");
         return Err(fault(Code::DOUBLE_WORD, span, message, "keep one of them"));
     }
-    let modal = &mut channel.modal;
+    let modal = modal;
     let mut direction = match number {
         3 => values,
         _ => {
-            let angles = modal.transform.angles.unwrap_or(channel.settings.machine.control.orientation_angles);
+            let angles = modal.transform.angles.unwrap_or(settings.machine.control.orientation_angles);
             from_angles(angles, [values.x, values.y, values.z].map(f64::to_radians))
         }
     };

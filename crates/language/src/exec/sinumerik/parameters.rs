@@ -7,6 +7,7 @@ use super::channel::Channel;
 use super::level::Loaded;
 use super::scope::scope_of;
 use super::variables::List;
+use super::variables::Variables;
 use crate::exec::core::fault::{Fault, fault};
 use crate::syntax::sinumerik::{ArgumentRange, ExprId, Node, Parameter};
 use ncfix_base::diagnostic::Code;
@@ -128,11 +129,11 @@ pub(super) fn bind(
 }
 
 /// Takes the values of the VAR parameters from the ending level.
-pub(super) fn results(called: &Loaded, channel: &Channel<'_>, parameters: &[Parameter], arguments: &mut [Argument]) {
+pub(super) fn results(called: &Loaded, variables: &Variables, parameters: &[Parameter], arguments: &mut [Argument]) {
     for (parameter, argument) in parameters.iter().zip(arguments) {
         if argument.reference.is_some() {
             let text = called.program.names.text(parameter.name);
-            argument.cells = channel.variables.cells(parameter.name, text).cloned();
+            argument.cells = variables.cells(parameter.name, text).cloned();
         }
     }
 }
@@ -154,7 +155,7 @@ pub(super) fn give_back(
         let Some(list) = cells.first().cloned().map(List::One) else { continue };
         match reference {
             Reference::Parameter(index) => channel.variables.set_parameters(*index, list, span)?,
-            Reference::Name(name) => assign::assign_name(caller, channel, *name, list, span)?,
+            Reference::Name(name) => assign::assign_name(caller, &mut channel.variables, *name, list, span)?,
             Reference::Element(name, indices) => {
                 channel.variables.assign(*name, names.text(*name), indices, list, span)?;
             }

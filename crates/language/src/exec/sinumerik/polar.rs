@@ -1,7 +1,6 @@
 //! Polar coordinates: the pole, angle and radius.
 
 use super::address::Named;
-use super::channel::Channel;
 use super::context::MotionContext;
 use super::gathered;
 use super::gathered::shares_its_block;
@@ -10,6 +9,7 @@ use super::modal::Modal;
 use super::pole::Polar;
 use super::pole::PoleBase;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::settings::RunSettings;
 use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
@@ -79,7 +79,8 @@ fn coordinate(
 
 /// `G110`, `G111`, `G112`.
 pub(super) fn set_pole(
-    channel: &mut Channel<'_>,
+    settings: &RunSettings<'_>,
+    modal: &mut Modal,
     gathered: &Gathered,
     (base, span): (PoleBase, Span),
 ) -> Result<(), Fault> {
@@ -87,14 +88,14 @@ pub(super) fn set_pole(
         let message = "a pole shares its block with nothing but its position";
         return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other words to another block"));
     }
-    let modal = &mut channel.modal;
+    let modal = modal;
     let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let mut pole = match base {
         PoleBase::Zero => [0.0; 2],
         PoleBase::Pole => modal.polar.pole(modal.modes.plane, span)?,
         PoleBase::Position => {
             let unknown = [abscissa, ordinate].into_iter().find(|&axis| !modal.position.known.contains(axis));
-            if let Some(axis) = unknown.filter(|_| channel.settings.strict) {
+            if let Some(axis) = unknown.filter(|_| settings.strict) {
                 return Err(modal.unknown_start(span, axis));
             }
             let here = modal.setup().programmed(&modal.position.command);

@@ -17,7 +17,7 @@ pub(super) fn begin<'a>(machine: &'a Machine, options: &Options, codes: &'static
         channel.modal.settable = offset.frame(order).unwrap_or_else(Frame::identity);
     }
     setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
-    save::note_initial_codes(&mut channel);
+    save::note_initial_codes(&channel.settings, channel.codes, &mut channel.modal);
     channel.modal.programmed = channel.standing.setup.programmed(&channel.modal.position.command);
     channel
 }

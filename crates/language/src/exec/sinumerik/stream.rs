@@ -70,7 +70,7 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
         let message = "a feed motion, and no F was programmed yet";
         channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));
     }
-    orientation::orient(channel, gathered, &mut path)?;
+    orientation::orient(&channel.settings, &mut channel.modal, &mut channel.outlet, gathered, &mut path)?;
     let node = spline::node(gathered, &channel.modal)?;
     spline::push_path(channel, path, node)
 }

@@ -6,10 +6,14 @@
 use super::channel::Channel;
 use super::gathered::Gathered;
 use super::gatherer::Gatherer;
+use super::modal::Modal;
 use super::setup;
 use super::spline;
 use super::surface;
 use crate::exec::core::fault::{Fault, bad_value, fault};
+use crate::exec::core::outlet::Outlet;
+use crate::exec::core::settings::RunSettings;
+use crate::exec::core::standing::InForce;
 use crate::syntax::sinumerik::{ArgumentRange, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, LINEAR_AXES, ROTARY_AXES};
@@ -80,23 +84,28 @@ pub(super) fn transform(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
             return Err(fault(Code::BAD_SWIVEL, span, message, "end the swivel with CYCLE800() first"));
         }
         if is_on {
-            check_kinematics(channel, span)?;
+            check_kinematics(&channel.settings, &channel.modal, &channel.standing, &mut channel.outlet, span)?;
         }
         spline::finish(channel);
         channel.push(Kind::Keep(name));
-        switch(channel, is_on);
+        switch(&mut channel.modal, &channel.standing, &mut channel.outlet, is_on);
     }
     setup::refresh_setup(&mut channel.modal, &mut channel.standing, &mut channel.outlet);
     Ok(())
 }
 
 /// Checks that the machine can be transformed.
-fn check_kinematics(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> {
-    let kinematics =
-        channel.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(channel.settings.machine)));
+fn check_kinematics(
+    settings: &RunSettings<'_>,
+    modal: &Modal,
+    standing: &InForce,
+    outlet: &mut Outlet<'_>,
+    span: Span,
+) -> Result<(), Fault> {
+    let kinematics = outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(settings.machine)));
     let rotary = kinematics.rotary_axes().count();
     let can = (1..=2).contains(&rotary)
-        && kinematics.command_on_workpiece(&channel.modal.position.command, &channel.standing.setup.tool_mm).is_some();
+        && kinematics.command_on_workpiece(&modal.position.command, &standing.setup.tool_mm).is_some();
     if can {
         return Ok(());
     }
@@ -104,13 +113,13 @@ fn check_kinematics(channel: &mut Channel<'_>, span: Span) -> Result<(), Fault> 
     Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"))
 }
 
-fn switch(channel: &mut Channel<'_>, is_on: bool) {
-    if std::mem::replace(&mut channel.modal.transform.is_on, is_on) == is_on {
+fn switch(modal: &mut Modal, standing: &InForce, outlet: &mut Outlet<'_>, is_on: bool) {
+    if std::mem::replace(&mut modal.transform.is_on, is_on) == is_on {
         return;
     }
-    let Some(kinematics) = &channel.outlet.kinematics else { return };
-    let modal = &mut channel.modal;
-    let tool_mm = channel.standing.setup.tool_mm;
+    let Some(kinematics) = &outlet.kinematics else { return };
+    let modal = modal;
+    let tool_mm = standing.setup.tool_mm;
     modal.position.command = if is_on {
         kinematics.on_workpiece(&modal.position.command, &tool_mm)
     } else {

@@ -6,7 +6,7 @@ use nom::combinator::{map, opt, verify};
 use nom::sequence::preceded;
 
 use super::parser::Parser;
-use super::token::{Input, Parsed, angled, blank, blanks, byte, is_blank, is_end, one, small_number};
+use super::token::{Input, Parsed, angled, blank, blanks, byte, find_byte, is_blank, is_end, one, small_number};
 use super::tree::{Part, PartKind};
 use crate::syntax::MAX_PARTS;
 use ncfix_base::source::Span;
@@ -44,22 +44,29 @@ fn letter_n(input: Input<'_>) -> Parsed<'_, ()> {
 /// Text before the first `%` and after the last one belongs to no program. A file with a single `%` at its end has no leader.
 pub(super) fn tape(bytes: &[u8], line_end: u8, language: Language) -> (usize, usize) {
     let all = (0, bytes.len());
-    if language == Language::Grundig || !bytes.contains(&b'%') {
+    if language == Language::Grundig {
         return all;
     }
     // Only the first, the second and the last mark matter; a file may consist of marks only.
     let (mut first, mut second, mut last) = (None, None, None);
-    let mut start = 0;
-    for line in bytes.split(|&byte| byte == line_end) {
-        if blanks(line).first() == Some(&b'%') {
-            let mark = (start, start + line.len());
-            if first.is_some() {
-                second = second.or(Some(mark));
-            }
-            first = first.or(Some(mark));
-            last = Some(mark);
+    let mut at = 0;
+    while let Some(step) = find_byte(&bytes[at..], b'%') {
+        let place = at + step;
+        at = place + 1;
+        // It begins a line where nothing but blanks stands between the end of the line before and it.
+        let before = bytes[..place].iter().rposition(|&byte| byte == line_end || !is_blank(byte));
+        let start = match before {
+            None => 0,
+            Some(before) if bytes[before] == line_end => before + 1,
+            Some(_) => continue,
+        };
+        let end = find_byte(&bytes[place..], line_end).map_or(bytes.len(), |length| place + length);
+        let mark = (start, end);
+        if first.is_some() {
+            second = second.or(Some(mark));
         }
-        start += line.len() + 1;
+        first = first.or(Some(mark));
+        last = Some(mark);
     }
     let (Some(first), Some(last)) = (first, last) else { return all };
     let mut before = bytes[..first.0].split(|&byte| byte == line_end).map(blanks);

@@ -84,18 +84,11 @@ impl Parser {
 
     /// Rejects text like an exponent directly after a number, which begins at `from`: E, an optional sign, digits and no decimal point. No word
     /// language has exponents, so the control would read E as a separate word. On a Grundig, E is a parameter.
+    #[inline]
     pub(super) fn no_exponent<'a>(&self, from: Input<'a>, rest: Input<'a>) -> Parsed<'a, ()> {
-        if self.language == Language::Grundig || !matches!(rest.first(), Some(b'E' | b'e')) {
-            return Ok((rest, ()));
-        }
-        let digits = take_while1(|byte: u8| byte.is_ascii_digit());
-        let exponent = (one(|_| true), opt(sign), digits, not(byte(b'.')));
-        match recognize(exponent).parse(rest) {
-            Ok((_, exponent)) => {
-                let length = from.len() - rest.len() + exponent.len();
-                fault(Code::EXPONENT, from, length, "this number has a letter in it")
-            }
-            Err(_) => Ok((rest, ())),
+        match rest.first() {
+            Some(b'E' | b'e') if self.language != Language::Grundig => no_digits_behind(from, rest),
+            _ => Ok((rest, ())),
         }
     }
 
@@ -183,6 +176,19 @@ impl Parser {
 
     fn word_between(&self, from: Input<'_>, to: Input<'_>, address: Address, value: Value) -> Word {
         Word { span: Span::new(self.offset(from), self.offset(to)), address, value }
+    }
+}
+
+/// Refuses an exponent at the letter with which `rest` begins.
+fn no_digits_behind<'a>(from: Input<'a>, rest: Input<'a>) -> Parsed<'a, ()> {
+    let digits = take_while1(|byte: u8| byte.is_ascii_digit());
+    let exponent = (one(|_| true), opt(sign), digits, not(byte(b'.')));
+    match recognize(exponent).parse(rest) {
+        Ok((_, exponent)) => {
+            let length = from.len() - rest.len() + exponent.len();
+            fault(Code::EXPONENT, from, length, "this number has a letter in it")
+        }
+        Err(_) => Ok((rest, ())),
     }
 }
 
