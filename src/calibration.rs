@@ -13,7 +13,7 @@ use ncfix_metrology::results::calibration::{
 use ncfix_metrology::results::measurement::{Measurement, Purpose};
 use ncfix_metrology::results::parameters;
 
-/// How a calibration is made. `CalibrationOptions::default()` is what `ncfix calibrate` does without options, for no parameter yet.
+/// Options of a calibration. `CalibrationOptions::default()` gives the options of `ncfix calibrate` without arguments; no parameter is chosen yet.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -25,12 +25,12 @@ use ncfix_metrology::results::parameters;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CalibrationOptions {
-    /// What is fitted: presets such as `mayer-13` (`ncfix machine presets` lists them), and parameters such as `EC0X`, `EXX1`, `EXXb`, `EXX2@150` or
-    /// `load.EAX`.
+    /// The parameters to fit: presets such as `mayer-13` (`ncfix machine presets` lists them), and parameters such as `EC0X`, `EXX1`, `EXXb`,
+    /// `EXX2@150` or `load.EAX`.
     pub parameters: Vec<String>,
-    /// Whether readings that do not fit the others count for less.
+    /// True if outlying readings get a lower weight.
     pub robust: bool,
-    /// Whether parameters that the data cannot tell are left out, with a warning that says which.
+    /// True if parameters that the data do not determine are left out, with a warning that names them.
     pub reduce: bool,
     /// A reading, or the effect of a parameter, beyond this is an error, mm.
     pub max_mm: f64,
@@ -132,8 +132,8 @@ impl Calibration {
         }
     }
 
-    /// Everything that was found, with units in the names or beside the numbers: parameters and unknowns of set-ups with standard uncertainties, what was
-    /// measured and what is left of every measurement, those held out too, figures of ISO 230, rows that do not fit. It is what `--json` prints.
+    /// The complete result, with units in the names or beside the numbers: parameters and set-up unknowns with standard uncertainties, the measured
+    /// value and the residual of every measurement including those held out, ISO 230 figures, and outliers. `--json` prints this value.
     ///
     /// ```
     /// use ncfix::prelude::*;

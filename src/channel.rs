@@ -1,4 +1,4 @@
-//! Hands a stream from one thread to another in parts, in its order: what comes out does not depend on how fast either side is.
+//! Passes a stream from one thread to another in parts and in order: the result does not depend on the speed of either side.
 //!
 //! Parts go back empty to be filled again, so that a long stream allocates no more than a short one, and the faster side waits for the
 //! slower one, so that memory is bounded.
@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// Items of a part: few enough that a part stays in the cache of a core, enough that handing it on costs nothing beside them.
+/// Items of a part: small enough that a part stays in the cache of a core, large enough that the cost of passing it is negligible.
 const PART: usize = 1024;
 /// Parts that may wait.
 const AHEAD: usize = 4;
@@ -35,7 +35,7 @@ pub(crate) fn channel<T>() -> (Filler<T>, Taker<T>) {
 }
 
 impl<T> Filler<T> {
-    /// Hands an item on; `false` where nobody wants any more.
+    /// Passes an item; `false` if the receiver has closed.
     pub(crate) fn put(&mut self, item: T) -> bool {
         self.part.push_back(item);
         self.part.len() < PART || self.hand_on()
@@ -46,7 +46,7 @@ impl<T> Filler<T> {
         self.full.send(std::mem::replace(&mut self.part, next)).is_ok()
     }
 
-    /// Hands on a whole stream, or as much of it as is wanted.
+    /// Passes a whole stream, or as much of it as the receiver takes.
     pub(crate) fn put_all(mut self, stream: impl IntoIterator<Item = T>) {
         for item in stream {
             if !self.put(item) {

@@ -1,4 +1,4 @@
-//! Checks of programs: parsed, executed, and looked at whether the axes reach where they lead.
+//! Checks programs: parses and executes them, and tests whether the axes reach all positions.
 
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
@@ -11,24 +11,24 @@ use ncfix_language::exec::{Options, RapidOrder};
 use ncfix_language::syntax;
 use ncfix_path::path::Reach;
 
-/// Behind so many blocks that are not understood nothing is sure.
+/// The check stops after this number of blocks with syntax errors.
 const MOST_ERRORS: u32 = 1000;
 
-/// How far a check got.
+/// The stages that a check completed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Checked {
-    /// Whether the text was understood without an error.
+    /// True if the text was parsed without an error.
     pub(crate) parsed: bool,
-    /// Whether it was executed to its end without an error.
+    /// True if the program was executed to its end without an error.
     pub(crate) executed: bool,
-    /// What the file is where it is no program.
+    /// The kind of the file if it is not a program.
     pub(crate) support_file: Option<&'static str>,
     /// Elements of the flat stream.
     pub(crate) elements: u64,
 }
 
 impl Checked {
-    /// What a file that cannot be a program is, by its name and its first lines: there is nothing to understand for a program.
+    /// The result for a file that is not a program, by its name and its first lines; `None` if it may be a program.
     pub(crate) fn of_text(program: &Program) -> Option<Checked> {
         let kind = support_file::kind_of_text(program.source())?;
         Some(Checked { parsed: true, support_file: Some(kind), ..Checked::default() })
@@ -36,7 +36,7 @@ impl Checked {
 }
 
 impl Program {
-    /// Parses and executes the program, and looks whether the axes reach where it leads; everything that is found is reported.
+    /// Parses and executes the program, and tests whether the axes reach all positions; all findings are reported.
     ///
     /// ```
     /// use ncfix::prelude::*;

@@ -13,7 +13,7 @@ use ncfix_machine::machine::condition::{file, log};
 use ncfix_machine::machine::{Condition, Load, ZeroPose};
 use ncfix_model::Effect;
 
-/// Reads the condition into the machine, and says what the model needs and it lacks; whether it can be used.
+/// Reads the condition into the machine and reports the inputs of the model that it lacks; returns whether it can be used.
 ///
 /// # Errors
 /// Where the file cannot be read.
@@ -21,7 +21,7 @@ pub(crate) fn apply(choice: &ConditionFiles, chosen: &mut Machine, findings: &mu
     Ok(read(choice, chosen, findings)? && check(choice, chosen, &chosen.condition, findings))
 }
 
-/// Reads the condition into the machine; whether it is one.
+/// Reads the condition into the machine; returns whether it is valid.
 ///
 /// # Errors
 /// Where the file cannot be read.
@@ -61,7 +61,7 @@ pub(crate) fn read(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut
     Ok(true)
 }
 
-/// Moves to the instants that were asked for, which must lie in the log.
+/// Selects the requested times, which must be in the log.
 fn set_times(choice: &ConditionFiles, condition: &mut Condition, is_logged: bool) -> Result<(), Error> {
     let wanted = [("--time", choice.time_s), ("--zero-time", choice.zero_time_s)];
     for (option, time_s) in wanted.into_iter().filter_map(|(option, time_s)| Some((option, time_s?))) {
@@ -87,7 +87,7 @@ fn set_times(choice: &ConditionFiles, condition: &mut Condition, is_logged: bool
     Ok(())
 }
 
-/// Says what the model needs and the condition lacks; whether the condition can be used.
+/// Reports the inputs of the model that the condition lacks; returns whether the condition can be used.
 fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findings: &mut Diagnostics) -> bool {
     let sensors = chosen.errors.sensors();
     let drifting: Vec<&str> =
@@ -128,7 +128,7 @@ fn check(choice: &ConditionFiles, chosen: &Machine, condition: &Condition, findi
     true
 }
 
-/// Says where a load does not count as it stands.
+/// Reports a load that does not have its full effect as given.
 fn check_load(choice: &ConditionFiles, chosen: &Machine, findings: &mut Diagnostics) {
     let needs_load = chosen.errors.effects().any(Effect::needs_load);
     if !needs_load && choice.load.is_some() {
@@ -149,7 +149,7 @@ fn check_load(choice: &ConditionFiles, chosen: &Machine, findings: &mut Diagnost
 
 /// The first rotary axis under the table that moves the center of a load.
 fn turning(machine: &ncfix_machine::machine::Machine, loads: &[Load]) -> Option<Axis> {
-    // What is nearer changes no error that can be corrected.
+    // A smaller offset has no effect that can be corrected.
     const CENTERED_MM: f64 = 1.0;
     let is_off = |direction: &Vector| {
         loads.iter().any(|load| load.force_n > 0.0 && load.position_mm.cross(direction).norm() > CENTERED_MM)

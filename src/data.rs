@@ -28,7 +28,7 @@ pub struct DataSet {
     name: String,
     table: Source,
     description: Source,
-    /// What a control recorded beside a trace.
+    /// The data that a control recorded together with a trace.
     control: Option<Source>,
     pub(crate) is_held_out: bool,
 }
@@ -91,7 +91,7 @@ impl DataSet {
         Ok(DataSet { name: name.to_owned(), table, description, control: None, is_held_out: false })
     }
 
-    /// The same as a judge: it is not used to find anything, but says how good what was found is.
+    /// Adds a data set for validation: it is not used in the search, only to evaluate the result.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -118,7 +118,7 @@ impl DataSet {
         &self.name
     }
 
-    /// What is wrong with it on a machine: unknown keys, missing columns, cells that are no numbers, rows outside the travel.
+    /// Checks the data against a machine: unknown keys, missing columns, cells that are not numbers, rows outside the travel.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -134,7 +134,7 @@ impl DataSet {
         found
     }
 
-    /// What it is on a machine; `None` where diagnostics forbid to use it. `number` tells measurements apart.
+    /// The measurement on a machine; `None` if there are errors. `number` identifies the measurement.
     pub(crate) fn measurement(
         &self,
         number: usize,

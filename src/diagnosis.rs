@@ -10,7 +10,7 @@ use ncfix_metrology::results::extended::Extended;
 use ncfix_metrology::results::measurement::Purpose;
 use ncfix_metrology::results::readings::ShownReadings;
 
-/// What is asked of a diagnosis.
+/// Options of a diagnosis.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -25,8 +25,8 @@ pub struct DiagnosisOptions {
     pub machine_text: Option<String>,
 }
 
-/// What the error model of a machine lacks, the largest first, each cause with its evidence, what it gains on readings that were not seen, and whether it can
-/// be corrected; and what is left.
+/// The causes that the error model of a machine lacks, the largest first, each with its evidence, its gain on validation readings, and whether it can
+/// be corrected; and the residual.
 ///
 /// ```
 /// use ncfix::prelude::*;

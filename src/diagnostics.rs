@@ -7,13 +7,13 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place, Severity};
 use ncfix_base::source::{Source, Span};
 use ncfix_report::{json, terminal};
 
-/// Diagnostics kept. A program with a fault in every block is understood after fewer; memory stays bounded.
+/// Diagnostics kept. A program with an error in every block is clear after fewer; memory stays bounded.
 const MOST_KEPT: usize = 1000;
 
 /// Diagnostics drawn.
 const MOST_DRAWN: usize = 50;
 
-/// Faults drawn of a file that reads like another language.
+/// Number of errors drawn for a file that is probably in another language.
 const MOST_MISREAD: usize = 3;
 
 /// Diagnostics of which there may be several in one line: those about a file as a whole, and words of one block.
@@ -27,10 +27,10 @@ const ABOUT_FILES: &[Code] = &[
     Code::OTHER_ACT,
 ];
 
-/// What makes two findings the same: one in a loop is met again with every pass. Without a place the message decides.
+/// The identity of a finding, used to report it once although a loop meets it in every pass. Without a place the message is the identity.
 type Identity = (Code, String, Option<Place>);
 
-/// Diagnostics of a run, each once, in the order in which they were met; at most a thousand are kept.
+/// Diagnostics of a run, each once, in order of occurrence; at most a thousand are kept.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -48,7 +48,7 @@ pub struct Diagnostics {
     errors: usize,
     warnings: usize,
     has_language_error: bool,
-    /// What helps with the first error in the language of a file, by the name of the file.
+    /// The help for the first syntax error of a file, by file name.
     hints: HashMap<String, Hint>,
     /// The hints that were of use: files that turned out to be in another language.
     misread: BTreeMap<String, Hint>,
@@ -109,7 +109,7 @@ impl<'a> Located<'a> {
         self.diagnostic.severity()
     }
 
-    /// What was found, with numbers and units.
+    /// The message, with numbers and units.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -123,7 +123,7 @@ impl<'a> Located<'a> {
         &self.diagnostic.message
     }
 
-    /// What to do about it.
+    /// The suggested action.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -209,13 +209,12 @@ impl fmt::Display for Located<'_> {
     }
 }
 
-/// What to say where a file turns out not to be in the language that it was read in.
+/// The message for a file that is not in the language in which it was read.
 #[derive(Clone, Debug)]
 pub(crate) struct Hint {
-    /// What to try.
+    /// The suggested action.
     pub(crate) help: String,
-    /// What the file reads like and why it was read otherwise, for all of its faults at once; `None` where a person has chosen the
-    /// language, and means it.
+    /// The language that the file resembles and the reason why another was used, for all errors of the file; `None` if the user chose the language.
     pub(crate) sentence: Option<String>,
 }
 
@@ -277,7 +276,7 @@ impl Diagnostics {
         self.kept.iter().find(|(diagnostic, _)| diagnostic.code == code)
     }
 
-    /// Whether anything forbids output.
+    /// True if there is an error, so that no output is written.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -288,12 +287,12 @@ impl Diagnostics {
         self.errors > 0
     }
 
-    /// Whether an error is about the language of a program: it was not understood.
+    /// True if there is a syntax error.
     pub(crate) fn has_language_errors(&self) -> bool {
         self.has_language_error
     }
 
-    /// Whether nothing was found.
+    /// True if there are no findings.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -304,7 +303,7 @@ impl Diagnostics {
         self.kept.is_empty()
     }
 
-    /// How many are kept.
+    /// The number of findings that are kept.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -327,7 +326,7 @@ impl Diagnostics {
         self.kept.iter().map(|(diagnostic, source)| Located { diagnostic, source: source.as_ref() })
     }
 
-    /// Those that forbid output.
+    /// The errors, which prevent output.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -360,7 +359,7 @@ impl Diagnostics {
         errors.map(move |(one, source)| (one.code, line(one, source)))
     }
 
-    /// Whether so many errors were met that more would help nobody.
+    /// True if the limit of errors is reached, after which the work stops.
     pub(crate) fn is_hopeless(&self) -> bool {
         self.errors >= MOST_KEPT
     }
@@ -375,7 +374,7 @@ impl Diagnostics {
         self.kept.iter().map(|(diagnostic, source)| json::Finding::new(diagnostic, source.as_ref())).collect()
     }
 
-    /// The drawing of the first findings, errors before warnings (or alone), each group in the order in which it was met.
+    /// The drawing of the first findings, errors before warnings (or alone), each group in order of occurrence.
     pub(crate) fn drawing(&self, colors: terminal::Colors, with_warnings: bool) -> String {
         let mut shown: Vec<&(Diagnostic, Option<Source>)> = self.kept.iter().collect();
         shown.retain(|(diagnostic, _)| with_warnings || diagnostic.is_error());
@@ -422,7 +421,7 @@ impl Diagnostics {
     }
 }
 
-/// Whether a finding says that the text of a program breaks the rules of its language.
+/// True if the finding is a syntax error of a program.
 fn is_of_text(diagnostic: &Diagnostic) -> bool {
     diagnostic.is_error() && matches!(diagnostic.code.as_str().get(..3), Some("E01" | "E02"))
 }

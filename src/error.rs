@@ -24,7 +24,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 pub struct Error {
     message: String,
     diagnostics: Box<Diagnostics>,
-    /// Whether nothing is wrong but that the reader of standard output went away.
+    /// True if the only cause is that the reader of standard output closed it.
     is_reader_gone: bool,
 }
 
@@ -63,7 +63,7 @@ impl Error {
         Error { is_reader_gone, ..Error::usage(format!("cannot write to standard output: {error}")) }
     }
 
-    /// Whether nothing is wrong but that the reader of standard output went away.
+    /// True if the only cause is that the reader of standard output closed it.
     pub(crate) fn is_reader_gone(&self) -> bool {
         self.is_reader_gone
     }
@@ -93,7 +93,7 @@ impl Error {
         self.diagnostics.errors().next().map(|one| one.code())
     }
 
-    /// What was found, warnings too; empty where a file cannot be read or an argument is wrong.
+    /// The findings, including warnings; empty if a file cannot be read or an argument is wrong.
     ///
     /// ```
     /// # use ncfix::prelude::*;

@@ -1,6 +1,6 @@
-//! What an extension from another crate is written with: one module for each kind of thing that a [`Registry`](crate::Registry) takes.
+//! Items for an extension in another crate: one module for each kind of item that a [`Registry`](crate::Registry) takes.
 //!
-//! `docs/extending.md` of the project says what each has to do; `examples/own_error_source.rs` and `examples/own_cause.rs` are whole programs.
+//! `docs/extending.md` of the project describes the requirements; `examples/own_error_source.rs` and `examples/own_cause.rs` are complete programs.
 
 /// Sources of error with sections of the machine file, and kinds of motion errors.
 pub mod source {
@@ -21,7 +21,7 @@ pub mod source {
     pub use ncfix_model::{Accumulator, Effect, ErrorModel, ErrorSource, SourceInfo};
 }
 
-/// Causes that a diagnosis looks for.
+/// Causes that a diagnosis searches for.
 pub mod cause {
     pub use ncfix_base::geometry::Axis;
     pub use ncfix_machine::machine::edit::Given;

@@ -32,13 +32,13 @@ pub struct Machine {
     pub(crate) machine: ncfix_machine::machine::Machine,
     /// Its errors.
     pub(crate) errors: ErrorModel,
-    /// What its file may say, and what is looked for in its measurements.
+    /// The registry: the keys that the machine file may use, and the causes that are searched in its measurements.
     pub(crate) registry: Arc<Registry>,
     /// Its condition.
     pub(crate) condition: Condition,
-    /// Hash of what was said of its condition; `None` where nothing was.
+    /// Hash of the given condition; `None` if none was given.
     pub(crate) state: Option<String>,
-    /// Whether it is the embedded demo machine because no other was found.
+    /// True if this is the embedded demo machine, used because no other was found.
     pub(crate) is_demo: bool,
     /// Hash of machine file and set-up file, 12 hexadecimal digits.
     pub(crate) hash: String,
@@ -58,13 +58,13 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where a file cannot be read, or diagnostics forbid to use it.
+    /// Where a file cannot be read or has errors.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Machine, Error> {
         Machine::from_files(path, &[])
     }
 
-    /// The same with set-up files of a job, whose zero offsets and tools override those of the machine file: TOML, or data as a control saves them; the
-    /// last one wins.
+    /// Opens a machine with set-up files of a job, whose zero offsets and tools override those of the machine file: TOML, or data saved by a control.
+    /// A later file overrides an earlier one.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -80,7 +80,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where a file cannot be read, or diagnostics forbid to use it.
+    /// Where a file cannot be read or has errors.
     pub fn from_files(path: impl AsRef<Path>, setups: &[PathBuf]) -> Result<Machine, Error> {
         Machine::read(path.as_ref(), setups, &Registry::default())
     }
@@ -97,7 +97,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where a file cannot be read, or diagnostics forbid to use it.
+    /// Where a file cannot be read or has errors.
     pub fn from_file_with(path: impl AsRef<Path>, registry: &Registry) -> Result<Machine, Error> {
         Machine::read(path.as_ref(), &[], registry)
     }
@@ -118,7 +118,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where diagnostics forbid to use it, or where it names tables in files as active.
+    /// Where the text has errors, or names table files as active.
     pub fn from_text(name: &str, text: &str) -> Result<Machine, Error> {
         Machine::from_text_with(name, text, &Registry::default())
     }
@@ -134,7 +134,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where diagnostics forbid to use it, or where it names tables in files as active.
+    /// Where the text has errors, or names table files as active.
     pub fn from_text_with(name: &str, text: &str, registry: &Registry) -> Result<Machine, Error> {
         let too_large = |_| Error::usage(format!("{name} is too large"));
         let source = Source::new(FileId(0), name, text.as_bytes().to_vec()).map_err(too_large)?;
@@ -142,8 +142,7 @@ impl Machine {
         machine_file::of_text(&source, registry, &mut found)?.ok_or_else(|| Error::found(found))
     }
 
-    /// The machine that is built in for trying things out: three axes, made-up errors. What is corrected for it is good for looking at, not for
-    /// cutting.
+    /// The built-in machine for trials: three axes, invented errors. Programs corrected for it are for inspection, not for cutting.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -170,7 +169,7 @@ impl Machine {
         &self.machine.name
     }
 
-    /// What its file may say, and what is looked for in its measurements.
+    /// The registry: the keys that the machine file may use, and the causes that are searched in its measurements.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -222,7 +221,7 @@ impl Machine {
         }
     }
 
-    /// What each source of error does at a pose; as for [`deviation`](Self::deviation).
+    /// The deviation by each error source at a pose, in the frame and units of [`deviation`](Self::deviation).
     pub(crate) fn shares(&self, pose: &AxisVector, tool: ToolVector, state: &State) -> ErrorShares {
         let tool_mm = tool.vector_mm(&self.machine);
         ErrorShares::new(&self.machine, &self.errors, &self.condition, pose, &tool_mm, state)

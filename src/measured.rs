@@ -12,8 +12,8 @@ use ncfix_metrology::measure::reading::Readings;
 use ncfix_metrology::results::corrected::{CorrectedReadings, ReadingCorrection};
 use ncfix_model::Solve;
 
-/// Writes a table of readings of a machine in its condition to a file, with corrected positions; `None` where findings forbid it. Corrections that are larger are
-/// refused. `progress` hears the share that is done.
+/// Writes a table of readings of a machine in its condition to a file, with corrected positions; `None` if there are errors. Larger corrections are
+/// refused. `progress` receives the share that is done.
 ///
 /// # Errors
 /// Where the file cannot be written.

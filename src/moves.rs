@@ -45,7 +45,7 @@ impl<'m> Elements<'m> {
         Elements { running, found }
     }
 
-    /// What was found so far, warnings too.
+    /// The findings so far, including warnings.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -83,7 +83,7 @@ impl<'m> Elements<'m> {
 impl Iterator for Elements<'_> {
     type Item = Result<Element, Error>;
 
-    /// The next element. After an error the program goes on, so that one run shows all of them.
+    /// The next element. After an error the program continues, so that one run reports all errors.
     fn next(&mut self) -> Option<Self::Item> {
         loop {
             match self.running.next()? {
@@ -117,7 +117,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the program is not understood or cannot be executed to its end, or `out` refuses the text.
+    /// Where the program cannot be parsed or cannot be executed to its end, or `out` refuses the text.
     pub fn write_moves(&self, machine: &Machine, out: &mut dyn Write) -> Result<(), Error> {
         let mut found = Diagnostics::default();
         if let Some(flat) = FlatText::of(self, machine, None, &mut found)?.filter(|_| !found.has_errors()) {
@@ -135,7 +135,7 @@ pub(crate) struct FlatText<'a> {
 }
 
 impl<'a> FlatText<'a> {
-    /// Parses the program; `None` where findings forbid to execute it.
+    /// Parses the program; `None` if there are errors.
     ///
     /// # Errors
     /// Where the dialect does not exist.
@@ -185,12 +185,12 @@ impl<'a> FlatText<'a> {
     }
 }
 
-/// Whether a program is a flat stream already.
+/// True if a program is already a flat stream.
 pub(crate) fn is_flat(program: &Program) -> bool {
     program.bytes().starts_with(HEAD.as_bytes())
 }
 
-/// Reads a flat stream in its text form and writes it again; `None` where findings forbid it.
+/// Reads a flat stream in its text form and writes it again; `None` if there are errors.
 pub(crate) fn written_again(program: &Program, machine: &Machine, found: &mut Diagnostics) -> Option<Vec<u8>> {
     let (source, machine) = (program.source(), &machine.machine);
     let text = String::from_utf8_lossy(source.bytes());

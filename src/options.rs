@@ -22,7 +22,7 @@ const SAMPLE_MM: f64 = 1.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum DialectChoice {
-    /// That of the machine's control, else what the name of the file or its first lines tell.
+    /// That of the machine's control, or else the one detected from the file name or the first lines.
     #[default]
     Guess,
     /// Siemens Sinumerik 840D, 828D.
@@ -36,7 +36,7 @@ pub enum DialectChoice {
 }
 
 impl DialectChoice {
-    /// Its name, `None` where it is guessed.
+    /// Its name; `None` for `Guess`.
     ///
     /// ```
     /// # use ncfix::prelude::*;
@@ -66,7 +66,7 @@ impl FromStr for DialectChoice {
     }
 }
 
-/// How a program is read and executed.
+/// Options for reading and executing a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Reading {
     /// Name of the dialect; without it that of the machine file, then by file name and content.
@@ -94,7 +94,7 @@ pub(crate) struct ConditionFiles {
     pub(crate) load: Option<Load>,
 }
 
-/// What becomes of radius compensation (G41, G42) in a corrected program.
+/// Handling of radius compensation (G41, G42) in a corrected program.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -114,7 +114,7 @@ pub enum Compensation {
     Wear(f64),
 }
 
-/// How a program is corrected. `Options::default()` is what `ncfix fix` does without options.
+/// Options of a correction. `Options::default()` gives the options of `ncfix fix` without arguments.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -131,23 +131,23 @@ pub struct Options {
     pub tolerance_mm: f64,
     /// Fixed step along the leading axis instead of subdivision by tolerance, mm.
     pub step_mm: Option<f64>,
-    /// What becomes of arcs.
+    /// Handling of arcs.
     pub arcs: Arcs,
-    /// What becomes of rapid moves.
+    /// Handling of rapid moves.
     pub rapids: Rapids,
-    /// What the emitted coordinates relate to. [`FiveAxis::Axes`] implies machine coordinates.
+    /// The frame of the written coordinates. [`FiveAxis::Axes`] implies machine coordinates.
     pub frame: OutputFrame,
-    /// What becomes of five-axis transformations.
+    /// Handling of five-axis transformations.
     pub five_axis: FiveAxis,
-    /// Whether rotary axes take part in the correction.
+    /// Participation of rotary axes in the correction.
     pub rotary: Rotary,
     /// Smallest increment of linear axes in the output, mm; `None`: that of the machine file.
     pub increment_mm: Option<f64>,
     /// Larger corrections are refused, mm.
     pub max_correction_mm: f64,
-    /// What becomes of radius compensation.
+    /// Handling of radius compensation.
     pub compensation: Compensation,
-    /// Feeds are lowered where the axes would leave the tool farther off its path than this, mm; needs `[servo]` in the machine file.
+    /// The feed is lowered where the path deviation of the axes would exceed this, mm; needs `[servo]` in the machine file.
     pub feed_limit_mm: Option<f64>,
     /// Threads to work in, 1 to 3; `None`: as many as help. The output does not depend on it.
     pub threads: Option<usize>,
@@ -175,7 +175,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// The same for the corrector.
+    /// The options of the corrector.
     pub(crate) fn of_path(&self) -> path::Options {
         path::Options {
             tolerance_mm: self.tolerance_mm,

@@ -1,4 +1,4 @@
-//! Plans of measurements: rows, the program that runs them, and what they tell of a model.
+//! Measurement plans: rows, the program that runs them, and the parameters of a model that they determine.
 
 use std::path::PathBuf;
 
@@ -11,40 +11,40 @@ use ncfix_metrology::measure::plan::{PlanKind, Wishes, table};
 use ncfix_metrology::results::planned::{PlanResult, has_reading, judge};
 use ncfix_path::emit::flat;
 
-/// What plan is wanted.
+/// The request for a plan.
 #[derive(Clone, Debug)]
 pub(crate) struct PlanRequest<'a> {
     /// The kind of measurement.
     pub(crate) kind: &'static PlanKind,
-    /// What of it is wished.
+    /// The options of the plan.
     pub(crate) wishes: &'a Wishes,
-    /// Whether a seed was given.
+    /// True if a seed was given.
     pub(crate) is_seeded: bool,
-    /// A preset or a file of the parameters that it shall tell.
+    /// A preset or a file with the parameters that the plan is to determine.
     pub(crate) model: Option<&'a str>,
-    /// Measurements and plans that are there already: their tables.
+    /// Tables of existing measurements and plans.
     pub(crate) with: &'a [PathBuf],
     /// Poses that are added for the model.
     pub(crate) more: usize,
-    /// Whether a program is wanted.
+    /// True if a program is to be written.
     pub(crate) has_program: bool,
 }
 
 /// A plan as it is written.
 #[derive(Clone, Debug)]
 pub(crate) struct MadePlan {
-    /// What it is and tells.
+    /// The result.
     pub(crate) result: PlanResult,
     /// The table of poses.
     pub(crate) table: String,
     /// Its description.
     pub(crate) description: String,
-    /// The program that runs the poses, where one is wanted.
+    /// The program that runs the poses, if requested.
     pub(crate) program: Option<Vec<u8>>,
 }
 
 impl PlanRequest<'_> {
-    /// Makes the plan; `None` where findings forbid it.
+    /// Makes the plan; `None` if there are errors.
     ///
     /// # Errors
     /// Where there is no such plan on this machine, a file cannot be read, or the plan cannot be asked about the model.
@@ -75,8 +75,8 @@ impl PlanRequest<'_> {
     }
 }
 
-/// Measurements and plans that are there already; `None` where one is no such thing. Empty cells of a measurement say nothing, a table without any
-/// reading is a plan.
+/// Existing measurements and plans; `None` if a table is neither. Empty cells of a measurement are missing readings; a table without any reading is a
+/// plan.
 fn others(tables: &[PathBuf], chosen: &Machine, found: &mut Diagnostics) -> Result<Option<Vec<DataSet>>, Error> {
     let machine = &chosen.machine;
     let mut out = Vec::new();

@@ -35,7 +35,7 @@ pub struct Program {
 }
 
 impl Program {
-    /// A program from memory, in a language that is named or guessed. It has no subprograms but its own: no file is read.
+    /// A program from memory, in the given language or a detected one. It has only its own subprograms: no file is read.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -46,7 +46,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the text is not understood; all diagnostics are in the error.
+    /// Where the text cannot be parsed; all diagnostics are in the error.
     pub fn parse(name: &str, text: impl Into<Vec<u8>>, dialect: DialectChoice) -> Result<Program, Error> {
         let too_large = |_| Error::usage(format!("{name} is too large"));
         let source = Source::new(FileId(0), name, text.into()).map_err(too_large)?;
@@ -65,7 +65,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the file cannot be read or its text is not understood.
+    /// Where the file cannot be read or its text cannot be parsed.
     pub fn from_file(path: impl AsRef<Path>, dialect: DialectChoice) -> Result<Program, Error> {
         let path = path.as_ref();
         Program::new(run::read(path)?, path, Reading::default()).parsed(dialect)
@@ -76,7 +76,7 @@ impl Program {
         Program { source, reading, subprograms: Subprograms::of(path) }
     }
 
-    /// The program, where it is understood.
+    /// The program, if it can be parsed.
     fn parsed(mut self, dialect: DialectChoice) -> Result<Program, Error> {
         self.reading.dialect = dialect.name().map(str::to_owned);
         let mut found = Diagnostics::default();
@@ -84,7 +84,8 @@ impl Program {
         if opened.is_some() { Ok(self) } else { Err(Error::found(found)) }
     }
 
-    /// Says where the axes are before the first block, in machine coordinates, mm and rad: for programs that begin with an incremental move or an arc.
+    /// Sets the axis positions before the first block, in machine coordinates, mm and rad: for programs that begin with an incremental move or an
+    /// arc.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -159,7 +160,7 @@ impl Program {
         self.source.bytes()
     }
 
-    /// The program as it will be corrected for a machine; nothing is executed yet. See [`Correction`].
+    /// The correction of the program for a machine; nothing is executed yet. See [`Correction`].
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -175,8 +176,8 @@ impl Program {
         Correction::new(self, machine, options)
     }
 
-    /// The flat stream of the program: moves, dwells, tool and auxiliary words, without calls, loops, frames or cycles. Lazy: a program that never
-    /// ends can be looked at.
+    /// The flat stream of the program: moves, dwells, tool and auxiliary words, without calls, loops, frames or cycles. It is lazy, so an endless
+    /// program is possible.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -194,7 +195,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the program is not understood; the stream says what is met while it runs.
+    /// Where the program cannot be parsed; errors during execution are in the stream.
     pub fn moves<'m>(&self, machine: &'m Machine) -> Result<Elements<'m>, Error> {
         let mut found = Diagnostics::default();
         match self.open(Some(machine), &mut found)?.filter(|_| !found.has_errors()) {
@@ -206,7 +207,7 @@ impl Program {
         }
     }
 
-    /// Whether the program carries the stamp of a correction, which is a finding.
+    /// True if the program has the stamp of a correction, which is reported as a finding.
     pub(crate) fn was_corrected_before(&self, found: &mut Diagnostics) -> bool {
         let is_stamped = emit::is_stamped(self.bytes());
         if is_stamped {
@@ -220,23 +221,23 @@ impl Program {
         &self.source
     }
 
-    /// How it is read.
+    /// The options for reading it.
     pub(crate) fn reading(&self) -> &Reading {
         &self.reading
     }
 
-    /// Another text in its place.
+    /// The same program with another text.
     pub(crate) fn with_source(&self, source: Source) -> Program {
         Program { source, ..self.clone() }
     }
 
-    /// The same without a limit of its own.
+    /// The program without its own block limit.
     pub(crate) fn without_block_limit(mut self) -> Program {
         self.reading.max_blocks = None;
         self
     }
 
-    /// Parses it; `None` where it was not understood, which findings say.
+    /// Parses it; `None` if it has syntax errors, which are among the findings.
     ///
     /// # Errors
     /// Where the dialect does not exist.
@@ -244,7 +245,7 @@ impl Program {
         run::open(&self.source, &self.subprograms, &self.reading, machine, found)
     }
 
-    /// Starts what was parsed.
+    /// Starts the parsed program.
     pub(crate) fn start_as<'m>(
         &self,
         opened: Opened,

@@ -1,4 +1,4 @@
-//! Corrections in the cycle of a control: a kernel that is renewed with the condition of a machine, for set-points as text or in shared memory.
+//! Corrections in the cycle of a control: a kernel that is updated with the condition of a machine, for set-points as text or in shared memory.
 
 use std::fs::{self, File};
 use std::io::{BufReader, Read, Write};
@@ -21,26 +21,26 @@ use ncfix_tables::realtime::{
 };
 use ncfix_tables::results::realtime::KernelResult;
 
-/// Where memory that has a name is found on Linux.
+/// The folder of named shared memory on Linux.
 const SHARED: &str = "/dev/shm";
 
-/// Who is told what forbids to renew a kernel.
+/// Reports the findings that prevent the update of a kernel.
 pub(crate) type Complain = fn(&Diagnostics);
 
-/// Ready for set-points.
+/// A correction that is ready for set-points.
 pub(crate) struct RealtimeCorrection {
     cycle: Cycle,
     axes: AxisSet,
-    /// What is to be known of the kernel.
+    /// The properties of the kernel.
     pub(crate) kernel: KernelResult,
-    /// What was answered.
+    /// The counts of the answers.
     pub(crate) counts: CycleCounts,
-    /// Renews the kernel as long as this lives.
+    /// Updates the kernel until it is dropped.
     _updater: Updater,
 }
 
 impl RealtimeCorrection {
-    /// Makes a kernel for a machine in its condition, which is read again in every period; `None` where findings forbid it.
+    /// Makes a kernel for a machine in its condition, which is read again in every period; `None` if there are errors.
     pub(crate) fn new(
         machine: Machine,
         recipe: KernelRecipe,
@@ -59,7 +59,7 @@ impl RealtimeCorrection {
         Some(RealtimeCorrection { cycle, axes, kernel: result, counts: CycleCounts::default(), _updater: updater })
     }
 
-    /// Answers the lines of a text, each at once or those that came together at once; what in it is no set-point ends it.
+    /// Answers the lines of a text, each immediately, or those that arrive together at once; a line that is not a set-point ends it.
     ///
     /// # Errors
     /// Where it cannot be read or an answer cannot be written.
@@ -94,7 +94,7 @@ impl RealtimeCorrection {
                 write!(out, "{value:.4},")
             });
             let written = written.and_then(|()| writeln!(out, "{}", answer.signals.words()));
-            // Who writes line by line gets every answer at once; who writes many at once gets theirs together.
+            // A sender of single lines gets every answer immediately; a sender of several lines gets the answers together.
             let written = if lines.has_more() { written } else { written.and_then(|()| out.flush()) };
             written.map_err(failed)?;
         }
@@ -102,7 +102,7 @@ impl RealtimeCorrection {
         Ok(None)
     }
 
-    /// Rings of so many records in a file.
+    /// Opens the rings in a file, each with `records` records.
     ///
     /// # Errors
     /// Where they cannot be made.
@@ -115,7 +115,7 @@ impl RealtimeCorrection {
         serve(ring, &mut self.cycle, &mut self.counts, is_over)
     }
 
-    /// What is said where a control goes over the end of a ring of so many records.
+    /// The finding for a control that writes past the end of a ring with `records` records.
     pub(crate) fn overrun(&self, overrun: Overrun, records: u64) -> Diagnostic {
         let what = match overrun {
             Overrun::SetPoints(count) => format!("the control wrote {count} set-points into a ring of {records}"),
@@ -133,17 +133,17 @@ impl RealtimeCorrection {
     }
 }
 
-/// The file of rings in shared memory, which goes when this goes.
+/// The file of rings in shared memory, which is removed when this is dropped.
 pub(crate) struct RingFile {
     file: File,
     path: PathBuf,
 }
 
 impl RingFile {
-    /// A new file: a name in the memory that has names, or a path with a separator.
+    /// A new file: a name in the shared memory, or a path with a separator.
     ///
     /// # Errors
-    /// Where it cannot be made, or is there already.
+    /// Where it cannot be made, or exists already.
     pub(crate) fn create(name: &str) -> Result<RingFile, Error> {
         let path = if name.contains(['/', '\\']) { PathBuf::from(name) } else { PathBuf::from(SHARED).join(name) };
         let file = File::options().read(true).write(true).create_new(true).open(&path);
@@ -157,7 +157,7 @@ impl RingFile {
         Ok(RingFile { file, path })
     }
 
-    /// Where it is.
+    /// Its path.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
@@ -165,12 +165,12 @@ impl RingFile {
 
 impl Drop for RingFile {
     fn drop(&mut self) {
-        // Somebody else may have removed it; either way it is gone.
+        // Another process may have removed it already.
         let _ = fs::remove_file(&self.path);
     }
 }
 
-/// A kernel for the condition of a machine; `None` where findings forbid it.
+/// A kernel for the condition of a machine; `None` if there are errors.
 fn make(recipe: &KernelRecipe, machine: &Machine, found: &mut Diagnostics) -> Option<(Kernel, Agreement)> {
     let mut own = Vec::new();
     let made = recipe.make(&machine.machine, &machine.model(), &mut own);
@@ -178,7 +178,7 @@ fn make(recipe: &KernelRecipe, machine: &Machine, found: &mut Diagnostics) -> Op
     made
 }
 
-/// Reads the condition again in every period, in a thread of its own. What cannot be used is said, and the kernel in force stays.
+/// Reads the condition again in every period, in a separate thread. An unusable condition is reported, and the kernel in use stays.
 fn renew(
     publisher: Publisher,
     period: Duration,
@@ -205,7 +205,7 @@ fn renew(
             found.add(not_renewed(&why), &[]);
             complain(&found);
         }
-        // What was refused is not tried again until the state changes.
+        // A refused condition is not tried again until the state changes.
         last.clone_from(&machine.state);
         made.map(|(kernel, _)| kernel)
     })

@@ -1,11 +1,11 @@
-//! Refuses programs that are not what the machine file says: those of lathes, and of controls whose language is not read.
+//! Refuses programs that do not match the machine file: those of lathes, and of controls whose language is not supported.
 
 use crate::machine::Machine;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::{Dialect, Mark};
 
-/// Why a program must not be read in a dialect.
+/// The reason why a program must not be read in a dialect.
 pub(crate) fn refusal(source: &Source, dialect: &Dialect, chosen: Option<&Machine>) -> Option<Diagnostic> {
     let bytes = source.bytes();
     if let Some(found) = ncfix_dialect::foreign(bytes) {
@@ -29,7 +29,7 @@ pub(crate) fn refusal(source: &Source, dialect: &Dialect, chosen: Option<&Machin
     Some(Diagnostic::at(Code::LATHE_PROGRAM, line_at(source, first.at), message, help))
 }
 
-/// The line that begins at a place, without its end.
+/// The line that begins at a position, without its line end.
 fn line_at(source: &Source, at: usize) -> Place {
     let rest = source.bytes().get(at..).unwrap_or_default();
     let length = rest.iter().take_while(|byte| !matches!(byte, b'\n' | b'\r')).count();

@@ -32,7 +32,7 @@ pub struct Registry {
     pub instruments: Instruments,
     /// Kinds of faults of the data.
     pub checks: Checks,
-    /// Causes that a diagnosis looks for.
+    /// Causes that a diagnosis searches for.
     pub causes: Causes,
     /// Formats of compensation tables.
     pub formats: Formats,
@@ -42,7 +42,7 @@ pub struct Registry {
     pub links: Links,
     /// Dialogues that links may name.
     pub protocols: Protocols,
-    /// What gives the dialect of a file away.
+    /// The detectors of the dialect of a file.
     pub detectors: Detectors,
     /// Kinds of sources of live readings.
     pub sensor_sources: SensorSources,
@@ -259,7 +259,7 @@ impl Registry {
     }
 
     /// Adds a kind of source of live readings: `kind = "…"` of a sensor file. [`sensors::from_text`](crate::sensors::from_text) takes the register;
-    /// `examples/feed_with_own_sensor.rs` is a whole program.
+    /// `examples/feed_with_own_sensor.rs` is a complete program.
     ///
     /// ```
     /// use ncfix::extend::sensor::{Plan, Section, SensorSource, Wanted};

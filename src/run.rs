@@ -23,10 +23,10 @@ use ncfix_machine::machine::file::nearest;
 use ncfix_machine::snc::{Element, Kind};
 use ncfix_path::emit;
 
-/// Blocks executed in search of further findings in a program that was not understood.
+/// Blocks executed in search of further findings in a program with syntax errors.
 const BLOCKS_IN_SEARCH: u64 = 100_000;
 
-/// A program that was understood.
+/// A program that was parsed.
 pub(crate) struct Opened {
     /// Its bytes.
     pub(crate) source: Source,
@@ -36,7 +36,7 @@ pub(crate) struct Opened {
     pub(crate) dialect: &'static Dialect,
 }
 
-/// Parses the program in `source`; `None` where it was not understood, which findings say.
+/// Parses the program in `source`; `None` if it has syntax errors, which are among the findings.
 ///
 /// # Errors
 /// Where the dialect does not exist.
@@ -66,7 +66,7 @@ pub(crate) fn open(
     }
     if let Some(other) = ncfix_dialect::guess(source.name(), source.bytes()).filter(|other| other.name != dialect.name)
     {
-        // Where the program is understood all the same nothing is said.
+        // Nothing is reported if the program can be parsed nevertheless.
         let help =
             format!("the file reads like {}: try --dialect {} and a machine file of it", other.title, other.name);
         let sentence = format!(
@@ -86,7 +86,7 @@ pub(crate) fn open(
     let is_understood = !found.iter().any(Diagnostic::is_error);
     findings.extend(found, std::slice::from_ref(source));
     if let (false, Some(chosen)) = (is_understood, chosen) {
-        // What is not supported yet should come up in the same run; anything else may only follow from the faulty blocks.
+        // Unsupported functions should be reported in the same run; other findings may only be consequences of the blocks with errors.
         let options = Options { max_blocks: Some(BLOCKS_IN_SEARCH), ..Options::default() };
         let execution = Execution::new(program, &chosen.machine, Box::new(NoLibrary), options);
         let unsupported = execution.filter_map(Result::err).filter(|found| found.code == Code::NOT_SUPPORTED);
@@ -97,10 +97,10 @@ pub(crate) fn open(
     Ok(is_understood.then(|| Opened { source: source.clone(), program, dialect }))
 }
 
-/// Where the subprograms of a program come from.
+/// The source of the subprograms of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Subprograms {
-    /// From nowhere: the program is alone.
+    /// None: the program is alone.
     None,
     /// From the disk: the folders of the program in this file, if it is in one, and those of the machine file.
     Disk(Option<PathBuf>),
@@ -132,9 +132,8 @@ fn library_of(subprograms: &Subprograms, search_path: &[String]) -> (Box<dyn Lib
     (Box::new(library), loaded)
 }
 
-/// The dialect: the option, then the machine file, then file name and content. The demo machine was not chosen by anybody,
-/// so its dialect is the last resort.
-/// The second value says why it is this one.
+/// The dialect: the option, then the machine file, then file name and content. The demo machine was not chosen by the user, so its dialect is the
+/// last resort. The second value is the reason for the choice.
 pub(crate) fn resolve(
     name: Option<&str>,
     chosen: Option<&Machine>,
@@ -164,8 +163,8 @@ pub(crate) fn resolve(
         .unwrap_or_else(|| (ncfix_dialect::sinumerik(), "as nothing says otherwise".to_owned())))
 }
 
-/// The output keeps the unit of the program: G20 or G21 outlives it on these controls, and a Fanuc reads its offsets by it. With `is_sent`
-/// line by line only a Fanuc's does.
+/// The output keeps the unit of the program: on these controls G20 or G21 remains active after the program, and a Fanuc interprets its offsets in
+/// that unit. With `is_sent`, line by line, only a Fanuc keeps it.
 pub(crate) fn keep_unit(
     source: &Source,
     dialect: &Dialect,
@@ -181,7 +180,7 @@ pub(crate) fn keep_unit(
     control.output_inch = last_unit(source.bytes()).or_else(|| last_unit(control.iso.startup_code.as_bytes()));
 }
 
-/// Whether the last G20 or G21 outside of comments is G20.
+/// True if the last G20 or G21 outside of comments is G20.
 fn last_unit(bytes: &[u8]) -> Option<bool> {
     let (mut found, mut at) = (None, 0);
     while let Some(&byte) = bytes.get(at) {
@@ -219,15 +218,15 @@ pub(crate) fn read(path: &Path) -> Result<Source, Error> {
     files::read(path, FileId(0), "program")
 }
 
-/// Whether a program lies in an archive of the control.
+/// True if a program is in an archive of the control.
 pub(crate) fn is_in_archive(path: &Path) -> bool {
     path.ancestors().any(|ancestor| ancestor.is_file() && archive::is_archive(ancestor))
 }
 
-/// Who is told how far a program is while it runs.
+/// Receives the progress of a program while it runs.
 pub(crate) trait Watch {
-    /// So many blocks were executed, and the current one starts at byte `offset` of the `length` of the main program; without an offset it is
-    /// in a subprogram.
+    /// Called after `blocks` blocks; the current block starts at byte `offset` of the `length` bytes of the main program, or is in a subprogram if
+    /// there is no offset.
     fn note(&mut self, blocks: u64, offset: Option<u32>, length: usize);
     /// The program has ended.
     fn end(&mut self);
@@ -243,7 +242,7 @@ pub(crate) struct Running<'a> {
 }
 
 impl<'a> Running<'a> {
-    /// Starts a program. A program that leaves wear to the control is read with the radius that its registers have: none.
+    /// Starts a program. A program that leaves wear to the control is read with the radius in its registers: none.
     pub(crate) fn start(
         opened: Opened,
         subprograms: &Subprograms,
@@ -265,7 +264,7 @@ impl<'a> Running<'a> {
         Running { execution, watch: None, loaded, length, moves: false }
     }
 
-    /// The same with somebody who is told how far it is.
+    /// The run with an observer of its progress.
     pub(crate) fn watched(self, watch: Box<dyn Watch>) -> Self {
         Running { watch: Some(watch), ..self }
     }
@@ -285,7 +284,7 @@ impl<'a> Running<'a> {
         self.execution.executed_blocks()
     }
 
-    /// Whether a motion has come by so far.
+    /// True if a motion has occurred so far.
     pub(crate) fn moves(&self) -> bool {
         self.moves
     }
@@ -305,7 +304,7 @@ impl Iterator for Running<'_> {
         match &item {
             Some(Ok(element)) if element.starts_block => {
                 if let Some(watch) = &mut self.watch {
-                    // In a subprogram the main program stands still.
+                    // While a subprogram runs, the main program does not advance.
                     let offset = (element.origin.file == FileId(0)).then_some(element.origin.span.start);
                     watch.note(self.execution.executed_blocks(), offset, self.length);
                 }
@@ -317,18 +316,18 @@ impl Iterator for Running<'_> {
     }
 }
 
-/// Whether the control is to have nothing but wear in the registers of a program's tools: its stamp says so.
+/// True if the stamp of a program says that the control must have only wear in its tool registers.
 pub(crate) fn is_wear_alone(source: &Source) -> bool {
     emit::stamped_promise(source.bytes()).is_some_and(|promise| promise.keeps_wear)
 }
 
-/// Options of a program that will be written: a position that is not known for sure is an error, and the control loses radius compensation.
-/// `rapid_order` says which rapid moves are taken apart.
+/// Options for a program that will be written: an uncertain position is an error, and radius compensation of the control is removed. `rapid_order`
+/// selects the rapid moves that are split.
 pub(crate) fn strict(rapid_order: RapidOrder) -> Options {
     Options { strict: true, tells_compensation: true, rapid_order, ..Options::default() }
 }
 
-/// The finding for a program that moves nothing.
+/// The finding for a program without motion.
 pub(crate) fn without_motion(source: &Source, code: Code) -> Diagnostic {
     let place = Place { file: source.id(), span: Span::new(0, 1) };
     let help = "look where its motions are: behind M30, in a program that nothing calls, in skip blocks";

@@ -1,6 +1,6 @@
-//! Sensors of temperature that are read while a program is sent: those of a file of sensors, and kinds of one's own.
+//! Temperature sensors that are read while a program is sent: those of a sensor file, and custom kinds.
 //!
-//! A kind of one's own implements [`SensorSource`] and [`Plan`]; [`polled`] makes a thread of what is asked from time to time.
+//! A custom kind implements [`SensorSource`] and [`Plan`]; [`polled`] makes a thread for a sensor that is polled.
 
 pub use ncfix_dnc::sense::source::{Items, Opened, Plan, Polled, Wanted, items, polled};
 pub use ncfix_dnc::sense::{Fault, Outlet, Panel, Reading, SensorSource, SensorSources, Told};
@@ -14,7 +14,7 @@ use crate::error::Error;
 use ncfix_base::source::{FileId, Source};
 use ncfix_dnc::sense::Config;
 
-/// Opens the sensors of a file (TOML), which may have kinds of sources of one's own; paths in it count from its folder.
+/// Opens the sensors of a file (TOML), which may use custom kinds of sources; relative paths in it start at the folder of the file.
 ///
 /// ```
 /// use ncfix::sensors::{SensorSources, from_file};
@@ -28,14 +28,14 @@ use ncfix_dnc::sense::Config;
 /// ```
 ///
 /// # Errors
-/// Where the file cannot be read, or diagnostics forbid to use it.
+/// Where the file cannot be read or has errors.
 pub fn from_file(path: impl AsRef<Path>, kinds: &SensorSources) -> Result<Panel, Error> {
     let path = path.as_ref();
     let source = files::read_written(path, FileId(0), "sensors")?;
     open(&source, kinds, path.parent().unwrap_or(Path::new(".")))
 }
 
-/// The same of the text of such a file; paths in it count from the working folder.
+/// Opens the sensors of a text in the format of a sensor file; relative paths in it start at the working folder.
 ///
 /// ```
 /// use ncfix::sensors::{SensorSources, from_text};
@@ -45,7 +45,7 @@ pub fn from_file(path: impl AsRef<Path>, kinds: &SensorSources) -> Result<Panel,
 /// ```
 ///
 /// # Errors
-/// Where diagnostics forbid to use it.
+/// Where the text has errors.
 pub fn from_text(name: &str, text: &str, kinds: &SensorSources) -> Result<Panel, Error> {
     let too_large = |_| Error::usage(format!("{name} is too large"));
     let source = Source::new(FileId(0), name, text.as_bytes().to_vec()).map_err(too_large)?;

@@ -22,10 +22,10 @@ use ncfix_path::path::Options;
 use ncfix_path::servo::{Moment, Run, Tally};
 use ncfix_report::number::grouped;
 
-/// Rows of a trace at most: 3 GB of text, and more than any recorder of a control keeps.
+/// Largest number of rows of a trace: 3 GB of text, more than the recorder of any control keeps.
 const MOST_ROWS: u64 = 20_000_000;
 
-/// How a program is simulated.
+/// Options of a simulation.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -36,15 +36,15 @@ const MOST_ROWS: u64 = 20_000_000;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct SimulateOptions {
-    /// Feeds with which the program runs, one after the other, mm/min; without any those of the program.
+    /// Feeds with which the program runs, one after the other, mm/min; if empty, those of the program.
     pub feeds_mm_min: Vec<f64>,
     /// Standard deviation of the readings, mm.
     pub noise_mm: Option<f64>,
-    /// Where the noise begins: the same seed makes the same noise.
+    /// Seed of the noise: the same seed gives the same noise.
     pub seed: u64,
 }
 
-/// What was recorded of a simulated program.
+/// The recorded data of a simulated program.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -66,14 +66,14 @@ pub struct Recorded {
     pub rows: u64,
     /// Time on the machine, s.
     pub time_s: f64,
-    /// How far the tool was off its path.
+    /// The path deviation of the tool.
     pub(crate) tally: Tally,
-    /// Where the tool is off its path most: `part.mpf:12`.
+    /// The place with the largest path deviation: `part.mpf:12`.
     pub worst: Option<String>,
 }
 
 impl Recorded {
-    /// Root of the mean square and maximum of the distance of the tool from its path, µm.
+    /// Root mean square and maximum of the distance of the tool from its path, µm.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -95,8 +95,8 @@ impl Recorded {
 }
 
 impl Program {
-    /// Drives the program through the servo loops of the machine and writes a trace as the control would record it, a table (CSV) of set-points, encoders
-    /// and the tool. The machine file needs `[servo]`.
+    /// Passes the program through the servo model of the machine and writes a trace as the control would record it, a table (CSV) of set-points,
+    /// encoders and the tool. The machine file needs `[servo]`.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -113,7 +113,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the program is not understood or moves nothing, the machine file has no `[servo]`, or `out` refuses the text.
+    /// Where the program cannot be parsed or has no motion, the machine file has no `[servo]`, or `out` refuses the text.
     pub fn simulate(
         &self,
         machine: &Machine,
@@ -130,7 +130,7 @@ impl Program {
     }
 }
 
-/// A program that takes too long to be recorded.
+/// The finding for a program that takes too long to record.
 fn too_long(rows: u64) -> Diagnostic {
     let message = match rows {
         MOST_ROWS.. => format!("the trace would have more than {} rows", grouped(MOST_ROWS)),
@@ -153,7 +153,7 @@ pub(crate) struct Recorder<'a> {
 /// A pass over the program.
 struct Pass<'p> {
     feed: Option<f64>,
-    /// Tools so far: a run has one.
+    /// The number of tools so far: a run has one.
     tools: u32,
     tool_mm: Option<Vector>,
     label: String,
@@ -162,7 +162,7 @@ struct Pass<'p> {
 }
 
 impl Pass<'_> {
-    /// Another tool makes another run.
+    /// A change of the tool begins another run.
     fn take(&mut self, tool_mm: &Vector) {
         if self.tool_mm != Some(*tool_mm) {
             self.tool_mm = Some(*tool_mm);
@@ -174,7 +174,7 @@ impl Pass<'_> {
 }
 
 impl<'a> Recorder<'a> {
-    /// A recorder of a program; `None` where findings forbid it.
+    /// A recorder of a program; `None` if there are errors.
     pub(crate) fn new(
         program: &'a Program,
         machine: &'a Machine,
@@ -192,10 +192,11 @@ impl<'a> Recorder<'a> {
         })
     }
 
-    /// Runs the program once with each feed and writes the table; whether it is whole. `guard` says what else forbids it, once the files are known that were read.
+    /// Runs the program once with each feed and writes the table; returns whether it is complete. `guard` reports other reasons against the output
+    /// when the list of read files is complete.
     ///
     /// # Errors
-    /// Where the dialect does not exist; inside, those of `out`.
+    /// Where the dialect does not exist; the inner error is that of `out`.
     pub(crate) fn record(
         &mut self,
         out: &mut dyn Write,
@@ -211,7 +212,7 @@ impl<'a> Recorder<'a> {
             if feeds.is_empty() { vec![None] } else { feeds.iter().copied().map(Some).collect() };
         let mut noise = Noise::new(self.options.seed);
         for feed in each {
-            // Each pass begins anew: variables, counters and what a program asks for are those of a first run.
+            // Each pass starts with new variables, counters and inputs of the program, as in a first run.
             let mut own = Diagnostics::default();
             let Some(opened) = self.program.open(Some(self.machine), &mut own)? else {
                 found.absorb(own);
@@ -226,7 +227,7 @@ impl<'a> Recorder<'a> {
                 return Ok(Err(error));
             }
             guard(&running.files(), &mut own);
-            // What a second pass finds has been said.
+            // The findings of a second pass were already reported.
             let is_over = own.has_errors();
             if feed == feeds.first().copied() {
                 found.absorb(own);
@@ -266,7 +267,7 @@ impl<'a> Recorder<'a> {
         writeln!(out, ",dx_um,dy_um,dz_um,tool_x_mm,tool_y_mm,tool_z_mm")
     }
 
-    /// Drives the program once.
+    /// Passes the program through the model once.
     fn pass(
         &mut self,
         running: &mut Running<'_>,
@@ -342,7 +343,7 @@ impl<'a> Recorder<'a> {
         writeln!(out, ",{x},{y},{z}")
     }
 
-    /// The tool from the point of the workpiece where the set-points have it, along F's directions, mm.
+    /// The tool position relative to the point of the workpiece given by the set-points, in the directions of frame F, mm.
     fn reading_mm(&self, moment: &Moment) -> Vector {
         let Moment { set_point, encoder, tool_mm, state, .. } = moment;
         let off = self.model.tip_error_mm(set_point, encoder, tool_mm, state);

@@ -1,4 +1,4 @@
-//! The largest fixed step into which moves may be cut, over the working volume or along a program.
+//! The largest fixed step for the subdivision of moves, over the working volume or along a program.
 
 use std::collections::BTreeMap;
 
@@ -16,20 +16,20 @@ use ncfix_language::exec::RapidOrder;
 use ncfix_path::path::{Answer, Line, Moves, Rotary, StepTrial, Steps, volume};
 use ncfix_report::steps::{StepAnswer, StepReport, StepRow, Worst};
 
-/// What is looked for.
+/// The options of the search.
 #[derive(Clone, Debug)]
 pub(crate) struct StepSearch<'a> {
-    /// The program whose moves are looked at; without it lines through the whole travel.
+    /// The program whose moves are searched; without it, lines through the whole travel.
     pub(crate) program: Option<&'a Program>,
     /// The tool; without it that of the longest tool of the machine file, or those of the program.
     pub(crate) tool: Option<ToolVector>,
     /// Largest residual allowed, mm.
     pub(crate) residual_mm: f64,
-    /// Whether rotary axes take part in the correction.
+    /// Participation of rotary axes in the correction.
     pub(crate) rotary: Rotary,
 }
 
-/// Lines with the program that they are of.
+/// Lines, with the program that they belong to.
 struct Gathered<'m> {
     lines: Vec<Line>,
     trial: StepTrial<'m>,
@@ -37,7 +37,7 @@ struct Gathered<'m> {
 }
 
 impl StepSearch<'_> {
-    /// Searches; the report has no answer where findings forbid it. `share` is told how far it is, 0 to 1.
+    /// Runs the search; the report has no answer if there are errors. `share` receives the progress, 0 to 1.
     ///
     /// # Errors
     /// Where the dialect does not exist, or there is neither a program nor travel.
@@ -88,7 +88,7 @@ impl StepSearch<'_> {
         StepReport { residual_limit_um: um_from_mm(self.residual_mm), ..StepReport::default() }
     }
 
-    /// Executes the program and gathers its moves; `None` where findings forbid it.
+    /// Executes the program and gathers its moves; `None` if there are errors.
     fn gather<'m>(
         &self,
         (program, machine): (&Program, &'m Machine),
@@ -126,7 +126,7 @@ impl StepSearch<'_> {
     }
 }
 
-/// Takes the result into the report.
+/// Enters the result in the report.
 fn note(report: &mut StepReport, steps: &Steps, lines: &[Line], files: &[Source], machine: &Machine) {
     (report.answer, report.largest_step_mm) = match steps.answer {
         Answer::Any => (Some(StepAnswer::Any), None),

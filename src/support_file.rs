@@ -6,7 +6,7 @@ use ncfix_language::syntax::sinumerik::{Address, Body, Definition, ExprId, Node,
 /// Words of data files that assign nothing.
 const FRAMING: [&str; 9] =
     ["CHANDATA", "METRIC", "INCH", "NEWCONF", "RET", "STOPRE", "MSG", "COMPLETE_CEC", "COMPLETE_QEC"];
-/// A log has so many lines.
+/// The smallest number of lines of a log.
 const FEWEST_LINES: usize = 3;
 /// Beginnings of the variables of each kind of file.
 const KINDS: [(&[&str], &str); 6] = [
@@ -18,7 +18,7 @@ const KINDS: [(&[&str], &str); 6] = [
     (&["$"], "values of system variables"),
 ];
 
-/// What a file that cannot be a program is, by its name and its first lines.
+/// The kind of a file that is not a program, by its name and its first lines.
 pub(crate) fn kind_of_text(source: &Source) -> Option<&'static str> {
     let name = source.name().to_ascii_lowercase();
     let first =
@@ -35,7 +35,7 @@ pub(crate) fn kind_of_text(source: &Source) -> Option<&'static str> {
     begins(b"[SINUMERIK_HEADER]").then_some("drive data")
 }
 
-/// Whether a file is what a program wrote with WRITE, whatever its name: lines of words and numbers, none of them a block.
+/// True if a file is a text that a program wrote with WRITE, whatever its name: lines of words and numbers, none of them a block.
 fn is_prose(source: &Source) -> bool {
     let lines = source.bytes().split(|&byte| byte == source.line_end()).map(<[u8]>::trim_ascii);
     let (mut prose, mut other) = (0_usize, 0_usize);
@@ -48,7 +48,7 @@ fn is_prose(source: &Source) -> bool {
     prose >= FEWEST_LINES && prose >= 9 * other
 }
 
-/// Whether a line has a sign that only blocks have, or begins with a block number, a G code or the end of a program.
+/// True if a line has a character that only blocks have, or begins with a block number, a G code or a program end.
 fn is_block(line: &[u8]) -> bool {
     let word: Vec<u8> =
         line.iter().take_while(|byte| byte.is_ascii_alphanumeric()).map(u8::to_ascii_uppercase).collect();
@@ -56,7 +56,7 @@ fn is_block(line: &[u8]) -> bool {
     numbered || word == b"RET" || line.iter().any(|byte| b"=;(\"$%".contains(byte))
 }
 
-/// Whether a line is several words, one of them in small letters.
+/// True if a line has several words, one of them in lower case.
 fn is_sentence(line: &[u8]) -> bool {
     let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     let is_small = |word: &[u8]| {
@@ -66,7 +66,7 @@ fn is_sentence(line: &[u8]) -> bool {
     words.clone().count() >= 2 && words.any(is_small)
 }
 
-/// What a file that was parsed is, where it is no program: nothing in it but definitions, or assignments of data. A large file is taken for a program.
+/// The kind of a parsed file that is not a program: one that has only definitions or data assignments. A large file is taken as a program.
 pub(crate) fn kind(program: &Program) -> Option<&'static str> {
     if program.has_pages() {
         return None;
@@ -109,7 +109,7 @@ fn is_global(definition: &Definition) -> bool {
     definition.is_global
 }
 
-/// What a word of a data file is.
+/// The kind of a word in a data file.
 enum Data {
     Framing,
     Parameter,

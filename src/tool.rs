@@ -1,4 +1,4 @@
-//! Tools as a person gives them.
+//! Tools as entered by the user.
 
 use std::str::FromStr;
 
@@ -6,7 +6,7 @@ use crate::error::Error;
 use ncfix_base::geometry::Vector;
 use ncfix_machine::machine::Machine;
 
-/// From the spindle gauge point to the tip of a tool.
+/// The vector from the spindle gauge point to the tip of a tool.
 ///
 /// ```
 /// use ncfix::prelude::*;

@@ -1,4 +1,4 @@
-//! Watches live sensors: what they say, how old it is, whether it is believed; and logs it.
+//! Shows live sensors: their values, the age of the values and whether they are plausible; and logs them.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -13,9 +13,9 @@ use ncfix_base::source::FileId;
 use ncfix_dnc::sense::{Action, ChannelState, Config, Panel, Reading, Verdict};
 use ncfix_report::watch::{WatchChannel, WatchReport, WatchVerdict, WatchedState};
 
-/// How often the sources are looked after.
+/// Interval in which the sources are checked.
 const LOOK: Duration = Duration::from_millis(50);
-/// What is drawn is drawn anew so often.
+/// Shortest interval between two drawings.
 const REDRAW: Duration = Duration::from_millis(500);
 
 /// Sensors that are watched.
@@ -25,7 +25,7 @@ pub(crate) struct SensorWatch {
     log: Option<TemperatureLog>,
 }
 
-/// When a report is shown.
+/// The times when a report is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ShownAt {
     /// With every poll of the sensors.
@@ -35,10 +35,10 @@ pub(crate) enum ShownAt {
 }
 
 impl SensorWatch {
-    /// Opens the sensors of a file, and the log that is written; `None` where findings forbid it.
+    /// Opens the sensors of a file, and the log that is written; `None` if there are errors.
     ///
     /// # Errors
-    /// Where the file cannot be read, or the log cannot be written or is there already.
+    /// Where the file cannot be read, or the log cannot be written or exists already.
     pub(crate) fn open(path: &Path, log: Option<&Path>, found: &mut Diagnostics) -> Result<Option<SensorWatch>, Error> {
         let source = files::read_written(path, FileId(0), "live sensors")?;
         let base = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
@@ -60,7 +60,7 @@ impl SensorWatch {
         Ok(Some(SensorWatch { config, panel, log }))
     }
 
-    /// Watches for a time, or without one until the process ends; whether all are good at the end.
+    /// Watches for the given time, or without one until the process ends; returns whether all sensors are good at the end.
     ///
     /// # Errors
     /// Where the log cannot be written, and those of `show`.
@@ -136,7 +136,7 @@ impl SensorWatch {
     }
 }
 
-/// A log as `--state` and the source `replay` read it, written as it comes: whoever ends the watch has what was read.
+/// A log in the format of `--state` and the source `replay`, written as values arrive: after an interrupt the file is complete up to that time.
 struct TemperatureLog {
     file: File,
     path: PathBuf,

@@ -1,4 +1,4 @@
-//! What the axes make of the elements of a program at feed, while they pass by on their way elsewhere: `ncfix verify --at-feed`.
+//! Path deviations at feed: passes the elements of a program through the axis model on their way to the comparison (`ncfix verify --at-feed`).
 
 use crate::correction::contouring;
 use ncfix_base::source::{FileId, Source};

@@ -72,7 +72,7 @@ fn at(origin: &Origin, sources: &[Source]) -> String {
     format!("line {} of {name}", origin.line)
 }
 
-/// The same with its text: `line 12 of part.mpf, "G1 X20",`.
+/// The line with its text: `line 12 of part.mpf, "G1 X20",`.
 pub(crate) fn line(origin: &Origin, source: Option<&Source>) -> String {
     let Some(source) = source else { return format!("line {}", origin.line) };
     let text = String::from_utf8_lossy(source.slice(origin.span)).trim().to_owned();
@@ -148,7 +148,7 @@ fn shown(feed: f64, unit: FeedUnit) -> String {
     if feed > 0.0 { format!("F{}{unit}", (feed * 1e6).round() / 1e6) } else { format!("no F{unit}") }
 }
 
-/// A finding for every line of a corrected program that a switch of the control leaves out: ncfix writes none.
+/// A finding for every line of a corrected program that a skip switch of the control leaves out: ncfix never writes such lines.
 pub(crate) fn skipped(corrected: &Source) -> Vec<Diagnostic> {
     let mut at = 0;
     let mut out = Vec::new();

@@ -1,4 +1,4 @@
-//! What a program states before its first move: how its numbers are to be read.
+//! The settings of a program before its first move: how its numbers are interpreted.
 
 use ncfix_base::source::Source;
 use ncfix_machine::snc::{Element, Kind};

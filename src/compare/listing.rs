@@ -8,7 +8,7 @@ use ncfix_path::review::words::{Word, block_number, decimals, words};
 use ncfix_path::review::{Row, moves};
 use ncfix_report::review::{Changed, Look, Row as Shown};
 
-/// A modal word stands at most so many lines above.
+/// Largest number of lines above a line in which its modal words are searched.
 const ABOVE: u32 = 200;
 
 /// The lines of a file.
@@ -179,7 +179,7 @@ fn changed(row: &Row, axis: Axis, word: Option<&Word<'_>>, written: Option<&Word
     out
 }
 
-/// A number with so many decimals, and no minus in front of zero.
+/// The number with `decimals` decimals, without a minus before zero.
 fn rounded(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {

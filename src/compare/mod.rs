@@ -37,21 +37,21 @@ const LEAST_LINE: usize = 16;
 /// An angle counts what it makes at this arm, mm.
 const ARM_MM: f64 = 1000.0;
 
-/// Rows of a comparison where nothing else is said.
+/// The default number of rows of a comparison.
 pub(crate) const ROWS: usize = 20;
 
-/// What is wanted of a comparison.
+/// Options of a comparison.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CompareOptions {
     /// Only these axes; all of them where none is named.
     pub(crate) axes: Vec<Axis>,
-    /// Changes up to this are none, mm; a rotary axis by what its angle makes at 1 m.
+    /// Smaller changes are ignored, mm; a change of a rotary axis counts as its arc at a radius of 1 m.
     pub(crate) tolerance_mm: f64,
     /// Only moves that are changed by at least this, mm.
     pub(crate) least_mm: Option<f64>,
     /// Larger changes than this are not allowed, mm.
     pub(crate) limit_mm: Option<f64>,
-    /// So many rows, the largest first.
+    /// The number of rows shown, the largest first.
     pub(crate) rows: Option<usize>,
 }
 
@@ -61,7 +61,7 @@ impl CompareOptions {
         AXES.into_iter().filter(|axis| self.axes.is_empty() || self.axes.contains(axis)).collect()
     }
 
-    /// What is the same, mm and rad.
+    /// The tolerances in mm and rad.
     fn tolerance(&self) -> [f64; 2] {
         [self.tolerance_mm, self.tolerance_mm / ARM_MM]
     }
@@ -94,8 +94,8 @@ impl Program {
         }
     }
 
-    /// What was changed between this program and its corrected one, move by move: the twenty largest changes, figures of each axis, whether it should
-    /// run.
+    /// The changes between this program and its corrected one, move by move: the twenty largest changes, figures of each axis, and whether the
+    /// corrected program should run.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -127,7 +127,7 @@ impl Program {
 }
 
 impl Pair<'_> {
-    /// Compares both, and says what is no correction, or that there is none; `None` where findings forbid to compare them.
+    /// Compares both, and reports differences that are not a correction; `None` if there are errors that prevent the comparison.
     ///
     /// # Errors
     /// Where their dialect does not exist.
@@ -152,7 +152,7 @@ impl Pair<'_> {
         Ok(Some(outcome))
     }
 
-    /// Compares both move by move; `None` where findings forbid it.
+    /// Compares both move by move; `None` if there are errors.
     ///
     /// # Errors
     /// Where their dialect does not exist.
@@ -163,7 +163,7 @@ impl Pair<'_> {
     }
 }
 
-/// What was changed between a program and what was just made of it.
+/// The changes between a program and the corrected program that was just made.
 pub(crate) struct Reviewed {
     pub(crate) review: Review,
     pub(crate) trace: Trace,
@@ -171,7 +171,8 @@ pub(crate) struct Reviewed {
 }
 
 impl Pair<'_> {
-    /// What a correction changed that was allowed so much, with its largest rows; `None` where findings forbid it. `names` are those of both files.
+    /// The changes of a correction against the permitted size, with the largest rows; `None` if there are errors. `names` are the names of both
+    /// files.
     ///
     /// # Errors
     /// Where their dialect does not exist.
@@ -198,7 +199,7 @@ impl Pair<'_> {
     }
 }
 
-/// What a comparison found.
+/// The result of a comparison.
 pub(crate) fn verification(outcome: Option<&Outcome>, found: &Diagnostics) -> Verification {
     let before = outcome.map(|outcome| spread(&outcome.comparison.before));
     let after = outcome.map(|outcome| spread(&outcome.comparison.after));

@@ -1,4 +1,4 @@
-//! What the stamp of a corrected program says beside the machine, the state and the original that it is compared with.
+//! The entries of the stamp of a corrected program other than the machine, the state and the original that it is compared with.
 
 use crate::diagnostics::Diagnostics;
 use crate::disk::hash::short_hash;
@@ -9,8 +9,8 @@ use ncfix_base::units::um_from_mm;
 use ncfix_path::emit;
 use ncfix_path::path::Promise;
 
-/// What the corrected program has promised; `None` where it is the original itself, and nothing was promised. `promised` is a tolerance that a person
-/// says, mm.
+/// The tolerance stated by the corrected program; `None` if it is the original itself, which has none. `promised` is a tolerance given by the user,
+/// mm.
 pub(crate) fn promise(
     sources: &[Source; 2],
     chosen: &Machine,

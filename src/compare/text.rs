@@ -10,9 +10,9 @@ use ncfix_report::review::{TextLine, TextReview, TextWord, WordFigures};
 
 /// Two programs compared as they are written.
 pub(crate) struct TextComparison<'a> {
-    /// What was found, without its rows.
+    /// The result without its rows.
     pub(crate) review: TextReview,
-    /// Whether a change is larger than allowed.
+    /// True if a change is larger than permitted.
     pub(crate) is_beyond: bool,
     found: Aligned<'a>,
     texts: [Text<'a>; 2],
@@ -22,7 +22,7 @@ pub(crate) struct TextComparison<'a> {
 }
 
 impl<'a> TextComparison<'a> {
-    /// Compares two texts; at most so many rows are shown.
+    /// Compares two texts; at most `most` rows are shown.
     pub(crate) fn new(
         sources: [&'a Source; 2],
         names: [String; 2],

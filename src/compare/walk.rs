@@ -31,14 +31,14 @@ pub(crate) struct Pair<'a> {
     pub(crate) machine: &'a Machine,
     /// The tolerance of the correction that a person says, mm.
     pub(crate) promised: Option<f64>,
-    /// Whether both are driven through the servo loops of the machine too.
+    /// True if both are also passed through the servo model of the machine.
     pub(crate) at_feed: bool,
-    /// Who is told how far the original is.
+    /// Makes the observer of the progress in the original.
     pub(crate) watch: Option<fn() -> Box<dyn Watch>>,
 }
 
 impl Pair<'_> {
-    /// Opens both programs and walks them side by side; `None` where findings forbid it.
+    /// Opens both programs and walks them side by side; `None` if there are errors.
     ///
     /// # Errors
     /// Where their dialect does not exist.
@@ -130,12 +130,12 @@ fn send(mut running: Running<'_>, to: Filler<Item>) -> Vec<Source> {
     running.sources().to_vec()
 }
 
-/// How two programs are compared.
+/// Options of the comparison of two programs.
 struct How {
     of_path: path::How,
     at_feed: bool,
     start: Option<AxisVector>,
-    /// What the corrected program states before its first move.
+    /// The settings of the corrected program before its first move.
     assumed: &'static str,
 }
 
@@ -263,7 +263,7 @@ fn walk(
 /// Arcs that cannot be.
 const ARCS: &[Code] = &[Code::ARC_OFF_CIRCLE, Code::RADIUS_TOO_SMALL];
 
-/// What a comparison found.
+/// The result of a comparison.
 pub(crate) struct Outcome {
     pub(crate) comparison: path::Comparison,
     /// Line and file of the largest error that is left.
@@ -275,9 +275,9 @@ pub(crate) struct Outcome {
     /// Pieces of the corrected program that end beyond the travel of an axis: how many, and the line of the first.
     pub(crate) beyond: BTreeMap<Axis, (u64, u32)>,
     pub(crate) machine: MachineUsed,
-    /// What is no correction, as findings in the corrected program.
+    /// The differences that are not a correction, as findings in the corrected program.
     pub(crate) differences: Vec<Diagnostic>,
-    /// What the axes make of both at feed, where that was asked for.
+    /// The path deviations at feed of both, if requested.
     pub(crate) at_feed: Option<[AtFeed; 2]>,
 }
 

@@ -7,7 +7,7 @@ use ncfix_machine::machine::{Machine, Servo};
 use ncfix_path::servo::{Limited, Tally};
 use ncfix_report::json::{Contouring, FeedLimit};
 
-/// What `[servo]` of the machine file says; a finding where there is none.
+/// The `[servo]` section of the machine file; a finding if it is missing.
 pub(crate) fn servo<'m>(machine: &'m Machine, findings: &mut Diagnostics) -> Option<&'m Servo> {
     if machine.servo.is_none() {
         let message =
@@ -24,7 +24,7 @@ pub(crate) fn contouring(tally: &Tally) -> Contouring {
     Contouring { rms_um: um_from_mm(tally.rms_mm()), max_um: um_from_mm(tally.max_mm) }
 }
 
-/// What limiting the feed did, in the units of reports.
+/// The result of the feed limit, in the units of reports.
 pub(crate) fn report(limit_mm: f64, limited: &Limited) -> FeedLimit {
     FeedLimit {
         limit_um: um_from_mm(limit_mm),

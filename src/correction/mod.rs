@@ -92,7 +92,7 @@ impl<'a> Correction<'a> {
     /// ```
     ///
     /// # Errors
-    /// Where the program is not understood, refused or cannot be corrected, or `out` refuses the text. The text must not be used then.
+    /// Where the program cannot be parsed, refused or cannot be corrected, or `out` refuses the text. The text must not be used then.
     pub fn write_to(&self, out: &mut (dyn Write + Send)) -> Result<CorrectionReport, Error> {
         let started = Instant::now();
         let mut found = Diagnostics::default();
@@ -153,7 +153,7 @@ impl<'a> Correction<'a> {
         Ok(String::from_utf8_lossy(&text).into_owned())
     }
 
-    /// What the correction does, without its text: errors along the path before and after, corrections, times.
+    /// The effect of the correction, without its text: errors along the path before and after, corrections, times.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -191,7 +191,7 @@ impl<'a> Correction<'a> {
     /// ```
     ///
     /// # Errors
-    /// Where the program is not understood or refused; the pieces say what is met while it runs.
+    /// Where the program cannot be parsed or refused; the pieces say what is met while it runs.
     pub fn pieces(&self) -> Result<Pieces<'_>, Error> {
         let mut found = Diagnostics::default();
         let prepared = if self.program.was_corrected_before(&mut found) { None } else { self.prepare(&mut found)? };
@@ -201,7 +201,7 @@ impl<'a> Correction<'a> {
         }
     }
 
-    /// Parses the program and looks whether it can be corrected like that; `None` where findings forbid it.
+    /// Parses the program and looks whether it can be corrected like that; `None` if there are errors.
     ///
     /// # Errors
     /// Where an option is wrong.
@@ -276,8 +276,8 @@ impl<'a> Prepared<'a> {
         Ok((program.start_as(opened, &correction.machine.machine, run), writing, numbers))
     }
 
-    /// Executes, corrects and writes. Behind the first error nothing more is written, but all findings are gathered. `guard` says what else
-    /// forbids the output, once the files are known that were read. Whether the control compensates radii by wear.
+    /// Executes, corrects and writes. After the first error nothing more is written, but all findings are collected. `guard` reports other reasons
+    /// against the output when the list of read files is complete. Returns whether the control compensates radii by wear.
     ///
     /// # Errors
     /// Where the program cannot be written like that; inside, where the text is refused.
@@ -338,7 +338,7 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// The finding for a correction that leaves more than there was, beyond what was asked for, mm.
+/// The finding for a correction whose residual exceeds the original error by more than the permitted value, mm.
 fn worse(prediction: &Prediction, tolerance_mm: f64) -> Option<Diagnostic> {
     let [before_mm, after_mm] = [prediction.before(), prediction.after()].map(|spread| spread.rms_mm());
     if after_mm <= before_mm.max(tolerance_mm) {
@@ -376,7 +376,7 @@ pub(crate) fn corrected_before(source: &Source) -> Diagnostic {
     )
 }
 
-/// What is left of a source, in the units of reports.
+/// The residual of an error source, in the units of reports.
 fn remaining(left: &path::Remaining) -> json::Remaining {
     json::Remaining {
         source: left.source,

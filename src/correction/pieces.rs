@@ -62,7 +62,7 @@ impl<'a> Pieces<'a> {
         Pieces { corrector, running, found }
     }
 
-    /// What was found so far, warnings too.
+    /// The findings so far, including warnings.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -84,7 +84,7 @@ impl<'a> Pieces<'a> {
 impl Iterator for Pieces<'_> {
     type Item = Result<Output, Error>;
 
-    /// The next piece. After an error the correction goes on, so that one run shows all of them.
+    /// The next piece. After an error the correction continues, so that one run reports all errors.
     fn next(&mut self) -> Option<Self::Item> {
         loop {
             match self.corrector.next()? {

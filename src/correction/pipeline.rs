@@ -22,16 +22,16 @@ pub(crate) const MOST_THREADS: usize = 3;
 /// Bytes of a program below which threads cost more than they save.
 const WORTH_THREADS: usize = 256 * 1024;
 
-/// What is done to a program on its way.
+/// The correction of a program in stages.
 pub(super) struct Pipeline<'a> {
     pub(super) machine: &'a Machine,
     pub(super) model: &'a Model,
     pub(super) options: &'a Options,
-    /// How far the tool may be off its path at feed, mm, and the loops that say where it is.
+    /// The permitted path deviation at feed, mm, and the servo model that gives it.
     pub(super) feed_limit: Option<(f64, &'a Servo)>,
 }
 
-/// What a program became.
+/// The result of the stages.
 pub(super) struct Passed {
     /// Blocks written.
     pub(super) blocks: io::Result<u64>,
@@ -39,16 +39,16 @@ pub(super) struct Passed {
     pub(super) prediction: Prediction,
     /// Poses of the corrected moves, some of each part of the program.
     pub(super) poses: Vec<PoseSample>,
-    /// What was done to the feeds, where they were limited.
+    /// The result of the feed limit, if there is one.
     pub(super) limited: Option<Limited>,
     /// Findings of all stages, in the order of the program.
     pub(super) found: Vec<Diagnostic>,
 }
 
-/// What a correction leaves beside its pieces.
+/// The results of a correction other than its pieces.
 type Learnt = (Prediction, Vec<PoseSample>, Option<Limited>);
 
-/// How many threads a program of so many bytes gets where nobody says.
+/// The default number of threads for a program of `bytes` bytes.
 pub(super) fn threads_for(bytes: usize) -> usize {
     let cores = if bytes < WORTH_THREADS { 1 } else { available_parallelism().map_or(1, usize::from) };
     // Three stages share two cores better than two do.
@@ -56,7 +56,7 @@ pub(super) fn threads_for(bytes: usize) -> usize {
 }
 
 impl Pipeline<'_> {
-    /// Executes, corrects and writes to the end of the program. Behind the first error nothing more is written, but all findings are gathered.
+    /// Executes, corrects and writes to the end of the program. After the first error nothing more is written, but all findings are collected.
     pub(super) fn pass(
         &self,
         running: &mut Running<'_>,

@@ -9,7 +9,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_language::exec::{self, Radius, RapidOrder};
 use ncfix_path::path::{FiveAxis, OutputFrame, Rapids};
 
-/// A motion to the contour up to this long is one block, mm: twice the part in which the control is told.
+/// A motion to the contour up to this length is one block, mm: twice the part in which the control receives the wear.
 const SHORTEST_STEP_MM: f64 = 10.0;
 
 /// The finding about an output in which G41 is not allowed, or does not lead straight to the contour.

@@ -1,4 +1,4 @@
-//! How a program is corrected and written: the options of `path` and `emit` from the arguments, the machine and the source.
+//! Options for the correction and the output of a program: those of `path` and `emit` from the arguments, the machine and the source.
 
 use crate::error::Error;
 use crate::machine::Machine;
@@ -7,9 +7,9 @@ use ncfix_base::geometry::AxisVector;
 use ncfix_path::emit;
 use ncfix_path::path::{self, Increments};
 
-/// How one program is corrected and written.
+/// Options for the correction and the output of one program.
 pub(crate) struct Writing {
-    /// How it is corrected.
+    /// Options of the correction.
     pub(crate) options: path::Options,
     dialect: &'static str,
     entry: &'static emit::WriterEntry,
@@ -84,7 +84,7 @@ fn unwritable(dialect: &str) -> Error {
     Error::usage(format!("programs in the dialect '{dialect}' cannot be written"))
 }
 
-/// Whether the lines of a program end with CR LF.
+/// True if the lines of a program end with CR LF.
 fn has_crlf(bytes: &[u8]) -> bool {
     bytes.iter().position(|&byte| byte == b'\n').is_some_and(|at| bytes[..at].ends_with(b"\r"))
 }

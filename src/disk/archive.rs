@@ -14,13 +14,13 @@ use crate::error::Error;
 use ncfix_base::source::{FileId, MAX_BYTES, Source};
 use ncfix_language::exec::Library;
 
-/// What the first record begins with.
+/// The begin of the first record.
 const MAGIC: &[u8] = b"@@MMCIBN";
 /// Length of a record.
 const RECORD: usize = 512;
 /// Where a program looks for others, behind its own folder.
 const FOLDERS: [&str; 4] = ["SPF.DIR", "CUS.DIR", "CMA.DIR", "CST.DIR"];
-/// So many names are shown where one must be chosen.
+/// The number of names shown where one must be chosen.
 const SHOWN: usize = 8;
 
 /// A file in an archive.
@@ -87,14 +87,14 @@ pub(crate) fn open(path: &Path) -> Result<Option<Archive>, Error> {
     Ok(Some(Archive { path: file.to_path_buf(), bytes, entries, main }))
 }
 
-/// Whether a file begins as an archive does.
+/// True if a file begins as an archive does.
 pub(crate) fn is_archive(file: &Path) -> bool {
     use std::io::Read as _;
     let mut head = [0; 8];
     fs::File::open(file).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == MAGIC
 }
 
-/// All entries behind the first record, or the byte where something is wrong.
+/// All entries after the first record, or the byte offset of an error.
 fn entries(bytes: &[u8]) -> Result<Vec<Entry>, usize> {
     let mut entries = Vec::new();
     let mut at = 0;

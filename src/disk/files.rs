@@ -17,10 +17,10 @@ pub(crate) const STANDARD_INPUT: &str = "<stdin>";
 /// The largest file that people write – a machine, a set-up, a state, a link, a description –, in bytes.
 const MAX_WRITTEN_BYTES: usize = 8 << 20;
 
-/// What is read of a pipe or a device, which do not say where they end.
+/// The largest number of bytes read from a pipe or a device, which have no known length.
 const MAX_STREAM_BYTES: usize = 1 << 30;
 
-/// Whether a path on the command line means standard input or output.
+/// True if a path on the command line means standard input or output.
 pub(crate) fn is_standard_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
@@ -34,7 +34,7 @@ pub(crate) fn read(path: &Path, id: FileId, role: &str) -> Result<Source, Error>
     read_up_to(path, id, role, MAX_BYTES)
 }
 
-/// The same of a file that people write, which is never large.
+/// Reads a file that people write, which is never large.
 ///
 /// # Errors
 /// A sentence where the file cannot be read or is too large.
@@ -62,7 +62,7 @@ fn read_up_to(path: &Path, id: FileId, role: &str, most: usize) -> Result<Source
     Source::new(id, &name, bytes).map_err(|_| fault(too_large(MAX_BYTES)))
 }
 
-/// The bytes of a file with at most so many of them. Nothing is read of a file that says itself that it has more.
+/// The bytes of a file, at most `most`. Nothing is read from a file whose stated length is larger.
 ///
 /// # Errors
 /// Where it cannot be read, or has more.
@@ -94,11 +94,11 @@ pub(crate) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What is done before standard input is read or standard output is written: the command line takes its line of progress away, so that whoever types
-/// sees it.
+/// Called before standard input is read or standard output is written: the command line removes its progress line, so that it does not hide what the
+/// user types.
 static BEFORE_STREAM: OnceLock<fn()> = OnceLock::new();
 
-/// Whether files that are read are listed.
+/// True if the files that are read are listed.
 static IS_LISTED: AtomicBool = AtomicBool::new(false);
 
 /// Lists the files that are read from now on, and says what is done before standard input is read: for a process that is one run.

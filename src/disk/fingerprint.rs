@@ -1,11 +1,11 @@
-//! What a file was like when a run first saw it, so that a run never replaces anything newer.
+//! The fingerprint of a file when a run first saw it, so that a run never replaces a newer file.
 
 use std::fs::{self, Metadata};
 use std::io;
 use std::path::Path;
 use std::time::SystemTime;
 
-/// Which file it was, how long, and when somebody last wrote to it.
+/// Identity, length and modification time of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Fingerprint {
     length: u64,
@@ -15,7 +15,7 @@ pub(crate) struct Fingerprint {
 }
 
 impl Fingerprint {
-    /// Of a file that was looked at.
+    /// The fingerprint of an open file.
     pub(crate) fn of(found: &Metadata) -> Fingerprint {
         #[cfg(unix)]
         let identity = {
@@ -27,10 +27,10 @@ impl Fingerprint {
         Fingerprint { length: found.len(), modified: found.modified().ok(), identity }
     }
 
-    /// Of the file with a name; `None` where there is none.
+    /// The fingerprint of the file at a path; `None` if there is no file.
     ///
     /// # Errors
-    /// Where nobody can tell.
+    /// Where it cannot be determined.
     pub(crate) fn at(path: &Path) -> io::Result<Option<Fingerprint>> {
         match fs::metadata(path) {
             Ok(found) => Ok(Some(Fingerprint::of(&found))),
@@ -40,17 +40,17 @@ impl Fingerprint {
     }
 }
 
-/// What a run expects in the place of its output.
+/// The file that a run expects at the path of its output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Expected<'a> {
     /// The file that was there when the run began; `None`: there was none.
     pub(crate) before: Option<Fingerprint>,
-    /// What the run has read of it, where it has: a clock may be too coarse to show that somebody wrote to it.
+    /// The content that the run has read of it, if any: the clock may be too coarse to show that the file was written again.
     pub(crate) content: Option<&'a [u8]>,
 }
 
 impl Expected<'_> {
-    /// Whether a file is the one that is expected, with the same content.
+    /// True if the file is the expected one, with the same content.
     ///
     /// # Errors
     /// Where it cannot be read.

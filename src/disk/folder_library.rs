@@ -27,12 +27,12 @@ const DEFINITIONS: &str = "DEF";
 /// Definition files of a control in the order in which it reads them, macros first.
 pub(crate) const DEFINITION_FILES: [&str; 14] =
     ["SMAC", "MMAC", "PMAC", "UMAC", "SGUD", "PGUD", "MGUD", "UGUD", "GUD4", "GUD5", "GUD6", "GUD7", "GUD8", "GUD9"];
-/// So many folders above that of the program may be the root of the control's file system.
+/// The number of folders above that of the program that may be the root of the control's file system.
 const LEVELS_UP: usize = 2;
 /// Folders that one program may add with CALLPATH.
 const MAX_ADDED: usize = 100;
 
-/// A folder whose files are listed when the first one is looked for.
+/// A folder whose files are listed at the first search.
 struct Folder {
     path: PathBuf,
     /// Files by lower-case name; several where only the case differs.
@@ -52,7 +52,7 @@ pub(crate) struct FolderLibrary {
     /// Where paths from the root of the control's file system may begin.
     roots: Vec<PathBuf>,
     loaded: Rc<RefCell<Vec<PathBuf>>>,
-    /// Why a file that was looked for was not read; a further name under which it is looked for, and is not there, does not change that.
+    /// The reason why a file was not read; a further name without a file does not change it.
     refused: Option<String>,
 }
 
@@ -153,7 +153,7 @@ fn is_link(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink())
 }
 
-/// Whether a link ends in one of these folders, or below it.
+/// True if a link points to one of these folders, or below it.
 fn leads_into(link: &Path, folders: impl IntoIterator<Item = impl AsRef<Path>>) -> bool {
     let Ok(end) = link.canonicalize() else { return false };
     folders.into_iter().any(|folder| folder.as_ref().canonicalize().is_ok_and(|folder| end.starts_with(folder)))
@@ -189,7 +189,7 @@ fn file_names(name: &str) -> Vec<String> {
 fn roots(own: &Path) -> Vec<PathBuf> {
     let full = own.canonicalize().unwrap_or_else(|_| own.to_path_buf());
     let mut roots = vec![own.to_path_buf()];
-    // That of the whole disk is none of a control.
+    // The root of the disk is never the root of a control's file system.
     let above = full.ancestors().skip(1).take(LEVELS_UP).filter(|folder| folder.parent().is_some());
     roots.extend(above.map(Path::to_path_buf));
     roots

@@ -1,10 +1,10 @@
-//! Hashes of files: short ones for stamps and comments, whole ones for journals.
+//! Hashes of files: short ones for stamps and comments, complete ones for journals.
 
 use ncfix_base::source::Source;
 use ncfix_report::inputs::Input;
 use sha2::{Digest as _, Sha256};
 
-/// The first 12 hexadecimal digits of SHA-256: enough to tell versions of a file apart, short enough for a comment.
+/// The first 12 hexadecimal digits of SHA-256: long enough to distinguish versions of a file, short enough for a comment.
 pub(crate) fn short_hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
     let mut hasher = Sha256::new();
     for part in parts {
@@ -25,7 +25,7 @@ pub(crate) fn digest(bytes: &[u8]) -> Vec<u8> {
     Sha256::digest(bytes).to_vec()
 }
 
-/// A file that a result comes from, with its role.
+/// An input file of a result, with its role.
 pub(crate) fn input_of(source: &Source, role: &'static str) -> Input {
     Input { file: source.name().to_owned(), role, hash: short_hash([source.bytes()]) }
 }

@@ -18,13 +18,13 @@ use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::file::{DEMO, apply_setup};
 use ncfix_model::file::load_with;
 
-/// The machine file that is looked for in the folder of the program and above it.
+/// The name of the machine file that is searched in the folder of the program and above it.
 const NEAREST: &str = "ncfix.toml";
 
-/// The variable of the environment that names a machine file.
+/// The environment variable that names a machine file.
 const VARIABLE: &str = "NCFIX_MACHINE";
 
-/// How a machine file was found.
+/// The way in which a machine file was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
     /// It is the argument of the command.
@@ -35,14 +35,14 @@ pub(crate) enum Found {
     Environment,
     /// The nearest `ncfix.toml` in the folder of the program or above it.
     AboveProgram,
-    /// The same from the working folder.
+    /// The nearest `ncfix.toml` in the working folder or above it.
     AboveWorkingFolder,
     /// None was found: the demo machine.
     Demo,
 }
 
 impl Found {
-    /// The same in words.
+    /// The way as text.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Found::Named => "named on the command line",
@@ -55,10 +55,10 @@ impl Found {
     }
 }
 
-/// Chooses and reads the machine for `program`; `None` where findings forbid to use it.
+/// Chooses and reads the machine for `program`; `None` if there are errors.
 ///
 /// # Errors
-/// Where a file that was named cannot be read.
+/// Where a named file cannot be read.
 pub(crate) fn choose(
     named: Option<&Path>,
     setups: &[PathBuf],
@@ -74,7 +74,7 @@ pub(crate) fn choose(
     Ok(Some(chosen))
 }
 
-/// Reads the machine of a file; `None` where findings forbid to use it.
+/// Reads the machine of a file; `None` if there are errors.
 ///
 /// # Errors
 /// Where the file or a set-up file cannot be read.
@@ -91,7 +91,7 @@ pub(crate) fn read_file(
     Ok(Some(machine))
 }
 
-/// The machine of a text alone; `None` where findings forbid to use it.
+/// The machine of a text alone; `None` if there are errors.
 ///
 /// # Errors
 /// Where it names tables in files.
@@ -107,7 +107,7 @@ pub(crate) fn of_text(
     read_with(source, &[], registry, findings)
 }
 
-/// Folders of the machine file lie beside it where they are there, else beside the program.
+/// Folders of the machine file are beside it if they exist there, else beside the program.
 fn lie_beside(machine: &mut Machine, path: Option<&Path>) {
     let base = path.and_then(Path::parent).unwrap_or(Path::new("."));
     for entry in &mut machine.machine.control.search_path {
@@ -142,7 +142,7 @@ pub(crate) fn source_of(path: Option<&Path>, found: Found, findings: &mut Diagno
     }
 }
 
-/// Reads a machine from its file and its set-up files; `None` where findings forbid to use it.
+/// Reads a machine from its file and its set-up files; `None` if there are errors.
 ///
 /// # Errors
 /// Where a set-up file cannot be read.
@@ -150,7 +150,7 @@ pub(crate) fn read(source: &Source, setups: &[PathBuf], findings: &mut Diagnosti
     read_with(source, setups, &Registry::default(), findings)
 }
 
-/// Reads a machine as [`read`] does; its file may have what a registry knows.
+/// Reads a machine as [`read`] does; its file may have the keys that a registry knows.
 fn read_with(
     source: &Source,
     setups: &[PathBuf],
@@ -229,10 +229,10 @@ fn read_with(
     }))
 }
 
-/// What a set-up file holds.
+/// A set-up file with its content.
 pub(crate) struct Member {
     pub(crate) source: Source,
-    /// Whether it is in the control's own language rather than TOML.
+    /// True if it is in the control's own language rather than TOML.
     pub(crate) is_saved_data: bool,
 }
 
@@ -241,7 +241,7 @@ pub(crate) struct Member {
 /// # Errors
 /// Where it cannot be read.
 pub(crate) fn members(path: &Path) -> Result<(Source, Vec<Member>), Error> {
-    // An archive holds whatever the control has, and may be large.
+    // An archive has all data of the control, and may be large.
     let read = if path.is_file() && archive::is_archive(path) { files::read } else { files::read_written };
     let setup = read(path, FileId(0), "set-up file, --setup")?;
     let inside = archive::saved_data(path, setup.bytes())?.unwrap_or_else(|| vec![setup.clone()]);
@@ -253,7 +253,7 @@ pub(crate) fn members(path: &Path) -> Result<(Source, Vec<Member>), Error> {
     Ok((setup, members))
 }
 
-/// Whether a set-up file is in the control's own language rather than TOML.
+/// True if a set-up file is in the control's own language rather than TOML.
 fn is_saved_data(path: &Path, bytes: &[u8]) -> bool {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
         return false;
@@ -270,12 +270,12 @@ pub(crate) fn demo() -> Result<Source, Error> {
         .map_err(|_| Error::usage("the demo machine is too large".into()))
 }
 
-/// The machine file: `named`, else that of the environment, else the nearest one; none where the demo machine must do.
+/// The machine file: `named`, else that of the environment, else the nearest one; none if only the demo machine remains.
 pub(crate) fn locate(named: Option<&Path>, program: &Path) -> (Option<PathBuf>, Found) {
     if let Some(named) = named {
         return (Some(named.to_path_buf()), Found::Option);
     }
-    // A variable that is set to nothing counts as one that is not set.
+    // A variable with an empty value counts as not set.
     if let Some(path) = std::env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
         return (Some(path.into()), Found::Environment);
     }

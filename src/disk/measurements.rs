@@ -43,7 +43,7 @@ pub(crate) fn protect_inputs<'a>(
     Ok(())
 }
 
-/// Reads a measurement, or the plan of one; `None` where findings forbid to use it. `number` tells measurements apart.
+/// Reads a measurement, or the plan of one; `None` if there are errors. `number` tells measurements apart.
 ///
 /// # Errors
 /// Where a file cannot be read.

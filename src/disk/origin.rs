@@ -1,4 +1,4 @@
-//! `ncfix machine show --origin`: for every value of a machine, where it was written.
+//! `ncfix machine show --origin`: the place where each value of a machine was written.
 
 use std::path::{Path, PathBuf};
 
@@ -12,10 +12,10 @@ use ncfix_machine::machine::origin::{defaults, written};
 use ncfix_machine::machine::{Machine, Setting, Tool};
 use ncfix_report::origin::{OriginFile, OriginFileKind, OriginRow, Origins};
 
-/// Sections that hold values even where they are not written.
+/// Sections that have values even if they are not written.
 const ALWAYS: [&str; 3] = ["machine", "spindle", "control"];
 
-/// The origins of the values of a machine in a machine file with its set-up files, both of which were read without a fault.
+/// The origins of the values of a machine in a machine file with its set-up files, both read without an error.
 ///
 /// # Errors
 /// Where a set-up file cannot be read.
@@ -38,7 +38,7 @@ pub(crate) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Resu
         for Member { source, is_saved_data } in machine_file::members(path)?.1 {
             if is_saved_data {
                 let before = machine.clone();
-                // What is wrong with it was said when the machine was read.
+                // Errors in it were reported when the machine was read.
                 let _ = apply_archive(&source, &mut machine);
                 lay_over(&mut out.values, changes(&before, &machine, &source));
             } else if let Ok(file) = MachineFile::parse(&source) {
@@ -75,7 +75,7 @@ fn section(path: &str) -> &str {
     path.rsplit_once('.').map_or("", |(section, _)| section)
 }
 
-/// Lays values of a set-up file over others: a tool and a zero offset replace those of the same name as a whole, a variable itself.
+/// Overrides values by those of a set-up file: a tool and a zero offset replace the complete entry of the same name, a variable only itself.
 fn lay_over(values: &mut Vec<OriginRow>, over: Vec<OriginRow>) {
     let is_whole = |section: &str| section.starts_with("tool[") || section.starts_with("zero_offset.");
     values.retain(|row| {
@@ -86,7 +86,7 @@ fn lay_over(values: &mut Vec<OriginRow>, over: Vec<OriginRow>) {
     over.into_iter().for_each(|row| insert(values, row));
 }
 
-/// Puts a value behind the others of its section, else of its kind.
+/// Inserts a value after the others of its section, or else of its kind.
 fn insert(values: &mut Vec<OriginRow>, row: OriginRow) {
     let kind = |path: &str| path.split(['.', '[']).next().unwrap_or_default().to_owned();
     let same_section = values.iter().rposition(|other| section(&other.path) == section(&row.path));
@@ -94,7 +94,7 @@ fn insert(values: &mut Vec<OriginRow>, row: OriginRow) {
     values.insert(place.map_or(values.len(), |place| place + 1), row);
 }
 
-/// Adds what holds for keys that were not written.
+/// Adds the defaults of keys that were not written.
 fn fill_in(values: &mut Vec<OriginRow>, machine: &Machine) {
     let mut sections: Vec<String> = ALWAYS.map(str::to_owned).to_vec();
     for row in values.iter() {
@@ -108,7 +108,7 @@ fn fill_in(values: &mut Vec<OriginRow>, machine: &Machine) {
         let kind = values.iter().find(|row| row.path == kind).map(|row| row.value.clone());
         for (key, value) in defaults(&section, kind.as_deref(), machine) {
             let path = format!("{section}.{key}");
-            // A key may be a section of its own, such as macro_codes.
+            // A key may be a separate section, such as macro_codes.
             let is_written = |row: &OriginRow| {
                 row.path.strip_prefix(&path).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
             };
@@ -119,7 +119,7 @@ fn fill_in(values: &mut Vec<OriginRow>, machine: &Machine) {
     }
 }
 
-/// What data that a control has saved changes in a machine.
+/// The changes of a machine by data that a control saved.
 fn changes(before: &Machine, after: &Machine, source: &Source) -> Vec<OriginRow> {
     let mut out = Vec::new();
     let mut add = |path: String, value: String, mark: &str| {
@@ -127,7 +127,7 @@ fn changes(before: &Machine, after: &Machine, source: &Source) -> Vec<OriginRow>
     };
     for tool in after.tools.iter().filter(|tool| !before.tools.contains(tool)) {
         let Tool { number, edge, length_mm, radius_mm, name } = tool;
-        // A sum of nothing is no negative zero to a person.
+        // Avoids a negative zero in the output.
         let [l1, l2, l3] = length_mm.map(|length_mm| length_mm + 0.0);
         let mark = format!("[{number},{edge}]");
         let path = |key: &str| format!("tool[{number},{edge}].{key}");
@@ -160,7 +160,7 @@ fn changes(before: &Machine, after: &Machine, source: &Source) -> Vec<OriginRow>
     out
 }
 
-/// The parts of a frame that say something; the shifts always.
+/// The components of a frame that have an effect; the shifts always.
 fn of_frame(path: &str, frame: &FrameParts, machine: &Machine, mut add: impl FnMut(String, String)) {
     for axis in AXES.into_iter().filter(|&axis| machine.axis(axis).is_some()) {
         let (unit, factor) = if axis.is_rotary() { ("deg", 1_f64.to_degrees()) } else { ("mm", 1.0) };

@@ -39,17 +39,17 @@ impl Spool {
         Ok(Spool { file: BufWriter::with_capacity(BUFFER, file), target })
     }
 
-    /// Where the text is written to.
+    /// The writer of the text.
     pub(crate) fn writer(&mut self) -> &mut (dyn io::Write + Send) {
         &mut self.file
     }
 
-    /// Where the text will go.
+    /// The target of the text.
     pub(crate) fn target(&self) -> &Target {
         &self.target
     }
 
-    /// The reason of a failed write, in words.
+    /// The reason of a failed write, as text.
     pub(crate) fn fault(&self, error: &io::Error) -> Error {
         target_fault(&self.target, error)
     }
@@ -65,7 +65,7 @@ impl Spool {
         Ok(text)
     }
 
-    /// Refuses to write over what this run has read.
+    /// Refuses to overwrite files that this run has read.
     ///
     /// # Errors
     /// A sentence that names the file.
@@ -81,19 +81,19 @@ impl Spool {
         }
     }
 
-    /// Brings the text to the disk: what is published then has room there.
+    /// Flushes the text to the disk, so that there is room for it when it is published.
     ///
     /// # Errors
-    /// A sentence where there is none.
+    /// A sentence if there is no room.
     pub(crate) fn settle(&mut self) -> Result<(), Error> {
         let settled = self.file.flush().and_then(|()| self.file.get_ref().sync_all());
         settled.map_err(|error| self.fault(&error))
     }
 
-    /// Refuses to write over what somebody has written since the run began.
+    /// Refuses to overwrite a file that was written since the run began.
     ///
     /// # Errors
-    /// A finding that names the file, or a sentence where nobody can tell.
+    /// A finding that names the file, or a sentence if the check fails.
     pub(crate) fn is_expected(&self, old: Old<'_>) -> Result<(), Error> {
         let Target::File(file) = &self.target else { return Ok(()) };
         match old.expected(file).is(&file.path) {
@@ -103,10 +103,10 @@ impl Spool {
         }
     }
 
-    /// Puts the complete text in its place. The path of the file that was there, where it is kept.
+    /// Puts the complete text at its target. Returns the path of the old file if it is kept.
     ///
     /// # Errors
-    /// A sentence where that fails, a finding where something newer is there; the target is then as it was before.
+    /// A sentence where that fails, a finding where a newer file is there; the target is then unchanged.
     pub(crate) fn publish(self, old: Old<'_>) -> Result<Option<PathBuf>, Error> {
         if old == Old::Replaced {
             self.spare_inputs()?;
@@ -136,7 +136,7 @@ impl Spool {
     }
 }
 
-/// The finding about something newer in the place of an output.
+/// The finding for a newer file at the target of an output.
 fn newer(file: &OneFile, old: Old<'_>) -> Error {
     let path = file.path.display();
     let message = match (old, file.before) {
@@ -192,12 +192,12 @@ mod tests {
             assert_eq!(left, [""; 0]);
             fs::read_to_string(&path).unwrap()
         };
-        // It came into being.
+        // The file was created meanwhile.
         let ours = spool(&path, "ours");
         fs::write(&path, "theirs").unwrap();
         assert!(ours.is_expected(Old::Replaced).is_err_and(|error| error.code() == Some(Code::NEWER_FILE)));
         assert_eq!(is_newer(ours.publish(Old::Replaced)), "theirs");
-        // It was written, in place and by another file.
+        // The file was written, in place and by another file.
         let ours = spool(&path, "ours");
         fs::write(&path, "their second").unwrap();
         assert_eq!(is_newer(ours.publish(Old::Kept(b"theirs"))), "their second");
@@ -205,9 +205,9 @@ mod tests {
         fs::write(folder.path().join("new"), "their third").unwrap();
         fs::rename(folder.path().join("new"), &path).unwrap();
         assert_eq!(is_newer(ours.publish(Old::Replaced)), "their third");
-        // It was written before the run looked where it would write, but after it had read.
+        // The file was written after the run had read it, but before the run checked the target.
         assert_eq!(is_newer(spool(&path, "ours").publish(Old::Kept(b"what we read"))), "their third");
-        // Of two runs at once one is refused.
+        // Only one of two simultaneous runs may write.
         let (one, two) = (spool(&path, "one"), spool(&path, "two"));
         let backup = one.publish(Old::Kept(b"their third")).unwrap().unwrap();
         let code = two.publish(Old::Kept(b"their third")).err().and_then(|error| error.code());

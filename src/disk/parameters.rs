@@ -16,7 +16,7 @@ use ncfix_model::name::{ErrorKind, ErrorName};
 use ncfix_model::parameter::ParameterName;
 use ncfix_model::preset::{PRESETS, find};
 
-/// The parameters of `--model`; `None` where findings forbid to use them. A preset goes before a file of its name.
+/// The parameters of `--model`; `None` if there are errors. A preset goes before a file of its name.
 ///
 /// # Errors
 /// Where there is neither preset nor file, or the preset does not suit the machine.
@@ -48,7 +48,7 @@ pub(crate) fn choose(
 /// Candidates at most.
 const MOST: usize = 2000;
 
-/// The candidates of `--select`: presets, files, errors, parameters, `motion`; `None` where findings forbid to use them.
+/// The candidates of `--select`: presets, files, errors, parameters, `motion`; `None` if there are errors.
 ///
 /// # Errors
 /// Where a word is nothing, or there are too many of them.

@@ -1,4 +1,4 @@
-//! Puts a text that is complete in the place of a file: of the one that is expected there, and of nothing newer.
+//! Puts a complete text at the path of a file, replacing only the expected file and never a newer one.
 
 use std::fs::{self, File};
 use std::io;
@@ -7,41 +7,41 @@ use std::path::{Path, PathBuf};
 use super::fingerprint::Expected;
 use super::target::{OneFile, folder_of};
 
-/// Permissions of a new file before the umask takes its bits away.
+/// Permissions of a new file before the umask is applied.
 #[cfg(unix)]
 const NEW_FILE: u32 = 0o666;
 
-/// What becomes of a file that was there.
+/// Handling of an existing file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Old<'a> {
     /// It is replaced.
     Replaced,
-    /// It stays under the name of a backup: it is what the run has read, and this is all of it.
+    /// It is kept as a backup: it is the file that the run has read, and this is its complete content.
     Kept(&'a [u8]),
 }
 
 impl<'a> Old<'a> {
-    /// What must be in the place of a file for it to be written.
+    /// The file that must be at the path for it to be written.
     pub(crate) fn expected(self, file: &OneFile) -> Expected<'a> {
         let content = if let Old::Kept(content) = self { Some(content) } else { None };
         Expected { before: file.before, content }
     }
 }
 
-/// What became of a text.
+/// The result for a text.
 pub(crate) enum Put {
-    /// It is in its place; the path of the file that was there, where it is kept.
+    /// It is in its place; the path of the old file if it is kept.
     There(Option<PathBuf>),
-    /// Something newer is there.
+    /// A newer file is there.
     Newer,
 }
 
-/// A file without a name that is gone when it is closed, in a folder, with the permissions of any new file.
+/// A file without a name in a folder, removed when it is closed, with the permissions of any new file.
 pub(crate) fn without_name(folder: &Path) -> io::Result<File> {
     #[cfg(target_os = "linux")]
     {
         use rustix::fs::{Mode, OFlags, open};
-        // Not every file system has such files; what else is wrong with the folder shows below.
+        // Not every file system supports such files; other faults of the folder are found below.
         let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
         if let Ok(file) = open(folder, flags, Mode::from_raw_mode(NEW_FILE)) {
             return Ok(file.into());
@@ -50,7 +50,7 @@ pub(crate) fn without_name(folder: &Path) -> io::Result<File> {
     tempfile::tempfile_in(folder)
 }
 
-/// Gives a file without a name one that is free, beside the target.
+/// Gives a file without a name a free name beside the target.
 #[cfg(target_os = "linux")]
 fn name_beside(text: &File, names: &tempfile::Builder<'_, '_>, folder: &Path) -> io::Result<tempfile::TempPath> {
     use std::os::fd::AsRawFd as _;
@@ -62,13 +62,13 @@ fn name_beside(text: &File, names: &tempfile::Builder<'_, '_>, folder: &Path) ->
     names.make_in(folder, link).map(tempfile::NamedTempFile::into_temp_path)
 }
 
-/// Elsewhere a file without a name stays without.
+/// Other systems cannot give a name to a file without one.
 #[cfg(not(target_os = "linux"))]
 fn name_beside(_: &File, _: &tempfile::Builder<'_, '_>, _: &Path) -> io::Result<tempfile::TempPath> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Names the text beside its file and puts it in the place of that.
+/// Names the text beside its target and then puts it at the path of the target.
 pub(crate) fn replace(text: &mut File, target: &OneFile, old: Old<'_>) -> io::Result<Put> {
     let path = &target.path;
     let mut names = tempfile::Builder::new();
@@ -76,7 +76,7 @@ pub(crate) fn replace(text: &mut File, target: &OneFile, old: Old<'_>) -> io::Re
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
-        // As for any new file: the umask takes its bits away. Without this a temporary file is private to its owner.
+        // As for any new file, the umask is applied. Without this a temporary file is private to its owner.
         names.permissions(fs::Permissions::from_mode(NEW_FILE));
     }
     let finish = |file: &File| {
@@ -85,7 +85,7 @@ pub(crate) fn replace(text: &mut File, target: &OneFile, old: Old<'_>) -> io::Re
         }
         file.sync_all()
     };
-    // On the disk first: between its name and its place there are few calls, in which a kill would leave it behind.
+    // Flushed first: between naming and replacing there are few calls in which a kill would leave the file behind.
     finish(text)?;
     let beside = match name_beside(text, &names, folder_of(path)) {
         Ok(beside) => beside,
@@ -100,18 +100,18 @@ pub(crate) fn replace(text: &mut File, target: &OneFile, old: Old<'_>) -> io::Re
     let backup = if is_kept && path.exists() { Some(back_up(path)?) } else { None };
     let is_there = take_place(beside, path, old.expected(target));
     if !matches!(is_there, Ok(true)) {
-        // The second name of what stays in its place.
+        // The second name of the file that stays in its place.
         backup.as_ref().map_or(Ok(()), fs::remove_file)?;
         return is_there.map(|_| Put::Newer);
     }
-    // The new name is safe on the disk only when the folder is. Some systems cannot flush folders; the file is complete anyway.
+    // The new name is safe on the disk only when the folder is flushed. Some systems cannot flush folders; the file is complete anyway.
     if let Ok(folder) = File::open(folder_of(path)) {
         let _ = folder.sync_all();
     }
     Ok(Put::There(backup))
 }
 
-/// Renames a file to the place of what is expected there; whether that was there. Anything else stays.
+/// Renames a file to the path of the expected file; returns whether the expected file was there. Any other file stays.
 fn take_place(beside: tempfile::TempPath, path: &Path, expected: Expected<'_>) -> io::Result<bool> {
     if expected.before.is_none() {
         return match beside.persist_noclobber(path) {
@@ -124,10 +124,10 @@ fn take_place(beside: tempfile::TempPath, path: &Path, expected: Expected<'_>) -
         return Ok(false);
     }
     if exchange(&beside, path).is_err() {
-        // Not every system can do that. The moment between the look and the rename is as short as it can be.
+        // Not every system supports that. The time between the check and the rename is as short as possible.
         return beside.persist(path).map(|()| true).map_err(|fault| fault.error);
     }
-    // Nobody else can have it now: what stood there has the name beside it.
+    // No other process can change it now: the old file has the name beside it.
     if expected.is(&beside)? {
         return Ok(true);
     }
@@ -135,14 +135,14 @@ fn take_place(beside: tempfile::TempPath, path: &Path, expected: Expected<'_>) -
     Ok(false)
 }
 
-/// Lets two files change places at once, so that neither is ever without a name.
+/// Exchanges two files atomically, so that neither is ever without a name.
 #[cfg(target_os = "linux")]
 fn exchange(one: &Path, other: &Path) -> io::Result<()> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};
     renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE).map_err(io::Error::from)
 }
 
-/// Elsewhere there is no such call.
+/// Other systems have no such call.
 #[cfg(not(target_os = "linux"))]
 fn exchange(_: &Path, _: &Path) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
@@ -160,7 +160,7 @@ pub(crate) fn backups(path: &Path) -> impl Iterator<Item = PathBuf> {
     })
 }
 
-/// Gives the file a second name that does not exist yet, so that a rename over the first leaves it.
+/// Gives the file a second name that does not exist yet, so that a rename over the first name keeps it.
 fn back_up(path: &Path) -> io::Result<PathBuf> {
     for backup in backups(path) {
         let made = fs::hard_link(path, &backup).or_else(|error| {

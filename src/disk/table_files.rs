@@ -1,4 +1,4 @@
-//! Reads compensation tables of a control: files, several that belong together, archives.
+//! Reads compensation tables of a control: single files, sets of files, archives.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -17,9 +17,9 @@ use ncfix_tables::tables::{Control, FORMATS, Format, Multiplication, Sense, Tabl
 /// Tables that were read.
 pub(crate) struct ReadTables {
     pub(crate) tables: Tables,
-    /// The formats that they were in: a control may save tables of several kinds in one file.
+    /// The formats that were found: a control may save tables of several kinds in one file.
     pub(crate) formats: Vec<&'static Format>,
-    /// The tool that remarks of the file say they are for, from the gauge point to the tip, mm.
+    /// The tool stated in remarks of the file, from the gauge point to the tip, mm.
     pub(crate) tool_mm: Option<Vector>,
 }
 
@@ -30,28 +30,28 @@ impl ReadTables {
     }
 }
 
-/// How files are read.
+/// Options for reading files.
 #[derive(Clone, Copy)]
 pub(crate) struct Reading<'a> {
-    /// The format; told by the files where it is not said.
+    /// The format; detected from the files if not given.
     pub(crate) format: Option<&'static Format>,
-    /// What the control does with products; that of the files where it is not said.
+    /// The value of a table that is multiplied by another one; as stated in the files if not given.
     pub(crate) multiplication: Option<Multiplication>,
-    /// The machine whose control has the tables, where it is known.
+    /// The machine whose control has the tables, if known.
     pub(crate) machine: Option<&'a Machine>,
-    /// How the control names the axes.
+    /// The axis names of the control.
     pub(crate) wiring: &'a Wiring,
 }
 
-/// Files as far as they were read.
+/// The files read so far.
 #[derive(Default)]
 struct Files {
     /// The tables of each format.
     sets: Vec<(&'static Format, Tables)>,
     earlier: Vec<(Source, BTreeSet<usize>)>,
-    /// What tables without numbers correct, over what, and in which sense.
+    /// The corrected axis, the input axis and the sign convention of tables without numbers.
     unnumbered: Vec<(Axis, Axis, Sense)>,
-    /// For which reading of products the files say that they are.
+    /// The interpretation of products stated in the files.
     mark: Option<Multiplication>,
 }
 
@@ -74,7 +74,7 @@ impl Files {
         (found, source)
     }
 
-    /// What a file says of products must be what the others say.
+    /// The multiplication stated in a file must be that of the other files.
     fn note_mark(&mut self, source: &Source) -> Option<Diagnostic> {
         let mark = format::multiplication_of(source);
         let fault = self.mark.zip(mark).filter(|(known, own)| known != own).map(|_| {
@@ -87,10 +87,10 @@ impl Files {
     }
 }
 
-/// Reads tables from files; `None` where findings forbid to use them.
+/// Reads tables from files; `None` if there are errors.
 ///
 /// # Errors
-/// Where a file cannot be read, or nothing tells its format.
+/// Where a file cannot be read, or its format cannot be detected.
 pub(crate) fn read(
     paths: &[PathBuf],
     reading: &Reading<'_>,
@@ -156,7 +156,7 @@ fn joined(
         findings.add(Diagnostic::nowhere(Code::BAD_TABLES, format!("{names}: {message}"), help), &[]);
     };
     for (format, tables) in sets {
-        // What the control would not take is damaged, or not what it seems. Cells that a file leaves blank are no fault.
+        // Values that the control would refuse are an error. Cells that a file leaves blank are allowed.
         let mut whole = tables.clone();
         whole.multiplication = Multiplication::Instead;
         (format.round)(&mut whole);
@@ -176,7 +176,7 @@ fn joined(
     all
 }
 
-/// What the control does with products: what was asked for, or what the files say, or the usual reading.
+/// The value of a table that is multiplied by another one: as requested, or as stated in the files, or the default.
 fn multiplication(
     names: &str,
     asked: Option<Multiplication>,
@@ -199,7 +199,7 @@ fn multiplication(
     asked.or(mark).unwrap_or_default()
 }
 
-/// Tables of the file that a format which was asked for does not have.
+/// Tables of the file that are not in the requested format.
 fn left_out(
     source: &Source,
     format: &'static Format,
@@ -216,12 +216,12 @@ fn left_out(
     told.collect()
 }
 
-/// What is written before and behind the tool in a remark.
+/// The text before and after the tool in a remark.
 const TOOL: [&str; 2] = ["tool ", " mm from the gauge point"];
-/// Lines in which such a remark stands.
+/// Lines in which such a remark can be.
 const REMARKS: usize = 40;
 
-/// The remark that says for which tool the tables are.
+/// The remark that names the tool of the tables.
 pub(crate) fn tool_remark(tool_mm: &Vector) -> String {
     let [x, y, z] = rounded_mm(tool_mm);
     format!("{}{x} {y} {z}{}", TOOL[0], TOOL[1])
@@ -242,7 +242,7 @@ fn tool_of(bytes: &[u8]) -> Option<Vector> {
         })
 }
 
-/// A file that is there again, or that has a table of an earlier one: in the control the later one takes the place of the other.
+/// A duplicate file, or one with a table of an earlier file: in the control the later one replaces the earlier one.
 fn again(source: &Source, numbers: &BTreeSet<usize>, earlier: &[(Source, BTreeSet<usize>)]) -> Option<Diagnostic> {
     let fault = |message: String, help: &str| {
         Some(Diagnostic::at(Code::BAD_TABLES, Place { file: source.id(), span: Span::new(0, 1) }, message, help))
@@ -271,10 +271,10 @@ fn second(source: &Source, new: &[(Axis, Axis, Sense)], known: &[(Axis, Axis, Se
     Some(Diagnostic::at(Code::BAD_TABLES, place, message, "name the files that are in the control now"))
 }
 
-/// The control with the tables that a machine file names as active, and the files; `None` where findings forbid to use them.
+/// The control with the tables that a machine file names as active, and the files; `None` if there are errors.
 ///
 /// # Errors
-/// Where a file cannot be read, or nothing tells its format.
+/// Where a file cannot be read, or its format cannot be detected.
 pub(crate) fn active(
     paths: &[PathBuf],
     machine: &Machine,
@@ -291,12 +291,12 @@ pub(crate) fn active(
     Ok(read.map(|read| (Control::new(machine, &read.tables), sources)))
 }
 
-/// The files with tables at a path: the file itself, or those in an archive; and programs of the archive that have such variables.
+/// The files with tables at a path: the file itself, or those in an archive; and programs of the archive with such variables.
 fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Error> {
     const PROGRAMS: [&str; 3] = [".MPF", ".SPF", ".CPF"];
     let source = files::read(path, FileId(0), "compensation tables")?;
     let Some(files) = archive::members(path, source.bytes())? else { return Ok((vec![source], Vec::new())) };
-    // Only formats that name their variables are told from anything else that a control saves.
+    // Only formats that name their variables can be distinguished from other data that a control saves.
     let is_table =
         |file: &Source| format::guess(file.name(), file.bytes()).is_some_and(|format| !format.beside.is_empty());
     let is_program = |file: &Source| {
@@ -306,7 +306,7 @@ fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Error> {
     Ok(files.into_iter().filter(is_table).partition(|file| !is_program(file)))
 }
 
-/// A program that sets tables when it runs: whether it ran, an archive does not tell.
+/// The finding for a program that sets tables when it runs: an archive does not show whether it ran.
 fn not_read(program: &Source) -> Diagnostic {
     let place = Place { file: program.id(), span: Span::new(0, 1) };
     let help = "save the tables of the control as they are now, NC active data, if it ran";

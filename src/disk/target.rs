@@ -1,4 +1,4 @@
-//! Where a text goes: which file a name on the command line is, by whatever name, link or folder.
+//! The target of a text: the file that a name on the command line means, by whatever name, link or folder.
 
 use std::fmt;
 use std::fs;
@@ -30,7 +30,7 @@ pub(crate) enum Target {
 pub(crate) struct OneFile {
     /// Where.
     pub(crate) path: PathBuf,
-    /// What was there when the run began: whatever is there later and is something else is newer, and stays.
+    /// The file at the path when the run began. A later different file is newer, and is not replaced.
     pub(crate) before: Option<Fingerprint>,
 }
 
@@ -62,7 +62,7 @@ impl Target {
         }
     }
 
-    /// Whether the target is the file `other`, by whatever name or link, also where neither is there yet.
+    /// True if the target is the file `other`, by whatever name or link, also if neither exists yet.
     pub(crate) fn is(&self, other: &Path) -> bool {
         self.path().is_some_and(|path| is_same(path, other))
     }
@@ -75,12 +75,12 @@ impl Target {
         }
     }
 
-    /// Whether it is a file, so that nothing is there before all is.
+    /// True if it is a file, which is written only when all its content is complete.
     pub(crate) fn is_file(&self) -> bool {
         matches!(self, Target::File(_))
     }
 
-    /// Whether both are one file.
+    /// True if both are one file.
     pub(crate) fn is_also(&self, other: &Target) -> bool {
         matches!(other, Target::File(file) if self.is_file() && self.is(&file.path))
     }
@@ -119,12 +119,12 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Whether two paths are one file, by whatever name or link, also where neither is there yet.
+/// True if two paths are one file, by whatever name or link, also if neither exists yet.
 pub(crate) fn is_same(one: &Path, other: &Path) -> bool {
     is_same_file(one, other) || is_same_name(one, other)
 }
 
-/// Whether two paths lead to one file: the same path, or two names (hard links) of it.
+/// True if two paths lead to one file: the same path, or two names (hard links) of it.
 pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -136,7 +136,7 @@ pub(crate) fn is_same_file(one: &Path, other: &Path) -> bool {
     matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
 }
 
-/// Whether two paths would be one file: the same name in one folder. Some disks do not tell capitals from small letters.
+/// True if two paths would be one file: the same name in one folder. Some file systems ignore case.
 fn is_same_name(one: &Path, other: &Path) -> bool {
     let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().to_lowercase());
     let is_missing = !one.exists() && !other.exists();
@@ -148,7 +148,7 @@ pub(crate) fn protect<'f>(target: &Target, files: impl IntoIterator<Item = &'f P
     protect_with(target, files, "choose another output", findings);
 }
 
-/// The same for a command that can overwrite its program.
+/// The protection of the program, for a command that can overwrite it.
 pub(crate) fn protect_program<'f>(
     target: &Target,
     files: impl IntoIterator<Item = &'f PathBuf>,

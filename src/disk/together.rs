@@ -22,7 +22,7 @@ impl Together {
         self.put(spool)
     }
 
-    /// The same of one that replaces the program that was read, which is then to be kept ([`Old::Kept`]).
+    /// Adds a file that replaces the program that was read, whose old version is then kept ([`Old::Kept`]).
     ///
     /// # Errors
     /// A sentence where the disk has no room for it.
@@ -36,7 +36,7 @@ impl Together {
         Ok(())
     }
 
-    /// The same of a text in memory.
+    /// Adds a file from a text in memory.
     ///
     /// # Errors
     /// A sentence where it cannot be written.

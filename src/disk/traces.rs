@@ -1,4 +1,4 @@
-//! Reads traces: tables with a description of `kind = "trace"`, and what a control recorded in a file of its own.
+//! Reads traces: tables with a description of `kind = "trace"`, and recordings of a control in its own format.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub(crate) struct Read {
     pub(crate) sources: Vec<Source>,
 }
 
-/// Reads a trace; `None` where findings forbid to use it. `number` tells files apart.
+/// Reads a trace; `None` if there are errors. `number` tells files apart.
 ///
 /// # Errors
 /// Where a file cannot be read.
@@ -59,7 +59,7 @@ pub(crate) fn read(
     Ok(trace.map(|trace| Read { trace, sources }))
 }
 
-/// All files of tables, for those that must not be overwritten; what cannot be read is told later.
+/// All table files, which must not be overwritten; a file that cannot be read is reported later.
 pub(crate) fn files(tables: &[PathBuf]) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for table in tables {

@@ -1,4 +1,4 @@
-//! The file of a journal: only ever added to, written through to the disk by a thread of its own, so that a slow disk delays no line.
+//! The file of a journal: append-only, written to the disk by a separate thread, so that a slow disk delays no line.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Write};
@@ -19,8 +19,8 @@ pub(super) struct Book {
     fault: Arc<Mutex<Option<io::Error>>>,
 }
 
-/// Looks whether a journal may be written there: that of a job that ended well, or of which no line was
-/// sent, gives way; any other file does not.
+/// Checks whether a journal may be written at the path: a journal of a job that ended without an error, or of which no line was sent, is replaced;
+/// any other file is not.
 ///
 /// # Errors
 /// Where the file cannot be read.
@@ -57,7 +57,7 @@ pub(crate) fn check(path: &Path, findings: &mut Diagnostics) -> Result<(), Error
     Ok(())
 }
 
-/// Whether a job holds a journal.
+/// True if a job has a journal open.
 pub(crate) fn is_held(path: &Path) -> bool {
     let file = File::open(path);
     file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
@@ -69,14 +69,14 @@ fn supersede(mut file: &File, bytes: &[u8], path: &Path) -> io::Result<()> {
     if is_done {
         return Ok(());
     }
-    // Behind a record that was cut off.
+    // The end of the last complete record; a record may be cut off after it.
     let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
     file.set_len(whole as u64)?;
     writeln!(file, "0 E {}", JournalEnd::TakenUp(path.display().to_string()))?;
     file.sync_data()
 }
 
-/// Whether a file is still the one of its path: another job may have taken its own journal there meanwhile.
+/// True if an open file is still the one at its path: another job may have put its own journal there meanwhile.
 #[cfg(unix)]
 fn is_there(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt as _;
@@ -90,7 +90,7 @@ fn is_there(_file: &File, path: &Path) -> bool {
     path.exists()
 }
 
-/// Takes an old journal out of the way of a new one, while nobody else can have it. `expected` are the bytes by which its job is taken up again.
+/// Moves an old journal out of the way of a new one, while it is locked. `expected` is the content of the journal from which its job is resumed.
 fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Error> {
     let fault = |error: &io::Error| Error::file("write", path, error);
     let file = match OpenOptions::new().read(true).append(true).open(path) {
@@ -116,8 +116,8 @@ fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Error> {
     std::fs::rename(path, kept(path)).and_then(|()| supersede(&file, &bytes, path)).map_err(|error| fault(&error))
 }
 
-/// Whether a journal gives way to that of a new job: its own has ended well, or none of its lines was sent. One that was to be taken up again is broken
-/// off all the same.
+/// True if a journal may be replaced by that of a new job: its job ended without an error, or none of its lines was sent. A journal of a job that
+/// itself resumed another one is kept even if none of its lines was sent.
 fn gives_way(told: &Told) -> bool {
     told.ended == Some(JournalEnd::Done)
         || told.frozen == 0 && told.head.iter().all(|(key, _)| *key != HeadKey::Resumed)
@@ -136,7 +136,7 @@ fn kept(path: &Path) -> PathBuf {
 
 impl Book {
     /// Begins a journal, in place of that of a job that is done or, with the bytes of its journal, taken up again, which is kept as `….old`, `….old1` ….
-    /// From here on nobody else has it: this goes before everything that waits.
+    /// The lock is held from here on: this comes before all operations that may wait.
     ///
     /// # Errors
     /// Where it cannot be written, is that of a job that is running, or has changed.
@@ -144,7 +144,7 @@ impl Book {
         let fault = |error: &io::Error| Error::file("write", path, error);
         take(path, expected)?;
         let file = OpenOptions::new().append(true).create_new(true).open(path).map_err(|error| fault(&error))?;
-        // As long as it is held nobody takes the job up again.
+        // The lock prevents that another job resumes it.
         file.try_lock().map_err(|error| Error::usage(format!("cannot lock {}: {error}", path.display())))?;
         let second = file.try_clone().map_err(|error| fault(&error))?;
         let (ask, asked) = sync_channel::<()>(1);

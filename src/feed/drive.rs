@@ -21,21 +21,21 @@ use ncfix_dnc::feed::{Ended, Event, Halt, HeadKey, Journal, Port, Progress, Send
 use ncfix_dnc::sense::Panel;
 use ncfix_report::feed::{Before, FeedEvent, FeedOutcome, Status};
 
-/// Time between two looks at the clock, the keyboard and the sensors, where nothing comes.
+/// Interval between two checks of the clock, the keyboard and the sensors while nothing arrives.
 const IDLE: Duration = Duration::from_millis(5);
 /// The same where bytes wait for the port, or lines for the execution.
 const BUSY: Duration = Duration::from_micros(200);
-/// Sensors that have said nothing for so long before the start are not there.
+/// Sensors without a value for this time before the start are missing.
 const FIRST_READING: Duration = Duration::from_secs(180);
-/// What goes out last, a hold, has so long to leave.
+/// The time for sending the last message, a feed hold.
 const LAST: Duration = Duration::from_millis(500);
 
-/// Why a transfer did not begin.
+/// The reason why a transfer did not begin.
 #[derive(Debug)]
 pub(crate) enum NotBegun {
     /// Something cannot be read or written.
     Error(Error),
-    /// It has ended before its first line.
+    /// It ended before its first line.
     Ended(FeedEnd, String),
 }
 
@@ -45,7 +45,7 @@ impl From<Error> for NotBegun {
     }
 }
 
-/// What a transfer goes over.
+/// The link of a transfer.
 pub(crate) struct Lane<'a> {
     pub(crate) port: Box<dyn Port>,
     /// Characters a second that it takes.
@@ -105,24 +105,24 @@ pub(crate) fn run(
     Ok(Sent { status, end })
 }
 
-/// Where a transfer begins.
+/// The place where a transfer begins.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Begin {
     /// The names of the program and of the port, as they were given.
     pub(crate) input: String,
     pub(crate) port: String,
-    /// Elements of the program up to this one are not sent.
+    /// Elements of the program up to this one are skipped.
     pub(crate) skip: u64,
-    /// What is sent before.
+    /// The lines that are sent before.
     pub(crate) lines: Vec<String>,
     /// The words of the command line that began the job.
     pub(crate) words: Vec<String>,
-    /// The plan by which it is taken up again, and the journal as it was read for that.
+    /// The plan for resuming, and the journal from which it was made.
     pub(crate) resumed: Option<String>,
     pub(crate) journal: Option<Vec<u8>>,
 }
 
-/// What must be the same when the job is taken up again.
+/// The settings that must be the same when the job is resumed.
 fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(HeadKey, String)> {
     let mut head = vec![
         (HeadKey::Version, env!("CARGO_PKG_VERSION").to_owned()),
@@ -141,7 +141,7 @@ fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(HeadKey, String)
     head
 }
 
-/// Waits until every sensor has said something.
+/// Waits until every sensor has given a value.
 fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant) -> Result<(), NotBegun> {
     loop {
         let (standing, _) = thermal.standing();
@@ -169,7 +169,7 @@ fn wait_for_sensors(thermal: &Thermal, view: &mut dyn FeedView, started: Instant
     }
 }
 
-/// The loop.
+/// The main loop of a transfer.
 struct Drive<'a> {
     sender: Sender<'a>,
     port: Box<dyn Port>,
@@ -177,12 +177,12 @@ struct Drive<'a> {
     before: &'a Before,
     /// Characters a second that the link takes.
     speed: f64,
-    /// Blocks that the control has taken and not carried out, at most, as the profile says.
+    /// Largest number of blocks that the control has received and not executed, from the profile.
     bound: Option<u64>,
     started: Instant,
-    /// From an answer to the bytes of the next line.
+    /// The time from an answer to the bytes of the next line.
     meter: Meter,
-    /// What a person or a sensor has asked for, with its status, why, and what was said of it.
+    /// A stop requested by the user or a sensor, with its status, its reason and its message.
     halted: Option<(Halt, FeedEnd, String, String)>,
 }
 
@@ -231,7 +231,7 @@ impl Drive<'_> {
         }
     }
 
-    /// What ended it, with its status.
+    /// The end, with its status.
     fn code(&self, ended: Ended) -> (Ended, FeedEnd) {
         let code = match &ended {
             Ended::Done => FeedEnd::Done,
@@ -262,7 +262,7 @@ impl Drive<'_> {
     fn halt(&mut self, halt: Halt, code: FeedEnd, why: &str, now: Duration) {
         let said = self.sender.halt(halt, now);
         let halt = match (&said, halt) {
-            // It has no word for a hold: what it has runs out.
+            // Without a hold command, the received blocks run to their end.
             (None, Halt::Hold) if self.halted.is_none() => {
                 self.halt(Halt::Stop, code, why, now);
                 return;
@@ -281,7 +281,7 @@ impl Drive<'_> {
         self.halted = Some((halt, code, why.to_owned(), message));
     }
 
-    /// Lets what was said last go out.
+    /// Waits until the last message is sent.
     fn flush(&mut self, supply: &mut Source) -> io::Result<()> {
         let from = Instant::now();
         while self.sender.wants_to_write() && from.elapsed() < LAST {
@@ -292,7 +292,7 @@ impl Drive<'_> {
         Ok(())
     }
 
-    /// What a job leaves that is lost.
+    /// The message for the lines of a job that are lost.
     fn lost(&self, why: &str, progress: &Progress) -> String {
         let taken = progress.acknowledged.max(progress.left);
         if progress.sent == 0 {
@@ -307,7 +307,7 @@ impl Drive<'_> {
         what + ": each of these may have been carried out or not"
     }
 
-    /// What the control has taken and may not have carried out.
+    /// The message for blocks that the control has received and possibly not executed.
     fn held(&self) -> String {
         match self.sender.progress().holds.max(self.bound) {
             Some(most) => format!("up to {most} blocks that the control holds"),
@@ -320,7 +320,7 @@ impl Drive<'_> {
         let elapsed_s = self.started.elapsed().as_secs_f64();
         let (standing, age) = thermal.standing();
         let left_s = (self.before.motion_s - supply.busy_s).max(0.0);
-        // What is sent is nearly what is done; it is as slow as it has been.
+        // The sent blocks approximate the executed ones; the future pace is assumed to be the pace so far.
         let pace = if supply.busy_s > 0.0 { (elapsed_s / supply.busy_s).max(1.0) } else { 1.0 };
         let (word, message) = match ended {
             None => (None, None),
@@ -377,7 +377,7 @@ impl Drive<'_> {
     }
 }
 
-/// Axes with a shift, or for which one is asked.
+/// Axes with a shift, or with a requested shift.
 fn axes(values: &[f64; AXIS_COUNT], others: &[f64; AXIS_COUNT]) -> BTreeMap<AxisKey, f64> {
     let mut out = BTreeMap::new();
     for axis in AXES {

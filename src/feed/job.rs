@@ -1,4 +1,4 @@
-//! A transfer: the program, the machine, the link and how it is sent.
+//! A transfer: the program, the machine, the link and the options.
 
 use std::path::Path;
 
@@ -44,7 +44,7 @@ pub struct Transfer {
 }
 
 impl Transfer {
-    /// Parses the program, which carries no stamp; `None` where findings forbid to go on.
+    /// Parses the program, which has no stamp; `None` if there are errors.
     ///
     /// # Errors
     /// Where the program cannot be written.
@@ -70,10 +70,10 @@ impl Transfer {
         Ok(Some(Transfer { program, machine, link, sensors_hash, options, writing, dialect, settings }))
     }
 
-    /// The program once more from its beginning.
+    /// Opens the program again from its beginning.
     ///
     /// # Errors
-    /// None that [`Transfer::new`] would not have met.
+    /// Only errors that [`Transfer::new`] would have reported.
     pub(super) fn open(&self) -> Result<Opened, Error> {
         let opened = self.program.open(Some(&self.machine), &mut Diagnostics::default())?;
         opened.ok_or_else(|| Error::usage("the program has changed".into()))
@@ -82,13 +82,13 @@ impl Transfer {
     /// The dialogue of the link.
     ///
     /// # Errors
-    /// Where the profile does not fit it.
+    /// Where the profile does not match it.
     pub(crate) fn dialogue(&self) -> Result<Box<dyn Dialogue>, Error> {
         let profile = &self.link.profile;
         (profile.protocol.create)(profile).map_err(|why| Error::usage(format!("the link {}: {why}", profile.name)))
     }
 
-    /// Why nothing may be sent before somebody has looked at the machine: the link cannot ask whether it stands still.
+    /// The reason why nothing may be sent before a person has checked the machine: the link cannot query whether it stands still.
     pub(crate) fn unasked(&self) -> Option<Diagnostic> {
         let profile = &self.link.profile;
         if profile.protocol.asks_idle || self.options.machine_stands_still {
@@ -102,7 +102,7 @@ impl Transfer {
         Some(Diagnostic::nowhere(Code::IDLE_UNKNOWN, message, help))
     }
 
-    /// Opens the sensors of a file; `None` where there is no file, or findings forbid it.
+    /// Opens the sensors of a file; `None` if there is no file, or there are errors.
     ///
     /// # Errors
     /// Where it cannot be read.
@@ -125,7 +125,7 @@ impl Transfer {
         Ok(opened.map_err(|faults| found.extend(faults, std::slice::from_ref(&source))).ok())
     }
 
-    /// Says that sensors of the model are missing among those of a panel.
+    /// A finding if sensors of the model are missing among those of a panel.
     pub(crate) fn missing(&self, channels: &[&str]) -> Option<Diagnostic> {
         let is_known = |name: &str| channels.contains(&name) || self.machine.condition.trace(name).is_some();
         let needed = self.machine.errors.sensors();
@@ -134,7 +134,7 @@ impl Transfer {
     }
 }
 
-/// Says that sensors of the model are missing.
+/// The finding for missing sensors of the model.
 fn missing(names: &[&str]) -> Diagnostic {
     let message = format!(
         "neither the sensors nor the state have a temperature of {}, and the error model needs it",

@@ -1,4 +1,4 @@
-//! How long things take, in bounded memory: a histogram whose columns are a twelfth of a power of two wide.
+//! Duration statistics in bounded memory: a histogram whose bins are a twelfth of a power of two wide.
 
 use std::time::Duration;
 

@@ -58,7 +58,7 @@ pub enum FeedEnd {
     Fault,
     /// The link is gone.
     Link,
-    /// The control has refused a line, or says nothing any more.
+    /// The control has refused a line, or no longer answers.
     Control,
     /// The sensors stay bad.
     Sensors,
@@ -66,7 +66,7 @@ pub enum FeedEnd {
     Stopped,
 }
 
-/// How a transfer went.
+/// The result of a transfer.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -85,7 +85,7 @@ pub struct Sent {
     pub end: FeedEnd,
 }
 
-/// Who looks at a transfer. Times count from its start.
+/// The observer of a transfer. Times count from its start.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -108,7 +108,7 @@ pub struct Sent {
 /// assert!(view.is_stopped());
 /// ```
 pub trait FeedView {
-    /// Whether a status is wanted now.
+    /// True if a status is due now.
     fn is_due(&self, _now: Duration) -> bool {
         false
     }
@@ -116,10 +116,10 @@ pub trait FeedView {
     /// Where it stands.
     fn status(&mut self, _status: &Status, _now: Duration) {}
 
-    /// What it waits for before the first line.
+    /// Called while the transfer waits before the first line.
     fn waiting(&mut self, _what: &str, _now: Duration) {}
 
-    /// What has happened on the link.
+    /// Called for each event on the link.
     fn event(&mut self, _event: &Event, _now: Duration) {}
 
     /// Time has passed.
@@ -131,10 +131,11 @@ pub trait FeedView {
     /// They are good again.
     fn thawed(&mut self, _now: Duration) {}
 
-    /// What a person should know at once, with the line of the link that it is about.
+    /// Called for an event that the user should see at once, with the link line that it is about.
     fn say(&mut self, _event: FeedEvent, _now: Duration, _line: Option<u64>, _message: String) {}
 
-    /// Whether somebody wants it to stop, since the last question: once lets the control run out, twice holds the axes where the link has a word for it.
+    /// True if a stop was requested since the last call: the first request stops sending, so that the control runs out of blocks; the second one
+    /// holds the axes if the link has a command for it.
     fn is_stopped(&mut self) -> bool {
         false
     }
@@ -160,7 +161,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the program is not understood or refused.
+    /// Where the program cannot be parsed or refused.
     pub fn feed(
         &self,
         machine: &Machine,
@@ -244,7 +245,7 @@ impl Transfer {
         self.send_seen(port, sensors, journal, &mut Nobody)
     }
 
-    /// The same with somebody who looks at it.
+    /// Sends the program with an observer.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -317,7 +318,7 @@ impl Transfer {
         })
     }
 
-    /// Runs the program without sending anything; `None` where findings forbid it.
+    /// Runs the program without sending anything; `None` if there are errors.
     ///
     /// # Errors
     /// Where it cannot be written.

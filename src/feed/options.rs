@@ -1,8 +1,8 @@
-//! How a program is sent.
+//! Options of a transfer.
 
 use std::time::Duration;
 
-/// How a program is sent to a control. `FeedOptions::default()` is what `ncfix feed` does without options.
+/// Options for sending a program to a control. `FeedOptions::default()` gives the options of `ncfix feed` without arguments.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -16,13 +16,13 @@ use std::time::Duration;
 pub struct FeedOptions {
     /// Sends even where the control will have to wait for lines.
     pub allow_starvation: bool,
-    /// Somebody has looked: the machine stands still. Needed for links that cannot ask.
+    /// The user has checked that the machine stands still. Needed for links that cannot query it.
     pub machine_stands_still: bool,
-    /// Time between two looks at the temperatures.
+    /// Interval between two evaluations of the temperatures.
     pub every: Duration,
     /// The zero point of the workpiece is set in the condition in which the job begins: drift counts from there.
     pub zero_now: bool,
-    /// What temperatures ask for changes on rapid moves only.
+    /// True if temperature changes take effect on rapid moves only.
     pub rapids_only: bool,
     /// The most that it changes from one block with feed to the next, mm.
     pub dose_per_block_mm: f64,

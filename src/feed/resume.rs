@@ -1,4 +1,4 @@
-//! Jobs that were broken off: what their journals say, and where they can be taken up again.
+//! Interrupted jobs: the content of their journals, and the places where they can be resumed.
 
 use std::path::Path;
 
@@ -28,7 +28,7 @@ const MOST_SHOWN: usize = 40;
 pub(crate) struct Broken {
     /// Its journal.
     pub(crate) source: Source,
-    /// What that says.
+    /// The content of the journal.
     pub(crate) told: Told,
 }
 
@@ -73,7 +73,7 @@ pub(crate) fn began_with(told: &Told) -> Result<impl Iterator<Item = &str>, Erro
     Ok(told.head.iter().filter(|(key, _)| *key == HeadKey::Argument).map(|(_, value)| value.as_str()))
 }
 
-/// Whether a journal says that no line was sent.
+/// True if a journal says that no line was sent.
 fn is_empty(journal: &str) -> bool {
     let text = std::fs::read_to_string(journal);
     text.is_ok_and(|text| read_journal(&text).is_ok_and(|told| told.frozen == 0))
@@ -104,13 +104,13 @@ pub(crate) fn check_same(told: &Told, job: &Transfer, before: &Before, findings:
     }
 }
 
-/// Whether a line names an axis.
+/// True if a line names an axis.
 fn is_move(text: &[u8]) -> bool {
     text.split(|&byte| byte == b' ').any(|word| word.first().is_some_and(|letter| b"XYZABCUVW".contains(letter)))
 }
 
-/// How many blocks the control may have taken and not carried out, at most, and where that comes from: what it stated when the job began, and no less
-/// where a bound of the profile is smaller.
+/// The largest number of blocks that the control may have received and not executed, and the source of that number: the value that it stated when the
+/// job began, but at least the bound of the profile.
 fn holds(told: &Told, job: &Transfer) -> Option<(u64, String)> {
     if !job.link.profile.protocol.has_planner {
         return None;
@@ -122,7 +122,7 @@ fn holds(told: &Told, job: &Transfer) -> Option<(u64, String)> {
     [bound, stated].into_iter().flatten().max_by_key(|(most, _)| *most)
 }
 
-/// Why nothing is taken up again.
+/// The reason why the job cannot be resumed.
 fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
     let by_hand = "lift the tool by hand, remove the journal, and feed the program from its beginning";
     let stated_mm = clearance_mm.unwrap_or_default();
@@ -176,7 +176,7 @@ fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
     Some(Diagnostic::nowhere(code, message, help))
 }
 
-/// Where the job is taken up again; a finding where it is not.
+/// The place where the job is resumed; a finding if it cannot be resumed.
 pub(crate) fn plan(
     told: &Told,
     (input, port): (String, String),

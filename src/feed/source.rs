@@ -1,4 +1,4 @@
-//! Where the lines of a transfer come from: a thread executes and corrects, the second step is added when a line is asked for.
+//! The source of the lines of a transfer: a thread executes and corrects; the second step is added when a line is requested.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -18,29 +18,29 @@ use super::job::Transfer;
 use super::options::FeedOptions;
 use super::thermal::Thermal;
 
-/// Batches that are made beforehand: enough to cover the longest search for an arc, few enough to forget quickly.
+/// Number of batches made in advance: enough to cover the longest search for an arc, few enough to forget quickly.
 pub(super) const AHEAD: usize = 4;
-/// Outputs of a batch: to wake the other thread for each costs more than to make it.
+/// Outputs of a batch: waking the other thread for each single output costs more than making it.
 const BATCH: usize = 64;
-/// What was made waits no longer than this for others.
+/// The longest time that finished lines wait for a batch to fill.
 const BATCH_WITHIN: Duration = Duration::from_millis(1);
 
-/// Below this share of the limit for a warning the next one counts anew.
+/// A new warning is possible after the shift has fallen below this share of the limit.
 const BELOW: f64 = 0.9;
-/// Elements that are passed over in one go.
+/// Largest number of elements that are skipped in one step.
 const MOST_PASSED: usize = 256;
 
-/// What the thread hands over.
+/// The messages from the thread.
 pub(super) enum Made {
     /// The next outputs of the first step.
     Outputs(Vec<Output>),
-    /// It has failed where the survey had not.
+    /// An error that the survey did not have.
     Fault(String),
     /// The program has ended.
     End,
 }
 
-/// Executes and corrects until the program ends, or nobody wants it any more.
+/// Executes and corrects until the program ends, or the receiver closes.
 pub(super) fn produce(job: &Transfer, model: &Model, opened: Opened, to: &SyncSender<Made>) {
     let machine = &job.machine.machine;
     let running = job.program.start_as(opened, machine, run::strict(RapidOrder::All));
@@ -64,7 +64,7 @@ pub(super) fn produce(job: &Transfer, model: &Model, opened: Opened, to: &SyncSe
             begun = Instant::now();
         }
     }
-    // Nobody left to hear it is no fault.
+    // A closed receiver is not an error.
     let _ = to.send(Made::Outputs(batch));
     let _ = to.send(last);
 }
@@ -73,13 +73,13 @@ pub(super) fn produce(job: &Transfer, model: &Model, opened: Opened, to: &SyncSe
 pub(super) struct Source<'a> {
     made: Receiver<Made>,
     batch: std::vec::IntoIter<Output>,
-    /// How the execution ended, behind the last batch.
+    /// The result of the execution, after the last batch.
     ended: Option<Result<(), String>>,
     lines: Lines<'a>,
     thermal: &'a Thermal,
-    /// Elements that are taken without being sent, up to this one.
+    /// Elements up to this one are taken without being sent.
     skip: u64,
-    /// What goes out before the first line, and that line meanwhile.
+    /// The lines that are sent before the first line, and meanwhile that line.
     first: VecDeque<Line>,
     held: Option<Line>,
     max_shift_mm: f64,
@@ -87,18 +87,18 @@ pub(super) struct Source<'a> {
     is_beyond: bool,
     passed: u64,
     is_over: bool,
-    /// The temperatures of the moment, until a line has told them.
+    /// The current temperatures, until a line has carried them.
     temperatures_c: Option<Arc<[(String, f64)]>>,
     told: Option<Arc<[(String, f64)]>>,
-    /// Whether a shift beyond the limit for a warning was met: how far, and the line of the source.
+    /// The first shift beyond the limit for a warning, if any: its size, and the line of the source.
     pub(super) warned: Option<(String, u32)>,
-    /// How long the control is busy with what was supplied, s.
+    /// The time that the control needs for the supplied lines, s.
     pub(super) busy_s: f64,
     number: u64,
 }
 
 impl<'a> Source<'a> {
-    /// Begins behind the element `skip`, with some lines before.
+    /// Begins after the element `skip`, with some lines before.
     pub(super) fn new(
         options: &FeedOptions,
         made: Receiver<Made>,
@@ -129,7 +129,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Holds what temperatures ask for against the limits.
+    /// Compares the requested shifts with the limits.
     fn judge(&mut self, line: &Line) -> Result<(), String> {
         let largest = AXES
             .into_iter()
@@ -138,7 +138,7 @@ impl<'a> Source<'a> {
             .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some((axis, shift_mm)) = largest else { return Ok(()) };
         let said = || format!("temperatures ask for {:+.1} µm in {axis}", um_from_mm(shift_mm));
-        // What is no number is beyond every limit.
+        // A value that is not a number exceeds every limit.
         if shift_mm.is_nan() || shift_mm.abs() > self.max_shift_mm {
             let limit = um_from_mm(self.max_shift_mm);
             return Err(format!(
@@ -147,7 +147,7 @@ impl<'a> Source<'a> {
                 line.source_line
             ));
         }
-        // Once, until it has been well below.
+        // One warning, until the shift has been well below the limit.
         let is_beyond = shift_mm.abs() > self.warn_shift_mm;
         if is_beyond && !self.is_beyond {
             self.warned = Some((said(), line.source_line));
@@ -168,7 +168,7 @@ impl<'a> Source<'a> {
 }
 
 impl Source<'_> {
-    /// Looks for the next batch.
+    /// Checks for the next batch.
     fn receive(&mut self) {
         if self.batch.len() > 0 || self.ended.is_some() {
             return;
@@ -184,9 +184,9 @@ impl Source<'_> {
         }
     }
 
-    /// The next line that is to be sent.
+    /// The next line to be sent.
     fn advance(&mut self) -> Supplied {
-        // What is passed over takes time too, and somebody may press a key meanwhile.
+        // Skipped elements take time too, and the user may press a key meanwhile.
         for _ in 0..MOST_PASSED {
             while let Some(line) = self.lines.pop() {
                 if line.element > self.skip {
@@ -198,7 +198,7 @@ impl Source<'_> {
             }
             if let Some(output) = self.batch.next() {
                 self.passed += 1;
-                // What is passed over is not dosed: the first way that is sent begins without.
+                // Skipped elements get no shift: the first path that is sent begins without one.
                 let now = if self.passed > self.skip { self.thermal.now() } else { Now::default() };
                 if now.temperatures_c.is_some() {
                     self.temperatures_c = now.temperatures_c;
@@ -232,7 +232,7 @@ impl Supply for Source<'_> {
             self.told = Some(Arc::clone(&now));
             line.temperatures_c = Some(now);
         }
-        // The way there goes out when the first line is ready.
+        // The approach is sent when the first line is ready.
         match self.first.pop_front() {
             Some(first) => {
                 self.held = Some(line);
@@ -247,12 +247,12 @@ impl Supply for Source<'_> {
     }
 }
 
-/// The model of the moment.
+/// The current model.
 #[derive(Clone, Default)]
 pub(super) struct Now {
-    /// It; `None` without sensors.
+    /// The model; `None` without sensors.
     pub(super) model: Option<Arc<Model>>,
-    /// Whether sensors are in doubt.
+    /// True if a sensor is in doubt.
     pub(super) is_frozen: bool,
     /// The temperatures of the model, °C.
     pub(super) temperatures_c: Option<Arc<[(String, f64)]>>,

@@ -16,7 +16,7 @@ use ncfix_report::feed::{Before, FeedEvent, Late, rate};
 
 use super::job::Transfer;
 
-/// Lines that the link cannot take are shown up to so many.
+/// The largest number of lines shown that the link cannot take.
 const MOST_SHOWN: usize = 20;
 /// The control may stand still for so much of the motion before that is an error.
 const MOST_STARVED: f64 = 0.01;
@@ -25,7 +25,7 @@ const UNNOTICED_S: f64 = 0.05;
 /// And for so long, s.
 const LEAST_STARVED_S: f64 = 0.5;
 
-/// Runs the program without sending anything; `None` where findings forbid it.
+/// Runs the program without sending anything; `None` if there are errors.
 ///
 /// # Errors
 /// Where it cannot be written.
@@ -92,7 +92,7 @@ pub(crate) fn run(
     Ok(Some(before))
 }
 
-/// What comes up while a program is walked through.
+/// The steps of the survey of a program.
 pub(crate) enum Step<'a> {
     /// The next element, before its lines.
     Element(&'a Output),
@@ -100,7 +100,8 @@ pub(crate) enum Step<'a> {
     Line(&'a Line),
 }
 
-/// Executes and corrects a program without temperatures; behind an error without lines, so that all findings come up. Returns the hash of all of its files.
+/// Executes and corrects a program without temperatures; after an error without lines, so that all findings are reported. Returns the hash of all of
+/// its files.
 ///
 /// # Errors
 /// Where it cannot be written.
@@ -152,7 +153,7 @@ pub(crate) fn walk(
     Ok(short_hash(sources.iter().map(Source::bytes)))
 }
 
-/// Whether the link keeps up.
+/// Checks whether the link is fast enough.
 fn judge(allows_starvation: bool, before: &Before, findings: &mut Diagnostics) {
     let Some(worst) = before.late.first() else { return };
     let [first, last] = worst.source_lines;

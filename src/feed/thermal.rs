@@ -1,4 +1,4 @@
-//! The temperatures of the moment: a thread of its own looks at the sensors and makes a model of them, so that no sensor delays a line.
+//! The current temperatures: a separate thread reads the sensors and makes a model from them, so that no sensor delays a line.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,16 +12,16 @@ use ncfix_model::Model;
 use super::job::Transfer;
 use super::source::Now;
 
-/// Time between two looks at what the sensors have brought.
+/// Interval between two checks for new sensor values.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// How the sensors stand.
+/// The status of the sensors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) enum Standing {
-    /// All are good, or there are none.
+    /// All are good, or no sensor is configured.
     #[default]
     Good,
-    /// Some have not said anything yet.
+    /// Some have not given a value yet.
     Waiting(String),
     /// Some are in doubt: the last good values count, nothing is dosed.
     Frozen(String),
@@ -38,14 +38,14 @@ struct Shared {
     age: Option<Duration>,
 }
 
-/// The temperatures of the moment.
+/// The current temperatures.
 #[derive(Default)]
 pub(super) struct Thermal {
     shared: Arc<Mutex<Shared>>,
     is_over: Arc<AtomicBool>,
 }
 
-/// What the thread works on.
+/// The state of the thread.
 struct Watch {
     job: Arc<Transfer>,
     panel: Panel,
@@ -83,12 +83,12 @@ impl Thermal {
         thermal
     }
 
-    /// The model of the moment.
+    /// The current model.
     pub(super) fn now(&self) -> Now {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner).now.clone()
     }
 
-    /// How the sensors stand, and how old the oldest of their values is.
+    /// The status of the sensors, and the age of the oldest of their values.
     pub(super) fn standing(&self) -> (Standing, Option<Duration>) {
         let shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
         (shared.standing.clone(), shared.age)
@@ -115,7 +115,7 @@ impl Watch {
         let model = (is_due && standing == Standing::Good).then(|| self.model(now));
         let age = self.panel.channels().filter_map(|reading| reading.age).max();
         let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
-        // What was good stays in force as long as something is in doubt.
+        // The last good values stay in use while a sensor is in doubt.
         shared.now.is_frozen = standing != Standing::Good;
         if let Some((model, readings)) = model {
             shared.now.model = Some(model);

@@ -18,7 +18,7 @@ use ncfix_tables::results::request::{TablesRequest, region};
 use ncfix_tables::results::result::TablesResult;
 use ncfix_tables::tables::{self, Format, Multiplication, Orientation, Scheme, Schemes, Wiring};
 
-/// How tables are made. `TableOptions::default()` is what `ncfix tables` does without options.
+/// Options for making tables. `TableOptions::default()` gives the options of `ncfix tables` without arguments.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -30,23 +30,24 @@ use ncfix_tables::tables::{self, Format, Multiplication, Orientation, Scheme, Sc
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct TableOptions {
-    /// What fills them: a scheme such as `fik`, `grid` or `own`, or `auto` for the fewest tables that reach the tolerance (`ncfix tables --list`).
+    /// The scheme that fills the tables: `fik`, `grid`, `own` or another, or `auto` for the fewest tables that reach the tolerance (`ncfix tables
+    /// --list`).
     pub scheme: String,
     /// Points of a table.
     pub points: usize,
-    /// How much of the error may be left, mm: its root mean square over the travel.
+    /// The permitted residual, mm: root mean square over the travel.
     pub tolerance_mm: f64,
     /// The tool for which they are made and checked; without it the longest of the machine file.
     pub tool: Option<ToolVector>,
     /// Poses at which they are checked.
     pub poses: usize,
-    /// What the rotary axes do about the direction of the tool; `None` for what each scheme is at home in.
+    /// How the rotary axes treat the tool orientation; `None` for the default of each scheme.
     pub orientation: Option<Orientation>,
     /// Ranges of axes that the tables cover in place of their travel, mm or deg.
     pub ranges_mm_deg: Vec<(Axis, [f64; 2])>,
-    /// How the control names axes, where the machine file does not say it.
+    /// The axis names of the control, where the machine file does not give them.
     pub axis_names: Vec<(Axis, String)>,
-    /// What the control does with products; without it what the machine file says.
+    /// The value of a table that is multiplied by another one; `None` for the setting of the machine file.
     pub multiplication: Option<Multiplication>,
 }
 
@@ -66,7 +67,7 @@ impl Default for TableOptions {
     }
 }
 
-/// What a set of tables leaves over the travel of a machine, root of the mean square.
+/// The residual of a set of tables over the travel of a machine, root mean square.
 ///
 /// ```
 /// use ncfix::prelude::*;
@@ -83,11 +84,11 @@ impl Default for TableOptions {
 pub struct TableCheck {
     /// Poses.
     pub poses: usize,
-    /// Of the tip without tables, µm.
+    /// Root mean square error of the tool tip without tables, µm.
     pub before_um: f64,
-    /// Of the tip with them, µm.
+    /// Root mean square error of the tool tip with them, µm.
     pub tables_um: f64,
-    /// Of the tip with the exact correction of the kinematics, µm.
+    /// Root mean square error of the tool tip with the exact correction of the kinematics, µm.
     pub exact_um: f64,
 }
 
@@ -124,7 +125,7 @@ impl Tables {
     /// ```
     ///
     /// # Errors
-    /// Where there is no such format or scheme, an axis has no travel, or the control cannot hold tables that leave less than none.
+    /// Where there is no such format or scheme, an axis has no travel, or the control cannot hold tables that reduce the error.
     pub fn make(machine: &Machine, format: &str, options: &TableOptions) -> Result<Tables, Error> {
         let format = of_name(machine, format)?;
         let mut found = Diagnostics::default();
@@ -132,7 +133,7 @@ impl Tables {
         made.ok_or_else(|| Error::found(found))
     }
 
-    /// Makes tables and notes in the result what was made, tried and checked; `None` where findings forbid it.
+    /// Makes tables and notes in the result what was made, tried and checked; `None` if there are errors.
     ///
     /// # Errors
     /// Where there is no such scheme, or the machine has no such part of its volume.
@@ -161,7 +162,7 @@ impl Tables {
         Ok((!found.has_errors()).then_some(Tables { tables: made.tables, format, wiring: request.wiring, notes }))
     }
 
-    /// Reads a file of tables as the control of a machine has it.
+    /// Reads a file of tables as the control of a machine interprets it.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -186,7 +187,7 @@ impl Tables {
         Tables::parse(source.name(), source.bytes(), format, machine)
     }
 
-    /// Tables of the text of a file as the control of a machine has it. No file is read.
+    /// Tables from the text of a file, as the control of a machine interprets it. No file is read.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -202,7 +203,7 @@ impl Tables {
     /// ```
     ///
     /// # Errors
-    /// Where there is no such format, or the text is not in it.
+    /// Where there is no such format, or the text cannot be parsed in it.
     pub fn parse(name: &str, text: impl Into<Vec<u8>>, format: &str, machine: &Machine) -> Result<Tables, Error> {
         let format = of_name(machine, format)?;
         let wiring = Wiring::of(&machine.machine);
@@ -217,7 +218,7 @@ impl Tables {
         Ok(Tables { tables: read, format, wiring, notes: vec![format!("read from {name}")] })
     }
 
-    /// The files as the control reads them: names, of which `name` is the beginning, and texts.
+    /// The files in the format of the control: names that begin with `name`, and texts.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -235,10 +236,10 @@ impl Tables {
         written.into_iter().map(|one| (format!("{name}{}", one.suffix), one.text)).collect()
     }
 
-    /// The files as they are written to `output`: its name, to which formats of several files add.
+    /// The files as they are written to `output`: its name, which formats with several files extend.
     ///
     /// # Errors
-    /// Where standard output would have several.
+    /// Where several files would go to standard output.
     pub(crate) fn files_at(&self, output: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
         let written = (self.format.write)(&self.tables, &self.wiring, &self.notes);
         if is_standard_stream(output) && written.len() > 1 {
@@ -261,7 +262,7 @@ impl Tables {
         &self.tables
     }
 
-    /// What they leave over the travel of a machine, as the control interpolates them.
+    /// The residual over the travel of a machine, as the control interpolates the tables.
     ///
     /// ```
     /// use ncfix::prelude::*;
@@ -288,7 +289,7 @@ impl Tables {
     }
 }
 
-/// The machine without the tables that are active in its control: new ones are for the machine itself, and those that are checked stand for themselves.
+/// The machine without the tables that are active in its control: new tables apply to the machine itself, and checked tables are evaluated alone.
 pub(crate) fn itself(machine: &Machine) -> Machine {
     let mut machine = machine.clone();
     let multiplication = machine.machine.active_tables.multiplication;
@@ -316,7 +317,7 @@ pub(crate) fn scheme_of(schemes: &Schemes, name: &str) -> Result<Option<&'static
     Ok(scheme)
 }
 
-/// What tables are made and checked for on a machine [itself].
+/// The request for making and checking tables on a machine [itself].
 ///
 /// # Errors
 /// Where the machine has no such part of its volume.
@@ -343,7 +344,7 @@ fn wiring(mut wiring: Wiring, options: &TableOptions) -> Wiring {
     wiring
 }
 
-/// The remarks at the head of new tables.
+/// The remarks at the begin of new tables.
 fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: &MadeTables) -> Vec<String> {
     let state = machine.state.as_deref().map_or(String::new(), |state| format!(", state {state}"));
     let version = env!("CARGO_PKG_VERSION");
@@ -362,7 +363,7 @@ fn notes(machine: &Machine, request: &TablesRequest<'_>, format: &Format, made: 
     notes
 }
 
-/// The tool that counts: that of the options, else the longest of the machine.
+/// The tool for the tables: that of the options, else the longest of the machine.
 fn tool_mm(machine: &Machine, options: &TableOptions) -> ncfix_base::geometry::Vector {
     let longest = || machine.machine.tools.iter().map(|tool| tool.length_mm[0].abs()).fold(0.0, f64::max);
     options.tool.unwrap_or_else(|| ToolVector::Length(longest())).vector_mm(&machine.machine)

@@ -1,4 +1,4 @@
-//! Tables of a control that are read again: checked, compared with others, converted to another format.
+//! Reads tables of a control: checks them, compares them with others, converts them to another format.
 
 use std::path::{Path, PathBuf};
 
@@ -13,21 +13,21 @@ use ncfix_tables::results::made::{misfits, worse};
 use ncfix_tables::results::result::TablesResult;
 use ncfix_tables::tables::{Format, Tables as ControlTables, Wiring};
 
-/// Tools whose tips are no farther apart are one, mm.
+/// Tools whose tips are closer than this are the same, mm.
 const SAME_TOOL_MM: f64 = 1e-6;
 
-/// What is done with tables that are read.
+/// Options for tables that are read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reread<'a> {
     /// The files: one, several that belong together, or an archive.
     pub(crate) files: &'a [PathBuf],
     /// The file of the tables with which they are compared.
     pub(crate) compare: Option<&'a Path>,
-    /// The format to which they are converted, or where nothing is converted that in which they are read.
+    /// The format to which they are converted, or, without a conversion, in which they are read.
     pub(crate) format: Option<&'static Format>,
-    /// Whether they are converted.
+    /// True if they are converted.
     pub(crate) is_converted: bool,
-    /// Whether they are checked, which needs the machine.
+    /// True if they are checked, which needs the machine.
     pub(crate) is_checked: bool,
 }
 
@@ -42,10 +42,10 @@ pub(crate) struct RereadTables {
 }
 
 impl Reread<'_> {
-    /// Reads the tables and does what is asked on a machine [itself](super::itself), which is noted in the result; `None` where findings forbid it.
+    /// Reads the tables and does what is asked on a machine [itself](super::itself), which is noted in the result; `None` if there are errors.
     ///
     /// # Errors
-    /// Where a file cannot be read, nothing tells its format, or what is asked needs more.
+    /// Where a file cannot be read, its format cannot be detected, or the request needs more input.
     pub(crate) fn run(
         &self,
         machine: Option<&Machine>,
@@ -56,7 +56,7 @@ impl Reread<'_> {
         let request = machine.map(|machine| request(machine, options)).transpose()?;
         let wiring = request.as_ref().map_or_else(|| wiring(Wiring::usual(), options), |one| one.wiring.clone());
         let reading = Reading {
-            // A format to read in is only asked for where nothing is written.
+            // Without a conversion, the requested format is the one to read.
             format: if self.is_converted { None } else { self.format },
             multiplication: request.as_ref().map_or(options.multiplication, |one| one.multiplication),
             machine: request.as_ref().map(|one| one.machine),
