@@ -13,7 +13,7 @@ use ncfix_base::geometry::{AXES, Axis, AxisKey, AxisVector};
 use ncfix_base::source::Source;
 use ncfix_base::units::um_from_mm;
 use ncfix_language::exec::RapidOrder;
-use ncfix_path::path::{Answer, Line, Moves, Rotary, StepTrial, Steps, volume};
+use ncfix_path::path::{Moves, ResidualSteps, Rotary, StepTrial, Steps, StraightLine, volume};
 use ncfix_report::steps::{StepAnswer, StepReport, StepRow, Worst};
 
 /// The options of the search.
@@ -31,7 +31,7 @@ pub(crate) struct StepSearch<'a> {
 
 /// Lines, with the program that they belong to.
 struct Gathered<'m> {
-    lines: Vec<Line>,
+    lines: Vec<StraightLine>,
     trial: StepTrial<'m>,
     files: Vec<Source>,
 }
@@ -127,11 +127,11 @@ impl StepSearch<'_> {
 }
 
 /// Enters the result in the report.
-fn note(report: &mut StepReport, steps: &Steps, lines: &[Line], files: &[Source], machine: &Machine) {
+fn note(report: &mut StepReport, steps: &Steps, lines: &[StraightLine], files: &[Source], machine: &Machine) {
     (report.answer, report.largest_step_mm) = match steps.answer {
-        Answer::Any => (Some(StepAnswer::Any), None),
-        Answer::UpTo(step_mm) => (Some(StepAnswer::UpTo), Some(step_mm)),
-        Answer::None => (Some(StepAnswer::None), None),
+        ResidualSteps::Any => (Some(StepAnswer::Any), None),
+        ResidualSteps::UpTo(step_mm) => (Some(StepAnswer::UpTo), Some(step_mm)),
+        ResidualSteps::None => (Some(StepAnswer::None), None),
     };
     report.residual_um = um_from_mm(steps.worst.max_mm);
     report.failures = steps.worst.failures;

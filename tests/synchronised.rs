@@ -4,11 +4,11 @@ use crate::machines::xyz_machine;
 use crate::modes::{check, codes, written};
 use ncfix_machine::machine::{AllowedSynchronised, Machine};
 use ncfix_model::ErrorModel;
-use ncfix_path::path::Options;
+use ncfix_path::path::CorrectionOptions;
 
 fn codes_on(machine: &Machine, action: &str) -> Vec<String> {
     let program = format!("G90 G0 X1\n{action}\nG0 X2\nM30");
-    written(&program, machine, &ErrorModel::default(), Options::default()).1
+    written(&program, machine, &ErrorModel::default(), CorrectionOptions::default()).1
 }
 
 #[test]

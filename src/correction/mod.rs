@@ -29,7 +29,7 @@ use ncfix_language::syntax;
 use ncfix_model::Model;
 use ncfix_path::emit::{self, NumberSet};
 use ncfix_path::path::{self, Prediction};
-use ncfix_report::correction::Correction as CorrectionReport;
+use ncfix_report::correction::CorrectionReport;
 use ncfix_report::json;
 use ncfix_report::number::micrometers;
 
@@ -377,8 +377,8 @@ pub(crate) fn corrected_before(source: &Source) -> Diagnostic {
 }
 
 /// The residual of an error source, in the units of reports.
-fn remaining(left: &path::Remaining) -> json::Remaining {
-    json::Remaining {
+fn remaining(left: &path::Remaining) -> json::RemainingReport {
+    json::RemainingReport {
         source: left.source,
         position_um: um_from_mm(left.position_mm),
         tilt_urad: urad_from_rad(left.tilt_rad),
@@ -387,8 +387,8 @@ fn remaining(left: &path::Remaining) -> json::Remaining {
 }
 
 /// A spread in the units of reports.
-pub(crate) fn spread(spread: &path::Spread) -> json::Spread {
-    json::Spread {
+pub(crate) fn spread(spread: &path::Spread) -> json::SpreadReport {
+    json::SpreadReport {
         mean_um: um_from_mm(spread.mean_mm()),
         rms_um: um_from_mm(spread.rms_mm()),
         max_um: um_from_mm(spread.max_mm),

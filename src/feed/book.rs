@@ -10,7 +10,7 @@ use std::thread;
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_dnc::feed::{HeadKey, JournalEnd, Store, Told, read_journal};
+use ncfix_dnc::feed::{HeadKey, JournalContents, JournalEnd, Store, read_journal};
 
 /// A file that another thread writes through.
 pub(super) struct Book {
@@ -118,7 +118,7 @@ fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Error> {
 
 /// True if a journal may be replaced by that of a new job: its job ended without an error, or none of its lines was sent. A journal of a job that
 /// itself resumed another one is kept even if none of its lines was sent.
-fn gives_way(told: &Told) -> bool {
+fn gives_way(told: &JournalContents) -> bool {
     told.ended == Some(JournalEnd::Done)
         || told.frozen == 0 && told.head.iter().all(|(key, _)| *key != HeadKey::Resumed)
 }

@@ -11,13 +11,13 @@ use std::time::{Duration, Instant};
 use super::book::Book;
 use super::job::Transfer;
 use super::meter::Meter;
-use super::source::{self, AHEAD, Source};
+use super::source::{self, AHEAD, LineSource};
 use super::thermal::{Standing, Thermal};
 use super::{FeedEnd, FeedView, Sent};
 use crate::error::Error;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisKey};
 use ncfix_dnc::drip::Lines;
-use ncfix_dnc::feed::{Ended, Event, Halt, HeadKey, Journal, Port, Progress, Sender};
+use ncfix_dnc::feed::{Ended, Event, Halt, HeadKey, Journal, Port, Sender, TransferProgress};
 use ncfix_dnc::sense::Panel;
 use ncfix_report::feed::{Before, FeedEvent, FeedOutcome, Status};
 
@@ -91,7 +91,7 @@ pub(crate) fn run(
         thread::spawn(move || source::produce(&job, &base, program, &to));
     }
     let lines = Lines::new(&job.machine.machine, &base, &job.writing.options, job.writing.writer()?, job.settings);
-    let mut supply = Source::new(&job.options, made, lines, &thermal, (begin.skip, &begin.lines));
+    let mut supply = LineSource::new(&job.options, made, lines, &thermal, (begin.skip, &begin.lines));
     let profile = &job.link.profile;
     let sender = Sender::new(dialogue, profile.window.system_bytes, &mut journal).patient(profile.patience);
     let bound = profile.holds_at_most();
@@ -187,7 +187,7 @@ struct Drive<'a> {
 }
 
 impl Drive<'_> {
-    fn go(&mut self, supply: &mut Source, thermal: &Thermal) -> io::Result<(Ended, FeedEnd)> {
+    fn go(&mut self, supply: &mut LineSource, thermal: &Thermal) -> io::Result<(Ended, FeedEnd)> {
         let mut events: Vec<Event> = Vec::new();
         loop {
             let now = self.started.elapsed();
@@ -282,7 +282,7 @@ impl Drive<'_> {
     }
 
     /// Waits until the last message is sent.
-    fn flush(&mut self, supply: &mut Source) -> io::Result<()> {
+    fn flush(&mut self, supply: &mut LineSource) -> io::Result<()> {
         let from = Instant::now();
         while self.sender.wants_to_write() && from.elapsed() < LAST {
             let now = self.started.elapsed();
@@ -293,7 +293,7 @@ impl Drive<'_> {
     }
 
     /// The message for the lines of a job that are lost.
-    fn lost(&self, why: &str, progress: &Progress) -> String {
+    fn lost(&self, why: &str, progress: &TransferProgress) -> String {
         let taken = progress.acknowledged.max(progress.left);
         if progress.sent == 0 {
             return format!("{why}; no line was sent");
@@ -315,8 +315,8 @@ impl Drive<'_> {
         }
     }
 
-    fn status(&self, supply: &Source, thermal: &Thermal, ended: Option<&Ended>) -> Status {
-        let progress: &Progress = self.sender.progress();
+    fn status(&self, supply: &LineSource, thermal: &Thermal, ended: Option<&Ended>) -> Status {
+        let progress: &TransferProgress = self.sender.progress();
         let elapsed_s = self.started.elapsed().as_secs_f64();
         let (standing, age) = thermal.standing();
         let left_s = (self.before.motion_s - supply.busy_s).max(0.0);

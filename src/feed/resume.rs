@@ -13,9 +13,9 @@ use crate::error::Error;
 use crate::run::Watch;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::drip::restart::{CLEAR_MM, Found, Place, Search, Why};
+use ncfix_dnc::drip::restart::{CLEAR_MM, RestartPlace, RestartSearch, SearchOutcome, Why};
 use ncfix_dnc::drip::{Ends, Grammar, Heights};
-use ncfix_dnc::feed::{Frozen, HeadKey, JournalEnd, Told, read_journal};
+use ncfix_dnc::feed::{Frozen, HeadKey, JournalContents, JournalEnd, read_journal};
 use ncfix_machine::machine::ToolChange;
 use ncfix_path::path::Tips;
 use ncfix_report::feed::{Before, Plan};
@@ -29,7 +29,7 @@ pub(crate) struct Broken {
     /// Its journal.
     pub(crate) source: Source,
     /// The content of the journal.
-    pub(crate) told: Told,
+    pub(crate) told: JournalContents,
 }
 
 /// Reads the journal of a job that was broken off.
@@ -64,7 +64,7 @@ pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
 ///
 /// # Errors
 /// Where it began in another folder.
-pub(crate) fn began_with(told: &Told) -> Result<impl Iterator<Item = &str>, Error> {
+pub(crate) fn began_with(told: &JournalContents) -> Result<impl Iterator<Item = &str>, Error> {
     let folder = std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default();
     let began_in = head(told, HeadKey::Folder);
     if folder != began_in {
@@ -80,12 +80,12 @@ fn is_empty(journal: &str) -> bool {
 }
 
 /// The value of a key in the head of a journal.
-fn head(told: &Told, key: HeadKey) -> &str {
+fn head(told: &JournalContents, key: HeadKey) -> &str {
     told.head.iter().find(|(known, _)| *known == key).map_or("", |(_, value)| value)
 }
 
 /// Refuses what is not as it was.
-pub(crate) fn check_same(told: &Told, job: &Transfer, before: &Before, findings: &mut Diagnostics) {
+pub(crate) fn check_same(told: &JournalContents, job: &Transfer, before: &Before, findings: &mut Diagnostics) {
     let state = job.machine.state.clone().unwrap_or_default();
     let first = |key: HeadKey| head(told, key).split(' ').next().unwrap_or_default().to_owned();
     for (what, was, is) in [
@@ -111,7 +111,7 @@ fn is_move(text: &[u8]) -> bool {
 
 /// The largest number of blocks that the control may have received and not executed, and the source of that number: the value that it stated when the
 /// job began, but at least the bound of the profile.
-fn holds(told: &Told, job: &Transfer) -> Option<(u64, String)> {
+fn holds(told: &JournalContents, job: &Transfer) -> Option<(u64, String)> {
     if !job.link.profile.protocol.has_planner {
         return None;
     }
@@ -123,12 +123,12 @@ fn holds(told: &Told, job: &Transfer) -> Option<(u64, String)> {
 }
 
 /// The reason why the job cannot be resumed.
-fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
+fn refusal(found: &SearchOutcome, clearance_mm: Option<f64>) -> Option<Diagnostic> {
     let by_hand = "lift the tool by hand, remove the journal, and feed the program from its beginning";
     let stated_mm = clearance_mm.unwrap_or_default();
     let (code, message, help) = match *found {
-        Found::Place(_) | Found::Beginning(..) => return None,
-        Found::NotStated(highest_z_mm) => {
+        SearchOutcome::Place(_) | SearchOutcome::Beginning(..) => return None,
+        SearchOutcome::NotStated(highest_z_mm) => {
             let highest = highest_z_mm
                 .map_or(String::new(), |mm| format!("; all that is machined ends at Z {mm:.3} mm of the program"));
             (
@@ -139,21 +139,21 @@ fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
                 "state a height that is clear of workpiece and clamps, Z of the program with its unit: --clearance 25mm".to_owned(),
             )
         }
-        Found::TooLow(highest_z_mm) => (
+        SearchOutcome::TooLow(highest_z_mm) => (
             Code::CLEARANCE_TOO_LOW,
             format!(
                 "--clearance {stated_mm:.3} mm is not {CLEAR_MM} mm above all that is machined, which ends at Z {highest_z_mm:.3} mm of the program"
             ),
             "state a height above that, and above the workpiece and its clamps".to_owned(),
         ),
-        Found::OutOfTravel([low_mm, high_mm]) => (
+        SearchOutcome::OutOfTravel([low_mm, high_mm]) => (
             Code::CLEARANCE_TOO_LOW,
             format!(
                 "--clearance {stated_mm:.3} mm is outside of the travel of Z, which goes from {low_mm:.3} to {high_mm:.3} mm of the program with the tool and the zero offset there"
             ),
             "state a height within it; look at its unit, and at axis.Z.travel_mm in the machine file".to_owned(),
         ),
-        Found::Nothing(why) => {
+        SearchOutcome::Nothing(why) => {
             let message = match why {
                 Why::Tilted => "the tool was tilted against Z: lifting Z draws it sideways through the workpiece".to_owned(),
                 Why::HeightUnknown(line) => {
@@ -178,7 +178,7 @@ fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
 
 /// The place where the job is resumed; a finding if it cannot be resumed.
 pub(crate) fn plan(
-    told: &Told,
+    told: &JournalContents,
     (input, port): (String, String),
     job: &Transfer,
     watch: Option<fn() -> Box<dyn Watch>>,
@@ -209,7 +209,7 @@ pub(crate) fn plan(
     let until = at(sure + 1).or(at(sure)).map_or(0, |line| line.element);
     let sent = at(told.frozen).map_or(0, |line| line.element);
     let grammar = Grammar::new(job.dialect, job.machine.machine.control.tool_change == ToolChange::T);
-    let mut search = Search::new(grammar, (from_start(), &heights), [until, sent], clearance_mm);
+    let mut search = RestartSearch::new(grammar, (from_start(), &heights), [until, sent], clearance_mm);
     walk(job, watch, &mut ignored, &mut |step| match step {
         Step::Element(output) => search.element(output),
         Step::Line(line) => search.line(line),
@@ -220,8 +220,8 @@ pub(crate) fn plan(
         return Ok(Err(finding));
     }
     let (place, skip, lines, above_mm) = match found {
-        Found::Place(place) => (Some(place.clone()), place.element - 1, place.lines, place.above_mm),
-        Found::Beginning(lines, above_mm) => (None, 0, lines, above_mm),
+        SearchOutcome::Place(place) => (Some(place.clone()), place.element - 1, place.lines, place.above_mm),
+        SearchOutcome::Beginning(lines, above_mm) => (None, 0, lines, above_mm),
         _ => (None, 0, Vec::new(), f64::NAN),
     };
     let mut first = Vec::new();
@@ -255,7 +255,7 @@ pub(crate) fn plan(
         is_beginning: skip == 0,
         above_mm: Some(above_mm).filter(|mm| mm.is_finite()),
         unsure_line: unsure.filter(|_| place.is_none()),
-        tool: place.and_then(|place: Place| place.tool),
+        tool: place.and_then(|place: RestartPlace| place.tool),
         before: lines.clone(),
         first: first.into_iter().map(|(_, text)| text).collect(),
         clearance: clearance_mm.map(|mm| format!("{mm}mm")),

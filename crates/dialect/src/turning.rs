@@ -2,7 +2,7 @@
 //!
 //! Each kind of mark counts once. Its weight says how rare it is in milling programs: 6 is sufficient alone, 1 is a hint.
 
-use super::blocks::{Block, lines};
+use super::blocks::{LooseBlock, lines};
 use super::{Language, turning_names};
 
 /// Sum of weights from which on a program counts as a lathe program.
@@ -108,7 +108,7 @@ impl<'a> Search<'a> {
     }
 
     fn run(mut self, bytes: &[u8]) -> Vec<Mark> {
-        let mut block = Block::default();
+        let mut block = LooseBlock::default();
         for (line, (at, text)) in (1..).zip(lines(bytes)) {
             block.read(text);
             if !block.words.is_empty() {
@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn block(&mut self, block: &Block, at: usize, line: u32) {
+    fn block(&mut self, block: &LooseBlock, at: usize, line: u32) {
         let place = (at, line);
         let code = |tenths: u32| block.has_code(tenths);
         if let Some(motion) = block.codes().filter(|code| *code <= 30).last() {
@@ -149,7 +149,7 @@ impl<'a> Search<'a> {
     }
 
     /// Notes marks of single words.
-    fn words(&mut self, block: &Block, place: (usize, u32)) {
+    fn words(&mut self, block: &LooseBlock, place: (usize, u32)) {
         let code = |tenths: u32| block.has_code(tenths);
         let is_step = |letter: u8| block.has(letter) && !self.axes.contains(&letter);
         let steps = is_step(b'U') || is_step(b'W');
@@ -191,7 +191,7 @@ impl<'a> Search<'a> {
     }
 
     /// Notes marks of the cycles of a lathe.
-    fn cycles(&mut self, block: &Block, place: (usize, u32)) {
+    fn cycles(&mut self, block: &LooseBlock, place: (usize, u32)) {
         let code = |tenths: u32| block.has_code(tenths);
         let has = |letter: u8| block.has(letter);
         let (across, along) = (block.has_any(b"XU"), block.has_any(b"ZW"));

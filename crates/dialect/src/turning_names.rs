@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use regex::bytes::RegexSet;
 
-use super::blocks::{Block, lines};
+use super::blocks::{LooseBlock, lines};
 use super::turning::{HangsOn, Mark, NO_Y};
 use super::{Language, patterns};
 
@@ -53,7 +53,7 @@ struct Search {
 /// Returns the marks of a program.
 pub(super) fn marks(language: Language, bytes: &[u8]) -> Vec<Mark> {
     let mut search = Search::default();
-    let mut block = Block::default();
+    let mut block = LooseBlock::default();
     for (line, (at, text)) in (1..).zip(lines(bytes)) {
         match language {
             Language::Sinumerik => {
@@ -87,7 +87,7 @@ impl Search {
         }
     }
 
-    fn block(&mut self, language: Language, block: &Block, place: (usize, u32)) {
+    fn block(&mut self, language: Language, block: &LooseBlock, place: (usize, u32)) {
         let code = |tenths: u32| block.has_code(tenths);
         if let Some(motion) = block.codes().filter(|code| *code <= 30).last() {
             self.motion = motion;

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::correction::error_rows;
-use super::json::{Finding, Spread};
+use super::json::{Finding, SpreadReport};
 use super::number::{grouped, micrometers, significant};
 use super::verdict::Verdict;
 use ncfix_base::units::UnitKey;
@@ -40,15 +40,15 @@ pub struct Review {
     /// Pieces that end beyond the travel of an axis.
     pub beyond_travel: BTreeMap<String, Beyond>,
     /// Correction added by axis: X … in µm, A … in µrad.
-    pub axes: BTreeMap<String, Figures>,
+    pub axes: BTreeMap<String, AxisSummary>,
     /// Largest change from one piece to the next, µm, and its place.
-    pub largest_step: Option<Step>,
+    pub largest_step: Option<LargestStep>,
     /// Length of the longest line of the corrected program, in bytes, and its number.
     pub longest_line: [u64; 2],
     /// Errors of the original program on the error model.
-    pub before: Option<Spread>,
+    pub before: Option<SpreadReport>,
     /// Errors of the corrected program on the error model.
-    pub after: Option<Spread>,
+    pub after: Option<SpreadReport>,
     /// Limits, and whether they are met.
     pub limits: Vec<Limit>,
     /// Verdict on running it, with reasons.
@@ -56,7 +56,7 @@ pub struct Review {
     /// Provenance: versions and hashes.
     pub provenance: BTreeMap<&'static str, String>,
     /// Requested rows.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ChangedMove>,
     /// Number of changed moves that are not among the rows.
     pub more_rows: u64,
     /// Diagnostics.
@@ -67,7 +67,7 @@ pub struct Review {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
-pub struct Figures {
+pub struct AxisSummary {
     pub unit: UnitKey,
     pub max: f64,
     pub max_line: u32,
@@ -92,7 +92,7 @@ pub struct Beyond {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
-pub struct Step {
+pub struct LargestStep {
     pub um: f64,
     pub line: u32,
     /// File of that line, if it is a subprogram.
@@ -113,7 +113,7 @@ pub struct Limit {
 /// Changed move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Row {
+pub struct ChangedMove {
     /// Line of the original.
     pub line: u32,
     /// File of the line, if it is a subprogram.
@@ -224,7 +224,7 @@ fn signed(value: f64) -> String {
     format!("{}{}", if value > 0.0 { "+" } else { "" }, significant(value))
 }
 
-impl Row {
+impl ChangedMove {
     /// Returns the row for a terminal, with a line feed after every line.
     #[must_use]
     pub fn line(&self, look: &Look) -> String {

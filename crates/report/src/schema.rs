@@ -54,20 +54,20 @@ enum Sensors {
 pub fn all() -> Vec<(&'static str, Value)> {
     vec![
         ("calibrate", of::<calibration::CalibrationReport>()),
-        ("check", of::<json::Check>()),
+        ("check", of::<json::ProgramCheck>()),
         ("decompose", of::<decomposition::DecompositionReport>()),
         ("diagnose", of::<diagnosis::DiagnosisReport>()),
         ("diff", of::<Diff>()),
         ("feed", of::<Feed>()),
-        ("figures", of::<figures::Figures>()),
-        ("fix", of::<correction::Correction>()),
+        ("figures", of::<figures::FiguresReport>()),
+        ("fix", of::<correction::CorrectionReport>()),
         ("load", of::<load::Load>()),
         ("machine", of::<Machine>()),
         ("resume", of::<feed::Plan>()),
         ("sensors", of::<Sensors>()),
         ("steps", of::<steps::StepReport>()),
         ("tables", of::<tables::TablesReport>()),
-        ("verify", of::<json::Verification>()),
+        ("verify", of::<json::VerificationReport>()),
     ]
 }
 

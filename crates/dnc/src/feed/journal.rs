@@ -289,7 +289,7 @@ const KEPT: u64 = 8192;
 
 /// Content of a journal.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Told {
+pub struct JournalContents {
     /// The head.
     pub head: Vec<(HeadKey, String)>,
     /// The last line that was frozen: it and all before it may have been sent.
@@ -314,8 +314,8 @@ pub struct Told {
 ///
 /// # Errors
 /// The number of the line that is not a valid record, and the reason.
-pub fn read(text: &str) -> Result<Told, (usize, String)> {
-    let mut told = Told::default();
+pub fn read(text: &str) -> Result<JournalContents, (usize, String)> {
+    let mut told = JournalContents::default();
     let whole = text.rfind('\n').map_or("", |end| text.get(..end).unwrap_or_default());
     for (number, line) in (1..).zip(whole.split('\n')) {
         let fault = |why: &str| Err((number, why.to_owned()));

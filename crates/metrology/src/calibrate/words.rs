@@ -8,7 +8,7 @@ use nalgebra::DVector;
 
 use crate::measure::data::DataSet;
 use crate::measure::kind::{Measurand, Unknown};
-use ncfix_model::parameter::{ParameterName, Term};
+use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::cause::{UndeterminedCause, cause};
 use super::column::Column;
@@ -134,10 +134,10 @@ impl Key {
 pub(super) fn simplicity(column: &Column) -> (u8, u8) {
     match column {
         Column::Parameter(name) => match name.term {
-            Term::Whole => (1, 0),
-            Term::Coefficient(degree) => (2, degree),
-            Term::Backlash => (3, 0),
-            Term::Knot { degree, .. } => (4, degree),
+            ComponentTerm::Whole => (1, 0),
+            ComponentTerm::Coefficient(degree) => (2, degree),
+            ComponentTerm::Backlash => (3, 0),
+            ComponentTerm::Knot { degree, .. } => (4, degree),
         },
         Column::Effect(parameter) => (5, u8::try_from(parameter.index()).unwrap_or(u8::MAX)),
         Column::Unknown(..) => (0, 0),
@@ -204,7 +204,7 @@ fn joined(all: &[String], most: usize) -> String {
 #[must_use]
 pub fn listed(names: &[Parameter], most: usize) -> String {
     let family = |name: &Parameter| match name {
-        Parameter::Geometry(ParameterName { component, term: Term::Knot { degree, .. } }) => {
+        Parameter::Geometry(ParameterName { component, term: ComponentTerm::Knot { degree, .. } }) => {
             Some((*component, *degree))
         }
         _ => None,

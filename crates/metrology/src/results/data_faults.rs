@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::measurement::{Measurement, data_of};
 use crate::diagnose::Scene;
-use crate::diagnose::fault::{Checks, DefectKind, Fault, Then, find_with, mend_sensors};
+use crate::diagnose::fault::{Checks, DataDefect, DefectKind, Then, find_with, mend_sensors};
 use crate::measure::data::DataSet;
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -48,7 +48,7 @@ pub(super) fn look(
     used: usize,
     findings: &mut Vec<Diagnostic>,
     report: &mut Vec<DataFault>,
-) -> Vec<Fault> {
+) -> Vec<DataDefect> {
     let (own, held_out) = all.split_at_mut(used.min(all.len()));
     let faults = look_in(of, (own, false), findings, report);
     look_in(of, (held_out, true), findings, report);
@@ -60,7 +60,7 @@ fn look_in(
     (measurements, is_held_out): (&mut [Measurement], bool),
     findings: &mut Vec<Diagnostic>,
     report: &mut Vec<DataFault>,
-) -> Vec<Fault> {
+) -> Vec<DataDefect> {
     let mut sets = data_of(measurements);
     // If readings do not even determine the set-ups, a later step reports it.
     let mut faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find_with(checks, &scene));
@@ -83,13 +83,13 @@ fn look_in(
 }
 
 /// `true` if the measurement is unusable. An outdated model resembles an active table: in holdout data both are left to the reader.
-fn is_refused(fault: &Fault, is_held_out: bool) -> bool {
+fn is_refused(fault: &DataDefect, is_held_out: bool) -> bool {
     fault.then == Then::Refuse
         && !(is_held_out && [DefectKind::Compensated, DefectKind::Topology].contains(&fault.kind))
 }
 
 /// Data that the search excludes.
-fn excluded(fault: &Fault, is_held_out: bool) -> String {
+fn excluded(fault: &DataDefect, is_held_out: bool) -> String {
     match &fault.then {
         _ if is_refused(fault, is_held_out) => "the whole file".into(),
         Then::WithoutSensors(names) => format!("what {} says, as a cause", names.join(" and ")),
@@ -106,11 +106,11 @@ fn excluded(fault: &Fault, is_held_out: bool) -> String {
 }
 
 /// Outliers are single readings, all other defects affect ranges of rows.
-fn is_range(fault: &Fault) -> bool {
+fn is_range(fault: &DataDefect) -> bool {
     fault.kind != DefectKind::Outlier
 }
 
-fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
+fn reported(fault: &DataDefect, set: &DataSet, is_held_out: bool) -> DataFault {
     let rows = match &fault.then {
         // Single readings are not a range.
         Then::WithoutReadings(readings) if !is_range(fault) => {
@@ -133,7 +133,7 @@ fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
 }
 
 /// The first row, in the defective column if there is one.
-fn place(fault: &Fault, source: &Source) -> Option<Place> {
+fn place(fault: &DataDefect, source: &Source) -> Option<Place> {
     let table = Table::read(source).0?;
     let column = fault.name.split(' ').next().and_then(|name| table.column(name));
     let whole = [Then::Refuse].contains(&fault.then) || matches!(fault.then, Then::MoreNoise(_) | Then::Nothing);
@@ -143,7 +143,7 @@ fn place(fault: &Fault, source: &Source) -> Option<Place> {
     Some(table.rows().nth(fault.rows[0])?.place(column.unwrap_or(0)))
 }
 
-fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>) -> Diagnostic {
+fn finding(fault: &DataDefect, set: &DataSet, is_held_out: bool, place: Option<Place>) -> Diagnostic {
     let name = if fault.name == set.name { String::new() } else { format!(" {}", fault.name) };
     let of = if is_held_out { "held out, " } else { "" };
     let rows = match &fault.then {

@@ -47,7 +47,7 @@ use trail::Trail;
 
 /// A kind of fault, and the function that looks for it.
 #[derive(Debug)]
-pub struct Check {
+pub struct DefectCheck {
     /// Its name.
     pub name: &'static str,
     /// What it is.
@@ -58,13 +58,13 @@ pub struct Check {
     pub source: &'static str,
     /// Looks for it and pushes what it finds, each with the rows and what follows. Faults of the checks before it are left out of what it sees
     /// ([`View::sets`]).
-    pub look: fn(&View<'_, '_>, &mut Vec<Fault>),
+    pub look: fn(&View<'_, '_>, &mut Vec<DataDefect>),
 }
 
 /// The kinds of faults that are looked for, in their order: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
-pub type Checks = Register<&'static Check>;
+pub type Checks = Register<&'static DefectCheck>;
 
-impl Registered for &'static Check {
+impl Registered for &'static DefectCheck {
     const KIND: &'static str = "kind of fault of the data";
 
     fn name(&self) -> &str {
@@ -77,7 +77,7 @@ impl Registered for &'static Check {
 }
 
 /// Those that are built in, in the order in which they are looked for: what one finds the next ones do without.
-pub const FAULTS: &[&Check] = &[
+pub const FAULTS: &[&DefectCheck] = &[
     &dead::CHECK,
     &stuck::CHECK,
     &fahrenheit::CHECK,
@@ -188,7 +188,7 @@ impl Serialize for DefectKind {
 
 /// A fault that was found.
 #[derive(Clone, Debug)]
-pub struct Fault {
+pub struct DataDefect {
     /// What kind of fault it is.
     pub kind: DefectKind,
     /// Number of the measurement.
@@ -243,13 +243,13 @@ impl<'s, 'a> View<'s, 'a> {
 
 /// Finds faults.
 #[must_use]
-pub fn find(scene: &Scene<'_>) -> Vec<Fault> {
+pub fn find(scene: &Scene<'_>) -> Vec<DataDefect> {
     find_with(&Checks::default(), scene)
 }
 
 /// Finds faults of these kinds.
 #[must_use]
-pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<Fault> {
+pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<DataDefect> {
     let mut view = View::new(scene, scene.sets.iter().map(cells::sensors).collect());
     view.trails = (0..scene.sets.len()).map(|set| Trail::new(scene, set)).collect();
     let mut all = Vec::new();
@@ -289,7 +289,7 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<Fault> {
 }
 
 /// Takes the sensors out of measurements in which they are at fault, and converts those in °F.
-pub fn mend_sensors(sets: &mut [DataSet], faults: &[Fault]) {
+pub fn mend_sensors(sets: &mut [DataSet], faults: &[DataDefect]) {
     for fault in faults {
         let Some(set) = sets.get_mut(fault.set) else { continue };
         match &fault.then {
@@ -307,11 +307,11 @@ pub fn mend_sensors(sets: &mut [DataSet], faults: &[Fault]) {
 }
 
 /// Makes a scene do without the rows that are at fault.
-pub fn exclude(scene: &mut Scene<'_>, faults: &[Fault]) {
+pub fn exclude(scene: &mut Scene<'_>, faults: &[DataDefect]) {
     for fault in faults {
         let [first, last] = fault.rows;
         let rows = &scene.rows;
-        let at = |item: &super::scene::Item| {
+        let at = |item: &super::scene::SceneReading| {
             rows.get(item.row).filter(|row| row.set == fault.set).map_or(usize::MAX, |row| row.number)
         };
         match &fault.then {

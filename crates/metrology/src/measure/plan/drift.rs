@@ -7,7 +7,7 @@
 
 use super::builder::{Builder, Extra};
 use super::random::Random;
-use super::{PlanKind, Refused, RowSpacing, Wishes, empty, kind};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup};
 use ncfix_machine::machine::Machine;
 
@@ -58,14 +58,14 @@ fn end_s(hours: f64) -> u32 {
 }
 
 /// Speeds and durations, in whole readings.
-fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, Refused> {
+fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, PlanRefused> {
     let most = wishes.speed.unwrap_or(6300.0);
     match wishes.variant.as_deref() {
         None | Some("din") => Ok(levels(&DIN, wishes, most)),
         Some("pseudo-din") => Ok(levels(&PSEUDO_DIN, wishes, most)),
         Some("random") => {
             if most < LEAST_SPEED {
-                return Err(Refused(format!(
+                return Err(PlanRefused(format!(
                     "the random spectrum begins at {LEAST_SPEED} 1/min; give a higher --speed"
                 )));
             }
@@ -83,12 +83,12 @@ fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, Refused> {
             Ok(out)
         }
         Some(other) => {
-            Err(Refused(format!("there is no spectrum '{other}'; the variants are din, pseudo-din, random")))
+            Err(PlanRefused(format!("there is no spectrum '{other}'; the variants are din, pseudo-din, random")))
         }
     }
 }
 
-fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let tool_mm = wishes.tool_mm();
     let mut data = empty(kind("displacement")?, &[Free::Offset]);
     data.setups.push(Setup { label: "A".into(), ..Setup::default() });

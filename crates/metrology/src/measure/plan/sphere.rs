@@ -11,7 +11,7 @@
 use std::f64::consts::PI;
 
 use super::builder::{Builder, Extra, PlanReach, observation};
-use super::{PlanKind, Refused, RowSpacing, Wishes, along_spindle, empty, kind};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, along_spindle, empty, kind};
 use crate::measure::data::{Free, Observation, Setup};
 use crate::measure::reading::Reading;
 use ncfix_base::geometry::{AxisVector, Vector};
@@ -137,10 +137,11 @@ fn forth_and_back() -> Vec<Leg> {
     (0..MERIDIANS).flat_map(of).collect()
 }
 
-fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let word = wishes.variant.as_deref().unwrap_or("meridians");
-    let variant = SphereVariant::from_word(word)
-        .ok_or_else(|| Refused(format!("there is no sphere '{word}'; the variants are meridians, esmaeili, spaan")))?;
+    let variant = SphereVariant::from_word(word).ok_or_else(|| {
+        PlanRefused(format!("there is no sphere '{word}'; the variants are meridians, esmaeili, spaan"))
+    })?;
     let spheres = match variant {
         SphereVariant::Meridians | SphereVariant::Esmaeili => {
             let tool_mm = wishes.tool_mm();
@@ -233,7 +234,7 @@ fn points(plan: &Builder, sphere: &Sphere, manner: &Manner) -> Vec<Point> {
 }
 
 /// The hemisphere of one set-up. Returns the number of rows that are left out.
-fn hemisphere(plan: &mut Builder, setup: usize, sphere: &Sphere, manner: &Manner) -> Result<usize, Refused> {
+fn hemisphere(plan: &mut Builder, setup: usize, sphere: &Sphere, manner: &Manner) -> Result<usize, PlanRefused> {
     let Sphere { label, centre_mm, tool_mm, .. } = sphere;
     let all = points(plan, sphere, manner);
     let is_out: Vec<bool> =
@@ -274,7 +275,7 @@ fn hemisphere(plan: &mut Builder, setup: usize, sphere: &Sphere, manner: &Manner
         }
     }
     if !is_on {
-        return Err(Refused(format!(
+        return Err(PlanRefused(format!(
             "no point of sphere {label} is within the travel; the machine is too small for it"
         )));
     }

@@ -5,7 +5,7 @@ use ncfix_machine::snc::{FeedUnit, Origin};
 
 /// A difference with its places in both programs; if one program has no counterpart, the place is its next or last move.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
+pub struct ProgramDifference {
     /// In the original.
     pub original: Origin,
     /// In the corrected program.
