@@ -9,11 +9,11 @@ use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_grou
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::calibrate::{Options, Parameter, fit, identify, reduce};
+use ncfix_metrology::calibrate::{FitOptions, Parameter, fit, identify, reduce};
 use ncfix_metrology::measure::data::{DataSet, Free};
 use ncfix_metrology::measure::noise::Noise;
 use ncfix_metrology::measure::plan::{self, Wishes};
-use ncfix_metrology::measure::simulate::{Read, Simulation};
+use ncfix_metrology::measure::simulate::{ReadValue, Simulation};
 use ncfix_model::{ErrorModel, file, preset};
 
 /// Noise of a reading, mm.
@@ -42,8 +42,10 @@ fn measured(machine: &Machine, errors: &ErrorModel, plan: &DataSet, reads: [bool
     let mut noise = Noise::new(1);
     for row in &mut data.observations {
         match simulation.read(row).unwrap() {
-            Read::Values(values) => row.values = values.map(|value| value.map(|mm| mm + NOISE_MM * noise.normal())),
-            Read::Position(position) => {
+            ReadValue::Values(values) => {
+                row.values = values.map(|value| value.map(|mm| mm + NOISE_MM * noise.normal()))
+            }
+            ReadValue::Position(position) => {
                 row.reading.position = position;
                 [Axis::X, Axis::Y, Axis::Z]
                     .iter()
@@ -108,7 +110,7 @@ fn fits(criterion: &mut Criterion) {
             let id = BenchmarkId::new(if robust { "robust" } else { "fit" }, &job.name);
             group.bench_function(id, |bencher| {
                 bencher.iter(|| {
-                    black_box(fit(&job.machine, &none, &job.parameters, &job.data, Options { robust }).unwrap())
+                    black_box(fit(&job.machine, &none, &job.parameters, &job.data, FitOptions { robust }).unwrap())
                 });
             });
         }

@@ -17,7 +17,7 @@ use ncfix_machine::machine::file::DEMO;
 use ncfix_machine::snc::{Element, Kind};
 use ncfix_model::{ErrorModel, Model};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Corrector, Increments, Options, Output, OutputFrame};
+use ncfix_path::path::{CorrectionOptions, Corrector, Increments, Output, OutputFrame};
 
 const BLOCKS: u32 = 200_000;
 const BLOCKS_PER_LINE: u32 = 400;
@@ -87,7 +87,7 @@ impl Shop {
     where
         I: Iterator<Item = Result<Element, ncfix_base::diagnostic::Diagnostic>>,
     {
-        Corrector::new(elements, &self.machine, &self.model, Options::default())
+        Corrector::new(elements, &self.machine, &self.model, CorrectionOptions::default())
     }
 
     /// Writes into nothing but a buffer; the number of blocks.

@@ -8,11 +8,11 @@ use ncfix_language::exec::{Execution, NoLibrary};
 use ncfix_language::syntax;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::file::DEMO;
-use ncfix_model::motion::{Function, periodic::Periodic};
+use ncfix_model::motion::{EntryFunction, periodic::Periodic};
 use ncfix_model::{ErrorModel, Model, MotionError};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Corrector, Increments, Options, OutputFrame};
-use ncfix_report::plot::{Chart, Picture, Series, Shape};
+use ncfix_path::path::{CorrectionOptions, Corrector, Increments, OutputFrame};
+use ncfix_report::plot::{Chart, Picture, PlotSeries, Shape};
 use std::fmt::Write as _;
 use std::time::Instant;
 
@@ -45,7 +45,7 @@ fn waves(terms: usize) -> ErrorModel {
         let size = if k % 6 < 3 { 1e-3 } else { 1e-6 };
         let (period, phase_rad) = (100.0 + k as f64 * 0.7, k as f64);
         let amplitude = size / terms as f64;
-        MotionError { name, function: Function::Periodic(Periodic { period, amplitude, phase_rad }) }
+        MotionError { name, function: EntryFunction::Periodic(Periodic { period, amplitude, phase_rad }) }
     });
     ErrorModel { motion: motion.collect(), ..ErrorModel::default() }
 }
@@ -67,7 +67,7 @@ fn seconds(text: &str, machine: &Machine, errors: &ErrorModel) -> f64 {
         let (program, found) = syntax::parse(&source, ncfix_dialect::sinumerik());
         assert!(found.is_empty(), "what is refused costs nothing: {:?}", found[0]);
         let execution = Execution::new(program, machine, Box::new(NoLibrary), ncfix_language::exec::Options::default());
-        let outputs = Corrector::new(execution, machine, &model, Options::default());
+        let outputs = Corrector::new(execution, machine, &model, CorrectionOptions::default());
         let mut writer = emit::writer("sinumerik", &options).unwrap();
         emit::emit(outputs, writer.as_mut(), &mut std::io::sink(), |finding| panic!("{finding:?}")).unwrap();
         start.elapsed().as_secs_f64()
@@ -127,7 +127,7 @@ fn main() {
     }
     if std::env::var_os("NCFIX_WRITE_DOCS").is_some() && !is_test {
         let log = |(size, time): &(f64, f64), first: f64| ((size / first).log10(), (time * 1e3).log10());
-        let series = rows.iter().map(|row| Series {
+        let series = rows.iter().map(|row| PlotSeries {
             label: row.label.into(),
             points: row.points.iter().map(|point| log(point, row.points[0].0)).collect(),
             errors: Vec::new(),

@@ -4,7 +4,9 @@ use std::io::{self, Read as _, Write as _};
 use std::sync::{Arc, Mutex};
 
 use ncfix::prelude::*;
-use ncfix::sensors::{Items, Opened, Plan, Section, SensorSource, SensorSources, Told, Wanted, from_text, items};
+use ncfix::sensors::{
+    Items, OpenedSource, Section, SensorSource, SensorSources, SourcePlan, SourceReport, Wanted, from_text, items,
+};
 
 /// A sensor of one's own: it says 30 °C for every channel that asks.
 #[derive(Clone, Debug)]
@@ -14,17 +16,17 @@ struct Thermometer(Items);
 impl SensorSource for Thermometer {
     fn name(&self) -> &str { "thermometer" }
     fn title(&self) -> &str { "a thermometer of one's own" }
-    fn read(&self, _: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+    fn read(&self, _: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
         Some(Arc::new(Thermometer(items(wanted))))
     }
 }
 
-impl Plan for Thermometer {
-    fn open(&self, _: &std::path::Path, every: std::time::Duration) -> Result<Opened, String> {
+impl SourcePlan for Thermometer {
+    fn open(&self, _: &std::path::Path, every: std::time::Duration) -> Result<OpenedSource, String> {
         let channels = self.0.clone();
-        Ok(Opened::Thread(Box::new(move |outlet| {
+        Ok(OpenedSource::Thread(Box::new(move |outlet| {
             while !outlet.is_over() {
-                channels.iter().for_each(|(_, channel)| outlet.tell(*channel, Told::Value(30.0), None));
+                channels.iter().for_each(|(_, channel)| outlet.tell(*channel, SourceReport::Value(30.0), None));
                 let _ = outlet.wait(every);
             }
         })))
@@ -55,6 +57,6 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sent = transfer.send(port, Some(sensors), &journal)?;
     std::fs::remove_file(&journal)?;
     println!("{}", sent.status.table());
-    assert!(sent.status.applied["Z_um"] < -10.0, "10 K, 2 µm each: {:?}", sent.status.applied);
+    assert!(sent.status.applied[&AxisKey::of_deviation(Axis::Z)] < -10.0, "10 K, 2 µm each: {:?}", sent.status.applied);
     Ok(())
 }

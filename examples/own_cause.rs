@@ -6,12 +6,12 @@
 
 use std::fmt::Write as _;
 
-use ncfix::extend::cause::{Candidate, Cause, Correctable, Effect, Through, Weight, column};
+use ncfix::extend::cause::{Candidate, Cause, Correctable, EffectKind, Through, Weight, column};
 use ncfix::prelude::{DataSet, Diagnosis, DiagnosisOptions, Error, Machine, Registry};
 
 static GROWTH: Cause = Cause {
     name: "spindle growth with speed",
-    effect: Effect::Own("spindle-growth"),
+    effect: EffectKind::Own("spindle-growth"),
     made_by: "centrifugal force in the bearings of the spindle",
     shown_by: "readings along the tool that follow the square of the speed at once",
     separate_by: "the same speeds in another order: heat follows late",

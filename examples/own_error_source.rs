@@ -16,7 +16,7 @@ impl ErrorSource for Overhangs {
     fn info(&self) -> &'static SourceInfo {
         &OVERHANG
     }
-    fn read(&self, reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+    fn read(&self, reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorModel) {
         let Some(mut section) = reading.root.section("overhang") else { return };
         let numbers = ["reach_mm", "sag_um"].map(|key| section.required(key, "9", Section::number));
         if let [Some(reach_mm), Some(sag_um)] = numbers {
@@ -38,10 +38,10 @@ impl Effect for Overhang {
     }
     fn contribute(&self, _: &Condition, sum: &mut Accumulator<'_>) {
         let coefficients = vec![0.0, 0.0, -self.sag_mm / self.reach_mm.powi(2)];
-        sum.add_motion("EZY".parse().expect("ISO 230-1"), &Function::Polynomial(Polynomial { coefficients }), 1.0);
+        sum.add_motion("EZY".parse().expect("ISO 230-1"), &EntryFunction::Polynomial(Polynomial { coefficients }), 1.0);
     }
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
-        let written = Some(Written { entry: 0, key: "sag_um", factor: 1000.0 });
+        let written = Some(WrittenAt { entry: 0, key: "sag_um", factor: 1000.0 });
         visit(&Parameter { name: "overhang.sag", is_linear: true, written }, &mut self.sag_mm);
     }
 }

@@ -8,7 +8,8 @@ use crate::machine::Machine;
 use ncfix_base::source::{FileId, Source};
 use ncfix_metrology::calibrate::{Fit, Parameter};
 use ncfix_metrology::results::calibration::{
-    CalibrationResult as Found, CalibrationSettings, CalibrationStart, Estimate, check_sizes, machine_text, prepare,
+    CalibrationResult as Found, CalibrationSettings, CalibrationStart, EstimateReport, check_sizes, machine_text,
+    prepare,
 };
 use ncfix_metrology::results::measurement::{Measurement, Purpose};
 use ncfix_metrology::results::parameters;
@@ -228,7 +229,7 @@ impl Calibration {
     /// # Ok::<(), ncfix::Error>(())
     /// ```
     #[must_use]
-    pub fn parameters(&self) -> &[Estimate] {
+    pub fn parameters(&self) -> &[EstimateReport] {
         &self.found.parameters
     }
 }

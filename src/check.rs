@@ -9,7 +9,7 @@ use crate::support_file;
 use ncfix_base::diagnostic::Code;
 use ncfix_language::exec::{Options, RapidOrder};
 use ncfix_language::syntax;
-use ncfix_path::path::Reach;
+use ncfix_path::path::ReachScan;
 
 /// The check stops after this number of blocks with syntax errors.
 const MOST_ERRORS: u32 = 1000;
@@ -85,7 +85,7 @@ impl Program {
         }
         check.executed = true;
         // Nobody's program is for the demo machine.
-        let mut reach = (!machine.is_demo).then(|| Reach::new(&machine.machine, self.reading().start));
+        let mut reach = (!machine.is_demo).then(|| ReachScan::new(&machine.machine, self.reading().start));
         let mut is_beyond = false;
         while let Some(item) = running.next() {
             match item {
@@ -126,7 +126,7 @@ impl Program {
         if let Some(watch) = watch {
             running = running.watched(watch());
         }
-        let mut reach = Reach::new(&machine.machine, self.reading().start);
+        let mut reach = ReachScan::new(&machine.machine, self.reading().start);
         let mut errors = 0;
         while let Some(item) = running.next() {
             match item {

@@ -5,7 +5,7 @@ use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use crate::machine::Machine;
 use ncfix_base::source::{FileId, Source};
-use ncfix_metrology::results::diagnosis::{self, Cause, DiagnosisResult as Found, DiagnosisSettings};
+use ncfix_metrology::results::diagnosis::{self, CauseReport, DiagnosisResult as Found, DiagnosisSettings};
 use ncfix_metrology::results::extended::Extended;
 use ncfix_metrology::results::measurement::Purpose;
 use ncfix_metrology::results::readings::ShownReadings;
@@ -107,7 +107,7 @@ impl Diagnosis {
     /// # Ok::<(), ncfix::Error>(())
     /// ```
     #[must_use]
-    pub fn causes(&self) -> &[Cause] {
+    pub fn causes(&self) -> &[CauseReport] {
         &self.found.findings
     }
 

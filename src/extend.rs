@@ -10,14 +10,14 @@ pub mod source {
     pub use ncfix_machine::machine::{Condition, Load, State};
     pub use ncfix_model::motion::backlash::Backlash;
     pub use ncfix_model::motion::cross::Cross;
-    pub use ncfix_model::motion::grid::Grid;
+    pub use ncfix_model::motion::grid::ErrorGrid;
     pub use ncfix_model::motion::periodic::Periodic;
     pub use ncfix_model::motion::piecewise::{Knot, Piecewise};
     pub use ncfix_model::motion::polynomial::Polynomial;
-    pub use ncfix_model::motion::table::Table;
-    pub use ncfix_model::motion::{Entry, Function, MotionFunction, MotionKind, Sampling};
+    pub use ncfix_model::motion::table::ErrorTable;
+    pub use ncfix_model::motion::{Entry, EntryFunction, MotionFunction, MotionKind, Sampling};
     pub use ncfix_model::name::{Direction, ErrorName};
-    pub use ncfix_model::source::{Parameter, Reading, Written};
+    pub use ncfix_model::source::{MachineFileReading, Parameter, WrittenAt};
     pub use ncfix_model::{Accumulator, Effect, ErrorModel, ErrorSource, SourceInfo};
 }
 
@@ -26,10 +26,11 @@ pub mod cause {
     pub use ncfix_base::geometry::Axis;
     pub use ncfix_machine::machine::edit::Given;
     pub use ncfix_metrology::diagnose::cause::{
-        Candidate, Cause, Correctable, Effect, Propose, Term, Values, Weight, axes, column, linear, own, range, times,
+        Candidate, Cause, Correctable, EffectKind, Propose, Term, Values, Weight, axes, column, linear, own, range,
+        times,
     };
     pub use ncfix_metrology::diagnose::extend::Change;
-    pub use ncfix_metrology::diagnose::row::Row;
+    pub use ncfix_metrology::diagnose::row::SceneRow;
     pub use ncfix_metrology::diagnose::scene::{Scene, Through};
     pub use ncfix_model::name::Direction;
     pub use ncfix_model::{ErrorName, ParameterName};
@@ -46,10 +47,10 @@ pub mod preset {
 pub mod instrument {
     pub use ncfix_base::csv::{DecimalSign, Row, Table};
     pub use ncfix_base::diagnostic::Diagnostic;
-    pub use ncfix_metrology::diagnose::fault::{Check, Fault, Then, View};
+    pub use ncfix_metrology::diagnose::fault::{DataDefect, DefectCheck, DefectKind, Then, View};
     pub use ncfix_metrology::measure::data::{DataSet, Free, Observation};
     pub use ncfix_metrology::measure::kind::{
-        Equation, Kind, Seen, Unknown, at, needed, no_ties, optional, three, vector_at, zeros,
+        Equation, Instrument, Measurand, Seen, Unknown, at, needed, no_ties, optional, three, vector_at, zeros,
     };
 }
 
@@ -71,8 +72,8 @@ pub mod link {
 
 /// Sources of live readings.
 pub mod sensor {
-    pub use ncfix_dnc::sense::source::{Clocked, Opened, Plan, Polled, Wanted, items, polled};
-    pub use ncfix_dnc::sense::{Fault, Outlet, SensorSource, Told};
+    pub use ncfix_dnc::sense::source::{Clocked, OpenedSource, Polled, SourcePlan, Wanted, items, polled};
+    pub use ncfix_dnc::sense::{ChannelFault, ReadingOutlet, SensorSource, SourceReport};
     pub use ncfix_machine::machine::file::Section;
 }
 

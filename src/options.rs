@@ -68,7 +68,7 @@ impl FromStr for DialectChoice {
 
 /// Options for reading and executing a program.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Reading {
+pub(crate) struct ProgramReading {
     /// Name of the dialect; without it that of the machine file, then by file name and content.
     pub(crate) dialect: Option<String>,
     /// A program that executes more blocks than this is stopped; without it ten million, or twenty times its blocks if that is more.
@@ -155,8 +155,8 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Options {
-        let path::Options { tolerance_mm, arcs, rapids, frame, five_axis, rotary, max_correction_mm, .. } =
-            path::Options::default();
+        let path::CorrectionOptions { tolerance_mm, arcs, rapids, frame, five_axis, rotary, max_correction_mm, .. } =
+            path::CorrectionOptions::default();
         Options {
             tolerance_mm,
             step_mm: None,
@@ -176,8 +176,8 @@ impl Default for Options {
 
 impl Options {
     /// The options of the corrector.
-    pub(crate) fn of_path(&self) -> path::Options {
-        path::Options {
+    pub(crate) fn of_path(&self) -> path::CorrectionOptions {
+        path::CorrectionOptions {
             tolerance_mm: self.tolerance_mm,
             subdivision: self.step_mm.map_or(Subdivision::Adaptive, Subdivision::Step),
             arcs: self.arcs,
@@ -190,7 +190,7 @@ impl Options {
             max_correction_mm: self.max_correction_mm,
             rotary: self.rotary,
             sample_mm: SAMPLE_MM,
-            ..path::Options::default()
+            ..path::CorrectionOptions::default()
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use crate::machine::Machine;
 use crate::moves::Elements;
-use crate::options::{DialectChoice, Options, Reading};
+use crate::options::{DialectChoice, Options, ProgramReading};
 use crate::run::{self, Opened, Running, Subprograms};
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::source::{FileId, Source};
@@ -30,7 +30,7 @@ use ncfix_path::emit;
 #[derive(Clone, Debug)]
 pub struct Program {
     source: Source,
-    reading: Reading,
+    reading: ProgramReading,
     subprograms: Subprograms,
 }
 
@@ -50,7 +50,7 @@ impl Program {
     pub fn parse(name: &str, text: impl Into<Vec<u8>>, dialect: DialectChoice) -> Result<Program, Error> {
         let too_large = |_| Error::usage(format!("{name} is too large"));
         let source = Source::new(FileId(0), name, text.into()).map_err(too_large)?;
-        Program { source, reading: Reading::default(), subprograms: Subprograms::None }.parsed(dialect)
+        Program { source, reading: ProgramReading::default(), subprograms: Subprograms::None }.parsed(dialect)
     }
 
     /// A program from a file, or from an archive of a control (`SAVE.arc/PART.MPF`); `-` is standard input. Subprograms are read from the folders
@@ -68,11 +68,11 @@ impl Program {
     /// Where the file cannot be read or its text cannot be parsed.
     pub fn from_file(path: impl AsRef<Path>, dialect: DialectChoice) -> Result<Program, Error> {
         let path = path.as_ref();
-        Program::new(run::read(path)?, path, Reading::default()).parsed(dialect)
+        Program::new(run::read(path)?, path, ProgramReading::default()).parsed(dialect)
     }
 
     /// A program that was read from a file.
-    pub(crate) fn new(source: Source, path: &Path, reading: Reading) -> Program {
+    pub(crate) fn new(source: Source, path: &Path, reading: ProgramReading) -> Program {
         Program { source, reading, subprograms: Subprograms::of(path) }
     }
 
@@ -222,7 +222,7 @@ impl Program {
     }
 
     /// The options for reading it.
-    pub(crate) fn reading(&self) -> &Reading {
+    pub(crate) fn reading(&self) -> &ProgramReading {
         &self.reading
     }
 

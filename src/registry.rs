@@ -4,8 +4,8 @@ use ncfix_dialect::{Detector, Detectors};
 use ncfix_dnc::feed::{LinkFile, Links, Protocol, Protocols};
 use ncfix_dnc::sense::{SensorSource, SensorSources};
 use ncfix_metrology::diagnose::cause::{Causes, Propose};
-use ncfix_metrology::diagnose::fault::{Check, Checks};
-use ncfix_metrology::measure::kind::{Instruments, Kind};
+use ncfix_metrology::diagnose::fault::{Checks, DefectCheck};
+use ncfix_metrology::measure::kind::{Instrument, Instruments};
 use ncfix_model::preset::Preset;
 use ncfix_model::{ErrorSource, ModelRegisters, MotionKind};
 use ncfix_tables::tables::{Format, Formats, Scheme, Schemes};
@@ -52,7 +52,7 @@ impl Registry {
     /// Adds a source of error, with its sections of the machine file.
     ///
     /// ```
-    /// use ncfix::extend::source::{ErrorModel, ErrorSource, Reading, SourceInfo};
+    /// use ncfix::extend::source::{ErrorModel, ErrorSource, MachineFileReading, SourceInfo};
     /// use ncfix::prelude::*;
     ///
     /// static BEAM: SourceInfo = SourceInfo { name: "beam", title: "sag of a beam", sections: &["beam"], example: "" };
@@ -64,7 +64,7 @@ impl Registry {
     ///         &BEAM
     ///     }
     ///
-    ///     fn read(&self, _: &mut Reading<'_, '_>, _: &mut ErrorModel) {
+    ///     fn read(&self, _: &mut MachineFileReading<'_, '_>, _: &mut ErrorModel) {
     ///         // Takes its section from the file and adds an effect to the model.
     ///     }
     /// }
@@ -79,7 +79,7 @@ impl Registry {
     /// Adds a kind of motion error: `kind = "…"` of `[[motion]]`.
     ///
     /// ```
-    /// use ncfix::extend::source::{Entry, Function, MotionKind};
+    /// use ncfix::extend::source::{Entry, EntryFunction, MotionKind};
     /// use ncfix::prelude::*;
     ///
     /// struct Sag;
@@ -89,7 +89,7 @@ impl Registry {
     ///         "sag"
     ///     }
     ///
-    ///     fn read(&self, _: &mut Entry<'_>) -> Option<Function> {
+    ///     fn read(&self, _: &mut Entry<'_>) -> Option<EntryFunction> {
     ///         None
     ///     }
     ///
@@ -129,43 +129,43 @@ impl Registry {
     /// Adds a kind of measurement; the built-in `probe` shows what a kind consists of.
     ///
     /// ```
-    /// use ncfix::extend::instrument::Kind;
+    /// use ncfix::extend::instrument::Instrument;
     /// use ncfix::prelude::*;
     ///
     /// let built_in = Registry::default();
-    /// let own: &'static Kind = Box::leak(Box::new(Kind { name: "spindle-probe", ..**built_in.instruments.find("probe").unwrap() }));
+    /// let own: &'static Instrument = Box::leak(Box::new(Instrument { name: "spindle-probe", ..**built_in.instruments.find("probe").unwrap() }));
     /// assert!(built_in.with_instrument(own).instruments.find("spindle-probe").is_some());
     /// ```
     #[must_use]
-    pub fn with_instrument(self, kind: &'static Kind) -> Registry {
+    pub fn with_instrument(self, kind: &'static Instrument) -> Registry {
         Registry { instruments: self.instruments.with(kind), ..self }
     }
 
     /// Adds a check for a kind of data defect. It runs after those that are there.
     ///
     /// ```
-    /// use ncfix::extend::instrument::Check;
+    /// use ncfix::extend::instrument::DefectCheck;
     /// use ncfix::prelude::*;
     ///
     /// let built_in = Registry::default();
-    /// let one: &Check = built_in.checks.iter().next().unwrap();
-    /// let own: &'static Check = Box::leak(Box::new(Check { name: "swapped columns", ..*one }));
+    /// let one: &DefectCheck = built_in.checks.iter().next().unwrap();
+    /// let own: &'static DefectCheck = Box::leak(Box::new(DefectCheck { name: "swapped columns", ..*one }));
     /// assert!(built_in.with_check(own).checks.find("swapped columns").is_some());
     /// ```
     #[must_use]
-    pub fn with_check(self, check: &'static Check) -> Registry {
+    pub fn with_check(self, check: &'static DefectCheck) -> Registry {
         Registry { checks: self.checks.with(check), ..self }
     }
 
     /// Adds a cause: a static `Cause`, or a value that proposes candidates.
     ///
     /// ```
-    /// use ncfix::extend::cause::{Cause, Correctable, Effect};
+    /// use ncfix::extend::cause::{Cause, Correctable, EffectKind};
     /// use ncfix::prelude::*;
     ///
     /// static GROWTH: Cause = Cause {
     ///     name: "spindle growth with speed",
-    ///     effect: Effect::Own("spindle-growth"),
+    ///     effect: EffectKind::Own("spindle-growth"),
     ///     made_by: "centrifugal force in the bearings",
     ///     shown_by: "readings that follow the square of the speed",
     ///     separate_by: "the same speeds in another order",
@@ -262,7 +262,7 @@ impl Registry {
     /// `examples/feed_with_own_sensor.rs` is a complete program.
     ///
     /// ```
-    /// use ncfix::extend::sensor::{Plan, Section, SensorSource, Wanted};
+    /// use ncfix::extend::sensor::{Section, SensorSource, SourcePlan, Wanted};
     /// use ncfix::prelude::*;
     ///
     /// struct Thermometer;
@@ -276,7 +276,7 @@ impl Registry {
     ///         "thermometer of the spindle head"
     ///     }
     ///
-    ///     fn read(&self, _: &mut Section<'_>, _: &mut [Wanted<'_>]) -> Option<std::sync::Arc<dyn Plan>> {
+    ///     fn read(&self, _: &mut Section<'_>, _: &mut [Wanted<'_>]) -> Option<std::sync::Arc<dyn SourcePlan>> {
     ///         None
     ///     }
     /// }

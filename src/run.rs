@@ -11,7 +11,7 @@ use crate::disk::folder_library::FolderLibrary;
 use crate::disk::machine_file::dialect_names;
 use crate::error::Error;
 use crate::machine::Machine;
-use crate::options::Reading;
+use crate::options::ProgramReading;
 use crate::recognition;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{FileId, Source, Span};
@@ -43,7 +43,7 @@ pub(crate) struct Opened {
 pub(crate) fn open(
     source: &Source,
     subprograms: &Subprograms,
-    choice: &Reading,
+    choice: &ProgramReading,
     chosen: Option<&Machine>,
     findings: &mut Diagnostics,
 ) -> Result<Option<Opened>, Error> {
@@ -246,7 +246,7 @@ impl<'a> Running<'a> {
     pub(crate) fn start(
         opened: Opened,
         subprograms: &Subprograms,
-        choice: &Reading,
+        choice: &ProgramReading,
         machine: &'a ncfix_machine::machine::Machine,
         options: Options,
     ) -> Running<'a> {

@@ -1,9 +1,11 @@
 //! Temperature sensors that are read while a program is sent: those of a sensor file, and custom kinds.
 //!
-//! A custom kind implements [`SensorSource`] and [`Plan`]; [`polled`] makes a thread for a sensor that is polled.
+//! A custom kind implements [`SensorSource`] and [`SourcePlan`]; [`polled`] makes a thread for a sensor that is polled.
 
-pub use ncfix_dnc::sense::source::{Items, Opened, Plan, Polled, Wanted, items, polled};
-pub use ncfix_dnc::sense::{Fault, Outlet, Panel, Reading, SensorSource, SensorSources, Told};
+pub use ncfix_dnc::sense::source::{Items, OpenedSource, Polled, SourcePlan, Wanted, items, polled};
+pub use ncfix_dnc::sense::{
+    ChannelFault, ChannelReading, Panel, ReadingOutlet, SensorSource, SensorSources, SourceReport,
+};
 pub use ncfix_machine::machine::file::Section;
 
 use std::path::Path;

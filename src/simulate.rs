@@ -18,8 +18,8 @@ use ncfix_language::exec::{self, RapidOrder};
 use ncfix_machine::machine::Servo;
 use ncfix_metrology::measure::noise::Noise;
 use ncfix_model::Model;
-use ncfix_path::path::Options;
-use ncfix_path::servo::{Moment, Run, Tally};
+use ncfix_path::path::CorrectionOptions;
+use ncfix_path::servo::{CycleState, Run, Tally};
 use ncfix_report::number::grouped;
 
 /// Largest number of rows of a trace: 3 GB of text, more than the recorder of any control keeps.
@@ -276,7 +276,7 @@ impl<'a> Recorder<'a> {
         findings: &mut Diagnostics,
         out: &mut dyn Write,
     ) -> io::Result<()> {
-        let options = Options { start: self.program.reading().start, ..Options::default() };
+        let options = CorrectionOptions { start: self.program.reading().start, ..CorrectionOptions::default() };
         let model = Arc::clone(&self.model);
         let mut drive = Run::new(&self.machine.machine, self.servo, &model, &options);
         if let Some(feed) = feed {
@@ -289,7 +289,7 @@ impl<'a> Recorder<'a> {
         while let Some(item) = running.next() {
             match item {
                 Ok(element) => {
-                    let mut see = |moment: &Moment| {
+                    let mut see = |moment: &CycleState| {
                         if written.is_ok() {
                             written = self.row(moment, &mut pass, out);
                         }
@@ -319,7 +319,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// A cycle of the control.
-    fn row(&mut self, moment: &Moment, pass: &mut Pass<'_>, out: &mut dyn Write) -> io::Result<()> {
+    fn row(&mut self, moment: &CycleState, pass: &mut Pass<'_>, out: &mut dyn Write) -> io::Result<()> {
         self.recorded.rows += 1;
         self.recorded.tally.note(moment);
         pass.take(&moment.tool_mm);
@@ -344,8 +344,8 @@ impl<'a> Recorder<'a> {
     }
 
     /// The tool position relative to the point of the workpiece given by the set-points, in the directions of frame F, mm.
-    fn reading_mm(&self, moment: &Moment) -> Vector {
-        let Moment { set_point, encoder, tool_mm, state, .. } = moment;
+    fn reading_mm(&self, moment: &CycleState) -> Vector {
+        let CycleState { set_point, encoder, tool_mm, state, .. } = moment;
         let off = self.model.tip_error_mm(set_point, encoder, tool_mm, state);
         let in_tool = self.model.nominal(encoder, tool_mm).rotation.transpose() * off;
         self.model.tool_orientation(encoder) * in_tool

@@ -9,11 +9,11 @@ use crate::program::Program;
 use crate::run::{self, Watch};
 use crate::tool::ToolVector;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_base::geometry::{AXES, Axis, AxisVector};
+use ncfix_base::geometry::{AXES, Axis, AxisKey, AxisVector};
 use ncfix_base::source::Source;
 use ncfix_base::units::um_from_mm;
 use ncfix_language::exec::RapidOrder;
-use ncfix_path::path::{Answer, Line, Moves, Rotary, StepTrial, Steps, volume};
+use ncfix_path::path::{Moves, ResidualSteps, Rotary, StepTrial, Steps, StraightLine, volume};
 use ncfix_report::steps::{StepAnswer, StepReport, StepRow, Worst};
 
 /// The options of the search.
@@ -31,7 +31,7 @@ pub(crate) struct StepSearch<'a> {
 
 /// Lines, with the program that they belong to.
 struct Gathered<'m> {
-    lines: Vec<Line>,
+    lines: Vec<StraightLine>,
     trial: StepTrial<'m>,
     files: Vec<Source>,
 }
@@ -127,11 +127,11 @@ impl StepSearch<'_> {
 }
 
 /// Enters the result in the report.
-fn note(report: &mut StepReport, steps: &Steps, lines: &[Line], files: &[Source], machine: &Machine) {
+fn note(report: &mut StepReport, steps: &Steps, lines: &[StraightLine], files: &[Source], machine: &Machine) {
     (report.answer, report.largest_step_mm) = match steps.answer {
-        Answer::Any => (Some(StepAnswer::Any), None),
-        Answer::UpTo(step_mm) => (Some(StepAnswer::UpTo), Some(step_mm)),
-        Answer::None => (Some(StepAnswer::None), None),
+        ResidualSteps::Any => (Some(StepAnswer::Any), None),
+        ResidualSteps::UpTo(step_mm) => (Some(StepAnswer::UpTo), Some(step_mm)),
+        ResidualSteps::None => (Some(StepAnswer::None), None),
     };
     report.residual_um = um_from_mm(steps.worst.max_mm);
     report.failures = steps.worst.failures;
@@ -147,9 +147,9 @@ fn note(report: &mut StepReport, steps: &Steps, lines: &[Line], files: &[Source]
         .collect();
     let place = |position: &AxisVector| {
         let axes = AXES.into_iter().filter(|&axis| machine.machine.axis(axis).is_some());
-        let entry = |axis: Axis| match axis.is_rotary() {
-            true => (format!("{axis}_deg"), position[axis].to_degrees()),
-            false => (format!("{axis}_mm"), position[axis]),
+        let entry = |axis: Axis| {
+            let key = AxisKey::of_position(axis);
+            (key, key.shown(position[axis]))
         };
         axes.map(entry).collect::<BTreeMap<_, _>>()
     };

@@ -10,7 +10,7 @@ use crate::disk::files;
 use crate::disk::output::is_same_file;
 use crate::error::Error;
 use ncfix_base::source::FileId;
-use ncfix_dnc::sense::{Action, ChannelState, Config, Panel, Reading, Verdict};
+use ncfix_dnc::sense::{Action, ChannelReading, ChannelState, Config, Panel, PanelVerdict};
 use ncfix_report::watch::{WatchChannel, WatchReport, WatchVerdict, WatchedState};
 
 /// Interval in which the sources are checked.
@@ -92,7 +92,7 @@ impl SensorWatch {
                 show(&self.report(now))?;
             }
             if is_end {
-                return Ok(self.panel.verdict() == Verdict::Good);
+                return Ok(self.panel.verdict() == PanelVerdict::Good);
             }
             let rest = duration.map_or(LOOK, |duration| duration.saturating_sub(start.elapsed()).min(LOOK));
             std::thread::sleep(rest);
@@ -101,15 +101,17 @@ impl SensorWatch {
 
     fn report(&self, now: Duration) -> WatchReport {
         let (verdict, why) = match self.panel.verdict() {
-            Verdict::Good => (WatchVerdict::Good, None),
-            Verdict::Waiting(names) => (WatchVerdict::Waiting, Some(format!("nothing yet of {}", names.join(", ")))),
-            Verdict::Freeze(why) => (WatchVerdict::Freeze, Some(why)),
-            Verdict::Act(Action::Continue, why) => (WatchVerdict::Continue, Some(why)),
-            Verdict::Act(Action::Stop, why) => (WatchVerdict::Stop, Some(why)),
-            Verdict::Act(Action::Hold, why) => (WatchVerdict::Hold, Some(why)),
+            PanelVerdict::Good => (WatchVerdict::Good, None),
+            PanelVerdict::Waiting(names) => {
+                (WatchVerdict::Waiting, Some(format!("nothing yet of {}", names.join(", "))))
+            }
+            PanelVerdict::Freeze(why) => (WatchVerdict::Freeze, Some(why)),
+            PanelVerdict::Act(Action::Continue, why) => (WatchVerdict::Continue, Some(why)),
+            PanelVerdict::Act(Action::Stop, why) => (WatchVerdict::Stop, Some(why)),
+            PanelVerdict::Act(Action::Hold, why) => (WatchVerdict::Hold, Some(why)),
         };
         let channels = self.config.channels.iter().zip(self.panel.channels());
-        let row = |reading: &Reading, source: &str| WatchChannel {
+        let row = |reading: &ChannelReading, source: &str| WatchChannel {
             name: reading.name.clone(),
             value_c: reading.value_c,
             age_s: reading.age.map(|age| age.as_secs_f64()),
@@ -161,8 +163,8 @@ impl TemperatureLog {
     }
 
     /// Adds a row; a channel that is not good has no reading.
-    fn add<'r>(&mut self, now: Duration, channels: impl Iterator<Item = &'r Reading>) -> Result<(), Error> {
-        let cell = |reading: &Reading| match (reading.state, reading.value_c) {
+    fn add<'r>(&mut self, now: Duration, channels: impl Iterator<Item = &'r ChannelReading>) -> Result<(), Error> {
+        let cell = |reading: &ChannelReading| match (reading.state, reading.value_c) {
             (ChannelState::Good, Some(value_c)) => format!(",{value_c:.4}"),
             _ => ",".to_owned(),
         };

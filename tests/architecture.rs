@@ -423,6 +423,95 @@ fn every_crate_embeds_only_what_its_package_has() {
     }
 }
 
+/// Where words are read: those of programs, of files, of the answers of a control and of a source of readings. Reading compares text.
+const READERS: [&str; 8] = [
+    "crates/dialect/src/code.rs",
+    "crates/dnc/src/drip/block.rs",
+    "crates/dnc/src/drip/told.rs",
+    "crates/dnc/src/feed/dialogue/",
+    "crates/dnc/src/sense/source/",
+    "crates/language/src/",
+    "crates/machine/src/machine/zero_offset.rs",
+    "crates/tables/src/tables/format/",
+];
+
+/// Files that still compare the name of a thing with a text, and how often. No row is added, and no number grows.
+const DECIDED_BY_TEXT: &[(&str, usize)] = &[
+    ("crates/metrology/src/diagnose/empirical/screen.rs", 1),
+    ("crates/metrology/src/diagnose/extend/law.rs", 1),
+    ("crates/metrology/src/diagnose/gates.rs", 1),
+    ("crates/metrology/src/diagnose/shape.rs", 1),
+    ("crates/metrology/src/diagnose/size.rs", 5),
+    ("crates/metrology/src/diagnose/slow.rs", 1),
+    ("crates/metrology/src/results/diagnosis.rs", 1),
+    // The name of a command is what a person writes.
+    ("src/cli/exit_code.rs", 3),
+];
+
+/// What says of a thing what it is: a field or a variable of this name holds a type, not a text.
+const SAYS_WHAT_IT_IS: [&str; 19] = [
+    "cause",
+    "driver",
+    "effect",
+    "ended",
+    "form",
+    "kind",
+    "mode",
+    "name",
+    "parameter",
+    "sense",
+    "severity",
+    "source",
+    "state",
+    "status",
+    "subject",
+    "unit",
+    "variant",
+    "verdict",
+    "what",
+];
+
+/// How often a line compares something of [`SAYS_WHAT_IT_IS`] with a text; `next` is the line behind it, in which a `match` may name the text.
+fn decisions_by_text(line: &str, next: &str) -> usize {
+    let last_name = |text: &str| {
+        let text =
+            ["()", ".as_str()", ".as_deref()"].iter().fold(text.trim_end(), |text, end| text.trim_end_matches(end));
+        let start = text.rfind(|c: char| !c.is_ascii_lowercase() && c != '_').map_or(0, |at| at + 1);
+        SAYS_WHAT_IT_IS.contains(&&text[start..])
+    };
+    let compared = [" == \"", " != \"", " == Some(\"", " != Some(\""]
+        .iter()
+        .flat_map(|sign| line.match_indices(sign))
+        .filter(|(at, _)| last_name(&line[..*at]))
+        .count();
+    let matched = line.split_once("match ").and_then(|(_, rest)| rest.strip_suffix(" {"));
+    let is_matched = matched.is_some_and(|of| of.contains('.') && last_name(of)) && next.trim_start().starts_with('"');
+    let is_one_of =
+        line.split_once("matches!(").and_then(|(_, rest)| rest.split_once(", \"")).is_some_and(|(of, _)| last_name(of));
+    compared + usize::from(is_matched) + usize::from(is_one_of)
+}
+
+/// Types decide; a text is a view of them, and one that is compared with another is a type that is missing.
+#[test]
+fn no_further_text_decides() {
+    assert_eq!(decisions_by_text("if set.kind.name == \"ballbar\" || one.state != \"good\" {", ""), 2);
+    assert_eq!(decisions_by_text("match plan.kind.name {", "    \"ballbar\" => vec![],"), 1);
+    assert_eq!(decisions_by_text("if matches!(kind.name, \"plate\" | \"load\") {", ""), 1);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for (path, text) in sources() {
+        let shown = path.strip_prefix(root).unwrap().to_string_lossy().replace('\\', "/");
+        if READERS.iter().any(|reader| shown.starts_with(reader)) || shown.ends_with("tests.rs") {
+            continue;
+        }
+        let code = text.split("#[cfg(test)]\nmod ").next().unwrap();
+        let lines: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+        let pairs = lines.iter().zip(lines.iter().skip(1).chain([&""]));
+        let count: usize = pairs.map(|(line, next)| decisions_by_text(line, next)).sum();
+        let most = DECIDED_BY_TEXT.iter().find(|(name, _)| *name == shown).map_or(0, |(_, most)| *most);
+        assert!(count <= most, "{shown}: {count} comparisons of a name with a text, at most {most}: make it a type");
+    }
+}
+
 /// The names of types that a text gives to the rest of its crate, or to others; those of its tests aside.
 fn types_of(text: &str) -> Vec<&str> {
     let code = text.split("#[cfg(test)]\nmod ").next().unwrap();

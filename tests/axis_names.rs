@@ -4,7 +4,7 @@ use ncfix_base::geometry::Axis;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::{Machine, file};
 use ncfix_model::ErrorModel;
-use ncfix_path::path::Options;
+use ncfix_path::path::CorrectionOptions;
 
 use crate::modes::written;
 
@@ -23,7 +23,7 @@ fn read(text: &str) -> (Option<Machine>, Vec<String>) {
 #[track_caller]
 fn check(text: &str, expected: &[&str], expected_codes: &[&str]) {
     let machine = read(FILE).0.unwrap();
-    let (lines, codes) = written(text, &machine, &ErrorModel::default(), Options::default());
+    let (lines, codes) = written(text, &machine, &ErrorModel::default(), CorrectionOptions::default());
     assert_eq!(codes, expected_codes);
     if expected_codes.is_empty() {
         assert_eq!(lines, expected);

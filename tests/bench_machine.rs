@@ -8,11 +8,11 @@ use ncfix_machine::machine::{Machine, State};
 use ncfix_machine::snc::{Element, TextReader};
 use ncfix_model::motion::backlash::Backlash;
 use ncfix_model::motion::polynomial::Polynomial;
-use ncfix_model::motion::table::Table;
-use ncfix_model::motion::{Function, MotionError};
+use ncfix_model::motion::table::ErrorTable;
+use ncfix_model::motion::{EntryFunction, MotionError};
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorModel, ErrorName, Model};
-use ncfix_path::path::{Corrector, Increments, Options, Output, Piece, Prediction};
+use ncfix_path::path::{CorrectionOptions, Corrector, Increments, Output, Piece, Prediction};
 
 /// A small deterministic generator (SplitMix64).
 pub(crate) struct Random(pub(crate) u64);
@@ -36,21 +36,21 @@ impl Random {
     }
 }
 
-pub(crate) fn motion(name: &str, function: Function) -> MotionError {
+pub(crate) fn motion(name: &str, function: EntryFunction) -> MotionError {
     MotionError { name: name.parse().unwrap(), function }
 }
 
-pub(crate) fn polynomial(coefficients: &[f64]) -> Function {
-    Function::Polynomial(Polynomial { coefficients: coefficients.to_vec() })
+pub(crate) fn polynomial(coefficients: &[f64]) -> EntryFunction {
+    EntryFunction::Polynomial(Polynomial { coefficients: coefficients.to_vec() })
 }
 
-pub(crate) fn table(positions: &[f64], values_um: &[f64]) -> Function {
+pub(crate) fn table(positions: &[f64], values_um: &[f64]) -> EntryFunction {
     let values = values_um.iter().map(|um| um * 1e-3).collect();
-    Function::Table(Table { positions: positions.to_vec(), values })
+    EntryFunction::Table(ErrorTable { positions: positions.to_vec(), values })
 }
 
-pub(crate) fn backlash(value_um: f64) -> Function {
-    Function::Backlash(Backlash::constant(value_um * 1e-3))
+pub(crate) fn backlash(value_um: f64) -> EntryFunction {
+    EntryFunction::Backlash(Backlash::constant(value_um * 1e-3))
 }
 
 /// All 21 errors of three axes as cubic polynomials of the size of a tired machine over 500 mm: up to some tens of µm and µrad.
@@ -63,7 +63,7 @@ pub(crate) fn tired(random: &mut Random) -> ErrorModel {
                 (0..4).map(|power| random.between(-size, size) / 500_f64.powi(power)).collect();
             errors.motion.push(MotionError {
                 name: ErrorName::motion(direction, axis),
-                function: Function::Polynomial(Polynomial { coefficients }),
+                function: EntryFunction::Polynomial(Polynomial { coefficients }),
             });
         }
     }
@@ -85,7 +85,7 @@ pub(crate) struct Run {
 }
 
 /// Corrects SNC text on a machine with errors.
-pub(crate) fn correct(text: &str, machine: &Machine, errors: &ErrorModel, options: Options) -> Run {
+pub(crate) fn correct(text: &str, machine: &Machine, errors: &ErrorModel, options: CorrectionOptions) -> Run {
     correct_elements(TextReader::new(text).map(Result::unwrap), machine, errors, options)
 }
 
@@ -94,7 +94,7 @@ pub(crate) fn correct_elements(
     elements: impl Iterator<Item = Element>,
     machine: &Machine,
     errors: &ErrorModel,
-    options: Options,
+    options: CorrectionOptions,
 ) -> Run {
     let model = Model::new(machine, errors);
     let mut corrector = Corrector::new(elements.map(Ok), machine, &model, options);

@@ -6,7 +6,7 @@ use ncfix_base::diagnostic::Place;
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_base::source::{FileId, Span};
 use ncfix_machine::machine::{Branch, Kinematics, Machine, State};
-use ncfix_metrology::calibrate::{Fit, Options, fit, identify};
+use ncfix_metrology::calibrate::{Fit, FitOptions, fit, identify};
 use ncfix_metrology::measure::data::{DataSet, Free, KnownLength, Observation, Setup};
 use ncfix_metrology::measure::kind::Instruments;
 use ncfix_metrology::measure::reading::Reading;
@@ -223,7 +223,7 @@ impl Bench {
 
     /// Fits the data, from a machine without errors.
     pub(crate) fn fit(&self, data: &[DataSet], robust: bool) -> Fit {
-        fit(&self.machine, &ErrorModel::default(), &self.parameters, data, Options { robust })
+        fit(&self.machine, &ErrorModel::default(), &self.parameters, data, FitOptions { robust })
             .unwrap_or_else(|fault| panic!("{fault:?}"))
     }
 

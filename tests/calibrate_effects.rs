@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
 use ncfix_metrology::calibrate::effect::{effect_parameters, named};
-use ncfix_metrology::calibrate::{Options, Parameter, equations, fit, quality};
+use ncfix_metrology::calibrate::{FitOptions, Parameter, equations, fit, quality};
 use ncfix_metrology::measure::data::{self, DataSet};
 use ncfix_model::{ErrorModel, Sources, file, write};
 
@@ -75,7 +75,7 @@ impl Case {
             let mut random = Random(1000 * seed + 3);
             let (data, off) = self.measured(outliers, &mut random);
             let data = [data];
-            let options = Options { robust: outliers > 0.0 };
+            let options = FitOptions { robust: outliers > 0.0 };
             let found = fit(&self.machine, &self.start, &self.parameters, &data, options)
                 .unwrap_or_else(|fault| panic!("{seed}: {fault:?}"));
             for (estimate, truth) in found.estimates.iter().zip(&self.truth) {

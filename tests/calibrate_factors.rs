@@ -5,7 +5,7 @@ use ncfix_machine::machine::{Machine, State};
 use ncfix_metrology::calibrate::equations;
 use ncfix_metrology::measure::data::{DataSet, Free, KnownLength};
 use ncfix_model::name::DIRECTIONS;
-use ncfix_model::parameter::{ParameterName, Term};
+use ncfix_model::parameter::{ComponentTerm, ParameterName};
 use ncfix_model::{ErrorModel, ErrorName};
 
 use crate::calibrate::{measurement, observation, reading, setup};
@@ -22,7 +22,7 @@ fn parameters(machine: &Machine) -> Vec<ParameterName> {
             let degree = 1 + (direction.index() % 3) as u8;
             out.push(ParameterName::coefficient(component, degree));
             out.push(ParameterName::backlash(component));
-            out.push(ParameterName { component, term: Term::Knot { degree: 2, at: -20 } });
+            out.push(ParameterName { component, term: ComponentTerm::Knot { degree: 2, at: -20 } });
         }
     }
     out

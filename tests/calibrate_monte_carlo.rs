@@ -1,6 +1,6 @@
 //! Repetitions of a fit on simulated readings scatter as the uncertainties say, and say so where they do not.
 
-use ncfix_metrology::calibrate::{Fit, MonteCarlo, Options, monte_carlo};
+use ncfix_metrology::calibrate::{Fit, FitOptions, MonteCarlo, monte_carlo};
 use ncfix_metrology::measure::data::DataSet;
 
 use crate::calibrate::{Bench, benches};
@@ -8,7 +8,7 @@ use crate::model::Random;
 
 fn repeated(bench: &Bench, fit: &Fit, data: &[DataSet], how: [u64; 2]) -> MonteCarlo {
     let mut last = 0;
-    let options = Options { robust: false };
+    let options = FitOptions { robust: false };
     let found = monte_carlo(&bench.machine, &bench.parameters, data, fit, options, how, &mut |done| {
         assert_eq!(done, last + 1);
         last = done;

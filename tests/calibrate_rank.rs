@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_base::numeric::RANK_LIMIT;
-use ncfix_metrology::calibrate::{Fault, Identified, Options, fit, identify};
+use ncfix_metrology::calibrate::{FitError, FitOptions, Identified, fit, identify};
 use ncfix_model::ErrorModel;
 
 use crate::calibrate::{Bench, circles, cubic, named, preset, rumba, samba};
@@ -83,8 +83,9 @@ fn an_axis_that_never_turned_is_named() {
         bench.lost(),
         ["EX0C cannot be told from X of ball b1 and X of ball b2; C stood at 1 position, at least 2 are needed"]
     );
-    let fault = fit(&bench.machine, &ErrorModel::default(), &bench.parameters, &bench.data, Options { robust: true });
-    let Some(Fault::NotTold(lost)) = fault.err() else { panic!("told") };
+    let fault =
+        fit(&bench.machine, &ErrorModel::default(), &bench.parameters, &bench.data, FitOptions { robust: true });
+    let Some(FitError::NotTold(lost)) = fault.err() else { panic!("told") };
     assert_eq!(lost.confused.iter().map(|one| one.sentence.clone()).collect::<Vec<_>>(), bench.lost());
     assert_eq!(lost.confused[0].remedy, "index C at 1 more angle at least, or leave it out");
 }

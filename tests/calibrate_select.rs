@@ -1,8 +1,8 @@
 //! Which terms the data needs: hidden ones are found and named, and where there is nothing nothing is found, also in noise that drifts.
 
 use ncfix_machine::machine::State;
-use ncfix_metrology::calibrate::candidates::{Pieces, of_component};
-use ncfix_metrology::calibrate::{Options, Parameter, Rule, Selected, Term, quality, select};
+use ncfix_metrology::calibrate::candidates::{PiecewisePolynomials, of_component};
+use ncfix_metrology::calibrate::{FitOptions, Parameter, Rule, Selected, Term, quality, select};
 use ncfix_metrology::measure::data::{DataSet, Free};
 use ncfix_model::ErrorModel;
 use ncfix_model::parameter::ParameterName;
@@ -65,7 +65,7 @@ fn drifting(bench: &Bench, rho: f64, random: &mut Random) -> Vec<DataSet> {
 }
 
 fn candidates(bench: &Bench, degree: u8) -> Vec<Parameter> {
-    let pieces = Pieces { spacing_mm: 50, degree };
+    let pieces = PiecewisePolynomials { spacing_mm: 50, degree };
     ["EXX", "EYX"]
         .iter()
         .flat_map(|name| of_component(name.parse().unwrap(), &bench.data, pieces))
@@ -78,7 +78,7 @@ fn parameters(names: Vec<ParameterName>) -> Vec<Parameter> {
 }
 
 fn selected(bench: &Bench, data: &[DataSet], candidates: &[Parameter]) -> Selected {
-    let options = Options { robust: true };
+    let options = FitOptions { robust: true };
     select(&bench.machine, &ErrorModel::default(), &[], candidates, data, options, Rule::default()).unwrap()
 }
 
@@ -184,7 +184,7 @@ fn candidates_begin_where_the_machine_file_has_them() {
     let bench = with(lines(), &[("EXX1", 3.2e-5), ("EYX2@350", 1.2e-7)]);
     let data = drifting(&bench, 0.0, &mut Random(6));
     let start = with(lines(), &[("EXX1", 3.2e-5)]).errors;
-    let options = Options { robust: true };
+    let options = FitOptions { robust: true };
     let all = candidates(&bench, 2);
     let found = select(&bench.machine, &start, &[], &all, &data, options, Rule::default()).unwrap();
     assert_eq!(names(&found.parameters), ["EYX2@350"], "{:?}", found.choice.steps);

@@ -3,7 +3,7 @@
 use ncfix_base::geometry::Vector;
 use ncfix_machine::machine::{Condition, Load};
 use ncfix_metrology::calibrate::effect::effect_parameters;
-use ncfix_metrology::calibrate::{Fault, Lost, Options, Parameter, fit, identify, reduce};
+use ncfix_metrology::calibrate::{FitError, FitOptions, Lost, Parameter, fit, identify, reduce};
 use ncfix_model::ErrorModel;
 
 use crate::calibrate::{Bench, circles, cubic, lines, named, rumba, samba};
@@ -30,8 +30,8 @@ fn errors_of_the_machine_tell_nothing() {
         let gap = found.singular_values[found.rank - 1] / found.singular_values[found.rank];
         assert!(gap > 1e5, "{gap:e}");
         // The fit judges the same, and from whatever it begins.
-        let fault = fit(&bench.machine, &bench.errors, &bench.parameters, &data, Options { robust: true });
-        let Some(Fault::NotTold(lost)) = fault.err() else { panic!("{expected} were told") };
+        let fault = fit(&bench.machine, &bench.errors, &bench.parameters, &data, FitOptions { robust: true });
+        let Some(FitError::NotTold(lost)) = fault.err() else { panic!("{expected} were told") };
         assert_eq!(lost.leave_out.len(), 122 - expected);
     }
     // The bar at its length, but for contouring errors.
@@ -86,7 +86,7 @@ fn a_reduced_model_is_what_can_be_told() {
         );
         let found = identify(&bench.machine, &ErrorModel::default(), &reduced.parameters, &data).unwrap();
         assert_eq!((found.lost.leave_out.len(), found.rank), (0, found.columns.len()));
-        let fit = fit(&bench.machine, &ErrorModel::default(), &reduced.parameters, &data, Options { robust: false });
+        let fit = fit(&bench.machine, &ErrorModel::default(), &reduced.parameters, &data, FitOptions { robust: false });
         // What was left out is in the others: the readings are said to the noise all the same.
         let fit = fit.unwrap();
         let squares: f64 = fit.residuals.iter().map(|(_, _, residual, _)| residual * residual).sum();

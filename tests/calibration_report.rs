@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use ncfix_base::units::Unit;
-use ncfix_metrology::results::calibration::{CalibrationResult, Data, Estimate};
-use ncfix_metrology::results::compared::{Circle, Part, Point, Readings};
+use ncfix_metrology::results::calibration::{CalibrationResult, Data, EstimateReport};
+use ncfix_metrology::results::compared::{Circle, MeasurementPart, ReadingPoint, ReadingSeries};
 use ncfix_report::calibration::CalibrationReport;
 use ncfix_report::page;
 use roxmltree::{Document, ParsingOptions};
@@ -210,7 +210,7 @@ fn a_million_readings_are_a_page_that_opens() {
     let at = |k: usize| k as f64 / COUNT as f64;
     let points = (0..COUNT).map(|k| {
         let left = (at(k) * 1e5).sin();
-        Point { row: k + 1, part: k % 3, setup: k % 40, measured: 5.0 * left, left, weight: 1.0 }
+        ReadingPoint { row: k + 1, part: k % 3, setup: k % 40, measured: 5.0 * left, left, weight: 1.0 }
     });
     let circle = |setup| Circle {
         setup,
@@ -220,13 +220,15 @@ fn a_million_readings_are_a_page_that_opens() {
         is_counterclockwise: true,
         angles: (0..COUNT).skip(setup).step_by(40).map(|k| (k, at(k) * std::f64::consts::TAU)).collect(),
     };
-    let shown = Readings {
+    let shown = ReadingSeries {
         setups: (0..40).map(|k| format!("<{k}")).collect(),
         points: points.collect(),
         axes: ["X in mm", "Y in mm", "C in °"].map(|axis| (axis.to_owned(), (0..COUNT).map(at).collect())).to_vec(),
         circles: (0..40).map(circle).collect(),
     };
-    let parts = ["dx", "dy", "dz"].map(|name| Part { name: name.into(), unit: Unit::Um, ..Part::default() }).to_vec();
+    let parts = ["dx", "dy", "dz"]
+        .map(|name| MeasurementPart { name: name.into(), unit: Unit::Um, ..MeasurementPart::default() })
+        .to_vec();
     let data = Data {
         name: HOSTILE.into(),
         kind: "ballbar",
@@ -236,8 +238,12 @@ fn a_million_readings_are_a_page_that_opens() {
         shown,
         ..Data::default()
     };
-    let unknown =
-        Estimate { name: HOSTILE.into(), sigma: f64::INFINITY, inflation: f64::INFINITY, ..Estimate::default() };
+    let unknown = EstimateReport {
+        name: HOSTILE.into(),
+        sigma: f64::INFINITY,
+        inflation: f64::INFINITY,
+        ..EstimateReport::default()
+    };
     let found = CalibrationResult {
         data: vec![data],
         parameters: vec![unknown.clone(); 5000],

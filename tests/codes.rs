@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
-use ncfix_dialect::{DIALECTS, Effect, Language, Treatment, words};
+use ncfix_dialect::{CodeEffect, DIALECTS, Language, Treatment, words};
 use ncfix_language::exec::{Execution, NoLibrary, Options};
 use ncfix_language::syntax;
 
@@ -71,7 +71,7 @@ fn the_documentation_shows_the_tables() {
 }
 
 /// Codes that a dialect must know, in tenths.
-fn knows(dialect: &str, effect: Effect, tenths: &[usize]) {
+fn knows(dialect: &str, effect: CodeEffect, tenths: &[usize]) {
     let codes = ncfix_dialect::find(dialect).unwrap().codes();
     for &code in tenths {
         assert_eq!(codes.g_tenths(code).map(|row| row.effect), Some(effect), "{dialect}: G{}.{}", code / 10, code % 10);
@@ -85,26 +85,26 @@ fn the_tables_hold_the_codes_of_the_languages() {
         490, 434, 435, 500, 510, 501, 511, 520, 530, 540, 590, 541, 650, 660, 670, 680, 690, 682, 531, 730, 740, 760,
         800, 810, 820, 830, 840, 850, 860, 870, 880, 890, 980, 990, 900, 910, 920, 930, 940, 950,
     ];
-    knows("fanuc", Effect::Execute, &fanuc);
-    knows("fanuc", Effect::Keep, &[90, 610, 620, 630, 640, 960, 970, 51, 80]);
-    knows("fanuc", Effect::Refuse, &[22, 32, 62, 71, 130, 1500, 431, 661, 683]);
+    knows("fanuc", CodeEffect::Execute, &fanuc);
+    knows("fanuc", CodeEffect::Keep, &[90, 610, 620, 630, 640, 960, 970, 51, 80]);
+    knows("fanuc", CodeEffect::Refuse, &[22, 32, 62, 71, 130, 1500, 431, 661, 683]);
     let rs274 = [
         0, 10, 20, 30, 40, 50, 51, 52, 53, 100, 170, 200, 210, 280, 281, 300, 301, 382, 383, 384, 385, 400, 410, 411,
         420, 421, 430, 431, 432, 490, 520, 530, 540, 590, 591, 592, 593, 730, 740, 800, 810, 820, 830, 840, 850, 860,
         890, 900, 910, 901, 911, 920, 921, 922, 923, 930, 940, 950, 980, 990,
     ];
-    knows("rs274", Effect::Execute, &rs274);
-    knows("rs274", Effect::Keep, &[610, 611, 640, 960, 970]);
-    knows("rs274", Effect::Refuse, &[70, 80, 171, 700, 710]);
+    knows("rs274", CodeEffect::Execute, &rs274);
+    knows("rs274", CodeEffect::Keep, &[610, 611, 640, 960, 970]);
+    knows("rs274", CodeEffect::Refuse, &[70, 80, 171, 700, 710]);
     let grundig = [
         0, 10, 20, 30, 40, 90, 140, 170, 180, 190, 220, 230, 270, 280, 290, 400, 410, 420, 430, 440, 510, 520, 530,
         540, 590, 610, 620, 630, 640, 700, 710, 720, 730, 770, 780, 790, 810, 830, 840, 850, 860, 870, 880, 890, 900,
         910, 920, 930, 940, 950,
     ];
-    knows("grundig", Effect::Execute, &grundig);
-    knows("grundig", Effect::Display, &[980, 990, 1950]);
-    knows("grundig", Effect::Keep, &[250, 260, 960, 970]);
-    knows("grundig", Effect::Refuse, &[70, 450, 2000, 2080, 3200, 6500, 7900]);
+    knows("grundig", CodeEffect::Execute, &grundig);
+    knows("grundig", CodeEffect::Display, &[980, 990, 1950]);
+    knows("grundig", CodeEffect::Keep, &[250, 260, 960, 970]);
+    knows("grundig", CodeEffect::Refuse, &[70, 450, 2000, 2080, 3200, 6500, 7900]);
     for (dialect, numbers) in [
         ("fanuc", &[0_usize, 1, 2, 3, 30, 6, 98, 99][..]),
         ("rs274", &[0, 1, 2, 6, 30, 61, 62, 68, 70, 73, 98, 99, 150]),
@@ -148,7 +148,7 @@ fn fails(dialect: &'static ncfix_dialect::Dialect, name: &str) -> bool {
 fn what_the_table_refuses_is_never_executed() {
     let mut wrong = Vec::new();
     for dialect in DIALECTS.iter().filter(|dialect| dialect.language != Language::Sinumerik) {
-        let refused = dialect.codes().rows().iter().filter(|row| row.effect == Effect::Refuse);
+        let refused = dialect.codes().rows().iter().filter(|row| row.effect == CodeEffect::Refuse);
         wrong.extend(refused.filter(|row| !fails(dialect, row.name)).map(|row| (dialect.name, row.name)));
     }
     assert_eq!(wrong, []);

@@ -5,7 +5,9 @@ use ncfix_base::geometry::AXES;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Element, TextReader};
 use ncfix_model::{ErrorModel, Model};
-use ncfix_path::path::{Arcs, Comparison, Grouping, Increments, Options, Piece, Rapids, Rotary, Subdivision, compare};
+use ncfix_path::path::{
+    Arcs, Comparison, CorrectionOptions, Grouping, Increments, Piece, Rapids, Rotary, Subdivision, compare,
+};
 
 use crate::bench_machine::{Random, backlash, correct, load_machine, motion, tired};
 use crate::machines::xyz_machine;
@@ -50,7 +52,7 @@ fn compared(original: &str, corrected: &str, machine: &Machine, errors: &ErrorMo
 
 /// Corrects, compares the text with the original, and demands what the corrector predicted.
 #[track_caller]
-fn agrees(original: &str, machine: &Machine, errors: &ErrorModel, options: Options) {
+fn agrees(original: &str, machine: &Machine, errors: &ErrorModel, options: CorrectionOptions) {
     let run = correct(original, machine, errors, options.clone());
     let found = compared(original, &text_of(&run.pieces, machine), machine, errors);
     let predicted = &run.prediction;
@@ -69,11 +71,11 @@ fn a_comparison_finds_what_was_predicted() {
     for _ in 0..4 {
         let errors = tired(&mut random);
         for options in [
-            Options::default(),
-            Options { arcs: Arcs::Chords, tolerance_mm: 4e-3, ..Options::default() },
-            Options { rapids: Rapids::None, ..Options::default() },
-            Options { rapids: Rapids::All, tolerance_mm: 3e-4, ..Options::default() },
-            Options { subdivision: Subdivision::Step(7.0), ..Options::default() },
+            CorrectionOptions::default(),
+            CorrectionOptions { arcs: Arcs::Chords, tolerance_mm: 4e-3, ..CorrectionOptions::default() },
+            CorrectionOptions { rapids: Rapids::None, ..CorrectionOptions::default() },
+            CorrectionOptions { rapids: Rapids::All, tolerance_mm: 3e-4, ..CorrectionOptions::default() },
+            CorrectionOptions { subdivision: Subdivision::Step(7.0), ..CorrectionOptions::default() },
         ] {
             agrees(PATH, &machine, &errors, options);
         }
@@ -86,7 +88,7 @@ fn reversals_and_their_steps_on_the_spot_are_followed() {
         motion: vec![motion("EXX", backlash(-6.0)), motion("EYY", backlash(-3.0))],
         ..tired(&mut Random(12))
     };
-    agrees(PATH, &xyz_machine(), &errors, Options::default());
+    agrees(PATH, &xyz_machine(), &errors, CorrectionOptions::default());
 }
 
 #[test]
@@ -95,7 +97,7 @@ fn rotary_axes_may_be_corrected_or_not() {
     let text = "G0 X0 Y0 Z200 B0 C0\nG1 X50 Y40 Z120 B10 C30 F500\nG1 X-60 Y40 Z80 B-35 C-120 F500\n\
                 G3 X-40 Y60 Z80 I20 J0 P17 F500\nG1 B20 C0 F500\nG1 C720 F500\n";
     for rotary in [Rotary::Correct, Rotary::Hold] {
-        agrees(text, &machine, &errors, Options { rotary, ..Options::default() });
+        agrees(text, &machine, &errors, CorrectionOptions { rotary, ..CorrectionOptions::default() });
     }
 }
 

@@ -3,10 +3,10 @@
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
 use ncfix_machine::machine::{Machine, State, ToolChange};
 use ncfix_machine::snc::{Element, Kind, Origin, Setup, TextReader};
-use ncfix_model::motion::Function;
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::motion::periodic::Periodic;
 use ncfix_model::{ErrorModel, LocationError, Model};
-use ncfix_path::path::{Arcs, Centers, Options, OutputFrame, PieceArc, Rapids, Subdivision};
+use ncfix_path::path::{Arcs, Centers, CorrectionOptions, OutputFrame, PieceArc, Rapids, Subdivision};
 
 use crate::bench_machine::{
     Random, Replay, Run, backlash, correct, correct_elements, load_machine, motion, polynomial, table, tired,
@@ -37,7 +37,10 @@ fn without_errors_every_move_stays_as_it_is() {
                 G3 X30.5 Y10.25 Z-4 I-5 J3.5 P17 L2 F500\nG3 X30.5 Y10.25 Z-4 I1 P17 F500\nG2 X40 Y12.25 Z-1 I0 J4.75 K2 P19 F500\n";
     let errors = ErrorModel::default();
     let in_plane_19: Vec<Element> = TextReader::new(text).map(Result::unwrap).take(5).collect();
-    for options in [Options::default(), Options { subdivision: Subdivision::Step(1.0), ..Options::default() }] {
+    for options in [
+        CorrectionOptions::default(),
+        CorrectionOptions { subdivision: Subdivision::Step(1.0), ..CorrectionOptions::default() },
+    ] {
         let run = correct_elements(in_plane_19.iter().cloned(), &xyz_machine(), &errors, options);
         assert_eq!(
             counts(&run),
@@ -71,7 +74,7 @@ fn an_arc_in_a_plane_that_is_not_selected_becomes_chords() {
         let setup = Setup { plane, ..Setup::default() };
         let first = set_up(setup);
         let elements = std::iter::once(first).chain(TextReader::new(text).map(Result::unwrap));
-        correct_elements(elements, &xyz_machine(), &ErrorModel::default(), Options::default())
+        correct_elements(elements, &xyz_machine(), &ErrorModel::default(), CorrectionOptions::default())
     };
     let kept = plane_of(Plane::YZ);
     assert_eq!(kept.pieces[1].arc.map(|arc| arc.center_counts), Some([0, 50_000, 0]));
@@ -89,7 +92,7 @@ fn rounding_does_not_accumulate_over_a_hundred_thousand_blocks() {
         text.push_str(&format!("G1 X{} Y{} Z0 F500\n", f64::from(k) * step, f64::from(k) * -0.012_7));
     }
     let machine = xyz_machine();
-    let empty = correct(&text, &machine, &ErrorModel::default(), Options::default());
+    let empty = correct(&text, &machine, &ErrorModel::default(), CorrectionOptions::default());
     assert_eq!(empty.pieces.len(), 100_001);
     for (k, piece) in (0_i64..).zip(&empty.pieces) {
         let expected = (k as f64 * step * 1e4).round() as i64;
@@ -98,7 +101,7 @@ fn rounding_does_not_accumulate_over_a_hundred_thousand_blocks() {
         assert_eq!(piece.counts[1], -127 * k);
     }
     let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[0.0, 1e-5]))], ..ErrorModel::default() };
-    let corrected = correct(&text, &machine, &errors, Options::default());
+    let corrected = correct(&text, &machine, &errors, CorrectionOptions::default());
     let last = corrected.pieces.last().unwrap();
     // x + 1e-5 x = 100000 · step.
     assert!((last.command[Axis::X] - 1e5 * step / (1.0 + 1e-5)).abs() <= 0.5e-4 + 1e-9);
@@ -107,7 +110,7 @@ fn rounding_does_not_accumulate_over_a_hundred_thousand_blocks() {
 #[test]
 fn only_axes_that_the_program_has_stated_are_written() {
     let errors = tired(&mut Random(1));
-    let run = correct("G0 Z100\nG0 X10\nG0 Y20\nG1 Z5 F100\n", &xyz_machine(), &errors, Options::default());
+    let run = correct("G0 Z100\nG0 X10\nG0 Y20\nG1 Z5 F100\n", &xyz_machine(), &errors, CorrectionOptions::default());
     let named = ["Z", "X", "Y", "Z"].map(set);
     let known = ["Z", "XZ", "XYZ", "XYZ"].map(set);
     assert_eq!(run.pieces.len(), 4);
@@ -122,7 +125,8 @@ fn only_axes_that_the_program_has_stated_are_written() {
 #[test]
 fn words_that_do_not_change_are_not_repeated() {
     let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[0.01]))], ..ErrorModel::default() };
-    let run = correct("G0 X0 Y0 Z0\nG1 X5 F100\nG1 X5 Y5 F100\n", &xyz_machine(), &errors, Options::default());
+    let run =
+        correct("G0 X0 Y0 Z0\nG1 X5 F100\nG1 X5 Y5 F100\n", &xyz_machine(), &errors, CorrectionOptions::default());
     assert_eq!(run.pieces[1].words, set("X"));
     // Named, though it stays: as in the source.
     assert_eq!(run.pieces[2].words, set("XY"));
@@ -134,7 +138,7 @@ fn a_reversal_is_taken_up_on_the_spot() {
     // Lost motion: behind a negative motion X stands 6 µm farther in + than behind a positive one.
     let errors = ErrorModel { motion: vec![motion("EXX", backlash(-6.0))], ..ErrorModel::default() };
     let text = "G0 X0 Y0 Z0\nG1 X100 F500\nG1 Y10 F500\nG1 X0 F500\n";
-    let run = correct(text, &xyz_machine(), &errors, Options::default());
+    let run = correct(text, &xyz_machine(), &errors, CorrectionOptions::default());
     let flags: Vec<(bool, bool, bool)> = run.pieces.iter().map(|p| (p.first, p.last, p.take_up)).collect();
     let (whole, taken, rest) = ((true, true, false), (true, false, true), (false, true, false));
     // Nothing moved before the first feed move, and on which side X is nobody knows: 6 µm back from 3 µm and forward again lead it to the one.
@@ -148,7 +152,7 @@ fn a_reversal_is_taken_up_on_the_spot() {
 #[test]
 fn backlash_below_the_tolerance_costs_no_blocks() {
     let errors = ErrorModel { motion: vec![motion("EXX", backlash(-0.8))], ..ErrorModel::default() };
-    let run = correct("G0 X0 Y0 Z0\nG1 X100 F500\nG1 X0 F500\n", &xyz_machine(), &errors, Options::default());
+    let run = correct("G0 X0 Y0 Z0\nG1 X100 F500\nG1 X0 F500\n", &xyz_machine(), &errors, CorrectionOptions::default());
     assert_eq!(run.pieces.len(), 3);
     assert!(run.prediction.after().max_mm < 1e-3);
 }
@@ -159,7 +163,7 @@ fn a_circle_with_backlash_is_cut_where_axes_reverse() {
     let errors = ErrorModel { motion, ..ErrorModel::default() };
     // The first rapid move comes from anywhere; behind the second one Y has gone through its 4 µm.
     let text = "G0 X50 Y-1 Z0\nG0 X50 Y0 Z0\nG1 X60 Y0 Z0 F500\nG3 X60 Y0 Z0 I-60 J0 P17 F500\n";
-    let run = correct(text, &xyz_machine(), &errors, Options::default());
+    let run = correct(text, &xyz_machine(), &errors, CorrectionOptions::default());
     let of_circle: Vec<_> = run.pieces.iter().filter(|piece| piece.origin.line == 4).collect();
     assert_eq!(of_circle.iter().filter(|piece| piece.arc.is_some()).count(), 4, "four quadrants");
     // X reverses at the start and at 180°, Y at 90° and 270° and begins at the start.
@@ -175,7 +179,7 @@ fn small_errors_leave_arcs_what_they_are() {
         effects: Vec::new(),
     };
     let text = "G0 X60 Y0 Z0\nG3 X60 Y0 Z0 I-40 J0 P17 F500\nG2 X20 Y-40 Z-3 I-40 J0 P17 L1 F500\n";
-    let run = correct(text, &xyz_machine(), &errors, Options::default());
+    let run = correct(text, &xyz_machine(), &errors, CorrectionOptions::default());
     let feed: Vec<_> = run.pieces.iter().filter(|piece| !piece.rapid).collect();
     assert!(feed.iter().all(|piece| piece.arc.is_some()));
     assert_eq!(feed.len(), 2, "a full circle and a helix of more than a turn, one piece each");
@@ -192,7 +196,8 @@ fn rapid_moves_end_where_they_should_or_stay_as_they_are() {
         ..ErrorModel::default()
     };
     let text = "G0 X0 Y0 Z0\nG0 X200\nG0 X100\nG1 X110 F500\n";
-    let run = |rapids| correct(text, &xyz_machine(), &errors, Options { rapids, ..Options::default() });
+    let run =
+        |rapids| correct(text, &xyz_machine(), &errors, CorrectionOptions { rapids, ..CorrectionOptions::default() });
     let ends = run(Rapids::Ends);
     assert_eq!(ends.pieces.iter().map(|piece| piece.counts[0]).take(3).collect::<Vec<_>>(), [0, 2_000_000, 999_800]);
     assert_eq!(ends.pieces.len(), 4);
@@ -202,14 +207,19 @@ fn rapid_moves_end_where_they_should_or_stay_as_they_are() {
     assert!(none.pieces[3].take_up && none.pieces[3].counts[0] == 999_800);
     assert_eq!(none.pieces.len(), 5);
     let text = "G0 X0 Y0 Z0\nG0 X200\nG1 X190 F500\n";
-    let all = correct(text, &xyz_machine(), &errors, Options { rapids: Rapids::All, ..Options::default() });
+    let all = correct(
+        text,
+        &xyz_machine(),
+        &errors,
+        CorrectionOptions { rapids: Rapids::All, ..CorrectionOptions::default() },
+    );
     assert_eq!(all.pieces.iter().filter(|piece| piece.rapid).count(), 3, "the kink at 100 mm cuts the approach");
 }
 
 #[test]
 fn a_fixed_step_follows_the_leading_axis() {
     let errors = tired(&mut Random(7));
-    let options = Options { subdivision: Subdivision::Step(20.0), ..Options::default() };
+    let options = CorrectionOptions { subdivision: Subdivision::Step(20.0), ..CorrectionOptions::default() };
     let run = correct("G0 X0 Y0 Z0\nG1 X10 Y-50 Z5 F500\n", &xyz_machine(), &errors, options);
     let y: Vec<i64> = run.pieces.iter().skip(1).map(|piece| (piece.command[Axis::Y] * 10.0).round() as i64).collect();
     assert_eq!(y, [-200, -400, -500]);
@@ -235,7 +245,14 @@ fn machine_coordinates_are_the_same_commands() {
         };
         std::iter::once(first).chain(TextReader::new(text).map(Result::unwrap))
     };
-    let run = |frame| correct_elements(elements(), &xyz_machine(), &errors, Options { frame, ..Options::default() });
+    let run = |frame| {
+        correct_elements(
+            elements(),
+            &xyz_machine(),
+            &errors,
+            CorrectionOptions { frame, ..CorrectionOptions::default() },
+        )
+    };
     let (work, machine) = (run(OutputFrame::Work), run(OutputFrame::Machine));
     assert_eq!(work.pieces.len(), machine.pieces.len());
     for (work, machine) in work.pieces.iter().zip(&machine.pieces) {
@@ -254,11 +271,11 @@ fn the_start_that_was_given_is_where_the_program_begins() {
     let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[0.01]))], ..ErrorModel::default() };
     let start = Some(AxisVector::ZERO);
     let text = "G1 X10 Y0 Z0 F500\n";
-    let known = correct(text, &xyz_machine(), &errors, Options { start, ..Options::default() });
+    let known = correct(text, &xyz_machine(), &errors, CorrectionOptions { start, ..CorrectionOptions::default() });
     // The machine stands uncorrected, so the first step is on the spot.
     assert_eq!(counts(&known), [[-100, 0, 0], [99_900, 0, 0]]);
     assert!(known.pieces[0].take_up);
-    let unknown = correct(text, &xyz_machine(), &errors, Options::default());
+    let unknown = correct(text, &xyz_machine(), &errors, CorrectionOptions::default());
     assert_eq!(counts(&unknown), [[99_900, 0, 0]]);
     assert_eq!(unknown.prediction.before().samples, 0, "nobody knows what the way was");
 }
@@ -277,7 +294,7 @@ fn replayed_ends_are_nominal_but_for_rounding() {
             text.push_str(&format!("G1 X{} Y{} Z{} F500\n", target.x, target.y, target.z));
             targets.push(target);
         }
-        let run = correct(&text, &machine, &errors, Options::default());
+        let run = correct(&text, &machine, &errors, CorrectionOptions::default());
         let mut replay = Replay::new(&machine);
         let mut ends = Vec::new();
         for piece in &run.pieces {
@@ -301,7 +318,8 @@ fn behind_a_frame_that_is_off_the_grid_axes_are_written_again() {
     let shifted = Setup { frame: Frame::translation(offset), ..Setup::default() };
     let moves: Vec<Element> = TextReader::new("G0 X0 Y0 Z0\nG1 Z5 F100\n").map(Result::unwrap).collect();
     let elements = [moves[0].clone(), set_up(shifted), moves[1].clone()];
-    let run = correct_elements(elements.into_iter(), &xyz_machine(), &ErrorModel::default(), Options::default());
+    let run =
+        correct_elements(elements.into_iter(), &xyz_machine(), &ErrorModel::default(), CorrectionOptions::default());
     // Y and Z have the same place in the new frame; X does not, and moves to the nearest.
     assert_eq!(run.pieces[1].words, set("XZ"));
     assert_eq!(counts(&run)[1], [0, -200_000, 50_000]);
@@ -312,7 +330,7 @@ fn behind_a_frame_that_is_off_the_grid_axes_are_written_again() {
 fn behind_a_tool_change_nothing_is_known() {
     let errors = ErrorModel { motion: vec![motion("EYX", polynomial(&[0.0, 0.0, 2e-6]))], ..ErrorModel::default() };
     let text = "G0 X0 Y0 Z0\nG1 X100 F500\nM6\nG1 X0 Y0 Z0 F500\nG1 X100 F500\n";
-    let run = correct(text, &xyz_machine(), &errors, Options::default());
+    let run = correct(text, &xyz_machine(), &errors, CorrectionOptions::default());
     let of_line = |line| run.pieces.iter().filter(|piece| piece.origin.line == line).count();
     assert_eq!(of_line(4), 1, "the way from the tool change is nobody's knowledge");
     assert!(of_line(2) > 2 && of_line(5) == of_line(2));
@@ -321,7 +339,7 @@ fn behind_a_tool_change_nothing_is_known() {
     let mut machine = xyz_machine();
     for (change, pieces) in [(ToolChange::M6, of_line(2)), (ToolChange::T, 1)] {
         machine.control.tool_change = change;
-        let run = correct(&text, &machine, &errors, Options::default());
+        let run = correct(&text, &machine, &errors, CorrectionOptions::default());
         assert_eq!(run.pieces.iter().filter(|piece| piece.origin.line == 4).count(), pieces, "{change:?}");
     }
 }
@@ -333,7 +351,7 @@ fn a_longer_tool_is_corrected_before_it_cuts() {
     let moves: Vec<Element> = TextReader::new("G0 X0 Y0 Z0\nG1 X10 F500\nG1 X20 F500\n").map(Result::unwrap).collect();
     let elements =
         [set_up(with_tool(50.0)), moves[0].clone(), moves[1].clone(), set_up(with_tool(150.0)), moves[2].clone()];
-    let run = correct_elements(elements.into_iter(), &xyz_machine(), &errors, Options::default());
+    let run = correct_elements(elements.into_iter(), &xyz_machine(), &errors, CorrectionOptions::default());
     let y: Vec<f64> = run.pieces.iter().map(|piece| (piece.command[Axis::Y] * 1e4).round()).collect();
     assert_eq!(y, [-50.0, -50.0, -150.0, -150.0]);
     assert!(run.pieces[2].take_up && run.pieces[2].first && run.pieces[3].last);
@@ -352,7 +370,7 @@ fn the_tip_is_off_by_the_rounding_of_linear_axes_only() {
 
 fn check_rounding(text: &str, machine: &Machine, errors: &ErrorModel) {
     let model = Model::new(machine, errors);
-    let run = correct(text, machine, errors, Options::default());
+    let run = correct(text, machine, errors, CorrectionOptions::default());
     let mut replay = Replay::new(machine);
     let targets: Vec<AxisVector> = TextReader::new(text)
         .filter_map(|element| if let Kind::Move(motion) = element.unwrap().kind { Some(motion.target) } else { None })
@@ -371,10 +389,10 @@ fn check_rounding(text: &str, machine: &Machine, errors: &ErrorModel) {
 
 #[test]
 fn where_no_useful_arc_fits_there_are_chords() {
-    let periodic = Function::Periodic(Periodic { period: 2.0, amplitude: 0.02, phase_rad: 0.0 });
+    let periodic = EntryFunction::Periodic(Periodic { period: 2.0, amplitude: 0.02, phase_rad: 0.0 });
     let errors = ErrorModel { motion: vec![motion("EYX", periodic)], ..ErrorModel::default() };
     let text = "G0 X10 Y0 Z0\nG3 X-10 Y0 I-10 J0 P17 F500\n";
-    let run = correct(text, &xyz_machine(), &errors, Options::default());
+    let run = correct(text, &xyz_machine(), &errors, CorrectionOptions::default());
     let arcs = run.pieces.iter().filter(|piece| piece.arc.is_some()).count();
     // At its start the circle hardly moves X, so arcs fit there.
     assert!(run.pieces.len() > 20 && arcs < 5, "{arcs} arcs of {} pieces", run.pieces.len());
@@ -389,7 +407,8 @@ fn a_piece_that_begins_off_its_place_is_looked_at_where_it_deviates_most() {
         let mut machine = xyz_machine();
         machine.control.increment_mm = 1e-5;
         let text = "G0 X40 Y1 Z0\nG1 X30 Y0 F500\nG3 X30 Y0 I-30 J0 P17 F500\n";
-        let run = correct(text, &machine, &errors, Options { arcs: Arcs::Chords, ..Options::default() });
+        let run =
+            correct(text, &machine, &errors, CorrectionOptions { arcs: Arcs::Chords, ..CorrectionOptions::default() });
         let model = Model::new(&machine, &errors);
         let mut replay = Replay::new(&machine);
         let mut worst = 0.0_f64;
@@ -410,7 +429,7 @@ fn a_piece_that_begins_off_its_place_is_looked_at_where_it_deviates_most() {
 fn arcs_are_judged_as_the_control_of_the_output_moves() {
     let mut machine = xyz_machine();
     machine.control.increment_mm = 1e-3;
-    let options = Options { tolerance_mm: 1e-3, centers: Centers::AsWritten, ..Options::default() };
+    let options = CorrectionOptions { tolerance_mm: 1e-3, centers: Centers::AsWritten, ..CorrectionOptions::default() };
     let mut random = Random(5);
     let mut arcs = 0;
     for _ in 0..2000 {

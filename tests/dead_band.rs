@@ -7,7 +7,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::Element;
 use ncfix_model::{ErrorModel, Model};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Corrector, Grouping, Increments, Options, compare};
+use ncfix_path::path::{CorrectionOptions, Corrector, Grouping, Increments, compare};
 
 use crate::bench_machine::Random;
 
@@ -329,12 +329,12 @@ struct Said {
 
 fn corrected(program: &str, machine: &Machine, errors: &ErrorModel) -> Said {
     let model = Model::new(machine, errors);
-    let options = Options::default();
+    let options = CorrectionOptions::default();
     let mut corrector = Corrector::new(executed(program, machine).into_iter().map(Ok), machine, &model, options);
     let writer_options = WriterOptions {
         names: machine.written_names(),
         increments: Increments::new(&machine.control),
-        frame: Options::default().frame,
+        frame: CorrectionOptions::default().frame,
         crlf: false,
         stamp: Stamp::default(),
         last_block_number: None,
@@ -377,7 +377,7 @@ fn the_error_after_holds_from_whichever_side_the_axes_come() {
         unknown += u64::from(is_unknown);
         if said.codes.is_empty() {
             // Nothing is left that would have to be said.
-            let limit_mm = Options::default().tolerance_mm + INCREMENT_MM;
+            let limit_mm = CorrectionOptions::default().tolerance_mm + INCREMENT_MM;
             assert!(after.0 <= limit_mm, "{after:?}\n{}", context());
         }
     }

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::decompose::{Decomposition, Options, SOURCES, Smooth, decompose};
+use ncfix_metrology::decompose::{Decomposition, DecompositionOptions, SOURCES, Smooth, decompose};
 use ncfix_metrology::measure::trace::Trace;
 use ncfix_model::ErrorModel;
 use ncfix_model::file::load;
@@ -17,7 +17,7 @@ fn machine() -> (Machine, ErrorModel) {
     load(&source).0.unwrap()
 }
 
-fn divided(trace: &Trace, options: &Options) -> Decomposition {
+fn divided(trace: &Trace, options: &DecompositionOptions) -> Decomposition {
     let (machine, errors) = machine();
     decompose(&machine, &errors, trace, options, &mut |_, _| {}).unwrap()
 }
@@ -85,7 +85,7 @@ fn compliance(found: &Decomposition, name: &str) -> f64 {
 fn every_part_of_six_feeds_comes_back() {
     let hidden = Hidden::default();
     let (trace, truths) = trace(&hidden, &[0, 1, 2, 3, 4, 5], 7);
-    let found = divided(&trace, &Options::default());
+    let found = divided(&trace, &DecompositionOptions::default());
     check(&found, &truths);
     let servo = found.servo.as_ref().unwrap();
     assert!((servo.delay_s - hidden.record_delay).abs() < 0.2e-3, "{}", servo.delay_s);
@@ -121,7 +121,7 @@ fn other_bodies_other_clocks_and_a_table_that_gives_way() {
     let mut hidden = Hidden { record_delay: -0.004_2, reading_delay: 0.131, ..Hidden::default() };
     hidden.compliance = [[0.0; 3], [0.0; 3], [0.0, 0.0, 2.2], [0.0; 3], [0.0; 3]];
     let (trace, truths) = trace(&hidden, &[0, 2, 3, 5], 11);
-    let found = divided(&trace, &Options::default());
+    let found = divided(&trace, &DecompositionOptions::default());
     check(&found, &truths);
     assert!((found.servo.as_ref().unwrap().delay_s + 0.004_2).abs() < 0.2e-3);
     assert!((found.clock.as_ref().unwrap().delay_s - 0.135_2).abs() < 0.2e-3);
@@ -135,7 +135,7 @@ fn what_does_not_give_way_is_not_named() {
     let hidden = Hidden { compliance: [[0.0; 3]; 5], ..Hidden::default() };
     for seed in [3, 5, 8] {
         let (trace, truths) = trace(&hidden, &[0, 2, 4, 5], seed);
-        let found = divided(&trace, &Options::default());
+        let found = divided(&trace, &DecompositionOptions::default());
         check(&found, &truths);
         assert!(found.compliances.is_empty(), "{:?}", found.compliances);
     }
@@ -145,7 +145,7 @@ fn what_does_not_give_way_is_not_named() {
 fn a_polynomial_of_the_path_is_the_option_of_the_paper() {
     let hidden = Hidden::default();
     let (trace, truths) = trace(&hidden, &[0, 3, 5], 7);
-    let found = divided(&trace, &Options { smooth: Smooth::Path(20), ..Options::default() });
+    let found = divided(&trace, &DecompositionOptions { smooth: Smooth::Path(20), ..DecompositionOptions::default() });
     // It rounds off the kinks of the path: the corner in the middle is left over, a micrometre and not a tenth.
     for (run, truth) in found.runs.iter().zip(&truths) {
         let used = || run.moving.clone().filter(|&k| run.parts[k].is_some());
@@ -214,7 +214,7 @@ fn diagnose_names_the_dynamics_of_the_same_traces() {
 fn without_an_instrument_the_loops_can_be_told() {
     let (mut trace, truths) = trace(&Hidden::default(), &[0, 3, 5], 7);
     trace.runs.iter_mut().for_each(|run| run.readings = Default::default());
-    let found = divided(&trace, &Options::default());
+    let found = divided(&trace, &DecompositionOptions::default());
     assert!(found.clock.is_none() && found.compliances.is_empty() && found.links.is_empty());
     assert!((found.servo.as_ref().unwrap().delay_s - 0.018_4).abs() < 0.2e-3);
     for (run, truth) in found.runs.iter().zip(&truths) {

@@ -11,12 +11,12 @@ use crate::support::Shop;
 
 const MACHINE: &str = include_str!("../samples/machines/demo.toml");
 
-fn found(machine: &str, tables: &[(&str, &str, &str)]) -> Vec<fault::Fault> {
+fn found(machine: &str, tables: &[(&str, &str, &str)]) -> Vec<fault::DataDefect> {
     looked(machine, tables).unwrap()
 }
 
 /// `None` where not even the set-ups can be told, which the command refuses.
-fn looked(machine: &str, tables: &[(&str, &str, &str)]) -> Option<Vec<fault::Fault>> {
+fn looked(machine: &str, tables: &[(&str, &str, &str)]) -> Option<Vec<fault::DataDefect>> {
     let source = |id, name: &str, text: &str| Source::new(FileId(id), name, text.as_bytes().to_vec()).unwrap();
     let (machine, errors) = ncfix_model::file::load(&source(0, "machine.toml", machine)).0.unwrap();
     let load = |(name, csv, toml): &(&str, &str, &str)| {
@@ -27,8 +27,8 @@ fn looked(machine: &str, tables: &[(&str, &str, &str)]) -> Option<Vec<fault::Fau
     Some(fault::find(&Scene::new(&machine, &errors, &sets).ok()?))
 }
 
-fn words(found: &[fault::Fault]) -> Vec<String> {
-    let others = found.iter().filter(|one| one.kind != "outlier");
+fn words(found: &[fault::DataDefect]) -> Vec<String> {
+    let others = found.iter().filter(|one| one.kind.word() != "outlier");
     others.map(|one| format!("{} {} {} {:?}: {}", one.kind, one.name, one.what, one.rows, one.evidence)).collect()
 }
 
@@ -55,7 +55,7 @@ fn recipe(bench: Bench, hide: &[u8], seed: u64) -> Recipe {
 }
 
 /// What is found in a case whose first table is changed.
-fn after(case: &Case, change: impl Fn(&[&str], &mut Vec<String>)) -> Vec<fault::Fault> {
+fn after(case: &Case, change: impl Fn(&[&str], &mut Vec<String>)) -> Vec<fault::DataDefect> {
     let file = &case.files[0];
     found(&case.machine_toml, &[(&file.stem, &changed(&file.csv, change), &file.toml)])
 }
@@ -73,7 +73,7 @@ fn positions_in_each_others_columns_are_told_and_so_are_readings_with_the_wrong_
         let file = &case.files[0];
         let swapped = changed(&file.csv, |names, cells| cells.swap(place(names, "X"), place(names, "Y")));
         if let Some(swapped) = looked(&case.machine_toml, &[(&file.stem, &swapped, &file.toml)]) {
-            let is_told = |one: &fault::Fault| one.kind == "axes" && one.then == fault::Then::Refuse;
+            let is_told = |one: &fault::DataDefect| one.kind.word() == "axes" && one.then == fault::Then::Refuse;
             assert!(swapped.iter().any(is_told), "{}{:?}", case.words(), words(&swapped));
         }
         // A cause that is larger than all that the machine file knows hides the sign.
@@ -84,7 +84,7 @@ fn positions_in_each_others_columns_are_told_and_so_are_readings_with_the_wrong_
             let cell = &mut cells[place(names, "dr_um")];
             *cell = cell.strip_prefix('-').map_or_else(|| format!("-{cell}"), str::to_owned);
         });
-        let is_reversed = |one: &fault::Fault| one.kind == "axes" && one.what.contains("reversed");
+        let is_reversed = |one: &fault::DataDefect| one.kind.word() == "axes" && one.what.contains("reversed");
         assert!(reversed.iter().any(is_reversed), "{}{:?}", case.words(), words(&reversed));
     }
 }
@@ -96,7 +96,7 @@ fn faults_of_axes_are_told_beside_a_cause_of_the_machine() {
             let case = Recipe { faults: vec![kind], ..recipe(Bench::Plate, &[hide], 51) }.cook().unwrap();
             let file = &case.files[0];
             let found = found(&case.machine_toml, &[(&file.stem, &file.csv, &file.toml)]);
-            let is_named = |one: &fault::Fault| one.then == fault::Then::Refuse && one.what.contains(what);
+            let is_named = |one: &fault::DataDefect| one.then == fault::Then::Refuse && one.what.contains(what);
             assert!(found.iter().any(is_named), "{}{:?}", case.words(), words(&found));
         }
     }
@@ -200,15 +200,15 @@ fn rows_in_no_order_have_no_senses() {
     let mut lines: Vec<&str> = file.csv.lines().collect();
     let in_order: String = lines.iter().map(|line| without(line)).collect();
     let of = |csv: &str| found(&case.machine_toml, &[(&file.stem, csv, &file.toml)]);
-    assert!(of(&in_order).iter().all(|one| one.kind != "order"));
+    assert!(of(&in_order).iter().all(|one| one.kind.word() != "order"));
     let mut random = Random::new(1, "order");
     for k in (2..lines.len()).rev() {
         lines.swap(k, 1 + random.below(k));
     }
     let shuffled: String = lines.iter().map(|line| without(line)).collect();
-    assert!(of(&shuffled).iter().any(|one| one.kind == "order"));
+    assert!(of(&shuffled).iter().any(|one| one.kind.word() == "order"));
     // With senses in the table any order will do.
-    assert!(of(&(lines.join("\n") + "\n")).iter().all(|one| one.kind != "order"));
+    assert!(of(&(lines.join("\n") + "\n")).iter().all(|one| one.kind.word() != "order"));
 }
 
 #[test]

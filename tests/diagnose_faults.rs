@@ -14,11 +14,11 @@ use crate::support::Shop;
 const FIRST_FAULT: u8 = 60;
 
 /// Everything that was found in a case, with the file; as [`fault::find`] has it.
-fn found(case: &Case) -> Vec<(String, fault::Fault)> {
+fn found(case: &Case) -> Vec<(String, fault::DataDefect)> {
     found_in(case, &case.files)
 }
 
-fn found_in(case: &Case, files: &[crate::plant::File]) -> Vec<(String, fault::Fault)> {
+fn found_in(case: &Case, files: &[crate::plant::File]) -> Vec<(String, fault::DataDefect)> {
     let source = |id, name: &str, text: &str| Source::new(FileId(id), name, text.as_bytes().to_vec()).unwrap();
     let (machine, findings) = ncfix_model::file::load(&source(0, "machine.toml", &case.machine_toml));
     let (machine, errors) = machine.unwrap_or_else(|| panic!("{findings:?}"));
@@ -34,7 +34,7 @@ fn found_in(case: &Case, files: &[crate::plant::File]) -> Vec<(String, fault::Fa
 
 /// How many of the faults that were put into a case are among those found, of how many that can be seen: the same kind, file, names and words,
 /// and mostly the same rows.
-fn named(case: &Case, found: &[(String, fault::Fault)]) -> [usize; 2] {
+fn named(case: &Case, found: &[(String, fault::DataDefect)]) -> [usize; 2] {
     let names = |text: &str| {
         let mut names: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
         names.sort();
@@ -45,7 +45,7 @@ fn named(case: &Case, found: &[(String, fault::Fault)]) -> [usize; 2] {
         found.iter().any(|(file, one)| {
             let common = (one.rows[1].min(truth.rows[1]) + 1).saturating_sub(one.rows[0].max(truth.rows[0]));
             let both = one.rows[1].max(truth.rows[1]) + 1 - one.rows[0].min(truth.rows[0]);
-            one.kind == truth.kind
+            one.kind.word() == truth.kind
                 && *file == truth.file
                 && one.what == truth.what
                 && (truth.name.is_empty() || names(&one.name) == names(&truth.name))
@@ -67,8 +67,8 @@ fn clean(bench: Bench, size_in_noise: f64, seed: u64) -> Vec<Case> {
 }
 
 /// Faults other than single readings, of which the plant makes some everywhere.
-fn claims(found: &[(String, fault::Fault)]) -> Vec<String> {
-    let claimed = found.iter().filter(|(_, one)| one.kind != "outlier");
+fn claims(found: &[(String, fault::DataDefect)]) -> Vec<String> {
+    let claimed = found.iter().filter(|(_, one)| one.kind.word() != "outlier");
     claimed.map(|(file, one)| format!("{file} {} {} {:?}: {}", one.kind, one.what, one.rows, one.evidence)).collect()
 }
 
@@ -166,13 +166,13 @@ fn other_names_of_sensors_and_other_times_change_no_fault() {
         let drift = Recipe::new(Bench::Drift, 5.0, 2);
         let case = Recipe { faults: vec![kind], fineness: 0.5, ..drift }.cook().unwrap();
         let rename = |name: &str| if name.starts_with("T_") { name.replace("T_", "T_q") } else { name.to_owned() };
-        let told = |found: Vec<(String, fault::Fault)>, name: &dyn Fn(&str) -> String| -> Vec<_> {
+        let told = |found: Vec<(String, fault::DataDefect)>, name: &dyn Fn(&str) -> String| -> Vec<_> {
             let mut all: Vec<_> = found
                 .into_iter()
                 .map(|(file, one)| {
                     let mut names: Vec<String> = one.name.split(' ').map(name).collect();
                     names.sort();
-                    (file, one.kind, names, one.what, one.rows)
+                    (file, one.kind.word(), names, one.what, one.rows)
                 })
                 .collect();
             all.sort();

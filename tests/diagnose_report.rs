@@ -4,9 +4,9 @@
 use ncfix_base::units::{Unit, UnitKey};
 use ncfix_metrology::diagnose::{Causes, Gate};
 use ncfix_metrology::results::compared::Circle;
-use ncfix_metrology::results::diagnosis::{Cause, DiagnosisResult, Place, Rejected};
-use ncfix_metrology::results::readings::{self, Driver, Reading, Set};
-use ncfix_report::diagnosis::{DiagnosisReport, Shown};
+use ncfix_metrology::results::diagnosis::{CauseReport, DiagnosisResult, RejectedReport, ShapePlace};
+use ncfix_metrology::results::readings::{self, DiagnosisReading, DriverReadings, Set};
+use ncfix_report::diagnosis::{DiagnosisReport, PageReadings};
 use ncfix_report::page;
 use roxmltree::Document;
 use serde_json::Value;
@@ -330,16 +330,17 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
     const COUNT: usize = 1_000_000;
     let at = |k: usize| k as f64 / COUNT as f64;
     let wave = |k: usize| (at(k) * 1e5).sin();
-    let readings = (0..COUNT).map(|k| Reading {
+    let readings = (0..COUNT).map(|k| DiagnosisReading {
         row: k / 3 + 1,
         part: k % 3,
         before: 5.0 * wave(k),
         after: wave(k),
         counts: k % 1000 != 7,
     });
-    let driver = |name: &str| Driver {
+    let driver = |name: &str| DriverReadings {
         name: name.into(),
         title: format!("{name} in mm"),
+        is_time: false,
         values: (0..COUNT).map(|k| at(k) * 500.0).collect(),
     };
     let circle = |setup: usize| Circle {
@@ -363,8 +364,8 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
         circles: (0..40).map(circle).collect(),
         ..Set::default()
     };
-    let grid = (0..100).map(|k| Place { at: vec![f64::from(k % 10), f64::from(k / 10)], value_um: f64::from(k) });
-    let cause = Cause {
+    let grid = (0..100).map(|k| ShapePlace { at: vec![f64::from(k % 10), f64::from(k / 10)], value_um: f64::from(k) });
+    let cause = CauseReport {
         effect: "thermal-drift".into(),
         parameter: HOSTILE.into(),
         drivers: vec!["X".into(), "T_a_C".into()],
@@ -373,18 +374,18 @@ fn a_million_readings_and_many_findings_are_a_page_that_opens() {
         shape: grid.collect(),
         alone_um: f64::NAN,
         unit: "um".into(),
-        ..Cause::default()
+        ..CauseReport::default()
     };
     let found = DiagnosisResult {
         unit: UnitKey::Um,
         machine: HOSTILE.into(),
         readings: COUNT,
         findings: vec![cause; 10],
-        rejected: vec![Rejected { effect: HOSTILE.into(), why: Gate::Size, ..Rejected::default() }; 3000],
+        rejected: vec![RejectedReport { effect: HOSTILE.into(), why: Gate::Size, ..RejectedReport::default() }; 3000],
         ..DiagnosisResult::default()
     };
     let readings = readings::ShownReadings { sets: vec![set], ..readings::ShownReadings::default() };
-    let shown = Shown { readings, ..Shown::default() };
+    let shown = PageReadings { readings, ..PageReadings::default() };
     let report = DiagnosisReport { found, ..DiagnosisReport::default() };
     let page = page::diagnosis::diagnosis(&report, &shown);
     assert!(page.len() < 5_000_000, "{}", page.len());

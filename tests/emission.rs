@@ -6,7 +6,7 @@ use ncfix_language::syntax;
 use ncfix_machine::machine::{Machine, Tool};
 use ncfix_model::{ErrorModel, Model};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Arcs, Corrector, Increments, Options, OutputFrame};
+use ncfix_path::path::{Arcs, CorrectionOptions, Corrector, Increments, OutputFrame};
 use std::io;
 
 use crate::bench_machine::{backlash, motion, polynomial};
@@ -38,11 +38,11 @@ fn writer_options(machine: &Machine, frame: OutputFrame, crlf: bool) -> WriterOp
 }
 
 /// The corrected text of a Sinumerik program, its stamp line cut short.
-fn corrected(text: &str, errors: &ErrorModel, options: &Options, crlf: bool) -> String {
+fn corrected(text: &str, errors: &ErrorModel, options: &CorrectionOptions, crlf: bool) -> String {
     corrected_on(&shop_machine(), text, errors, options, crlf)
 }
 
-fn corrected_on(machine: &Machine, text: &str, errors: &ErrorModel, options: &Options, crlf: bool) -> String {
+fn corrected_on(machine: &Machine, text: &str, errors: &ErrorModel, options: &CorrectionOptions, crlf: bool) -> String {
     let model = Model::new(machine, errors);
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
     let (program, findings) = syntax::parse(&source, ncfix_dialect::sinumerik());
@@ -91,7 +91,7 @@ N200 M30
 
 #[test]
 fn without_errors_the_program_comes_out_as_it_was() {
-    let out = corrected(PROGRAM, &ErrorModel::default(), &Options::default(), false);
+    let out = corrected(PROGRAM, &ErrorModel::default(), &CorrectionOptions::default(), false);
     insta::assert_snapshot!(out, @r#"
     %_N_PLATE_MPF
     ;$PATH=/_N_WKS_DIR/_N_A_WPD
@@ -130,7 +130,7 @@ fn pieces_are_marked_and_words_of_the_end_stand_at_the_end() {
     };
     let program = "N10 T5\nN20 M6\nN30 D1 G54\nN40 G0 X0 Y0 Z0\nN50 G9 G1 X150 F500 S100 M5 ; LONG\nN60 X40 M9\n\
                    N70 G53 X250\nN80 G3 X150 Y30 I0 J15\nN90 M30\n";
-    let options = Options { tolerance_mm: 2e-3, arcs: Arcs::Chords, ..Options::default() };
+    let options = CorrectionOptions { tolerance_mm: 2e-3, arcs: Arcs::Chords, ..CorrectionOptions::default() };
     let out = corrected(program, &errors, &options, false);
     let lines: Vec<&str> = out.lines().take(17).collect();
     insta::assert_snapshot!(lines.join("\n"), @r#"
@@ -156,7 +156,7 @@ fn pieces_are_marked_and_words_of_the_end_stand_at_the_end() {
 
 #[test]
 fn machine_coordinates_need_no_zero_offset() {
-    let options = Options { frame: OutputFrame::Machine, ..Options::default() };
+    let options = CorrectionOptions { frame: OutputFrame::Machine, ..CorrectionOptions::default() };
     let program = "N10 T5\nN20 M6\nN30 D1 G54\nN40 G0 X0 Y0 Z0\nN50 TRANS X5\nN60 G1 X10 F100\nN70 G53 X20\n\
                    N80 G1 X30 Y0\nN85 G2 X40 I5 J0\nN90 M30\n";
     insta::assert_snapshot!(corrected(program, &ErrorModel::default(), &options, false), @r#"
@@ -180,7 +180,7 @@ fn lines_end_as_in_the_source_and_inches_become_millimeters() {
     let out = corrected(
         "N10 G70 G0 X1 Y0 Z0\r\nN20 G1 X1.5 F20\r\nM30\r\n",
         &ErrorModel::default(),
-        &Options::default(),
+        &CorrectionOptions::default(),
         true,
     );
     assert_eq!(out, "; ncfix …\r\nG90\r\nN10 G71 G0 X25.4 Y0 Z0\r\nN20 G1 X38.1 F20\r\nM30\r\n");
@@ -189,7 +189,7 @@ fn lines_end_as_in_the_source_and_inches_become_millimeters() {
 #[test]
 fn feeds_are_written_without_the_noise_of_their_conversion() {
     let text = "N10 G700 G0 X0 Y0 Z0\nN20 G1 X1 F0.3\nN30 F12\nN40 X2\nM30\n";
-    let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
+    let out = corrected(text, &ErrorModel::default(), &CorrectionOptions::default(), false);
     assert!(out.contains("X25.4 F7.62\n") && out.contains("N30 F304.8\n"), "{out}");
 }
 
@@ -212,7 +212,7 @@ fn nothing_is_written_behind_an_error_and_the_sink_is_heard() {
         let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
         let (program, _) = syntax::parse(&source, ncfix_dialect::sinumerik());
         let execution = Execution::new(program, &limited, Box::new(NoLibrary), ExecOptions::default());
-        let mut corrector = Corrector::new(execution, &limited, &model, Options::default());
+        let mut corrector = Corrector::new(execution, &limited, &model, CorrectionOptions::default());
         let mut writer = emit::writer("sinumerik", &writer_options(&limited, OutputFrame::Work, false)).unwrap();
         let mut codes = Vec::new();
         let result = emit::emit(&mut corrector, writer.as_mut(), sink, |finding| codes.push(finding.code.as_str()));
@@ -237,7 +237,7 @@ fn increments_of_the_control_decide_the_decimals() {
     let source = Source::new(FileId(0), "t", b"G0 X1.00074 Y-0.0002 Z100\n".to_vec()).unwrap();
     let (program, _) = syntax::parse(&source, ncfix_dialect::sinumerik());
     let execution = Execution::new(program, &machine, Box::new(NoLibrary), ExecOptions::default());
-    let mut corrector = Corrector::new(execution, &machine, &model, Options::default());
+    let mut corrector = Corrector::new(execution, &machine, &model, CorrectionOptions::default());
     let mut writer = emit::writer("sinumerik", &writer_options(&machine, OutputFrame::Work, false)).unwrap();
     let mut out = Vec::new();
     emit::emit(&mut corrector, writer.as_mut(), &mut out, |_| {}).unwrap();
@@ -248,7 +248,7 @@ fn increments_of_the_control_decide_the_decimals() {
 fn under_exact_stop_a_move_stops_at_its_end_only() {
     let errors = ErrorModel { motion: vec![motion("EYX", polynomial(&[0.0, 0.0, 1e-6]))], ..ErrorModel::default() };
     let program = "N10 G54\nN20 G60 G0 X0 Y0 Z0\nN30 G1 X200 F500\nN40 G64\nN50 X0\nN60 G60 X200\n";
-    let options = Options { tolerance_mm: 2e-3, ..Options::default() };
+    let options = CorrectionOptions { tolerance_mm: 2e-3, ..CorrectionOptions::default() };
     let out = corrected(program, &errors, &options, false);
     let lines: Vec<&str> = out.lines().filter(|line| line.contains('X')).collect();
     let is_stop = |line: &&&str| line.contains("G60");
@@ -283,7 +283,7 @@ N3 TRANS Y5
 N4 AROT Z90
 N5 X=AC(7) Y=AC(0) M17
 ";
-    let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
+    let out = corrected(text, &ErrorModel::default(), &CorrectionOptions::default(), false);
     // Numbers of a subprogram are not those of the program.
     let run = "\nG18 G60 SOFT G90\nG500\nTRANS Y5\nAROT Z90\n";
     let back = "G17 G64 BRISK\nG54\nTRANS X10\n";
@@ -292,21 +292,21 @@ N5 X=AC(7) Y=AC(0) M17
     assert!(out.ends_with("TRANS X10\nN40 G1 X5 F100\nN50 M30\n"), "{out}");
     // Positions, feed and tool are no modal state.
     let text = "F100\nG0 X1 Y0 Z0\nSUB\nG1 X2\nM30\n%_N_SUB_SPF\nPROC SUB SAVE\nG1 X5 F300\nM17\n";
-    let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
+    let out = corrected(text, &ErrorModel::default(), &CorrectionOptions::default(), false);
     assert!(out.ends_with("G1 X5 F300\nG1 X2\nM30\n"), "{out}");
 }
 
 #[test]
 fn save_brings_back_the_feed_of_the_feed_mode() {
     let text = "G94 F200\nG0 X0 Y0 Z0\nSUB\nG1 X2\nM30\n%_N_SUB_SPF\nPROC SUB SAVE\nG95 G1 X1 F0.1\nM17\n";
-    let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
+    let out = corrected(text, &ErrorModel::default(), &CorrectionOptions::default(), false);
     assert!(out.ends_with("G95 G1 X1 F0.1\nG94\nG1 X2 F200\nM30\n"), "{out}");
 }
 
 #[test]
 fn save_brings_back_what_is_active_at_the_start() {
     let text = "G0 X0 Y0 Z0\nSUB\nX2\nM30\n%_N_SUB_SPF\nPROC SUB SAVE\nG641 SOFT\nM17\n";
-    let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
+    let out = corrected(text, &ErrorModel::default(), &CorrectionOptions::default(), false);
     assert!(out.ends_with("G641 SOFT\nG60 BRISK\nG0 X2\nM30\n"), "{out}");
     let demo = std::fs::read_to_string(crate::support::machine("demo")).unwrap();
     let own = |codes: &str| demo.replace("[control]", &format!("[control]\ninitial_codes = [{codes}]"));
@@ -329,7 +329,8 @@ fn an_exact_stop_belongs_to_the_end_of_its_block() {
             "N10 G17 G90 G71 {stop} G0 X0 Y0 Z0 F100 T1 D1\nN15 G0 X-20 Y-20 Z0\nN20 G41 G1 X0 Y0\nN30 Y40\nN40 {word} X50\nN50 G40 Y60\nN60 M30\n"
         )
     };
-    let run = |text: String| corrected_on(&machine, &text, &ErrorModel::default(), &Options::default(), false);
+    let run =
+        |text: String| corrected_on(&machine, &text, &ErrorModel::default(), &CorrectionOptions::default(), false);
     let once = run(text("G64", "G9"));
     assert!(once.contains("N40 G2 X0 Y45 I5 J0\nG9 G1 X50 Y45\n"), "{once}");
     let always = run(text("G60", ""));
@@ -345,7 +346,7 @@ fn a_block_on_the_line_of_its_program_number_is_written_once() {
         syntax::parse(&Source::new(FileId(0), "p.nc", text).unwrap(), ncfix_dialect::find("fanuc").unwrap());
     assert!(findings.is_empty(), "{findings:?}");
     let execution = Execution::new(program, &machine, Box::new(NoLibrary), ExecOptions::default());
-    let mut corrector = Corrector::new(execution, &machine, &model, Options::default());
+    let mut corrector = Corrector::new(execution, &machine, &model, CorrectionOptions::default());
     let mut writer = emit::writer("fanuc", &writer_options(&machine, OutputFrame::Work, false)).unwrap();
     let mut out = Vec::new();
     emit::emit(&mut corrector, writer.as_mut(), &mut out, |_| {}).unwrap();

@@ -8,11 +8,11 @@ use std::time::Duration;
 use ncfix_base::geometry::Vector;
 use ncfix_base::source::{FileId, Source};
 use ncfix_dnc::drip::{Lines, Settings};
-use ncfix_dnc::feed::{Ended, Limits, PROFILES, Profile, Sender, Supplied, Supply};
+use ncfix_dnc::feed::{DosingLimits, Ended, PROFILES, Profile, Sender, Supplied, Supply};
 use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::{ErrorModel, Model};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Corrector, Increments, Options, Output, OutputFrame};
+use ncfix_path::path::{CorrectionOptions, Corrector, Increments, Output, OutputFrame};
 
 use crate::bench_machine::Random;
 use crate::controls::{Cable, Control, Faults, Grbl, Notes};
@@ -110,7 +110,7 @@ fn experiment(silent_s: [f64; 2]) -> [(f64, f64); 2] {
     let mut program = format!("G21 G90 G17 G54\nG0 X{x} Y{y} Z{z}\nF600\n");
     (0..count / 2).for_each(|_| program += &format!("G1 X{x} Y{y} Z{z}\nG4 P1\n"));
     let outputs = outputs(&machine.0, &base, &program);
-    let options = Options::default();
+    let options = CorrectionOptions::default();
     let writer_options = WriterOptions {
         increments: Increments::new(&machine.0.control),
         frame: OutputFrame::Work,
@@ -121,7 +121,7 @@ fn experiment(silent_s: [f64; 2]) -> [(f64, f64); 2] {
     };
     let settings = Settings {
         // The axes stand: only the limits per block and second can count.
-        limits: Limits { per_block: 1e-3, per_mm: f64::INFINITY, per_s: 1e-3 },
+        limits: DosingLimits { per_block: 1e-3, per_mm: f64::INFINITY, per_s: 1e-3 },
         ..Settings::default()
     };
     let now_s = Cell::new(0.0);
@@ -181,7 +181,7 @@ fn outputs(machine: &Machine, base: &Model, program: &str) -> Vec<Output> {
     let (parsed, findings) = ncfix_language::syntax::parse(&source, dialect);
     assert!(findings.is_empty(), "{findings:?}");
     let execution = Execution::new(parsed, machine, Box::new(NoLibrary), ExecOptions::default());
-    let corrected = Corrector::new(execution, machine, base, Options::default());
+    let corrected = Corrector::new(execution, machine, base, CorrectionOptions::default());
     // That the zero offset has no value is a warning.
     corrected.filter(|output| !matches!(output, Err(finding) if !finding.is_error())).map(Result::unwrap).collect()
 }

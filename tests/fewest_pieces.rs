@@ -6,10 +6,10 @@ use std::io::Write as _;
 
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Machine, State};
-use ncfix_model::motion::Function;
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::motion::periodic::Periodic;
 use ncfix_model::{ErrorModel, Model};
-use ncfix_path::path::{Options, Subdivision};
+use ncfix_path::path::{CorrectionOptions, Subdivision};
 
 use crate::bench_machine::{Random, correct, motion, table, tired};
 use crate::machines::xyz_machine;
@@ -97,9 +97,10 @@ fn count(machine: &Machine, errors: &ErrorModel, lines: &[([f64; 3], [f64; 3])])
         let word = |at: &[f64; 3]| format!("X{} Y{} Z{}", at[0], at[1], at[2]);
         writeln!(text, "G0 {}\nG1 {} F500", word(from), word(to)).unwrap();
     }
-    let options = Options { tolerance_mm: TOLERANCE_MM, max_correction_mm: 10.0, ..Options::default() };
+    let options =
+        CorrectionOptions { tolerance_mm: TOLERANCE_MM, max_correction_mm: 10.0, ..CorrectionOptions::default() };
     let pieces = |subdivision| {
-        let run = correct(&text, machine, errors, Options { subdivision, ..options.clone() });
+        let run = correct(&text, machine, errors, CorrectionOptions { subdivision, ..options.clone() });
         assert!(run.findings.is_empty(), "{:?}", run.findings);
         (run.pieces.iter().filter(|piece| !piece.rapid).count(), run.prediction.after().max_mm)
     };
@@ -134,7 +135,7 @@ fn pieces_are_within_a_tenth_of_the_fewest_possible() {
         }
         if case == 3 {
             let screw = Periodic { period: 40.0, amplitude: 0.006, phase_rad: 0.3 };
-            errors.motion.push(motion("EZX", Function::Periodic(screw)));
+            errors.motion.push(motion("EZX", EntryFunction::Periodic(screw)));
         }
         let counts = count(&machine, &errors, &lines(&mut random, 4));
         let (most, least) = (counts.adaptive as f64, counts.fewest as f64);
@@ -170,7 +171,7 @@ fn equal_bends_make_equal_pieces() {
         "G0 X0 Y100 Z100\nG1 X500 F500\n",
         &machine,
         &errors,
-        Options { max_correction_mm: 1.0, ..Options::default() },
+        CorrectionOptions { max_correction_mm: 1.0, ..CorrectionOptions::default() },
     );
     // A little is kept for what lies between the samples, and for rounding.
     let ends: Vec<f64> = run.pieces.iter().map(|piece| piece.nominal[Axis::X]).collect();

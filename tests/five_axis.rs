@@ -9,7 +9,7 @@ use ncfix_machine::machine::{Machine, Tool};
 use ncfix_machine::snc::{Element, Kind};
 use ncfix_model::{ErrorModel, Model};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Corrector, FiveAxis, Increments, Options, OutputFrame, Prediction};
+use ncfix_path::path::{CorrectionOptions, Corrector, FiveAxis, Increments, OutputFrame, Prediction};
 
 use crate::bench_machine::{load_machine, tired};
 use crate::model::machines;
@@ -65,7 +65,7 @@ pub(crate) fn corrected(
     text: &str,
     machine: &Machine,
     errors: &ErrorModel,
-    options: &Options,
+    options: &CorrectionOptions,
 ) -> (String, Prediction, Vec<AxisVector>) {
     let model = Model::new(machine, errors);
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
@@ -200,7 +200,7 @@ fn the_corrected_program_is_one_with_traori_and_says_what_the_correction_meant()
                 X0 Y50 CR=40 A20\nN8 TRAFOOF\nN9 G0 Z300\nN10 M30\n";
     let (machine, errors) = load_machine("esmaeili_huron");
     let machine = with_tool(machine);
-    let options = Options { max_correction_mm: 0.5, ..Options::default() };
+    let options = CorrectionOptions { max_correction_mm: 0.5, ..CorrectionOptions::default() };
     let (out, prediction, commands) = corrected(text, &machine, &errors, &options);
     assert!(prediction.before().max_mm > 0.02 && prediction.after().max_mm < 1.2e-3, "{prediction:?}\n{out}");
     for word in ["TRAORI", "TRAFOOF", "ORIAXES", "N7 G1"] {
@@ -224,11 +224,11 @@ fn axes_take_the_place_of_the_transformation_where_that_is_wanted() {
     let text = "N1 G17 G90 G54 T1 M6\nN2 TRAORI\nN3 ORIAXES\nN4 G0 X-20 Y10 Z60 A10 C-10\nN5 G1 F500 Z25 A30 C60\nN8 TRAFOOF\nN10 M30\n";
     let (machine, errors) = load_machine("esmaeili_huron");
     let machine = with_tool(machine);
-    let options = Options {
+    let options = CorrectionOptions {
         max_correction_mm: 0.5,
         five_axis: FiveAxis::Axes,
         frame: OutputFrame::Machine,
-        ..Options::default()
+        ..CorrectionOptions::default()
     };
     let (out, _, commands) = corrected(text, &machine, &errors, &options);
     assert!(!out.contains("TRA") && !out.contains("ORI") && out.contains("G153"), "{out}");
@@ -258,7 +258,7 @@ fn errors_of_a_head_machine_are_corrected_under_traori() {
     let errors = tired(&mut crate::bench_machine::Random(5));
     let text = "N1 G17 G90 G54 T1 M6\nN2 TRAORI\nN4 G0 X-20 Y10 Z60 A3=0.2 B3=0.3 C3=1\nN5 G1 F500 X100 Y100 A3=0.5 B3=0.3 C3=1\nN6 \
                 Z20 A3=0.5 B3=-0.2 C3=1\nN7 M30\n";
-    let (_, prediction, _) = corrected(text, &machine, &errors, &Options::default());
+    let (_, prediction, _) = corrected(text, &machine, &errors, &CorrectionOptions::default());
     assert!(prediction.before().max_mm > 5e-3 && prediction.after().max_mm < 1.2e-3, "{prediction:?}");
 }
 

@@ -7,22 +7,22 @@ use std::time::{Duration, Instant};
 
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::sense::source::{Opened, Plan, Polled, Wanted, polled};
-use ncfix_dnc::sense::{Config, Outlet, Panel, SensorSource, SensorSources, Told};
+use ncfix_dnc::sense::source::{OpenedSource, Polled, SourcePlan, Wanted, polled};
+use ncfix_dnc::sense::{Config, Panel, ReadingOutlet, SensorSource, SensorSources, SourceReport};
 use ncfix_machine::machine::edit::{Edit, Given};
 use ncfix_machine::machine::file::{DEMO, Section};
 use ncfix_machine::machine::{Condition, Machine, State};
-use ncfix_metrology::calibrate::{Options, Parameter, fit};
-use ncfix_metrology::diagnose::cause::{self, Candidate, Cause, Correctable, Effect as CauseEffect, Weight};
+use ncfix_metrology::calibrate::{FitOptions, Parameter, fit};
+use ncfix_metrology::diagnose::cause::{self, Candidate, Cause, Correctable, EffectKind as CauseEffect, Weight};
 use ncfix_metrology::diagnose::extend::{Anchor, Change, again, extension};
-use ncfix_metrology::diagnose::fault::{self, Check, Checks, Fault, Then};
+use ncfix_metrology::diagnose::fault::{self, Checks, DataDefect, DefectCheck, DefectKind, Then};
 use ncfix_metrology::diagnose::scene::{Scene, Through};
 use ncfix_metrology::diagnose::{Causes, diagnose_with};
 use ncfix_metrology::measure::data::{self, DataSet, Observation, ReadAs};
-use ncfix_metrology::measure::kind::{self, Equation, Instruments, Kind, Seen};
-use ncfix_model::motion::{Entry, Function, MotionFunction, MotionKind};
+use ncfix_metrology::measure::kind::{self, Equation, Instrument, Instruments, Measurand, Seen};
+use ncfix_model::motion::{Entry, EntryFunction, MotionFunction, MotionKind};
 use ncfix_model::preset::Preset;
-use ncfix_model::source::{Parameter as SourceParameter, Reading, Written};
+use ncfix_model::source::{MachineFileReading, Parameter as SourceParameter, WrittenAt};
 use ncfix_model::{
     Accumulator, Effect, ErrorModel, ErrorSource, Model, ModelRegisters, Solve, SourceInfo, Sources, file, write,
 };
@@ -55,7 +55,7 @@ impl ErrorSource for Beams {
         &BEAM
     }
 
-    fn read(&self, reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+    fn read(&self, reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorModel) {
         for (entry, mut section) in reading.root.sections("beam").into_iter().enumerate() {
             let axis = section.required("axis", "\"X\"", Section::text).map(str::to_owned);
             let [from, to, mid] =
@@ -86,11 +86,11 @@ impl Effect for Beam {
     }
 
     fn contribute(&self, _: &Condition, sum: &mut Accumulator<'_>) {
-        sum.add_motion(self.label().parse().unwrap(), &Function::Own(self.sag.clone().into()), 1.0);
+        sum.add_motion(self.label().parse().unwrap(), &EntryFunction::Own(self.sag.clone().into()), 1.0);
     }
 
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&SourceParameter<'_>, &mut f64)) {
-        let written = Some(Written { entry: self.entry, key: "mid_um", factor: 1000.0 });
+        let written = Some(WrittenAt { entry: self.entry, key: "mid_um", factor: 1000.0 });
         let name = format!("beam.{}.mid", self.axis);
         visit(&SourceParameter { name: &name, is_linear: true, written }, &mut self.sag.mid_mm);
     }
@@ -130,11 +130,11 @@ impl MotionKind for SagKind {
         "sag"
     }
 
-    fn read(&self, entry: &mut Entry<'_>) -> Option<Function> {
+    fn read(&self, entry: &mut Entry<'_>) -> Option<EntryFunction> {
         let span = entry.positions("span")?;
         let mid_mm = entry.deviation("mid")?;
         let &[from, to] = span.as_slice() else { return None };
-        Some(Function::Own(Sag { span_mm: [from, to], mid_mm }.into()))
+        Some(EntryFunction::Own(Sag { span_mm: [from, to], mid_mm }.into()))
     }
 
     fn example(&self) -> &str {
@@ -290,7 +290,7 @@ fn a_name_or_a_section_of_another_is_refused() {
             static INFO: SourceInfo = SourceInfo { name: "greedy", title: "", sections: &["axis"], example: "" };
             &INFO
         }
-        fn read(&self, _: &mut Reading<'_, '_>, _: &mut ErrorModel) {}
+        fn read(&self, _: &mut MachineFileReading<'_, '_>, _: &mut ErrorModel) {}
     }
     let refused = Sources::default().try_with(Greedy).unwrap_err();
     assert_eq!(refused.0, "source of error \"greedy\": the section axis of the machine file is another's");
@@ -370,7 +370,7 @@ fn a_cause_is_named_and_its_term_written_fitted_and_read_again() {
     let (_, extended) = read(&grown, &with_beams()).0.unwrap();
     let parameters = again(&errors, &extended, &changes);
     assert_eq!(parameters.iter().map(ToString::to_string).collect::<Vec<_>>(), ["beam.X.mid"]);
-    let fitted = fit(&machine, &extended, &parameters, &sets, Options { robust: true }).unwrap();
+    let fitted = fit(&machine, &extended, &parameters, &sets, FitOptions { robust: true }).unwrap();
     assert!((parameters[0].get(&fitted.errors) + 0.012).abs() < 2e-4);
     let written = write::write(&grown, &extended, &fitted.errors).unwrap();
     let (_, last) = read(&written, &with_beams()).0.unwrap();
@@ -389,9 +389,10 @@ fn a_cause_is_named_and_its_term_written_fitted_and_read_again() {
 }
 
 /// A gauge that reads the height of the tool above the table alone.
-static GAUGE: Kind = Kind {
+static GAUGE: Instrument = Instrument {
     name: "height",
     title: "height of the tool above the table",
+    measurand: Measurand::Other,
     free: &[],
     read: |_, row, sign, observation| {
         let column = kind::needed(row, "height_um")?;
@@ -424,12 +425,13 @@ fn an_instrument_is_read_and_fitted() {
     }
     let set = measured(&table, "kind = \"height\"\nsigma_um = 0.3\n", &machine);
     let parameter = Parameter::from(ncfix_metrology::calibrate::effect::effect_parameters(&errors).remove(0));
-    let fitted = fit(&machine, &errors, std::slice::from_ref(&parameter), &[set], Options { robust: false }).unwrap();
+    let fitted =
+        fit(&machine, &errors, std::slice::from_ref(&parameter), &[set], FitOptions { robust: false }).unwrap();
     assert!((parameter.get(&fitted.errors) + 0.020).abs() < 1e-8);
 }
 
 /// Rows beyond a place are the ones of another part.
-static BEYOND: Check = Check {
+static BEYOND: DefectCheck = DefectCheck {
     name: "beyond the part",
     made_by: "a plan that went too far",
     shown_by: "X above 600 mm",
@@ -440,8 +442,8 @@ static BEYOND: Check = Check {
             let Some(first) = data.observations.iter().position(is_beyond) else { continue };
             let rows = [first, data.observations.len() - 1];
             let (what, evidence) = ("rows beyond the part".into(), format!("from row {first} on"));
-            out.push(Fault {
-                kind: "beyond",
+            out.push(DataDefect {
+                kind: DefectKind::Own("beyond"),
                 set,
                 name: data.name.clone(),
                 what,
@@ -460,7 +462,7 @@ fn a_fault_of_the_data_is_found() {
     let scene = Scene::new(&machine, &errors, &sets).unwrap();
     let found = |checks: &Checks| -> Vec<[usize; 2]> {
         let all = fault::find_with(checks, &scene);
-        all.iter().filter(|one| one.kind == "beyond").map(|one| one.rows).collect()
+        all.iter().filter(|one| one.kind == DefectKind::Own("beyond")).map(|one| one.rows).collect()
     };
     assert_eq!(found(&Checks::default().with(&BEYOND)), [[61, 70]]);
     assert!(found(&Checks::default()).is_empty());
@@ -494,21 +496,21 @@ impl SensorSource for Constant {
         "a number that stays"
     }
 
-    fn read(&self, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+    fn read(&self, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
         let value = section.required("value", "21.5", Section::number)?;
         Some(Arc::new(Always(value, wanted.iter().map(|one| one.index).collect())))
     }
 }
 
-impl Plan for Always {
-    fn open(&self, _: &Path, every: Duration) -> Result<Opened, String> {
+impl SourcePlan for Always {
+    fn open(&self, _: &Path, every: Duration) -> Result<OpenedSource, String> {
         Ok(polled(Always(self.0, self.1.clone()), every))
     }
 }
 
 impl Polled for Always {
-    fn poll(&mut self, outlet: &Outlet) -> Result<(), String> {
-        self.1.iter().for_each(|&channel| outlet.tell(channel, Told::Value(self.0), None));
+    fn poll(&mut self, outlet: &ReadingOutlet) -> Result<(), String> {
+        self.1.iter().for_each(|&channel| outlet.tell(channel, SourceReport::Value(self.0), None));
         Ok(())
     }
 }

@@ -9,7 +9,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Element, Kind};
 use ncfix_model::{ErrorModel, Model};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Corrector, Grouping, Increments, Options, Output, OutputFrame, Piece, compare};
+use ncfix_path::path::{CorrectionOptions, Corrector, Grouping, Increments, Output, OutputFrame, Piece, compare};
 
 use crate::bench_machine::{Random, load_machine, tired};
 use crate::machines::xyz_machine;
@@ -33,7 +33,7 @@ pub(crate) struct Corrected {
     pub(crate) max_mm: f64,
 }
 
-pub(crate) fn corrected(text: &str, machine: &Machine, errors: &ErrorModel, options: &Options) -> Corrected {
+pub(crate) fn corrected(text: &str, machine: &Machine, errors: &ErrorModel, options: &CorrectionOptions) -> Corrected {
     let model = Model::new(machine, errors);
     let stream = elements(text, machine).into_iter().map(Ok);
     let mut corrector = Corrector::new(stream, machine, &model, options.clone());
@@ -68,7 +68,7 @@ pub(crate) fn corrected(text: &str, machine: &Machine, errors: &ErrorModel, opti
 /// Corrects a program and executes the result: the axes go where the corrector said, the error is what it predicted and within the
 /// tolerance. Gives the text.
 #[track_caller]
-pub(crate) fn check(text: &str, machine: &Machine, errors: &ErrorModel, options: &Options) -> Corrected {
+pub(crate) fn check(text: &str, machine: &Machine, errors: &ErrorModel, options: &CorrectionOptions) -> Corrected {
     let done = corrected(text, machine, errors, options);
     assert!(done.findings.is_empty(), "{:?}", done.findings);
     let again = elements(&done.text, machine);
@@ -122,7 +122,7 @@ fn programs_in_every_frame_come_out_corrected_in_this_frame() {
     for &(frame, keeps_arcs) in FRAMES {
         for output in [OutputFrame::Work, OutputFrame::Machine] {
             let program = format!("G17 G90 G71 G54\n{frame}\nG0 X0 Y0 Z0\n{PART}");
-            let options = Options { frame: output, max_correction_mm: 1.0, ..Options::default() };
+            let options = CorrectionOptions { frame: output, max_correction_mm: 1.0, ..CorrectionOptions::default() };
             let done = check(&program, &machine, &errors, &options);
             // In machine coordinates G17 is in force, so that arcs of other planes are chords.
             let can_be_arcs = keeps_arcs && (output == OutputFrame::Work || !frame.contains("90"));
@@ -146,7 +146,7 @@ fn arcs_keep_the_sense_of_the_program_under_a_mirror() {
     let machine = xyz_machine();
     let errors = tired(&mut Random(8));
     let program = "G17 G90 G71 G54\nMIRROR X0\nG0 X0 Y0 Z0\nG3 X20 Y0 I10 J0 F500\nG2 X0 Y0 I-10 J0\nM30\n";
-    let options = Options { max_correction_mm: 1.0, ..Options::default() };
+    let options = CorrectionOptions { max_correction_mm: 1.0, ..CorrectionOptions::default() };
     let done = check(program, &machine, &errors, &options);
     let senses: Vec<bool> = done.pieces.iter().filter_map(|piece| piece.arc).map(|arc| arc.clockwise).collect();
     let turned = senses.iter().position(|clockwise| *clockwise).unwrap();
@@ -159,7 +159,7 @@ fn rounding_is_that_of_programmed_values() {
     let machine = xyz_machine();
     let errors = ErrorModel::default();
     let program = "G17 G90 G71 G54\nSCALE X10\nG0 X0 Y0 Z0\nG1 X1.23456789 Y1.23456789 F500\nM30\n";
-    let done = corrected(program, &machine, &errors, &Options::default());
+    let done = corrected(program, &machine, &errors, &CorrectionOptions::default());
     let piece = done.pieces.last().unwrap();
     assert_eq!(piece.counts[..2], [12_346, 12_346]);
     assert!((piece.command.0[0] - (100.0 + 12.346)).abs() < 1e-9 && (piece.command.0[1] - 51.2346).abs() < 1e-9);
@@ -172,14 +172,14 @@ fn an_axis_that_is_not_stated_in_a_tilted_frame_stays() {
     let machine = xyz_machine();
     let errors = tired(&mut Random(9));
     let program = "G17 G90 G71 G54\nROT X20 Y-35 Z15\nG0 X10 Y20\nG0 Z5\nG1 X30 F500\nM30\n";
-    let options = Options { max_correction_mm: 1.0, ..Options::default() };
+    let options = CorrectionOptions { max_correction_mm: 1.0, ..CorrectionOptions::default() };
     let done = corrected(program, &machine, &errors, &options);
     assert!(done.findings.is_empty());
     let lines: Vec<&str> = done.text.lines().filter(|line| line.contains("G0") || line.contains("G1 ")).collect();
     assert!(lines[0].contains('X') && lines[0].contains('Y') && !lines[0].contains('Z'), "{}", done.text);
     assert!(lines[1].contains('X') && lines[1].contains('Y') && lines[1].contains('Z'), "{}", done.text);
     // In machine coordinates all three axes would have to be written.
-    let refused = corrected(program, &machine, &errors, &Options { frame: OutputFrame::Machine, ..options });
+    let refused = corrected(program, &machine, &errors, &CorrectionOptions { frame: OutputFrame::Machine, ..options });
     assert_eq!(refused.findings[0].code.to_string(), "E0304");
 }
 
@@ -194,5 +194,5 @@ fn a_tilted_frame_on_a_machine_with_rotary_axes() {
         middle[0], middle[1], middle[2]
     );
     assert_eq!(start, AxisVector::ZERO);
-    check(&program, &machine, &errors, &Options { max_correction_mm: 5.0, ..Options::default() });
+    check(&program, &machine, &errors, &CorrectionOptions { max_correction_mm: 5.0, ..CorrectionOptions::default() });
 }

@@ -7,7 +7,7 @@ use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::Kind;
 use ncfix_model::{ErrorModel, Model};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Corrector, Increments, Options as PathOptions, OutputFrame};
+use ncfix_path::path::{CorrectionOptions as PathOptions, Corrector, Increments, OutputFrame};
 
 use crate::grundig::{check, check_codes, mill, run, run_on, tool};
 use crate::machines::xyz_machine;

@@ -4,7 +4,7 @@ use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Machine, State};
 use ncfix_machine::snc::{Kind, TextReader};
 use ncfix_model::{ErrorModel, Model};
-use ncfix_path::path::{Allows, Asked, Corrector, Doses, Live, Options, Output, Piece};
+use ncfix_path::path::{Allows, Asked, CorrectionOptions, Corrector, Doses, Live, Output, Piece};
 
 use crate::bench_machine::{correct, motion, polynomial, table};
 use crate::machines::xyz_machine;
@@ -61,8 +61,8 @@ fn live(text: &str, machine: &Machine, doses: &mut dyn Doses, now: impl Fn(usize
         }
         Ok(element)
     });
-    let corrector = Corrector::new(elements, machine, &base, Options::default());
-    let mut live = Live::new(machine, &base, &Options::default());
+    let corrector = Corrector::new(elements, machine, &base, CorrectionOptions::default());
+    let mut live = Live::new(machine, &base, &CorrectionOptions::default());
     let mut pieces = Vec::new();
     for output in corrector {
         if let Output::Piece(piece) = live.apply(output.unwrap(), now(pieces.len()).then_some(&hot), doses) {
@@ -80,7 +80,7 @@ fn two_steps_lead_to_where_one_step_with_the_temperatures_leads() {
     let machine = xyz_machine();
     let hot = Model::new(&machine, &warm());
     let pieces = live(LINES, &machine, &mut AtOnce::default(), |_| true);
-    let once = correct(LINES, &machine, &warm(), Options::default());
+    let once = correct(LINES, &machine, &warm(), CorrectionOptions::default());
     let last =
         |pieces: &[Piece]| pieces.iter().filter(|piece| piece.last).map(|piece| piece.counts).collect::<Vec<_>>();
     let [two, one] = [last(&pieces), last(&once.pieces)];
@@ -100,7 +100,7 @@ fn two_steps_lead_to_where_one_step_with_the_temperatures_leads() {
 fn cold_pieces_stay_as_they_are() {
     let machine = xyz_machine();
     let pieces = live(LINES, &machine, &mut AtOnce::default(), |_| false);
-    let expected = correct(LINES, &machine, &cold(), Options::default()).pieces;
+    let expected = correct(LINES, &machine, &cold(), CorrectionOptions::default()).pieces;
     assert_eq!(pieces.len(), expected.len());
     assert!(pieces.iter().zip(&expected).all(|(a, b)| (a.counts, a.arc) == (b.counts, b.arc)));
 }

@@ -7,7 +7,7 @@ use ncfix_machine::machine::file::{DEMO, apply_setup};
 use ncfix_machine::machine::{
     CompensationCorner, CompensationStart, DecimalPoint, LengthAxis, Lever, Machine, ToolChange,
 };
-use ncfix_model::motion::Function;
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::{ErrorModel, file};
 
 use crate::support::Shop;
@@ -174,13 +174,13 @@ fn units_become_millimeters_and_radians() {
     assert!((machine.zero_offsets["G54"].translation[Axis::C] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
     assert_eq!(machine.tool(3, 1).unwrap().length_mm, [100.0, 1.0, 2.0]);
     assert!((errors.location[0].value + 2e-3).abs() < 1e-18 && (errors.location[1].value - 3e-5).abs() < 1e-18);
-    let Function::Table(table) = &errors.motion[0].function else { panic!("{:?}", errors.motion[0]) };
+    let EntryFunction::Table(table) = &errors.motion[0].function else { panic!("{:?}", errors.motion[0]) };
     assert!((table.value(std::f64::consts::FRAC_PI_2) - 2.5e-6).abs() < 1e-18);
-    let Function::Periodic(periodic) = &errors.motion[1].function else { panic!("{:?}", errors.motion[1]) };
+    let EntryFunction::Periodic(periodic) = &errors.motion[1].function else { panic!("{:?}", errors.motion[1]) };
     assert!((periodic.value(0.0) - 2e-3).abs() < 1e-17 && periodic.value(std::f64::consts::FRAC_PI_2).abs() < 1e-17);
-    let Function::Piecewise(piecewise) = &errors.motion[2].function else { panic!("{:?}", errors.motion[2]) };
+    let EntryFunction::Piecewise(piecewise) = &errors.motion[2].function else { panic!("{:?}", errors.motion[2]) };
     assert!((piecewise.value(200.0) - (2e-3 + 3e-4)).abs() < 1e-17);
-    let Function::Backlash(backlash) = &errors.motion[3].function else { panic!("{:?}", errors.motion[3]) };
+    let EntryFunction::Backlash(backlash) = &errors.motion[3].function else { panic!("{:?}", errors.motion[3]) };
     assert_eq!(backlash.value(0.0, -1), -3e-3);
 }
 

@@ -4,7 +4,7 @@ use ncfix_base::geometry::{AXES, Axis, AxisVector, Matrix, Vector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::file::DEMO;
 use ncfix_machine::machine::{Lever, Machine, State};
-use ncfix_model::motion::{Function, MotionKinds, periodic::Periodic, polynomial::Polynomial};
+use ncfix_model::motion::{EntryFunction, MotionKinds, periodic::Periodic, polynomial::Polynomial};
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorModel, ErrorName, LocationError, Model, MotionError, Solve, file, write};
 
@@ -53,7 +53,7 @@ pub(crate) fn sample(name: &str) -> (Machine, ErrorModel) {
 }
 
 fn polynomial(name: ErrorName, coefficients: &[f64]) -> MotionError {
-    MotionError { name, function: Function::Polynomial(Polynomial { coefficients: coefficients.to_vec() }) }
+    MotionError { name, function: EntryFunction::Polynomial(Polynomial { coefficients: coefficients.to_vec() }) }
 }
 
 /// Every location and motion error of a machine, of random size: up to 50 µm and 100 µrad at the limits.
@@ -498,7 +498,7 @@ fn tables_of_equal_intervals_take_in_what_they_can_follow() {
     let curve = polynomial(name("EXX"), &[0.0, 0.0, 1e-7]);
     // 10 µm over 10 mm: chords of 4 mm are off by more than 2 µm.
     let wave = Periodic { amplitude: 0.01, period: 10.0, phase_rad: 0.0 };
-    let wave = MotionError { name: name("EYY"), function: Function::Periodic(wave) };
+    let wave = MotionError { name: name("EYY"), function: EntryFunction::Periodic(wave) };
     let errors = ErrorModel { motion: vec![curve, wave], ..ErrorModel::default() };
     let direct = Model::new(&machine, &errors);
     let model = direct.on_intervals(&machine, 200);

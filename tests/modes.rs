@@ -5,7 +5,7 @@ use ncfix_language::syntax;
 use ncfix_machine::machine::{Machine, Opaque, file};
 use ncfix_model::{ErrorModel, Model};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Corrector, Increments, Options, OutputFrame};
+use ncfix_path::path::{CorrectionOptions, Corrector, Increments, OutputFrame};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::machines::xyz_machine;
@@ -15,7 +15,7 @@ pub(crate) fn written(
     text: &str,
     machine: &Machine,
     errors: &ErrorModel,
-    options: Options,
+    options: CorrectionOptions,
 ) -> (Vec<String>, Vec<String>) {
     let model = Model::new(machine, errors);
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
@@ -43,7 +43,7 @@ pub(crate) fn written(
 /// Checks the lines behind the line `G90` that the writer begins with, for a program without findings on an ideal machine.
 #[track_caller]
 fn check_on(machine: &Machine, text: &str, expected: &[&str]) {
-    let (lines, codes) = written(text, machine, &ErrorModel::default(), Options::default());
+    let (lines, codes) = written(text, machine, &ErrorModel::default(), CorrectionOptions::default());
     assert!(codes.is_empty(), "{codes:?}");
     assert_eq!(lines, expected);
 }
@@ -55,7 +55,7 @@ pub(crate) fn check(text: &str, expected: &[&str]) {
 
 #[track_caller]
 pub(crate) fn codes(text: &str) -> Vec<String> {
-    written(text, &xyz_machine(), &ErrorModel::default(), Options::default()).1
+    written(text, &xyz_machine(), &ErrorModel::default(), CorrectionOptions::default()).1
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn limits_of_the_working_area_move_nothing() {
         "G90 G0 X1\nG25 X-10 Y=R1-5 S2=20\nG26 S3000\nG91 Y1\nM30",
         &xyz_machine(),
         &ErrorModel::default(),
-        Options::default(),
+        CorrectionOptions::default(),
     );
     assert!(codes.is_empty(), "{codes:?}");
     assert_eq!(lines[1..3], ["G25 X-10 Y=-5 S2=20", "G26 S3000"]);
@@ -145,8 +145,12 @@ fn a_block_feed_holds_for_its_block() {
 #[test]
 fn a_block_feed_holds_for_all_pieces_of_its_block() {
     let errors = ErrorModel { motion: vec![motion("EYX", polynomial(&[0.0, 0.0, 1e-6]))], ..ErrorModel::default() };
-    let (lines, codes) =
-        written("G90 G0 X0 Y0 Z0\nG1 X10 F100\nX300 FB=250\nX310\nM30", &xyz_machine(), &errors, Options::default());
+    let (lines, codes) = written(
+        "G90 G0 X0 Y0 Z0\nG1 X10 F100\nX300 FB=250\nX310\nM30",
+        &xyz_machine(),
+        &errors,
+        CorrectionOptions::default(),
+    );
     assert!(codes.is_empty(), "{codes:?}");
     let feeds: Vec<&String> = lines.iter().filter(|line| line.contains('F')).collect();
     assert_eq!(feeds.len(), 3, "{lines:?}");
@@ -167,7 +171,7 @@ fn diameters_are_refused_where_they_matter() {
 #[test]
 fn file_access_is_left_out_and_its_result_is_no_error() {
     let program = "DEF INT ERR=7\nG90\nWRITE(ERR,\"LOG\",\"A\"<<R1)\nDELETE(R5,\"LOG\")\nIF ERR==0 GOTOF FINE\nG0 X99\nFINE: G0 X1\nM30";
-    let (lines, codes) = written(program, &xyz_machine(), &ErrorModel::default(), Options::default());
+    let (lines, codes) = written(program, &xyz_machine(), &ErrorModel::default(), CorrectionOptions::default());
     assert_eq!(codes, ["W0204", "W0204"]);
     assert_eq!(lines, ["G90", "FINE: G0 X1", "M30"]);
 }
@@ -195,7 +199,7 @@ fn what_would_move_the_machine_unseen_is_refused() {
 #[test]
 fn an_interrupt_is_passed_on_with_a_warning() {
     let program = "G90\nSETINT(3) PRIO=1 LIFT_Z LIFTFAST ; AWAY\nCLRINT(3)\nM30";
-    let (lines, codes) = written(program, &xyz_machine(), &ErrorModel::default(), Options::default());
+    let (lines, codes) = written(program, &xyz_machine(), &ErrorModel::default(), CorrectionOptions::default());
     assert_eq!(codes, ["W0205"]);
     assert_eq!(lines, ["G90", "SETINT(3) PRIO=1 LIFT_Z LIFTFAST ; AWAY", "CLRINT(3)", "M30"]);
 }
@@ -267,7 +271,7 @@ fn the_machine_file_names_opaque_programs() {
 fn the_time_of_a_block_is_shared_by_its_pieces() {
     let errors = ErrorModel { motion: vec![motion("EYX", polynomial(&[0.0, 0.0, 1e-6]))], ..ErrorModel::default() };
     let program = "G90 G94 G0 X0 Y0 Z0\nG93 G1 X300 F2\nX310\nX10 F0.5\nG94 X0 F100\nM30";
-    let (lines, codes) = written(program, &xyz_machine(), &errors, Options::default());
+    let (lines, codes) = written(program, &xyz_machine(), &errors, CorrectionOptions::default());
     assert!(codes.is_empty(), "{codes:?}");
     let blocks: Vec<(&str, f64, Option<f64>)> = lines
         .iter()
@@ -328,7 +332,7 @@ fn the_chords_of_one_block_share_its_time() {
         "G90 G0 X0 Y0 Z0\nSCALE X2\nG93 G3 X0 Y20 I0 J10 F4\nSCALE\nG94 G1 X1 F100\nM30",
         &xyz_machine(),
         &ErrorModel::default(),
-        Options::default(),
+        CorrectionOptions::default(),
     );
     assert!(codes.is_empty(), "{codes:?}");
     let feeds: Vec<f64> = lines

@@ -3,7 +3,7 @@
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Machine, State};
 use ncfix_model::motion::{
-    Function, MotionKind, MotionKinds, backlash, cross, dynamic, grid, periodic, piecewise, polynomial, table,
+    EntryFunction, MotionKind, MotionKinds, backlash, cross, dynamic, grid, periodic, piecewise, polynomial, table,
 };
 use ncfix_model::{ErrorModel, Model, MotionError};
 
@@ -235,17 +235,17 @@ fn to_degrees(entry: &mut toml::Table) {
 }
 
 /// The function of an axis whose commands have the other sign.
-fn mirrored(function: &Function) -> Function {
+fn mirrored(function: &EntryFunction) -> EntryFunction {
     let reversed = |values: &[f64]| values.iter().rev().copied().collect::<Vec<_>>();
     let negated = |values: &[f64]| values.iter().rev().map(|value| -value).collect::<Vec<_>>();
     match function {
-        Function::Polynomial(p) => {
-            Function::Polynomial(polynomial::Polynomial { coefficients: odd_negated(&p.coefficients) })
+        EntryFunction::Polynomial(p) => {
+            EntryFunction::Polynomial(polynomial::Polynomial { coefficients: odd_negated(&p.coefficients) })
         }
-        Function::Table(t) => {
-            Function::Table(table::Table { positions: negated(&t.positions), values: reversed(&t.values) })
+        EntryFunction::Table(t) => {
+            EntryFunction::Table(table::ErrorTable { positions: negated(&t.positions), values: reversed(&t.values) })
         }
-        Function::Piecewise(p) => {
+        EntryFunction::Piecewise(p) => {
             // (−q − t)₊ʲ = (−1)ʲ (q + t)ʲ − (−1)ʲ (q + t)₊ʲ: everywhere, less what is beyond −t.
             let mut coefficients = odd_negated(&p.coefficients);
             let mut knots = Vec::new();
@@ -261,25 +261,30 @@ fn mirrored(function: &Function) -> Function {
                 }
                 knots.push(piecewise::Knot { at: -knot.at, coefficients: powers.iter().map(|c| -c).collect() });
             }
-            Function::Piecewise(piecewise::Piecewise { coefficients, knots })
+            EntryFunction::Piecewise(piecewise::Piecewise { coefficients, knots })
         }
-        Function::Periodic(p) => {
+        EntryFunction::Periodic(p) => {
             // sin(−x + φ) = −sin(x − φ)
-            Function::Periodic(periodic::Periodic { amplitude: -p.amplitude, phase_rad: -p.phase_rad, ..*p })
+            EntryFunction::Periodic(periodic::Periodic { amplitude: -p.amplitude, phase_rad: -p.phase_rad, ..*p })
         }
         // Behind a positive motion the mirrored axis stands as behind a negative one.
-        Function::Backlash(b) => Function::Backlash(backlash::Backlash {
-            reversal: table::Table { positions: negated(&b.reversal.positions), values: negated(&b.reversal.values) },
+        EntryFunction::Backlash(b) => EntryFunction::Backlash(backlash::Backlash {
+            reversal: table::ErrorTable {
+                positions: negated(&b.reversal.positions),
+                values: negated(&b.reversal.values),
+            },
         }),
-        Function::Cross(c) => Function::Cross(cross::Cross { coefficients: odd_negated(&c.coefficients), ..c.clone() }),
-        Function::Grid(g) => Function::Grid(grid::Grid {
+        EntryFunction::Cross(c) => {
+            EntryFunction::Cross(cross::Cross { coefficients: odd_negated(&c.coefficients), ..c.clone() })
+        }
+        EntryFunction::Grid(g) => EntryFunction::Grid(grid::ErrorGrid {
             positions: negated(&g.positions),
             values: g.values.iter().rev().cloned().collect(),
             ..g.clone()
         }),
         // The same acceleration of the body has the other sign.
-        Function::Dynamic(d) => {
-            Function::Dynamic(dynamic::Dynamic { by_acceleration: -d.by_acceleration, by_jerk: -d.by_jerk })
+        EntryFunction::Dynamic(d) => {
+            EntryFunction::Dynamic(dynamic::Dynamic { by_acceleration: -d.by_acceleration, by_jerk: -d.by_jerk })
         }
         other => panic!("no mirrored {other:?}"),
     }
@@ -290,16 +295,16 @@ fn odd_negated(coefficients: &[f64]) -> Vec<f64> {
 }
 
 /// The function of the same axis where the other axis that it depends on has the other sign; `None` where there is none.
-fn mirrored_across(function: &Function) -> Option<(Axis, Function)> {
+fn mirrored_across(function: &EntryFunction) -> Option<(Axis, EntryFunction)> {
     match function {
-        Function::Cross(c) => {
+        EntryFunction::Cross(c) => {
             let with_coefficients = odd_negated(&c.with_coefficients);
-            Some((c.with, Function::Cross(cross::Cross { with_coefficients, ..c.clone() })))
+            Some((c.with, EntryFunction::Cross(cross::Cross { with_coefficients, ..c.clone() })))
         }
-        Function::Grid(g) => {
+        EntryFunction::Grid(g) => {
             let with_positions = g.with_positions.iter().rev().map(|position| -position).collect();
             let values = g.values.iter().map(|row| row.iter().rev().copied().collect()).collect();
-            Some((g.with, Function::Grid(grid::Grid { with_positions, values, ..g.clone() })))
+            Some((g.with, EntryFunction::Grid(grid::ErrorGrid { with_positions, values, ..g.clone() })))
         }
         _ => None,
     }

@@ -7,12 +7,12 @@ use std::fmt::Write as _;
 use ncfix_base::geometry::{Axis, AxisVector, Plane, Vector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::{Machine, State};
-use ncfix_metrology::calibrate::{Column, Options, fit, identify};
+use ncfix_metrology::calibrate::{Column, FitOptions, fit, identify};
 use ncfix_metrology::measure::data::{DataSet, Free, Setup};
 use ncfix_metrology::measure::noise::Noise;
 use ncfix_metrology::measure::plan::{Wishes, find};
-use ncfix_metrology::measure::simulate::{Read, Simulation};
-use ncfix_model::motion::Function;
+use ncfix_metrology::measure::simulate::{ReadValue, Simulation};
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::motion::periodic::Periodic;
 use ncfix_model::motion::polynomial::Polynomial;
 use ncfix_model::parameter::ParameterName;
@@ -67,7 +67,7 @@ fn at_tip(name: &ParameterName) -> f64 {
 }
 
 fn polynomial(name: &str, coefficients: &[f64]) -> MotionError {
-    let function = Function::Polynomial(Polynomial { coefficients: coefficients.to_vec() });
+    let function = EntryFunction::Polynomial(Polynomial { coefficients: coefficients.to_vec() });
     MotionError { name: name.parse().unwrap(), function }
 }
 
@@ -80,7 +80,7 @@ fn truth() -> (Machine, ErrorModel) {
     errors.effects.clear();
     for error in &mut errors.motion {
         if ["EYX", "EZX", "EZY"].contains(&error.name.to_string().as_str())
-            && let Function::Polynomial(Polynomial { coefficients }) = &mut error.function
+            && let EntryFunction::Polynomial(Polynomial { coefficients }) = &mut error.function
         {
             coefficients[1] = 0.0;
         }
@@ -98,9 +98,9 @@ fn truth() -> (Machine, ErrorModel) {
         bow("EXZ", 300.0, -4e-3),
     ]);
     let pitch = Periodic { period: 12.0, amplitude: 1.5e-3, phase_rad: 0.0 };
-    errors.motion.push(MotionError { name: "EXX".parse().unwrap(), function: Function::Periodic(pitch) });
+    errors.motion.push(MotionError { name: "EXX".parse().unwrap(), function: EntryFunction::Periodic(pitch) });
     let pitch = Periodic { period: 12.0, amplitude: 1.0e-3, phase_rad: 1.0 };
-    errors.motion.push(MotionError { name: "EZZ".parse().unwrap(), function: Function::Periodic(pitch) });
+    errors.motion.push(MotionError { name: "EZZ".parse().unwrap(), function: EntryFunction::Periodic(pitch) });
     (machine, errors)
 }
 
@@ -167,7 +167,7 @@ impl Shop {
         let plan = data.clone();
         let mut simulation = Simulation::new(&self.machine, &self.errors, &plan);
         for row in &mut data.observations {
-            let Ok(Read::Values(values)) = simulation.read(row) else { panic!("values") };
+            let Ok(ReadValue::Values(values)) = simulation.read(row) else { panic!("values") };
             row.values = values.map(|value| value.map(|value| value + noise * random.normal()));
         }
         data
@@ -280,14 +280,14 @@ impl Shop {
             lost.extend(names);
         }
         lost.sort();
-        let found = fit(&self.machine, &none, &parameters, data, Options { robust: true });
+        let found = fit(&self.machine, &none, &parameters, data, FitOptions { robust: true });
         (found.unwrap_or_else(|fault| panic!("{}: {fault:?}", data[0].name)).errors, lost)
     }
 
     /// What a model leaves of a measurement, by direction, mm: the set-up as it fits best.
     fn left(&self, errors: &ErrorModel, data: &DataSet) -> [Vec<f64>; 3] {
         let found =
-            fit::<ParameterName>(&self.machine, errors, &[], std::slice::from_ref(data), Options { robust: false })
+            fit::<ParameterName>(&self.machine, errors, &[], std::slice::from_ref(data), FitOptions { robust: false })
                 .unwrap();
         let mut out = [const { Vec::new() }; 3];
         let mut residuals = found.residuals.iter();

@@ -1,6 +1,6 @@
 //! Pictures: where things are drawn, that every picture is XML whatever its labels are, and that a million points stay a picture.
 
-use ncfix_report::plot::{Bar, Bars, Chart, Histogram, Line, Picture, Polar, Series, Shape, Trace};
+use ncfix_report::plot::{Bar, Bars, Chart, Histogram, LevelLine, Picture, PlotSeries, Polar, PolarTrace, Shape};
 use roxmltree::Document;
 
 /// What would be markup if it were not escaped.
@@ -16,8 +16,8 @@ fn sound(picture: &impl Picture) -> String {
     text
 }
 
-fn series(label: &str, points: Vec<(f64, f64)>, shape: Shape) -> Series {
-    Series { label: label.into(), points, errors: Vec::new(), shape, like: None }
+fn series(label: &str, points: Vec<(f64, f64)>, shape: Shape) -> PlotSeries {
+    PlotSeries { label: label.into(), points, errors: Vec::new(), shape, like: None }
 }
 
 /// All `d` of paths within a group of series.
@@ -37,9 +37,9 @@ fn points_lie_where_their_values_say() {
         up: HOSTILE.into(),
         series: vec![
             series("", vec![(0.0, 0.0), (10.0, 10.0), (5.0, 2.5)], Shape::Line),
-            Series { errors: vec![1.0], ..series(HOSTILE, vec![(5.0, 5.0), (f64::NAN, 1.0)], Shape::Markers) },
+            PlotSeries { errors: vec![1.0], ..series(HOSTILE, vec![(5.0, 5.0), (f64::NAN, 1.0)], Shape::Markers) },
         ],
-        levels: vec![Line { value: 2.0, label: HOSTILE.into() }],
+        levels: vec![LevelLine { value: 2.0, label: HOSTILE.into() }],
         ..Chart::default()
     };
     let text = sound(&chart);
@@ -73,7 +73,7 @@ fn a_million_points_are_a_small_picture() {
     assert!(text.len() < 40_000, "{}", text.len());
     // The one value that is larger than all others is seen: 3 of −1 … 3 is the upper end of the frame.
     assert!(paths(&text)[0].contains(" 54.6V") || paths(&text)[0].contains(" 53.4V"), "{}", paths(&text)[0]);
-    let polar = Polar { traces: vec![Trace { label: "t".into(), points: points(f64::sin) }], ..Polar::default() };
+    let polar = Polar { traces: vec![PolarTrace { label: "t".into(), points: points(f64::sin) }], ..Polar::default() };
     assert!(sound(&polar).len() < 60_000);
     let values = points(f64::cos).into_iter().map(|point| point.1).collect();
     assert!(sound(&Histogram { values, sigma: Some(1.0), ..Histogram::default() }).len() < 40_000);
@@ -105,7 +105,7 @@ fn traces_are_about_the_nominal_circle() {
         axes: [HOSTILE.into(), "Y".into()],
         unit: "µm".into(),
         radius_mm: 150.0,
-        traces: vec![Trace { label: HOSTILE.into(), points }],
+        traces: vec![PolarTrace { label: HOSTILE.into(), points }],
     };
     assert_eq!(polar.division(), 1.0);
     let text = sound(&polar);

@@ -1,7 +1,7 @@
 //! Positioning axes: moves of their own, written as POS again.
 
 use ncfix_model::ErrorModel;
-use ncfix_path::path::{Options, Rapids};
+use ncfix_path::path::{CorrectionOptions, Rapids};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::exec::{check as check_moves, check_codes};
@@ -36,7 +36,7 @@ fn their_ends_are_corrected_and_the_other_axes_follow() {
     };
     let text = "G90 G1 X0 Y0 Z0 F100\nPOS[X]=100";
     for rapids in [Rapids::Ends, Rapids::All] {
-        let options = Options { rapids, ..Options::default() };
+        let options = CorrectionOptions { rapids, ..CorrectionOptions::default() };
         let (lines, codes) = written(&format!("{text}\nG1 Z1\nM30"), &xyz_machine(), &errors, options.clone());
         assert_eq!(lines[1], "POS[X]=99.99 POS[Y]=-0.01", "{rapids:?}");
         // The bow of 2.5 um is only looked for where rapid moves are to be corrected along their way.
@@ -46,7 +46,7 @@ fn their_ends_are_corrected_and_the_other_axes_follow() {
         let (lines, _) = written(&format!("{text}\nM30"), &xyz_machine(), &errors, options);
         assert_eq!(lines[1..], ["POS[X]=99.99", "M30"].map(str::to_owned), "{rapids:?}");
     }
-    let options = Options { rapids: Rapids::None, ..Options::default() };
+    let options = CorrectionOptions { rapids: Rapids::None, ..CorrectionOptions::default() };
     assert_eq!(written(text, &xyz_machine(), &errors, options).0[1], "POS[X]=100");
 }
 

@@ -5,7 +5,7 @@
 
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::{Lever, Machine, State};
-use ncfix_model::motion::{Function, piecewise, polynomial::Polynomial};
+use ncfix_model::motion::{EntryFunction, piecewise, polynomial::Polynomial};
 use ncfix_model::parameter::ParameterName;
 use ncfix_model::preset::{PRESETS, Rest, find, rest};
 use ncfix_model::{ErrorModel, LocationError, Model, MotionError};
@@ -445,9 +445,9 @@ fn what_a_model_has_beside_given_parameters_is_listed() {
             .map(|(name, value)| LocationError { name: name.parse().unwrap(), value })
             .to_vec(),
         motion: vec![
-            motion("EXX", Function::Polynomial(Polynomial { coefficients: vec![0.0, 1e-5] })),
-            motion("EYY", Function::Piecewise(splines)),
-            motion("ECC", Function::Piecewise(turns)),
+            motion("EXX", EntryFunction::Polynomial(Polynomial { coefficients: vec![0.0, 1e-5] })),
+            motion("EYY", EntryFunction::Piecewise(splines)),
+            motion("ECC", EntryFunction::Piecewise(turns)),
         ],
         ..ErrorModel::default()
     };

@@ -98,7 +98,8 @@ fn functions_of_two_axes_and_short_waves_are_not_left_out() {
 fn a_cycle_doses_clamps_holds_and_knows_the_sense() {
     let machine = xyz_machine();
     let [low, high] = machine.axis(Axis::X).unwrap().travel.unwrap();
-    let reversal = ncfix_model::motion::Function::Backlash(ncfix_model::motion::backlash::Backlash::constant(6e-3));
+    let reversal =
+        ncfix_model::motion::EntryFunction::Backlash(ncfix_model::motion::backlash::Backlash::constant(6e-3));
     let errors = ErrorModel {
         motion: vec![motion("EXX", polynomial(&[5e-3])), motion("EXX", reversal)],
         ..ErrorModel::default()

@@ -1,7 +1,7 @@
 //! G74 and G75: passed on in their places, the named axes are anywhere behind them.
 
 use ncfix_language::exec::{NoLibrary, Options as ExecOptions};
-use ncfix_path::path::Options;
+use ncfix_path::path::CorrectionOptions;
 
 use crate::bench_machine::{motion, polynomial};
 use crate::exec::run_with;
@@ -53,7 +53,7 @@ fn an_axis_that_is_unknown_is_written_again_when_it_is_known() {
     let errors = vec![motion("EXX", polynomial(&[0.01]))];
     let errors = ncfix_model::ErrorModel { motion: errors, ..Default::default() };
     let text = "G90 G1 X1 Y2 Z3 F100\nG74 X1=0\nY5\nX1\nM30";
-    let (lines, codes) = written(text, &xyz_machine(), &errors, Options::default());
+    let (lines, codes) = written(text, &xyz_machine(), &errors, CorrectionOptions::default());
     assert_eq!(codes, [""; 0]);
     assert_eq!(lines, ["G90 G1 X0.99 Y2 Z3 F100", "G74 X1=0", "G1 Y5", "G1 X0.99", "M30"]);
 }

@@ -4,7 +4,7 @@ use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_language::exec::Options as ExecOptions;
 use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
-use ncfix_path::path::Options;
+use ncfix_path::path::CorrectionOptions;
 
 use crate::bench_machine::{motion, polynomial};
 use crate::flat::{check, execute};
@@ -59,7 +59,7 @@ fn errors() -> ErrorModel {
 fn the_output_goes_the_way_of_the_program() {
     let machine = table();
     let program = "G17 G90 G71 G54\nG0 X0 Y0 Z0 C350\nG1 C=DC(10) X20 F500\nC=ACP(5) X30\nC=ACN(6)\nC=IC(800) X0\nC=IC(-20)\nC100\nM30\n";
-    let options = Options { max_correction_mm: 1.0, ..Options::default() };
+    let options = CorrectionOptions { max_correction_mm: 1.0, ..CorrectionOptions::default() };
     let done = check_correction(program, &machine, &errors(), &options);
     let turned: f64 = done.pieces.last().unwrap().command[Axis::C].to_degrees();
     // 350, 370, 725, 726 - 360 = 366, 1166, 1146; 1146 is 66 within the turn, so 100 is 1180.
@@ -71,7 +71,7 @@ fn the_output_goes_the_way_of_the_program() {
 fn without_errors_the_words_say_the_same_way() {
     let program =
         "G17 G90 G71 G54\nG0 X0 Y0 Z0 C=ACP(350)\nG1 C=DC(10) F500\nC=ACP(5)\nC=ACN(6)\nC=IC(800)\nC100\nM30\n";
-    let text = corrected(program, &table(), &ErrorModel::default(), &Options::default()).text;
+    let text = corrected(program, &table(), &ErrorModel::default(), &CorrectionOptions::default()).text;
     let words: Vec<&str> = text.split_whitespace().filter(|word| word.starts_with('C')).collect();
     assert_eq!(words, ["C=ACP(350)", "C=DC(10)", "C=ACP(5)", "C=ACN(6)", "C=IC(800)", "C100"]);
 }
@@ -82,7 +82,7 @@ fn where_plain_positions_are_shortest_ways_they_stay_plain() {
     let mut machine = table();
     machine.control.modulo_shortest = true;
     let program = "G17 G90 G71 G54\nG0 X0 Y0 Z0 C=ACP(350)\nG1 C10 F500\nC300\nC=ACP(290)\nM30\n";
-    let text = corrected(program, &machine, &ErrorModel::default(), &Options::default()).text;
+    let text = corrected(program, &machine, &ErrorModel::default(), &CorrectionOptions::default()).text;
     let words: Vec<&str> = text.split_whitespace().filter(|word| word.starts_with('C')).collect();
     assert_eq!(words, ["C=ACP(350)", "C10", "C300", "C=ACP(290)"]);
 }

@@ -3,7 +3,9 @@
 use std::time::Duration;
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::sense::{Action, ChannelState, Config, Fault, Monitor, Reading, SensorChannel, SensorSources, Told};
+use ncfix_dnc::sense::{
+    Action, ChannelFault, ChannelReading, ChannelState, Config, Monitor, SensorChannel, SensorSources, SourceReport,
+};
 use proptest::prelude::*;
 
 /// A config with one channel `T` of a file, with further keys.
@@ -28,19 +30,19 @@ fn channel(keys: &str) -> SensorChannel {
 }
 
 /// A judge and the clock that drives it.
-struct Bench(Monitor, Reading);
+struct Bench(Monitor, ChannelReading);
 
 impl Bench {
     fn new(keys: &str) -> Bench {
-        Bench(Monitor::new(&channel(keys)), Reading::default())
+        Bench(Monitor::new(&channel(keys)), ChannelReading::default())
     }
 
     /// Hears a value that was read at this instant, s.
     fn at(&mut self, t_s: f64, value: f64) -> (Option<f64>, ChannelState) {
-        self.told(t_s, &Told::Value(value), 0.0)
+        self.told(t_s, &SourceReport::Value(value), 0.0)
     }
 
-    fn told(&mut self, t_s: f64, told: &Told, age_s: f64) -> (Option<f64>, ChannelState) {
+    fn told(&mut self, t_s: f64, told: &SourceReport, age_s: f64) -> (Option<f64>, ChannelState) {
         self.0.hear(told, Duration::from_secs_f64(age_s), Duration::from_secs_f64(t_s));
         self.tick(t_s)
     }
@@ -63,7 +65,7 @@ impl Bench {
     }
 }
 
-const HELD_JUMP: (Option<f64>, ChannelState) = (Some(20.0), ChannelState::Held(Fault::Jump));
+const HELD_JUMP: (Option<f64>, ChannelState) = (Some(20.0), ChannelState::Held(ChannelFault::Jump));
 
 #[test]
 fn nothing_is_believed_before_some_readings_agree() {
@@ -80,15 +82,15 @@ fn nothing_is_believed_before_some_readings_agree() {
 #[test]
 fn faults_hold_the_last_good_value() {
     for (told, fault) in [
-        (Told::Value(f64::NAN), Fault::Invalid),
-        (Told::Value(f64::INFINITY), Fault::Invalid),
-        (Told::Value(85.0), Fault::Invalid),
-        (Told::Value(-127.0), Fault::Invalid),
-        (Told::Value(81.0), Fault::OutOfRange),
-        (Told::Value(-11.0), Fault::OutOfRange),
-        (Told::Value(0.0), Fault::Jump),
-        (Told::Value(30.0), Fault::Jump),
-        (Told::Nothing(Fault::Disconnected, "gone".into()), Fault::Disconnected),
+        (SourceReport::Value(f64::NAN), ChannelFault::Invalid),
+        (SourceReport::Value(f64::INFINITY), ChannelFault::Invalid),
+        (SourceReport::Value(85.0), ChannelFault::Invalid),
+        (SourceReport::Value(-127.0), ChannelFault::Invalid),
+        (SourceReport::Value(81.0), ChannelFault::OutOfRange),
+        (SourceReport::Value(-11.0), ChannelFault::OutOfRange),
+        (SourceReport::Value(0.0), ChannelFault::Jump),
+        (SourceReport::Value(30.0), ChannelFault::Jump),
+        (SourceReport::Nothing(ChannelFault::Disconnected, "gone".into()), ChannelFault::Disconnected),
     ] {
         let mut bench = Bench::warm("");
         assert_eq!(bench.told(30.0, &told, 0.0), (Some(20.0), ChannelState::Held(fault)), "{told:?}");
@@ -147,14 +149,18 @@ fn a_change_in_small_steps_is_no_slower_change() {
 fn after_a_silence_one_reading_is_no_proof() {
     let mut bench = Bench::warm("");
     assert_eq!(bench.tick(200.0), (Some(20.0), ChannelState::Good));
-    assert_eq!(bench.tick(200.1), (Some(20.0), ChannelState::Held(Fault::Silent)), "180 s behind the last reading");
+    assert_eq!(
+        bench.tick(200.1),
+        (Some(20.0), ChannelState::Held(ChannelFault::Silent)),
+        "180 s behind the last reading"
+    );
     assert_eq!(bench.1.age, Some(Duration::from_secs_f64(180.1)));
     // 29 °C is possible after 10 min, more than a minute explains, and true: the third reading brings it.
     assert_eq!(bench.at(620.0, 29.0), HELD_JUMP);
     assert_eq!(bench.at(630.0, 29.0), HELD_JUMP);
     assert_eq!(bench.at(640.0, 29.0), (Some(29.0), ChannelState::Good));
     // What a minute explains is believed at once.
-    assert_eq!(bench.tick(1000.0).1, ChannelState::Held(Fault::Silent));
+    assert_eq!(bench.tick(1000.0).1, ChannelState::Held(ChannelFault::Silent));
     assert_eq!(bench.at(1000.0, 32.0), (Some(29.0), ChannelState::Good), "the median of 29, 29, 32");
 }
 
@@ -163,25 +169,28 @@ fn readings_count_with_their_own_time() {
     let mut bench = Bench::warm("");
     // The same reading again and again says nothing new, though it comes.
     for t_s in [30.0, 100.0, 190.0] {
-        assert_eq!(bench.told(t_s, &Told::Value(20.0), t_s - 20.0).1, ChannelState::Good);
+        assert_eq!(bench.told(t_s, &SourceReport::Value(20.0), t_s - 20.0).1, ChannelState::Good);
     }
-    assert_eq!(bench.told(201.0, &Told::Value(20.0), 181.0), (Some(20.0), ChannelState::Held(Fault::Silent)));
+    assert_eq!(
+        bench.told(201.0, &SourceReport::Value(20.0), 181.0),
+        (Some(20.0), ChannelState::Held(ChannelFault::Silent))
+    );
     // One that was read long before it came is none.
-    assert_eq!(bench.told(300.0, &Told::Value(20.0), 200.0).1, ChannelState::Held(Fault::Silent));
-    assert_eq!(bench.told(310.0, &Told::Value(20.0), 5.0).1, ChannelState::Good);
+    assert_eq!(bench.told(300.0, &SourceReport::Value(20.0), 200.0).1, ChannelState::Held(ChannelFault::Silent));
+    assert_eq!(bench.told(310.0, &SourceReport::Value(20.0), 5.0).1, ChannelState::Good);
     assert_eq!(bench.1.age, Some(Duration::from_secs(5)));
     // Readings from before the start are as old as they are.
     let mut bench = Bench::new("confirm = 1");
-    assert_eq!(bench.told(5.0, &Told::Value(20.0), 3600.0), (None, ChannelState::Waiting));
-    assert_eq!(bench.told(6.0, &Told::Value(20.0), 100.0).1, ChannelState::Good);
-    assert_eq!(bench.tick(87.0).1, ChannelState::Held(Fault::Silent));
+    assert_eq!(bench.told(5.0, &SourceReport::Value(20.0), 3600.0), (None, ChannelState::Waiting));
+    assert_eq!(bench.told(6.0, &SourceReport::Value(20.0), 100.0).1, ChannelState::Good);
+    assert_eq!(bench.tick(87.0).1, ChannelState::Held(ChannelFault::Silent));
 }
 
 #[test]
 fn a_value_that_never_moves_is_stuck_where_that_is_asked_for() {
     let mut bench = Bench::warm("stuck_after_s = 60");
     assert_eq!(bench.at(70.0, 20.0).1, ChannelState::Good, "50 s since it was believed at 20 s");
-    assert_eq!(bench.at(80.0, 20.0), (Some(20.0), ChannelState::Held(Fault::Stuck)));
+    assert_eq!(bench.at(80.0, 20.0), (Some(20.0), ChannelState::Held(ChannelFault::Stuck)));
     assert_eq!(bench.at(90.0, 20.01).1, ChannelState::Good);
     let mut bench = Bench::warm("");
     for step in 3..1000 {

@@ -7,7 +7,9 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::sense::{Action, ChannelState, Config, Fault, LineReader, Panel, Reading, Told, Verdict, stamp};
+use ncfix_dnc::sense::{
+    Action, ChannelFault, ChannelReading, ChannelState, Config, LineReader, Panel, PanelVerdict, SourceReport, stamp,
+};
 
 use proptest::prelude::*;
 
@@ -27,11 +29,11 @@ fn clock() -> Duration {
 
 /// Takes until a condition holds.
 #[track_caller]
-pub(crate) fn until(panel: &mut Panel, what: &str, is_so: impl Fn(&[&Reading]) -> bool) {
+pub(crate) fn until(panel: &mut Panel, what: &str, is_so: impl Fn(&[&ChannelReading]) -> bool) {
     let start = clock();
     loop {
         panel.take(clock());
-        let readings: Vec<&Reading> = panel.channels().collect();
+        let readings: Vec<&ChannelReading> = panel.channels().collect();
         if is_so(&readings) {
             return;
         }
@@ -49,7 +51,7 @@ pub(crate) fn until_value(panel: &mut Panel, expected_c: f64) {
 }
 
 #[track_caller]
-pub(crate) fn until_fault(panel: &mut Panel, fault: Fault) {
+pub(crate) fn until_fault(panel: &mut Panel, fault: ChannelFault) {
     until(panel, &format!("{fault:?}"), |readings| readings[0].state == ChannelState::Held(fault));
 }
 
@@ -61,7 +63,7 @@ fn fast(source: &str) -> String {
 }
 
 /// What lines tell the channels `T` and `U`, in order.
-fn told(lines: &[&str]) -> Vec<(usize, Told)> {
+fn told(lines: &[&str]) -> Vec<(usize, SourceReport)> {
     let mut reader = LineReader::new(&[("T".into(), 0), ("U".into(), 1)], true);
     let mut found = Vec::new();
     lines.iter().for_each(|line| reader.read(line.as_bytes(), &mut |channel, told, _| found.push((channel, told))));
@@ -70,7 +72,7 @@ fn told(lines: &[&str]) -> Vec<(usize, Told)> {
 
 #[test]
 fn lines_say_themselves_what_they_are() {
-    let value = |channel, value| (channel, Told::Value(value));
+    let value = |channel, value| (channel, SourceReport::Value(value));
     assert_eq!(told(&["t_s,T_C,U", "0,20.5,21", "1,,22"]), [value(0, 20.5), value(1, 21.0), value(1, 22.0)]);
     assert_eq!(told(&["U_C;note;T_C", "1,5;a b;-2"]), [value(0, -2.0), value(1, 1.5)]);
     assert_eq!(
@@ -100,7 +102,10 @@ fn lines_that_say_nothing_are_faults_and_never_numbers() {
     ] {
         let found = told(lines);
         assert!(found.len() >= 2, "{lines:?}");
-        assert!(found.iter().all(|(_, told)| matches!(told, Told::Nothing(Fault::Invalid, _))), "{lines:?} {found:?}");
+        assert!(
+            found.iter().all(|(_, told)| matches!(told, SourceReport::Nothing(ChannelFault::Invalid, _))),
+            "{lines:?} {found:?}"
+        );
     }
 }
 
@@ -142,7 +147,7 @@ fn a_growing_file_is_followed_through_partial_lines_rotation_and_truncation() {
     fs::write(&path, "T_C\n25\n").unwrap();
     until_value(&mut panel, 25.0);
     fs::remove_file(&path).unwrap();
-    until_fault(&mut panel, Fault::Disconnected);
+    until_fault(&mut panel, ChannelFault::Disconnected);
     fs::write(&path, "T_C\n26\n").unwrap();
     until_value(&mut panel, 26.0);
 }
@@ -168,10 +173,10 @@ fn a_file_that_holds_a_value_is_read_each_time() {
     let mut panel = open(&text, shop.path("").as_path());
     until_value(&mut panel, 21.437);
     fs::write(shop.path("temperature"), "85000\n").unwrap();
-    until_fault(&mut panel, Fault::Invalid);
+    until_fault(&mut panel, ChannelFault::Invalid);
     assert_eq!(panel.channels().next().unwrap().value_c, Some(21.437));
     fs::write(shop.path("temperature"), "").unwrap();
-    until_fault(&mut panel, Fault::Disconnected);
+    until_fault(&mut panel, ChannelFault::Disconnected);
     fs::write(shop.path("temperature"), "21500\n").unwrap();
     until_value(&mut panel, 21.5);
 }
@@ -184,7 +189,7 @@ fn a_command_is_read_and_ended_where_it_hangs() {
     fs::write(shop.path("values"), "T_C,x\n21.5,1\n").unwrap();
     until_value(&mut panel, 21.5);
     fs::remove_file(shop.path("values")).unwrap();
-    until_fault(&mut panel, Fault::Disconnected);
+    until_fault(&mut panel, ChannelFault::Disconnected);
 
     // What it starts is ended with it: the shell waits for its child.
     let source = "kind = \"command\"\ncommand = [\"sh\", \"-c\", \"echo T=20; test -e slow && { sleep 61.25 & wait; }; true\"]\ntimeout_s = 1";
@@ -221,7 +226,7 @@ fn a_source_that_hangs_keeps_nobody_waiting() {
     }
     // 10,000 takes in less than one of the two waits.
     assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
-    assert_eq!(panel.verdict(), Verdict::Waiting(vec!["T".into(), "U".into()]));
+    assert_eq!(panel.verdict(), PanelVerdict::Waiting(vec!["T".into(), "U".into()]));
     let start = Instant::now();
     drop(panel);
     assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
@@ -262,10 +267,10 @@ fn a_log_is_played_by_the_clock_of_the_job() {
     let values: Vec<_> =
         seen.iter().map(|(_, readings, _)| (readings[0].value_c.unwrap(), readings[1].value_c.unwrap())).collect();
     assert_eq!(values[..5], [(20.0, 22.0), (21.0, 22.0), (22.0, 22.0), (23.0, 22.0), (24.0, 22.1)]);
-    assert_eq!(seen[2].1[1].state, ChannelState::Held(Fault::Jump), "80 °C for one row");
-    assert!(matches!(&seen[2].2, Verdict::Freeze(why) if why.contains("80.0 °C")));
-    assert_eq!(seen[7].2, Verdict::Good, "180 s old");
-    assert_eq!(seen[8].1[0].state, ChannelState::Held(Fault::Silent), "240 s old");
+    assert_eq!(seen[2].1[1].state, ChannelState::Held(ChannelFault::Jump), "80 °C for one row");
+    assert!(matches!(&seen[2].2, PanelVerdict::Freeze(why) if why.contains("80.0 °C")));
+    assert_eq!(seen[7].2, PanelVerdict::Good, "180 s old");
+    assert_eq!(seen[8].1[0].state, ChannelState::Held(ChannelFault::Silent), "240 s old");
     assert_eq!(seen[10].1[0].state, ChannelState::Good);
     // Ten times as fast.
     let mut panel = open(
@@ -278,7 +283,7 @@ fn a_log_is_played_by_the_clock_of_the_job() {
     panel.take(Duration::from_secs(66));
     assert_eq!(panel.channels().next().unwrap().state, ChannelState::Good);
     panel.take(Duration::from_secs(67));
-    assert_eq!(panel.channels().next().unwrap().state, ChannelState::Held(Fault::Disconnected));
+    assert_eq!(panel.channels().next().unwrap().state, ChannelState::Held(ChannelFault::Disconnected));
 }
 
 #[test]
@@ -292,14 +297,14 @@ fn what_is_bad_for_long_is_acted_upon() {
         panel.verdict()
     };
     // T is silent from 240 + 180 s on.
-    assert_eq!(at("action = \"stop\"\nact_after_s = 60", 420), Verdict::Good);
-    assert!(matches!(at("action = \"stop\"\nact_after_s = 60", 470), Verdict::Freeze(_)));
+    assert_eq!(at("action = \"stop\"\nact_after_s = 60", 420), PanelVerdict::Good);
+    assert!(matches!(at("action = \"stop\"\nact_after_s = 60", 470), PanelVerdict::Freeze(_)));
     assert!(
-        matches!(at("action = \"stop\"\nact_after_s = 60", 480), Verdict::Act(Action::Stop, why) if why.starts_with("T "))
+        matches!(at("action = \"stop\"\nact_after_s = 60", 480), PanelVerdict::Act(Action::Stop, why) if why.starts_with("T "))
     );
-    assert!(matches!(at("action = \"hold\"\nact_after_s = 0", 430), Verdict::Act(Action::Hold, _)));
-    assert!(matches!(at("act_after_s = 60", 490), Verdict::Act(Action::Continue, _)));
-    assert_eq!(at("action = \"stop\"\nact_after_s = 60", 600), Verdict::Good, "it has come back");
+    assert!(matches!(at("action = \"hold\"\nact_after_s = 0", 430), PanelVerdict::Act(Action::Hold, _)));
+    assert!(matches!(at("act_after_s = 60", 490), PanelVerdict::Act(Action::Continue, _)));
+    assert_eq!(at("action = \"stop\"\nact_after_s = 60", 600), PanelVerdict::Good, "it has come back");
 }
 
 #[test]
@@ -369,7 +374,7 @@ proptest! {
         for line in &lines {
             reader.read(line, &mut |channel, told, _| {
                 assert!(channel < 2);
-                assert!(!matches!(told, Told::Value(value) if !value.is_finite()));
+                assert!(!matches!(told, SourceReport::Value(value) if !value.is_finite()));
             });
         }
     }

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::sense::{ChannelState, Config, Fault, Panel, SensorSources};
+use ncfix_dnc::sense::{ChannelFault, ChannelState, Config, Panel, SensorSources};
 
 use crate::sense_files::{open, until, until_fault, until_value};
 use crate::support::repository;
@@ -129,7 +129,7 @@ fn an_agent_is_asked_for_its_current_values() {
     set(200, streams("2.4", 1, &temperature("other", "t1", "28.5")));
     until_value(&mut panel, 28.5);
     set(200, streams("2.4", 1, &temperature("t1", "Tspindle", "UNAVAILABLE")));
-    until_fault(&mut panel, Fault::Invalid);
+    until_fault(&mut panel, ChannelFault::Invalid);
     assert_eq!(panel.channels().next().unwrap().value_c, Some(28.5), "the last good value");
     set(200, streams("2.4", 1, &temperature("t1", "Tspindle", "28.6")));
     until_value(&mut panel, 28.6);
@@ -158,7 +158,7 @@ fn an_agent_is_asked_for_its_current_values() {
         let before = count(&requests);
         set(status, body);
         until(&mut panel, "asked again", |_| count(&requests) > before + 2);
-        until_fault(&mut panel, Fault::Disconnected);
+        until_fault(&mut panel, ChannelFault::Disconnected);
     }
     set(200, streams("1.3", 2, &temperature("t1", "Tspindle", "29.7")));
     until_value(&mut panel, 29.7);
@@ -295,7 +295,7 @@ fn what_a_coupler_says_instead_of_a_value_is_a_fault() {
     let mut panel = open(&modbus(port, keys), std::path::Path::new(""));
     until_value(&mut panel, 21.5);
     set(10, 0x8000);
-    until_fault(&mut panel, Fault::Invalid);
+    until_fault(&mut panel, ChannelFault::Invalid);
     assert_eq!(note(&panel), "register 10 has -32768: the device has no value");
     set(10, 216);
     until_value(&mut panel, 21.6);
@@ -305,7 +305,7 @@ fn what_a_coupler_says_instead_of_a_value_is_a_fault() {
     until_value(&mut panel, 21.7);
     for fault in ["other transaction", "other function", "short", "cut", "long"] {
         registers.lock().unwrap().fault = Some(fault);
-        until_fault(&mut panel, Fault::Disconnected);
+        until_fault(&mut panel, ChannelFault::Disconnected);
         registers.lock().unwrap().fault = None;
         until_value(&mut panel, 21.7);
     }
@@ -467,7 +467,7 @@ fn messages_are_numbers_or_values_of_objects() {
     until_value(&mut panel, 21.25);
     for payload in ["21.5", "{\"air\": 1}", "{\"air\": {\"temperature\": null}}", "", "\u{0}\u{1}"] {
         Broker::send(&state, "head", payload);
-        until_fault(&mut panel, Fault::Invalid);
+        until_fault(&mut panel, ChannelFault::Invalid);
         Broker::send(&state, "head", "{\"air\": {\"temperature\": 21.5}}");
         until_value(&mut panel, 21.5);
     }
@@ -485,7 +485,7 @@ fn a_broker_that_goes_and_comes_is_found_again() {
     // Thrown out: the connection ends, the broker stays.
     let listeners = std::mem::take(&mut state.lock().unwrap().listeners);
     listeners.iter().for_each(|(_, stream)| stream.shutdown(std::net::Shutdown::Both).unwrap());
-    until_fault(&mut panel, Fault::Disconnected);
+    until_fault(&mut panel, ChannelFault::Disconnected);
     until(&mut panel, "subscribed again", |_| !state.lock().unwrap().listeners.is_empty());
     Broker::send(&state, "head", "{\"value\": 21.75}");
     until_value(&mut panel, 21.75);

@@ -7,8 +7,8 @@ use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Element, FeedUnit, Kind, Manner, Move, Origin, Way};
 use ncfix_model::{ErrorModel, Model, file};
-use ncfix_path::path::Options;
-use ncfix_path::servo::{Drive, Moment, MoveSpeed, Run, ServoMove, SpaceCircle};
+use ncfix_path::path::CorrectionOptions;
+use ncfix_path::servo::{CycleState, Drive, MoveSpeed, Run, ServoMove, SpaceCircle};
 
 /// A mill with three axes; `servo` are the lines of `[servo]` and of its axes.
 fn machine_with(servo: &str, rest: &str) -> (Machine, ErrorModel) {
@@ -37,7 +37,7 @@ fn line(x: f64, y: f64, mm_min: f64) -> ServoMove {
 }
 
 /// All moments of a program that starts at the first target, and its time.
-fn moments((machine, errors): &(Machine, ErrorModel), program: &[ServoMove]) -> (Vec<Moment>, f64) {
+fn moments((machine, errors): &(Machine, ErrorModel), program: &[ServoMove]) -> (Vec<CycleState>, f64) {
     let model = Model::new(machine, errors);
     let mut drive = Drive::new(machine, machine.servo.as_ref().unwrap(), &model);
     let mut out = Vec::new();
@@ -57,7 +57,7 @@ fn circle(radius: f64, mm_min: f64) -> [ServoMove; 2] {
 }
 
 /// Largest and least radius of the encoders in the second and third turn.
-fn radii(moments: &[Moment], time_s: f64) -> [f64; 2] {
+fn radii(moments: &[CycleState], time_s: f64) -> [f64; 2] {
     let inner = moments.iter().filter(|moment| (0.3..0.7).contains(&(moment.time_s / time_s)));
     let radii: Vec<f64> = inner.map(|moment| moment.encoder.0[0].hypot(moment.encoder.0[1])).collect();
     [radii.iter().copied().fold(f64::MIN, f64::max), radii.iter().copied().fold(f64::MAX, f64::min)]
@@ -126,7 +126,7 @@ fn a_corner_is_rounded_by_its_tolerance() {
     let loops = "velocity_gain_per_s = 50\nfeed_forward = 1\nmax_acceleration_m_s2 = 3";
     let program = [line(0.0, 0.0, 6000.0), line(30.0, 0.0, 6000.0), line(30.0, 30.0, 6000.0)];
     let (seen, time_s) = moments(&machine_with(&servo(head, loops, loops), ""), &program);
-    let corner: Vec<&Moment> = seen.iter().filter(|moment| (moment.time_s - time_s / 2.0).abs() < 0.02).collect();
+    let corner: Vec<&CycleState> = seen.iter().filter(|moment| (moment.time_s - time_s / 2.0).abs() < 0.02).collect();
     let off = corner.iter().map(|moment| moment.on_path.unwrap().off_mm.norm()).fold(0.0, f64::max);
     // Between two cycles the tool is nearer still to the corner.
     assert!((off - 0.010).abs() < 4e-4, "{off}");
@@ -163,7 +163,7 @@ fn time_of_halves(controller: &str, words: &[&'static str]) -> f64 {
     let (mut machine, errors) = machine_with(&servo(FINE, loops, loops), "");
     machine.controller = controller.to_owned();
     let model = Model::new(&machine, &errors);
-    let options = Options { start: Some(AxisVector::ZERO), ..Options::default() };
+    let options = CorrectionOptions { start: Some(AxisVector::ZERO), ..CorrectionOptions::default() };
     let mut run = Run::new(&machine, machine.servo.as_ref().unwrap(), &model, &options);
     let named: AxisSet = [Axis::X].into_iter().collect();
     let half = |x: f64| {

@@ -7,7 +7,7 @@ use ncfix_base::geometry::{Axis, AxisVector, ROTARY_AXES, Vector};
 use ncfix_machine::machine::{Machine, State};
 use ncfix_machine::snc::{Element, Kind, TextReader};
 use ncfix_model::{ErrorModel, LocationError, Model};
-use ncfix_path::path::{Options, Piece, Rapids, Rotary, Subdivision};
+use ncfix_path::path::{CorrectionOptions, Piece, Rapids, Rotary, Subdivision};
 
 use crate::bench_machine::{Replay, Run, backlash, correct, motion, polynomial};
 use crate::lei_hsu::machine;
@@ -26,9 +26,9 @@ fn errors() -> ErrorModel {
     ErrorModel { location: location.to_vec(), ..ErrorModel::default() }
 }
 
-fn options() -> Options {
+fn options() -> CorrectionOptions {
     // Corrections of C count at the tip.
-    Options { max_correction_mm: 2.0, rotary: Rotary::Correct, ..Options::default() }
+    CorrectionOptions { max_correction_mm: 2.0, rotary: Rotary::Correct, ..CorrectionOptions::default() }
 }
 
 /// Ends of the moves of a text.
@@ -222,7 +222,7 @@ fn a_jump_of_the_errors_is_spread_over_blocks() {
 fn pieces_of_a_fixed_step_are_limited_too() {
     let (machine, errors) = (machine(), errors());
     let text = "G0 X20 Y60 Z150 A-2.5 C0\nG1 X20 Y80 Z150 A2.5 C0 F500\n";
-    let run = correct(text, &machine, &errors, Options { subdivision: Subdivision::Step(5.0), ..options() });
+    let run = correct(text, &machine, &errors, CorrectionOptions { subdivision: Subdivision::Step(5.0), ..options() });
     let blocks = blocks(&run, text, &machine, &errors);
     assert_eq!(blocks.len(), 4);
     assert!(largest_change(&blocks) < LIMIT_RAD + NOISE_RAD, "{blocks:#?}");
@@ -245,7 +245,7 @@ fn rapid_moves_arrive_with_the_whole_correction() {
     let at_ends = |run: &Run| -> Vec<f64> { run.pieces.iter().map(|piece: &Piece| piece.command[Axis::C]).collect() };
     let ends = at_ends(&correct(text, &machine, &errors, options()));
     assert!((ends[1] - ends[0]).abs() > 4.0 * LIMIT_RAD && (ends[2] - ends[1]).abs() < 0.1 * LIMIT_RAD, "{ends:?}");
-    let ends = at_ends(&correct(text, &machine, &errors, Options { rapids: Rapids::All, ..options() }));
+    let ends = at_ends(&correct(text, &machine, &errors, CorrectionOptions { rapids: Rapids::All, ..options() }));
     assert!(
         ends.len() > 6 && ends.windows(2).all(|pair| (pair[1] - pair[0]).abs() < LIMIT_RAD + NOISE_RAD),
         "{ends:?}"
@@ -258,7 +258,7 @@ fn held_rotary_axes_keep_their_places_and_the_position_is_corrected() {
     let (machine, errors) = (machine(), errors());
     let model = Model::new(&machine, &errors);
     let text = "G0 X20 Y60 Z150 A-5 C30\nG1 X40 Y80 Z150 A5 C120 F500\nG1 X-40 Y30 Z140 A60 C120 F500\nG1 X-40 Y30 Z100 A60 C120 F500\n";
-    let held = correct(text, &machine, &errors, Options { rotary: Rotary::Hold, ..options() });
+    let held = correct(text, &machine, &errors, CorrectionOptions { rotary: Rotary::Hold, ..options() });
     assert!(held.findings.is_empty() && held.prediction.after().max_mm <= 1e-3);
     assert!(held.prediction.before().max_mm > 0.02);
     let blocks = blocks(&held, text, &machine, &errors);

@@ -3,10 +3,10 @@
 
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Lever, Machine, State};
-use ncfix_model::motion::Function;
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorModel, ErrorName, LocationError, Model, MotionError};
-use ncfix_path::path::{Options, Subdivision};
+use ncfix_path::path::{CorrectionOptions, Subdivision};
 
 use crate::bench_machine::{Random, Replay, correct, motion, polynomial};
 use crate::machines::xyz_machine;
@@ -176,7 +176,7 @@ fn across(residual: impl Fn(f64) -> Vector) -> (f64, f64) {
 }
 
 /// What the emitted program leaves, by a replay of its counts on the chain.
-fn left(options: Options) -> (f64, f64, usize) {
+fn left(options: CorrectionOptions) -> (f64, f64, usize) {
     let mut machine = machine("wFXYZSt", [Lever::Fixed; 3]);
     machine.spindle.origin_mm = Vector::new(0.0, 0.0, TOOL_MM);
     let errors = curved().model();
@@ -215,21 +215,23 @@ fn corrected_end_points_leave_the_curvature_of_the_errors() {
     let (predicted, predicted_at) = across(|at| bend(0.0, 1.0, at));
     assert!(predicted.abs() > 0.01, "tens of micrometers, as in the figure: {predicted}");
 
-    let (measured, at, pieces) = left(Options { subdivision: Subdivision::Step(1e4), ..Options::default() });
+    let (measured, at, pieces) =
+        left(CorrectionOptions { subdivision: Subdivision::Step(1e4), ..CorrectionOptions::default() });
     assert_eq!(pieces, 1);
     // An increment of 0.1 µm at the ends and the second order.
     assert!((measured - predicted).abs() < 1.5e-4, "{measured} mm at {at}, {predicted} mm at {predicted_at} predicted");
     assert!((at - predicted_at).abs() < 0.02, "{at} {predicted_at}");
 
     // Steps of 20 mm along X, the axis that moves farthest.
-    let (measured, _, pieces) = left(Options { subdivision: Subdivision::Step(20.0), ..Options::default() });
+    let (measured, _, pieces) =
+        left(CorrectionOptions { subdivision: Subdivision::Step(20.0), ..CorrectionOptions::default() });
     let steps: Vec<f64> = (0..=30).map(|k| f64::from(k) / 30.0).collect();
     let largest = |worst: f64, step: &[f64]| across(|at| bend(step[0], step[1], at)).0.abs().max(worst);
     let predicted = steps.windows(2).fold(0.0, largest);
     assert_eq!(pieces, 30);
     assert!(measured.abs() < predicted + 1.5e-4 && predicted < 5e-3, "{measured} mm, {predicted} mm predicted");
 
-    let (measured, _, pieces) = left(Options::default());
+    let (measured, _, pieces) = left(CorrectionOptions::default());
     assert!(measured.abs() <= 1e-3 && pieces < 30, "{measured} mm in {pieces} pieces");
 }
 
@@ -240,11 +242,11 @@ fn straight_errors_need_no_pieces() {
     machine.spindle.origin_mm = Vector::new(0.0, 0.0, TOOL_MM);
     let errors =
         ErrorModel { motion: vec![motion("EXX", linear(1e-4)), motion("EZX", linear(-5e-5))], ..ErrorModel::default() };
-    let run = correct("G0 X50 Y0 Z20\nG1 X650 Y0 Z420 F500\n", &machine, &errors, Options::default());
+    let run = correct("G0 X50 Y0 Z20\nG1 X650 Y0 Z420 F500\n", &machine, &errors, CorrectionOptions::default());
     assert_eq!(run.pieces.len(), 2);
     assert!(run.prediction.before().max_mm > 0.05 && run.prediction.after().max_mm < 2e-4);
 }
 
-fn linear(slope: f64) -> Function {
+fn linear(slope: f64) -> EntryFunction {
     polynomial(&[0.0, slope])
 }

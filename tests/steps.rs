@@ -3,7 +3,7 @@
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_machine::machine::{AxisData, Lever, Machine};
 use ncfix_model::{ErrorModel, Model};
-use ncfix_path::path::{Answer, Rotary, StepTrial, Steps, volume};
+use ncfix_path::path::{ResidualSteps, Rotary, StepTrial, Steps, volume};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::machines::xyz_machine;
@@ -26,7 +26,7 @@ fn search(machine: &Machine, errors: &ErrorModel, tool_mm: f64, limit_mm: f64) -
 
 #[track_caller]
 fn finds(steps: &Steps, wanted_mm: f64) {
-    let Answer::UpTo(step_mm) = steps.answer else { panic!("{:?}", steps.answer) };
+    let ResidualSteps::UpTo(step_mm) = steps.answer else { panic!("{:?}", steps.answer) };
     assert!((step_mm / wanted_mm - 1.0).abs() < 0.02, "{step_mm} instead of {wanted_mm}");
 }
 
@@ -93,11 +93,11 @@ fn a_turning_table_counts_at_an_arm_of_a_hundred_millimeters() {
 fn without_bending_any_step_will_do() {
     let machine = sized([500.0, 300.0, 200.0]);
     let none = search(&machine, &ErrorModel::default(), 100.0, 1e-6);
-    assert_eq!((none.answer, none.worst.max_mm), (Answer::Any, 0.0));
+    assert_eq!((none.answer, none.worst.max_mm), (ResidualSteps::Any, 0.0));
     // Scale and squareness are straight: ends corrected, nothing is left between.
     let straight = errors(&[("EXX", &[0.0, 1e-4]), ("EYX", &[0.0, -2e-4])]);
     let steps = search(&machine, &straight, 100.0, 1e-6);
-    assert_eq!(steps.answer, Answer::Any);
+    assert_eq!(steps.answer, ResidualSteps::Any);
 }
 
 #[test]
@@ -117,7 +117,7 @@ fn smaller_steps_count_for_larger_ones() {
     // However small it may be: a residual that no step keeps.
     let tight = errors(&[("EXX", &[0.0, 0.0, 1e-4])]);
     let steps = search(&machine, &tight, 0.0, 1e-6);
-    assert_eq!(steps.answer, Answer::None);
+    assert_eq!(steps.answer, ResidualSteps::None);
 }
 
 /// A machine file with X of 500 mm; Y and Z hardly move.

@@ -6,7 +6,7 @@ use ncfix_base::csv::Table;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::{StrainGauge, condition};
-use ncfix_metrology::measure::strain::{self, Reading};
+use ncfix_metrology::measure::strain::{self, StrainReading};
 use ncfix_metrology::measure::weighing::{Coordinate, Measured, Weighing, weigh};
 
 use crate::model::Random;
@@ -36,7 +36,7 @@ fn gauge(section: &str) -> StrainGauge {
     machine.unwrap().0.strain.unwrap()
 }
 
-fn readings(text: &str, gauge: &StrainGauge) -> Vec<Reading> {
+fn readings(text: &str, gauge: &StrainGauge) -> Vec<StrainReading> {
     let (table, findings) = Table::read(&source(text));
     assert!(findings.is_empty(), "{findings:#?}");
     strain::read(&table.unwrap(), gauge).unwrap()

@@ -5,7 +5,7 @@ use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::{Machine, OriPath, TiltAbout};
 use ncfix_machine::snc::Kind;
 use ncfix_model::{ErrorModel, Model, file};
-use ncfix_path::path::Options;
+use ncfix_path::path::CorrectionOptions;
 
 use crate::bench_machine::load_machine;
 use crate::five_axis::{corrected, elements, execute, machine, targets, tip_in_program, topologies, with_tool};
@@ -185,7 +185,7 @@ fn the_output_states_what_lead_and_tilt_meant() {
                 A5=0.1 B5=0.1 C5=1\nN7 X35 Y50\nN8 TRAFOOF\nN9 G0 Z300\nN10 M30\n";
     let (machine, errors) = load_machine("esmaeili_huron");
     let machine = with_tool(machine);
-    let options = Options { max_correction_mm: 0.5, ..Options::default() };
+    let options = CorrectionOptions { max_correction_mm: 0.5, ..CorrectionOptions::default() };
     let (out, prediction, commands) = corrected(text, &machine, &errors, &options);
     assert!(prediction.before().max_mm > 0.02 && prediction.after().max_mm < 1.2e-3, "{prediction:?}");
     for word in ["LEAD", "TILT", "ORIPATH", "A5", "C5"] {

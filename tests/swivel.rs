@@ -6,7 +6,7 @@ use ncfix_language::exec::Options as ExecOptions;
 use ncfix_machine::machine::{Machine, Tool};
 use ncfix_machine::snc::{Element, Kind};
 use ncfix_model::{ErrorModel, Model};
-use ncfix_path::path::Options;
+use ncfix_path::path::CorrectionOptions;
 
 use crate::bench_machine::load_machine;
 use crate::flat::{check, execute};
@@ -198,7 +198,7 @@ fn a_swivelled_program_is_corrected() {
         commands(&elements)[1][names[1]].abs() < 1e-9
     };
     let program = [program(-1), program(1)].into_iter().find(is_short).unwrap();
-    let options = Options { max_correction_mm: 2.0, ..Options::default() };
+    let options = CorrectionOptions { max_correction_mm: 2.0, ..CorrectionOptions::default() };
     let done = check_correction(&program, &machine, &errors, &options);
     assert!(
         !done.text.contains("CYCLE800") && done.text.contains("TRANS X") && done.text.contains("SUPA"),

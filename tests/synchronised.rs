@@ -2,13 +2,13 @@
 
 use crate::machines::xyz_machine;
 use crate::modes::{check, codes, written};
-use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::{AllowedSynchronised, Machine};
 use ncfix_model::ErrorModel;
-use ncfix_path::path::Options;
+use ncfix_path::path::CorrectionOptions;
 
 fn codes_on(machine: &Machine, action: &str) -> Vec<String> {
     let program = format!("G90 G0 X1\n{action}\nG0 X2\nM30");
-    written(&program, machine, &ErrorModel::default(), Options::default()).1
+    written(&program, machine, &ErrorModel::default(), CorrectionOptions::default()).1
 }
 
 #[test]
@@ -71,12 +71,12 @@ fn actions_that_may_move_an_axis_are_refused() {
 #[test]
 fn the_machine_file_allows_actions_by_their_number() {
     let mut machine = xyz_machine();
-    machine.control.allow_synchronised = vec!["3".into()];
+    machine.control.allow_synchronised = vec![AllowedSynchronised::Id("3".into())];
     assert_eq!(codes_on(&machine, "ID=3 WHEN $A_IN[1]==1 DO POS[X]=10"), [""; 0]);
     assert_eq!(codes_on(&machine, "IDS=3 WHENEVER $AC_DTEW<5 DO M8"), [""; 0]);
     assert_eq!(codes_on(&machine, "ID=4 WHEN $A_IN[1]==1 DO POS[X]=10"), ["E0201"]);
     assert_eq!(codes_on(&machine, "DO POS[X]=10"), ["E0201"]);
-    machine.control.allow_synchronised = vec!["all".into()];
+    machine.control.allow_synchronised = vec![AllowedSynchronised::All];
     assert_eq!(codes_on(&machine, "ID=4 WHEN $A_IN[1]==1 DO POS[X]=10"), [""; 0]);
     assert_eq!(codes_on(&machine, "DO POS[X]=10"), [""; 0]);
 }

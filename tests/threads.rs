@@ -1,7 +1,7 @@
 //! Threads: straight moves in one piece, their words passed on.
 
 use ncfix_model::ErrorModel;
-use ncfix_path::path::{Options, Subdivision};
+use ncfix_path::path::{CorrectionOptions, Subdivision};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::exec::{check as check_moves, check_codes, run};
@@ -73,7 +73,7 @@ fn a_thread_keeps_its_one_piece_and_says_where_that_bends() {
     // The straight line from the end at z = 0 to that at z = -40 is off the parabola 1e-6 z^2 by 1e-6 * 20^2 = 0.0004 mm at the middle; to
     // z = -100 by 1e-6 * 50^2 = 0.0025 mm.
     let program = |end: &str| format!("G90 G0 X10 Y20 Z0 F100\nG331 Z{end} K1\nG332 Z0 K1\nG1 Z{end}\nM30");
-    let options = || Options { tolerance_mm: 1e-3, ..Options::default() };
+    let options = || CorrectionOptions { tolerance_mm: 1e-3, ..CorrectionOptions::default() };
     let (lines, codes) = written(&program("-40"), &xyz_machine(), &bent(), options());
     assert_eq!(codes, [""; 0]);
     // X is told less by 1e-6 * 40^2 = 0.0016 mm.
@@ -82,7 +82,7 @@ fn a_thread_keeps_its_one_piece_and_says_where_that_bends() {
     assert_eq!(codes, ["W0307", "W0307"]);
     assert_eq!(lines[1..3], ["G331 X9.99 Z-100 K1", "G332 X10 Z0 K1"]);
     assert!(lines[4].ends_with(";+"), "a feed motion is cut: {lines:?}");
-    let stepped = Options { subdivision: Subdivision::Step(5.0), ..options() };
+    let stepped = CorrectionOptions { subdivision: Subdivision::Step(5.0), ..options() };
     let (lines, _) = written(&program("-40"), &xyz_machine(), &bent(), stepped);
     assert_eq!(lines[1..3], ["G331 X9.9984 Z-40 K1", "G332 X10 Z0 K1"]);
 }
@@ -130,7 +130,7 @@ fn tapping_cycles_go_down_and_back_with_the_spindle() {
 #[test]
 fn a_tapping_cycle_is_written_with_its_lead() {
     let text = "G17 G90 G0 X1 Y2 Z10 S200 M3\nCYCLE84(10,0,2,-15,0,0,3,,-0.8,90,200,500)\nM30";
-    let (lines, codes) = written(text, &xyz_machine(), &ErrorModel::default(), Options::default());
+    let (lines, codes) = written(text, &xyz_machine(), &ErrorModel::default(), CorrectionOptions::default());
     assert_eq!(codes, [""; 0]);
     let words = |line: &str| line.split(" ;").next().unwrap().to_owned();
     let lines: Vec<String> = lines.iter().map(|line| words(line)).collect();

@@ -4,7 +4,7 @@ use ncfix_base::geometry::{Arc, Axis, AxisVector, Plane, Vector};
 use ncfix_machine::machine::{Machine, State};
 use ncfix_machine::snc::{Element, Kind, TextReader};
 use ncfix_model::{ErrorModel, Model};
-use ncfix_path::path::{Arcs, Options, Rapids};
+use ncfix_path::path::{Arcs, CorrectionOptions, Rapids};
 
 use crate::bench_machine::{Random, Replay, Trace, backlash, correct, load_machine, motion, polynomial, table, tired};
 use crate::machines::xyz_machine;
@@ -72,7 +72,7 @@ impl Play {
 }
 
 /// Corrects, replays, and gives the largest distance of the tool from the nominal path of feed moves, mm, and the number of pieces.
-fn worst(text: &str, machine: &Machine, errors: &ErrorModel, options: &Options) -> (f64, usize) {
+fn worst(text: &str, machine: &Machine, errors: &ErrorModel, options: &CorrectionOptions) -> (f64, usize) {
     worst_with_play(text, (machine, errors), options, None)
 }
 
@@ -80,7 +80,7 @@ fn worst(text: &str, machine: &Machine, errors: &ErrorModel, options: &Options) 
 fn worst_with_play(
     text: &str,
     (machine, errors): (&Machine, &ErrorModel),
-    options: &Options,
+    options: &CorrectionOptions,
     mut play: Option<Play>,
 ) -> (f64, usize) {
     let run = correct(text, machine, errors, options.clone());
@@ -149,7 +149,7 @@ fn random_machines_stay_within_the_tolerance_between_the_blocks() {
         let errors = tired(&mut random);
         let tolerance_mm = [1e-3, 3e-4, 5e-3][round % 3];
         let arcs = if round % 4 == 3 { Arcs::Chords } else { Arcs::Keep };
-        let options = Options { tolerance_mm, arcs, rapids: Rapids::All, ..Options::default() };
+        let options = CorrectionOptions { tolerance_mm, arcs, rapids: Rapids::All, ..CorrectionOptions::default() };
         let text = random_program(&mut random, 6);
         let (largest, pieces) = worst(&text, &machine, &errors, &options);
         assert!(largest <= tolerance_mm, "round {round}: {largest} mm\n{text}");
@@ -173,7 +173,7 @@ fn kinks_of_tables_stay_within_the_tolerance() {
                 .collect(),
             ..ErrorModel::default()
         };
-        let options = Options::default();
+        let options = CorrectionOptions::default();
         let text = random_program(&mut random, 5);
         let (largest, _) = worst(&text, &xyz_machine(), &errors, &options);
         assert!(largest <= options.tolerance_mm, "{largest} mm\n{text}");
@@ -185,7 +185,7 @@ fn five_axis_moves_stay_within_the_tolerance() {
     let (machine, errors) = load_machine("esmaeili_xyz5");
     let text = "G0 X0 Y0 Z200 B0 C0\nG1 X50 Y40 Z120 B10 C30 F500\nG1 X-60 Y40 Z80 B-35 C-120 F500\n\
                 G3 X-40 Y60 Z80 I20 J0 P17 F500\nG1 X-40 Y60 Z80 B20 C0 F500\n";
-    let options = Options { rapids: Rapids::All, ..Options::default() };
+    let options = CorrectionOptions { rapids: Rapids::All, ..CorrectionOptions::default() };
     let (largest, _) = worst(text, &machine, &errors, &options);
     assert!(largest <= options.tolerance_mm, "{largest} mm");
 }
@@ -233,7 +233,7 @@ fn pieces_are_nearly_as_few_as_can_be() {
         let model = Model::new(&machine, &errors);
         let mut end = AxisVector::ZERO;
         end.set_xyz(Vector::new(480.0, 350.0, -200.0));
-        let options = Options { tolerance_mm: 2e-4, ..Options::default() };
+        let options = CorrectionOptions { tolerance_mm: 2e-4, ..CorrectionOptions::default() };
         let least = least_pieces(&model, AxisVector::ZERO, end, options.tolerance_mm, 300);
         let run = correct("G0 X0 Y0 Z0\nG1 X480 Y350 Z-200 F500\n", &machine, &errors, options);
         let pieces = run.pieces.len() - 1;
@@ -249,7 +249,7 @@ fn arcs_are_fewer_than_chords_and_as_good() {
     let machine = xyz_machine();
     let errors = tired(&mut Random(8));
     let text = "G0 X150 Y100 Z0\nG3 X150 Y100 Z0 I-50 J20 P17 F500\n";
-    let run = |arcs| worst(text, &machine, &errors, &Options { arcs, ..Options::default() });
+    let run = |arcs| worst(text, &machine, &errors, &CorrectionOptions { arcs, ..CorrectionOptions::default() });
     let (kept, chords) = (run(Arcs::Keep), run(Arcs::Chords));
     assert!(kept.0 <= 1e-3 && chords.0 <= 1e-3);
     assert!(kept.1 * 10 < chords.1, "{} arcs, {} chords", kept.1, chords.1);
@@ -264,7 +264,7 @@ fn the_machine_that_is_asked_computes_the_circle_that_was_meant() {
     end.set_xyz(Vector::new(8.0, -4.0, 2.0));
     let text = "G0 X0 Y0 Z0\nG2 X8 Y-4 Z2 I3 J-4 P17 L1 F500\n";
     let machine = xyz_machine();
-    let run = correct(text, &machine, &ErrorModel::default(), Options::default());
+    let run = correct(text, &machine, &ErrorModel::default(), CorrectionOptions::default());
     let mut replay = Replay::new(&machine);
     replay.follow(&run.pieces[0], 1);
     for (k, (command, _)) in (1..).zip(replay.follow(&run.pieces[1], 50)) {
@@ -297,7 +297,7 @@ fn an_axis_that_stands_still_keeps_its_sense_of_motion() {
             at[(step + round) % 3] = (random.between(-300.0, 300.0) * 1e3).round() / 1e3;
             text.push_str(&format!("G1 X{} Y{} Z{} F500\n", at[0], at[1], at[2]));
         }
-        let options = Options::default();
+        let options = CorrectionOptions::default();
         // Where no consistent sense exists, that is said; what is judged here is what was promised.
         if correct(&text, &machine, &errors, options.clone()).findings.is_empty() {
             judged += 1;
@@ -316,6 +316,6 @@ fn rounding_does_not_bend_short_arcs_of_an_ideal_machine() {
     // 1.5 mm of a circle of 60 mm: half an increment at its ends turns the bisector by enough to bend it by 9 µm.
     let text =
         "G0 X0 Y0 Z0\nG1 X242.0509 Y-178.18598 Z0 F500\nG2 X242.08163 Y-176.63468 Z0 I-59.96785 J1.96385 P17 F500\n";
-    let (largest, _) = worst(text, &machine, &ErrorModel::default(), &Options::default());
+    let (largest, _) = worst(text, &machine, &ErrorModel::default(), &CorrectionOptions::default());
     assert!(largest <= 1e-3, "{largest} mm");
 }

@@ -5,7 +5,7 @@ use ncfix_language::syntax;
 use ncfix_machine::machine::Machine;
 use ncfix_model::{ErrorModel, Model};
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Corrector, Increments, Options, Output, OutputFrame, Turns};
+use ncfix_path::path::{CorrectionOptions, Corrector, Increments, Output, OutputFrame, Turns};
 
 use crate::bench_machine::{motion, polynomial};
 use crate::machines::xyz_machine;
@@ -28,7 +28,9 @@ fn corrected(errors: &ErrorModel, turns: Turns, dialect: &str) -> (Vec<Output>, 
     assert!(findings.is_empty(), "{findings:?}");
     let execution = Execution::new(program, &machine, Box::new(NoLibrary), ExecOptions::default());
     let stream: Vec<Output> =
-        Corrector::new(execution, &machine, &model, Options { turns, ..Options::default() }).flatten().collect();
+        Corrector::new(execution, &machine, &model, CorrectionOptions { turns, ..CorrectionOptions::default() })
+            .flatten()
+            .collect();
     let options = WriterOptions {
         names: machine.written_names(),
         increments: Increments::new(&machine.control),

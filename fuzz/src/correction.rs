@@ -121,12 +121,12 @@ fn is_short(elements: &[Element]) -> bool {
 /// The corrected text; `None` where the correction is refused.
 fn written(name: &str, elements: &[Element], machine: &Machine, model: &Model, has_steps: bool) -> Option<Vec<u8>> {
     let entry = emit::entry(name).expect("the dialect has a writer");
-    let options = path::Options {
+    let options = path::CorrectionOptions {
         tolerance_mm: 0.005,
         turns: entry.turns,
         subdivision: if has_steps { Subdivision::Step(20.0) } else { Subdivision::Adaptive },
         arcs: if has_steps { Arcs::Chords } else { Arcs::Keep },
-        ..path::Options::default()
+        ..path::CorrectionOptions::default()
     };
     let stamp = Stamp { machine: "m".into(), model: "0".into(), source: "1".into(), ..Stamp::default() };
     let writer_options = WriterOptions {

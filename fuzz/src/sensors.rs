@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ncfix_dnc::sense::{Config, LineReader, Monitor, Reading, Told, stamp};
+use ncfix_dnc::sense::{ChannelReading, Config, LineReader, Monitor, SourceReport, stamp};
 
 use super::{check_findings, source};
 
@@ -35,7 +35,7 @@ pub fn lines(bytes: &[u8]) {
         let now = Duration::from_secs(10 * number as u64);
         lines.read(line, &mut |channel, told, time| {
             assert!(channel < items.len());
-            if let (Told::Value(_), Some(monitor)) = (&told, monitors.get(channel)) {
+            if let (SourceReport::Value(_), Some(monitor)) = (&told, monitors.get(channel)) {
                 assert!(monitor.channel().name.starts_with('T'));
             }
             let age = Duration::from_secs(u64::from(time.is_some()));
@@ -45,7 +45,7 @@ pub fn lines(bytes: &[u8]) {
         });
         for monitor in &mut monitors {
             monitor.tick(now);
-            let mut reading = Reading::default();
+            let mut reading = ChannelReading::default();
             monitor.show(now, &mut reading);
             let [low, high] = monitor.channel().range_c;
             assert!(reading.value_c.is_none_or(|value| (low..=high).contains(&value)), "{reading:?}");

@@ -7,7 +7,7 @@ use super::findings::Findings;
 use super::state;
 use super::stop::Stop;
 pub(super) use crate::disk::hash::digest;
-pub(super) use crate::disk::machine_file::{Found, locate, read, source_of};
+pub(super) use crate::disk::machine_file::{FoundFile, locate, read, source_of};
 pub(super) use crate::machine::Machine as Chosen;
 
 /// Chooses and reads the machine for `program`; `None` where findings forbid to use it.

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::arguments::ProgramChoice;
 use super::stop::Stop;
 pub(super) use crate::disk::output::{protect, protect_program};
-use crate::options::Reading;
+use crate::options::ProgramReading;
 use crate::program::Program;
 use crate::run;
 pub(super) use crate::run::is_in_archive;
@@ -15,7 +15,7 @@ pub(super) use crate::run::is_in_archive;
 /// # Errors
 /// Where the file cannot be read.
 pub(super) fn of(path: &Path, choice: &ProgramChoice) -> Result<Program, Stop> {
-    Ok(Program::new(run::read(path)?, path, Reading::from(choice)))
+    Ok(Program::new(run::read(path)?, path, ProgramReading::from(choice)))
 }
 
 /// An original and a corrected program of the command line.
@@ -26,9 +26,14 @@ pub(super) fn both(original: &Path, corrected: &Path, choice: &ProgramChoice) ->
     Ok([of(original, choice)?, of(corrected, choice)?])
 }
 
-impl From<&ProgramChoice> for Reading {
-    fn from(choice: &ProgramChoice) -> Reading {
+impl From<&ProgramChoice> for ProgramReading {
+    fn from(choice: &ProgramChoice) -> ProgramReading {
         let ProgramChoice { dialect, max_blocks, skip, start } = choice;
-        Reading { dialect: dialect.clone(), max_blocks: *max_blocks, skip: skip.unwrap_or_default(), start: *start }
+        ProgramReading {
+            dialect: dialect.clone(),
+            max_blocks: *max_blocks,
+            skip: skip.unwrap_or_default(),
+            start: *start,
+        }
     }
 }

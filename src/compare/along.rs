@@ -8,7 +8,7 @@ use crate::diagnostics::Diagnostics;
 use crate::disk::hash::input_of;
 use ncfix_base::units::um_from_mm;
 use ncfix_path::path::Follow;
-use ncfix_report::inputs::Input;
+use ncfix_report::inputs::InputFile;
 use ncfix_report::verification::{Piece, Verification};
 
 /// Moves that are listed.
@@ -44,10 +44,10 @@ impl ErrorsAlong {
     pub(crate) fn verification(self, outcome: &Outcome, findings: &Diagnostics) -> Verification {
         let name = |k: usize| outcome.sources[k].first().map_or_else(String::new, |source| source.name().to_owned());
         let program = |k: usize, role: &'static str| outcome.sources[k].first().map(|source| input_of(source, role));
-        let mut inputs: Vec<Input> =
+        let mut inputs: Vec<InputFile> =
             [program(0, "original program"), program(1, "corrected program")].into_iter().flatten().collect();
         let machine = &outcome.machine;
-        inputs.push(Input { file: machine.name.clone(), role: "machine", hash: machine.model.clone() });
+        inputs.push(InputFile { file: machine.name.clone(), role: "machine", hash: machine.model.clone() });
         Verification {
             files: [name(0), name(1)],
             machine: machine.name.clone(),

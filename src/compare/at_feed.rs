@@ -5,7 +5,7 @@ use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::{Machine, Servo};
 use ncfix_machine::snc::{Element, Origin};
 use ncfix_model::Model;
-use ncfix_path::path::Options;
+use ncfix_path::path::CorrectionOptions;
 use ncfix_path::servo::{Run, Tally};
 use ncfix_report::json::AtFeed;
 
@@ -17,7 +17,7 @@ pub(crate) struct Driven<'a> {
 
 impl<'a> Driven<'a> {
     /// Before the first block.
-    pub(crate) fn new(machine: &Machine, servo: &Servo, model: &'a Model, options: &Options) -> Driven<'a> {
+    pub(crate) fn new(machine: &Machine, servo: &Servo, model: &'a Model, options: &CorrectionOptions) -> Driven<'a> {
         Driven { run: Run::new(machine, servo, model, options), tally: Tally::default() }
     }
 

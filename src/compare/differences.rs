@@ -4,13 +4,13 @@ use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::snc::{FeedUnit, Origin};
-use ncfix_path::path::{Difference, What};
+use ncfix_path::path::{ProgramDifference, What};
 
 /// Differences that are kept.
 pub(crate) const MOST: usize = 1000;
 
 /// A sentence for a difference, with the place in the corrected program.
-pub(crate) fn diagnostic(difference: &Difference, [originals, correcteds]: [&[Source]; 2]) -> Diagnostic {
+pub(crate) fn diagnostic(difference: &ProgramDifference, [originals, correcteds]: [&[Source]; 2]) -> Diagnostic {
     let (original, corrected) = (at(&difference.original, originals), at(&difference.corrected, correcteds));
     let again = "correct the original again; a change that is meant belongs into the original";
     let (code, message, help) = match &difference.what {

@@ -3,10 +3,10 @@
 use super::CompareOptions;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::Source;
-use ncfix_base::units::{um_from_mm, urad_from_rad};
-use ncfix_path::review::words::{Word, block_number, decimals, words};
-use ncfix_path::review::{Row, moves};
-use ncfix_report::review::{Changed, Look, Row as Shown};
+use ncfix_base::units::{UnitKey, um_from_mm};
+use ncfix_path::review::words::{LineWord, block_number, decimals, words};
+use ncfix_path::review::{ReviewRow, moves};
+use ncfix_report::review::{Changed, ChangedMove, Look};
 
 /// Largest number of lines above a line in which its modal words are searched.
 const ABOVE: u32 = 200;
@@ -38,7 +38,7 @@ impl<'a> Text<'a> {
 /// The rows that are asked for.
 pub(crate) struct Listing<'a> {
     wanted: &'a CompareOptions,
-    rows: &'a [Row],
+    rows: &'a [ReviewRow],
     axes: Vec<Axis>,
     original: Vec<Text<'a>>,
     corrected: Text<'a>,
@@ -47,7 +47,7 @@ pub(crate) struct Listing<'a> {
 impl<'a> Listing<'a> {
     pub(crate) fn new(
         wanted: &'a CompareOptions,
-        rows: &'a [Row],
+        rows: &'a [ReviewRow],
         sources: &'a [Source],
         corrected: &'a Source,
     ) -> Listing<'a> {
@@ -56,11 +56,11 @@ impl<'a> Listing<'a> {
     }
 
     /// The largest change of a move, µm.
-    fn largest(&self, own: &[Row]) -> f64 {
+    fn largest(&self, own: &[ReviewRow]) -> f64 {
         own.iter().map(|row| row.largest(&self.axes)).fold(0.0, f64::max)
     }
 
-    fn is_wanted(&self, own: &[Row]) -> bool {
+    fn is_wanted(&self, own: &[ReviewRow]) -> bool {
         let largest = self.largest(own);
         let least = self.wanted.least_mm.map_or(0.0, um_from_mm);
         let same = um_from_mm(self.wanted.tolerance_mm);
@@ -68,8 +68,8 @@ impl<'a> Listing<'a> {
     }
 
     /// The moves with the largest changes, the largest first.
-    fn top(&self, count: usize) -> (Vec<&'a [Row]>, u64) {
-        let mut all: Vec<(f64, &[Row])> =
+    fn top(&self, count: usize) -> (Vec<&'a [ReviewRow]>, u64) {
+        let mut all: Vec<(f64, &[ReviewRow])> =
             moves(self.rows).filter(|own| self.is_wanted(own)).map(|own| (self.largest(own), own)).collect();
         let more = all.len().saturating_sub(count) as u64;
         // Of equals the first.
@@ -79,7 +79,7 @@ impl<'a> Listing<'a> {
     }
 
     /// Some rows for the object for programs, and how many there are beside them.
-    pub(crate) fn some(&self, count: usize) -> (Vec<Shown>, u64) {
+    pub(crate) fn some(&self, count: usize) -> (Vec<ChangedMove>, u64) {
         let (own, more) = self.top(count);
         (own.into_iter().map(|own| self.shown(own, 0)).collect(), more)
     }
@@ -114,8 +114,8 @@ impl<'a> Listing<'a> {
     }
 
     /// A move as it is shown.
-    fn shown(&self, own: &[Row], folded: u64) -> Shown {
-        let (Some(first), Some(last)) = (own.first(), own.last()) else { return Shown::default() };
+    fn shown(&self, own: &[ReviewRow], folded: u64) -> ChangedMove {
+        let (Some(first), Some(last)) = (own.first(), own.last()) else { return ChangedMove::default() };
         let text = self.original.get(usize::from(first.file));
         let before = text.map_or(String::new(), |text| text.line(first.line));
         let file = text.filter(|_| first.file > 0).map(|text| text.source.name());
@@ -125,7 +125,7 @@ impl<'a> Listing<'a> {
         let row = if last.largest(&self.axes) > 0.0 { last } else { most };
         let [mm, rad] = self.wanted.tolerance();
         let is_changed = |axis: &&Axis| row.added(**axis).abs() > if axis.is_rotary() { rad } else { mm };
-        Shown {
+        ChangedMove {
             line: first.line,
             file,
             number: block_number(&before).unwrap_or_default().to_owned(),
@@ -137,7 +137,7 @@ impl<'a> Listing<'a> {
     }
 
     /// The words of axes that are changed.
-    fn words(&self, row: &Row, before: &str, axes: impl Iterator<Item = Axis>) -> Vec<Changed> {
+    fn words(&self, row: &ReviewRow, before: &str, axes: impl Iterator<Item = Axis>) -> Vec<Changed> {
         let after = self.corrected.line(row.corrected_line);
         let [of_before, of_after] = [before, &after].map(words);
         axes.map(|axis| {
@@ -151,7 +151,7 @@ impl<'a> Listing<'a> {
     }
 
     /// A word that stands above, as its value goes on.
-    fn above(&self, row: &Row, axis: Axis, written: Option<&Word<'_>>) -> Changed {
+    fn above(&self, row: &ReviewRow, axis: Axis, written: Option<&LineWord<'_>>) -> Changed {
         let highest = row.corrected_line.saturating_sub(ABOVE).max(1);
         for line in (highest..row.corrected_line).rev() {
             let text = self.corrected.line(line);
@@ -164,10 +164,10 @@ impl<'a> Listing<'a> {
 }
 
 /// A word that is changed, from that of the corrected program and that of the original.
-fn changed(row: &Row, axis: Axis, word: Option<&Word<'_>>, written: Option<&Word<'_>>) -> Changed {
+fn changed(row: &ReviewRow, axis: Axis, word: Option<&LineWord<'_>>, written: Option<&LineWord<'_>>) -> Changed {
     let added = row.added(axis);
-    let (unit, shown) = if axis.is_rotary() { ("urad", urad_from_rad(added)) } else { ("um", um_from_mm(added)) };
-    let mut out = Changed { axis: axis.to_string(), added: shown, unit, ..Changed::default() };
+    let unit = UnitKey::of(axis.is_rotary());
+    let mut out = Changed { axis: axis.to_string(), added: unit.unit().shown(added), unit, ..Changed::default() };
     let Some(word) = word else { return out };
     let digits = decimals(word.value);
     let was = word.number.unwrap_or_default() - if axis.is_rotary() { added.to_degrees() } else { added };
@@ -189,7 +189,7 @@ fn rounded(value: f64, decimals: usize) -> String {
 }
 
 /// The word of an axis with a number.
-fn word_of<'w, 't>(words: &'w [Word<'t>], axis: Axis) -> Option<&'w Word<'t>> {
+fn word_of<'w, 't>(words: &'w [LineWord<'t>], axis: Axis) -> Option<&'w LineWord<'t>> {
     let letter = axis.letter();
     let is_own = |address: &str| {
         let bare = address.strip_prefix("POS[").and_then(|rest| rest.strip_suffix(']')).unwrap_or(address);

@@ -19,8 +19,8 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::units::um_from_mm;
 use ncfix_path::path::{Follow, Promise};
-use ncfix_path::review::Trace;
-use ncfix_report::json::Verification;
+use ncfix_path::review::ReviewTrace;
+use ncfix_report::json::VerificationReport;
 use ncfix_report::review::{Limit, Review};
 use ncfix_report::verdict::Verdict;
 
@@ -85,7 +85,7 @@ impl Program {
     ///
     /// # Errors
     /// Where one of both is not understood, or they are no pair.
-    pub fn verify(&self, corrected: &Program, machine: &Machine) -> Result<Verification, Error> {
+    pub fn verify(&self, corrected: &Program, machine: &Machine) -> Result<VerificationReport, Error> {
         let mut found = Diagnostics::default();
         let pair = Pair { programs: [self, corrected], machine, promised: None, at_feed: false, watch: None };
         match pair.verify(&mut found, &mut |_| ())? {
@@ -156,8 +156,12 @@ impl Pair<'_> {
     ///
     /// # Errors
     /// Where their dialect does not exist.
-    pub(crate) fn trace(&self, has_places: bool, found: &mut Diagnostics) -> Result<Option<(Trace, Outcome)>, Error> {
-        let mut trace = Trace::new(self.programs[1].bytes().len() / LEAST_LINE, has_places);
+    pub(crate) fn trace(
+        &self,
+        has_places: bool,
+        found: &mut Diagnostics,
+    ) -> Result<Option<(ReviewTrace, Outcome)>, Error> {
+        let mut trace = ReviewTrace::new(self.programs[1].bytes().len() / LEAST_LINE, has_places);
         let outcome = self.compare(found, &mut |follow| trace.see(&follow, has_places))?;
         Ok(outcome.filter(|_| !found.has_errors()).map(|outcome| (trace, outcome)))
     }
@@ -166,7 +170,7 @@ impl Pair<'_> {
 /// The changes between a program and the corrected program that was just made.
 pub(crate) struct Reviewed {
     pub(crate) review: Review,
-    pub(crate) trace: Trace,
+    pub(crate) trace: ReviewTrace,
     pub(crate) outcome: Outcome,
 }
 
@@ -200,14 +204,14 @@ impl Pair<'_> {
 }
 
 /// The result of a comparison.
-pub(crate) fn verification(outcome: Option<&Outcome>, found: &Diagnostics) -> Verification {
+pub(crate) fn verification(outcome: Option<&Outcome>, found: &Diagnostics) -> VerificationReport {
     let before = outcome.map(|outcome| spread(&outcome.comparison.before));
     let after = outcome.map(|outcome| spread(&outcome.comparison.after));
     let verdict =
         outcome.map(|_| Verdict::of(&Review { before, after, diagnostics: found.json(), ..Review::default() }));
     let [original_at_feed, corrected_at_feed] =
         outcome.and_then(|outcome| outcome.at_feed.clone()).map_or([None, None], |pair| pair.map(Some));
-    Verification {
+    VerificationReport {
         verdict,
         before,
         after,

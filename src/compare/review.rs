@@ -8,10 +8,10 @@ use crate::correction::spread;
 use crate::diagnostics::Diagnostics;
 use crate::disk::hash::whole_hash;
 use ncfix_base::source::Source;
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::units::{UnitKey, um_from_mm, urad_from_rad};
 use ncfix_path::emit;
-use ncfix_path::review::{Summary, Trace};
-use ncfix_report::review::{Beyond, Figures, Limit, Review, Step};
+use ncfix_path::review::{ReviewTrace, Summary};
+use ncfix_report::review::{AxisSummary, Beyond, LargestStep, Limit, Review};
 use ncfix_report::verdict::{LEFT, Verdict};
 
 /// Both programs, compared.
@@ -19,7 +19,7 @@ pub(crate) struct ComparedPrograms<'a> {
     pub(crate) wanted: &'a CompareOptions,
     /// The names of both files.
     pub(crate) names: [String; 2],
-    pub(crate) trace: &'a Trace,
+    pub(crate) trace: &'a ReviewTrace,
     pub(crate) outcome: &'a Outcome,
     pub(crate) corrected: &'a Source,
 }
@@ -34,11 +34,11 @@ impl ComparedPrograms<'_> {
         let figures = found.axes.iter().map(|one| {
             let scale: fn(f64) -> f64 = if one.axis.is_rotary() { urad_from_rad } else { um_from_mm };
             let [max, mean, rms, p99] = [one.max, one.mean, one.rms, one.p99].map(scale);
-            let unit = if one.axis.is_rotary() { "urad" } else { "um" };
+            let unit = UnitKey::of(one.axis.is_rotary());
             let (file, line) = one.max_at.original;
             (
                 one.axis.to_string(),
-                Figures { unit, max, max_line: line, max_file: self.subprogram(file), mean, rms, p99 },
+                AxisSummary { unit, max, max_line: line, max_file: self.subprogram(file), mean, rms, p99 },
             )
         });
         let original = self.outcome.sources[0].first();
@@ -65,7 +65,7 @@ impl ComparedPrograms<'_> {
             axes: figures.collect(),
             largest_step: found.largest_step.map(|(mm, at)| {
                 let (file, line) = at.original;
-                Step { um: um_from_mm(mm), line, file: self.subprogram(file) }
+                LargestStep { um: um_from_mm(mm), line, file: self.subprogram(file) }
             }),
             longest_line: longest(self.corrected),
             before: Some(spread(&self.outcome.comparison.before)),

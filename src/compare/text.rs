@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::CompareOptions;
 use super::listing::Text;
 use ncfix_base::source::Source;
-use ncfix_path::review::text::{Aligned, Change, Pairing, compare};
+use ncfix_path::review::text::{Aligned, ChangedNumber, Pairing, compare};
 use ncfix_report::review::{TextLine, TextReview, TextWord, WordFigures};
 
 /// Two programs compared as they are written.
@@ -91,7 +91,7 @@ impl<'a> TextComparison<'a> {
     }
 }
 
-fn word(change: Change) -> TextWord {
+fn word(change: ChangedNumber) -> TextWord {
     let [before, after] = change.texts;
     TextWord { address: change.address, before, after, added: change.added }
 }

@@ -21,7 +21,7 @@ use ncfix_language::exec::{Options, Radius, RapidOrder};
 use ncfix_machine::machine::Kinematics;
 use ncfix_machine::snc::{Element, Origin};
 use ncfix_path::emit;
-use ncfix_path::path::{self, Difference, Feeds, Follow, Grouping};
+use ncfix_path::path::{self, Feeds, Follow, Grouping, ProgramDifference};
 use ncfix_report::json::AtFeed;
 
 /// Two programs and how they are executed.
@@ -158,8 +158,8 @@ fn walk(
         }
         see(follow);
     };
-    let mut differences: Vec<Difference> = Vec::new();
-    let mut differ = |difference: Difference| {
+    let mut differences: Vec<ProgramDifference> = Vec::new();
+    let mut differ = |difference: ProgramDifference| {
         if differences.len() < differences::MOST {
             differences.push(difference);
         }
@@ -169,7 +169,7 @@ fn walk(
         let item = original.next()?;
         Some(item.map_err(|finding| (finding, original.sources().to_vec())))
     });
-    let options = path::Options { start: how.start, ..path::Options::default() };
+    let options = path::CorrectionOptions { start: how.start, ..path::CorrectionOptions::default() };
     let servo = chosen.machine.servo.as_ref().filter(|_| how.at_feed);
     let driven = || servo.map(|servo| Driven::new(&chosen.machine, servo, &model, &options));
     let (result, driven, headers) = {

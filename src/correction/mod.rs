@@ -20,7 +20,7 @@ use crate::options::{Compensation, Options};
 use crate::program::Program;
 use crate::run::{self, Opened, Running, Watch};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_base::geometry::AXES;
+use ncfix_base::geometry::{AXES, AxisKey};
 use ncfix_base::source::{Source, Span};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_dialect::Language;
@@ -29,7 +29,7 @@ use ncfix_language::syntax;
 use ncfix_model::Model;
 use ncfix_path::emit::{self, NumberSet};
 use ncfix_path::path::{self, Prediction};
-use ncfix_report::correction::Correction as CorrectionReport;
+use ncfix_report::correction::CorrectionReport;
 use ncfix_report::json;
 use ncfix_report::number::micrometers;
 
@@ -377,8 +377,8 @@ pub(crate) fn corrected_before(source: &Source) -> Diagnostic {
 }
 
 /// The residual of an error source, in the units of reports.
-fn remaining(left: &path::Remaining) -> json::Remaining {
-    json::Remaining {
+fn remaining(left: &path::Remaining) -> json::RemainingReport {
+    json::RemainingReport {
         source: left.source,
         position_um: um_from_mm(left.position_mm),
         tilt_urad: urad_from_rad(left.tilt_rad),
@@ -387,8 +387,8 @@ fn remaining(left: &path::Remaining) -> json::Remaining {
 }
 
 /// A spread in the units of reports.
-pub(crate) fn spread(spread: &path::Spread) -> json::Spread {
-    json::Spread {
+pub(crate) fn spread(spread: &path::Spread) -> json::SpreadReport {
+    json::SpreadReport {
         mean_um: um_from_mm(spread.mean_mm()),
         rms_um: um_from_mm(spread.rms_mm()),
         max_um: um_from_mm(spread.max_mm),
@@ -411,9 +411,8 @@ fn note(prediction: &Prediction, running: &Running, report: &mut CorrectionRepor
         .into_iter()
         .filter(|&axis| prediction.max_correction[axis] > 0.0)
         .map(|axis| {
-            let size = prediction.max_correction[axis];
-            let (unit, size) = if axis.is_rotary() { ("urad", urad_from_rad(size)) } else { ("um", um_from_mm(size)) };
-            (format!("{}_{unit}", char::from(axis.letter())), size)
+            let key = AxisKey::of_deviation(axis);
+            (key, key.shown(prediction.max_correction[axis]))
         })
         .collect::<BTreeMap<_, _>>();
 }

@@ -11,7 +11,7 @@ use ncfix_base::diagnostic::Diagnostic;
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::Element;
 use ncfix_model::Model;
-use ncfix_path::path::{Corrector, Options, Output};
+use ncfix_path::path::{CorrectionOptions, Corrector, Output};
 
 /// The corrected pieces of moves, and between them elements without motion, from [`Correction::pieces`](super::Correction::pieces). It is lazy: a
 /// program without end has pieces without end.
@@ -21,7 +21,7 @@ use ncfix_path::path::{Corrector, Options, Output};
 ///
 /// let machine = Machine::demo();
 /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
-/// let correction = program.correct(&machine, &Options::default());
+/// let correction = program.correct(&machine, &CorrectionOptions::default());
 /// let is_piece = |output: &Result<Output, Error>| matches!(output, Ok(Output::Piece(_)));
 /// assert!(correction.pieces()?.filter(is_piece).count() > 2, "the long move is divided");
 /// # Ok::<(), ncfix::Error>(())
@@ -54,7 +54,7 @@ impl<'a> Pieces<'a> {
         running: Running<'a>,
         machine: &'a Machine,
         model: &'a Model,
-        options: Options,
+        options: CorrectionOptions,
         found: Diagnostics,
     ) -> Pieces<'a> {
         let running = Rc::new(RefCell::new(running));
@@ -69,7 +69,7 @@ impl<'a> Pieces<'a> {
     ///
     /// let machine = Machine::demo();
     /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
-    /// let correction = program.correct(&machine, &Options::default());
+    /// let correction = program.correct(&machine, &CorrectionOptions::default());
     /// let mut pieces = correction.pieces()?;
     /// assert!(pieces.by_ref().all(|output| output.is_ok()));
     /// assert!(!pieces.diagnostics().has_errors());

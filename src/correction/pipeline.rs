@@ -14,7 +14,7 @@ use ncfix_machine::machine::{Machine, Servo};
 use ncfix_machine::snc::Element;
 use ncfix_model::Model;
 use ncfix_path::emit::{self, Writer};
-use ncfix_path::path::{Corrector, Options, Output, PoseSample, Prediction};
+use ncfix_path::path::{CorrectionOptions, Corrector, Output, PoseSample, Prediction};
 use ncfix_path::servo::{Limited, Limiter};
 
 /// Stages, and so the most threads that are of any use.
@@ -26,7 +26,7 @@ const WORTH_THREADS: usize = 256 * 1024;
 pub(super) struct Pipeline<'a> {
     pub(super) machine: &'a Machine,
     pub(super) model: &'a Model,
-    pub(super) options: &'a Options,
+    pub(super) options: &'a CorrectionOptions,
     /// The permitted path deviation at feed, mm, and the servo model that gives it.
     pub(super) feed_limit: Option<(f64, &'a Servo)>,
 }

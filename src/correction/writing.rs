@@ -10,7 +10,7 @@ use ncfix_path::path::{self, Increments};
 /// Options for the correction and the output of one program.
 pub(crate) struct Writing {
     /// Options of the correction.
-    pub(crate) options: path::Options,
+    pub(crate) options: path::CorrectionOptions,
     dialect: &'static str,
     entry: &'static emit::WriterEntry,
     writer: emit::WriterOptions,
@@ -29,8 +29,13 @@ impl Writing {
         (source, hash): (&[u8], String),
     ) -> Result<Writing, Error> {
         let entry = emit::entry(dialect).ok_or_else(|| unwritable(dialect))?;
-        let options =
-            path::Options { turns: entry.turns, centers: entry.centers, feeds: entry.feeds, start, ..choice.of_path() };
+        let options = path::CorrectionOptions {
+            turns: entry.turns,
+            centers: entry.centers,
+            feeds: entry.feeds,
+            start,
+            ..choice.of_path()
+        };
         if options.frame == path::OutputFrame::Machine && !entry.has_machine_frame {
             return Err(Error::usage(format!(
                 "in the dialect '{dialect}' not every motion can be written in machine coordinates; leave out --frame machine \

@@ -1,7 +1,7 @@
 //! Hashes of files: short ones for stamps and comments, complete ones for journals.
 
 use ncfix_base::source::Source;
-use ncfix_report::inputs::Input;
+use ncfix_report::inputs::InputFile;
 use sha2::{Digest as _, Sha256};
 
 /// The first 12 hexadecimal digits of SHA-256: long enough to distinguish versions of a file, short enough for a comment.
@@ -26,8 +26,8 @@ pub(crate) fn digest(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// An input file of a result, with its role.
-pub(crate) fn input_of(source: &Source, role: &'static str) -> Input {
-    Input { file: source.name().to_owned(), role, hash: short_hash([source.bytes()]) }
+pub(crate) fn input_of(source: &Source, role: &'static str) -> InputFile {
+    InputFile { file: source.name().to_owned(), role, hash: short_hash([source.bytes()]) }
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::machine::Machine;
 use crate::registry::Registry;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
-use ncfix_dialect::{Dialect, Effect};
+use ncfix_dialect::{CodeEffect, Dialect};
 use ncfix_language::exec::apply_archive;
 use ncfix_machine::machine::Condition;
 use ncfix_machine::machine::file::{DEMO, apply_setup};
@@ -26,7 +26,7 @@ const VARIABLE: &str = "NCFIX_MACHINE";
 
 /// The way in which a machine file was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Found {
+pub(crate) enum FoundFile {
     /// It is the argument of the command.
     Named,
     /// `--machine`.
@@ -41,16 +41,16 @@ pub(crate) enum Found {
     Demo,
 }
 
-impl Found {
+impl FoundFile {
     /// The way as text.
     pub(crate) fn words(self) -> &'static str {
         match self {
-            Found::Named => "named on the command line",
-            Found::Option => "--machine",
-            Found::Environment => "NCFIX_MACHINE",
-            Found::AboveProgram => "the nearest ncfix.toml from the folder of the program upwards",
-            Found::AboveWorkingFolder => "the nearest ncfix.toml from the working folder upwards",
-            Found::Demo => "embedded, as no machine file was found",
+            FoundFile::Named => "named on the command line",
+            FoundFile::Option => "--machine",
+            FoundFile::Environment => "NCFIX_MACHINE",
+            FoundFile::AboveProgram => "the nearest ncfix.toml from the folder of the program upwards",
+            FoundFile::AboveWorkingFolder => "the nearest ncfix.toml from the working folder upwards",
+            FoundFile::Demo => "embedded, as no machine file was found",
         }
     }
 }
@@ -122,7 +122,7 @@ fn lie_beside(machine: &mut Machine, path: Option<&Path>) {
 ///
 /// # Errors
 /// Where the file cannot be read.
-pub(crate) fn source_of(path: Option<&Path>, found: Found, findings: &mut Diagnostics) -> Result<Source, Error> {
+pub(crate) fn source_of(path: Option<&Path>, found: FoundFile, findings: &mut Diagnostics) -> Result<Source, Error> {
     match path {
         Some(path) => files::read_written(path, FileId(0), &format!("machine file, {}", found.words())),
         None => {
@@ -175,7 +175,7 @@ fn read_with(
     for word in &machine.control.initial_codes {
         let table = ncfix_dialect::find(&machine.controller).map(Dialect::codes);
         let row = table.and_then(|table| table.word(&word.to_ascii_uppercase()));
-        if row.is_none_or(|row| row.effect != Effect::Keep || row.group == 0) {
+        if row.is_none_or(|row| row.effect != CodeEffect::Keep || row.group == 0) {
             is_usable = false;
             findings.add(
                 Diagnostic::nowhere(
@@ -271,29 +271,29 @@ pub(crate) fn demo() -> Result<Source, Error> {
 }
 
 /// The machine file: `named`, else that of the environment, else the nearest one; none if only the demo machine remains.
-pub(crate) fn locate(named: Option<&Path>, program: &Path) -> (Option<PathBuf>, Found) {
+pub(crate) fn locate(named: Option<&Path>, program: &Path) -> (Option<PathBuf>, FoundFile) {
     if let Some(named) = named {
-        return (Some(named.to_path_buf()), Found::Option);
+        return (Some(named.to_path_buf()), FoundFile::Option);
     }
     // A variable with an empty value counts as not set.
     if let Some(path) = std::env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
-        return (Some(path.into()), Found::Environment);
+        return (Some(path.into()), FoundFile::Environment);
     }
     match nearest(program) {
         Some((path, found)) => (Some(path), found),
-        None => (None, Found::Demo),
+        None => (None, FoundFile::Demo),
     }
 }
 
 /// The nearest machine file, from the folder of the program upwards, then from the working folder upwards.
-fn nearest(program: &Path) -> Option<(PathBuf, Found)> {
+fn nearest(program: &Path) -> Option<(PathBuf, FoundFile)> {
     let upwards = |folder: PathBuf| {
         let folder = folder.canonicalize().ok()?;
         folder.ancestors().map(|folder| folder.join(NEAREST)).find(|file| file.is_file())
     };
     let beside = (!is_standard_stream(program)).then(|| program.parent().map(|parent| Path::new(".").join(parent)));
-    let above_program = beside.flatten().and_then(upwards).map(|file| (file, Found::AboveProgram));
-    above_program.or_else(|| Some((upwards(PathBuf::from("."))?, Found::AboveWorkingFolder)))
+    let above_program = beside.flatten().and_then(upwards).map(|file| (file, FoundFile::AboveProgram));
+    above_program.or_else(|| Some((upwards(PathBuf::from("."))?, FoundFile::AboveWorkingFolder)))
 }
 
 /// `sinumerik, grundig, …`.
@@ -312,6 +312,6 @@ mod tests {
         std::fs::create_dir_all(&inner).unwrap();
         std::fs::write(folder.path().join(NEAREST), "").unwrap();
         let found = nearest(&inner.join("p.mpf")).unwrap();
-        assert_eq!(found, (folder.path().canonicalize().unwrap().join(NEAREST), Found::AboveProgram));
+        assert_eq!(found, (folder.path().canonicalize().unwrap().join(NEAREST), FoundFile::AboveProgram));
     }
 }

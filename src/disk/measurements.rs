@@ -13,7 +13,7 @@ use ncfix_metrology::measure::kind::Instruments;
 use ncfix_metrology::measure::trace::Described;
 use ncfix_metrology::results::measurement::{self, Measurement, Purpose};
 use ncfix_model::ErrorModel;
-use ncfix_report::inputs::Input;
+use ncfix_report::inputs::InputFile;
 
 /// The description beside a table.
 ///
@@ -104,7 +104,7 @@ pub(crate) fn sources_of(all: &[Measurement]) -> Vec<Source> {
 }
 
 /// The files of a measurement, as pages name them.
-pub(crate) fn inputs(one: &Measurement, is_held_out: bool) -> [Input; 2] {
+pub(crate) fn inputs(one: &Measurement, is_held_out: bool) -> [InputFile; 2] {
     let roles = if is_held_out { ["readings, held out", "description, held out"] } else { ["readings", "description"] };
     [input_of(&one.sources[0], roles[0]), input_of(&one.sources[1], roles[1])]
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::machine_file::{self, Found, Member};
+use super::machine_file::{self, FoundFile, Member};
 use crate::error::Error;
 use ncfix_base::geometry::{AXES, FrameParts};
 use ncfix_base::source::Source;
@@ -19,7 +19,7 @@ const ALWAYS: [&str; 3] = ["machine", "spindle", "control"];
 ///
 /// # Errors
 /// Where a set-up file cannot be read.
-pub(crate) fn origins(source: &Source, found: Found, setups: &[PathBuf]) -> Result<Origins, Error> {
+pub(crate) fn origins(source: &Source, found: FoundFile, setups: &[PathBuf]) -> Result<Origins, Error> {
     let mut out = Origins::default();
     out.files.push(OriginFile {
         what: OriginFileKind::Machine,

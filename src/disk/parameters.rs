@@ -8,7 +8,7 @@ use crate::error::Error;
 use ncfix_base::source::FileId;
 use ncfix_machine::machine::Machine;
 use ncfix_metrology::calibrate::Parameter;
-use ncfix_metrology::calibrate::candidates::{Pieces, of_component, of_motion};
+use ncfix_metrology::calibrate::candidates::{PiecewisePolynomials, of_component, of_motion};
 use ncfix_metrology::measure::data::DataSet;
 use ncfix_metrology::results::parameters::read;
 use ncfix_model::ErrorModel;
@@ -53,7 +53,7 @@ const MOST: usize = 2000;
 /// # Errors
 /// Where a word is nothing, or there are too many of them.
 pub(crate) fn candidates(
-    (words, pieces): (&str, Pieces),
+    (words, pieces): (&str, PiecewisePolynomials),
     machine: &Machine,
     errors: &ErrorModel,
     data: &[DataSet],
@@ -80,7 +80,12 @@ pub(crate) fn candidates(
 }
 
 /// An error with all its terms, or a parameter.
-fn named(word: &str, machine: &Machine, data: &[DataSet], pieces: Pieces) -> Result<Vec<ParameterName>, Error> {
+fn named(
+    word: &str,
+    machine: &Machine,
+    data: &[DataSet],
+    pieces: PiecewisePolynomials,
+) -> Result<Vec<ParameterName>, Error> {
     let component = word.parse::<ErrorName>().ok().filter(|name| name.kind == ErrorKind::Motion);
     let found = match component {
         Some(component) => of_component(component, data, pieces),

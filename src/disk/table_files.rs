@@ -32,7 +32,7 @@ impl ReadTables {
 
 /// Options for reading files.
 #[derive(Clone, Copy)]
-pub(crate) struct Reading<'a> {
+pub(crate) struct TableReading<'a> {
     /// The format; detected from the files if not given.
     pub(crate) format: Option<&'static Format>,
     /// The value of a table that is multiplied by another one; as stated in the files if not given.
@@ -56,7 +56,12 @@ struct Files {
 }
 
 impl Files {
-    fn read(&mut self, source: Source, format: &'static Format, reading: &Reading<'_>) -> (Vec<Diagnostic>, Source) {
+    fn read(
+        &mut self,
+        source: Source,
+        format: &'static Format,
+        reading: &TableReading<'_>,
+    ) -> (Vec<Diagnostic>, Source) {
         let place = self.sets.iter().position(|(known, _)| known.name == format.name).unwrap_or_else(|| {
             self.sets.push((format, Tables::default()));
             self.sets.len() - 1
@@ -93,7 +98,7 @@ impl Files {
 /// Where a file cannot be read, or its format cannot be detected.
 pub(crate) fn read(
     paths: &[PathBuf],
-    reading: &Reading<'_>,
+    reading: &TableReading<'_>,
     findings: &mut Diagnostics,
 ) -> Result<Option<ReadTables>, Error> {
     let mut files = Files::default();
@@ -148,7 +153,7 @@ pub(crate) fn read(
 fn joined(
     sets: Vec<(&'static Format, Tables)>,
     names: &str,
-    reading: &Reading<'_>,
+    reading: &TableReading<'_>,
     findings: &mut Diagnostics,
 ) -> Tables {
     let mut all = Tables::default();
@@ -282,7 +287,7 @@ pub(crate) fn active(
 ) -> Result<Option<(Control, Vec<Source>)>, Error> {
     let wiring = Wiring::of(machine);
     let multiplication = machine.active_tables.multiplication.map(Multiplication::from);
-    let reading = Reading { format: None, multiplication, machine: Some(machine), wiring: &wiring };
+    let reading = TableReading { format: None, multiplication, machine: Some(machine), wiring: &wiring };
     let read = read(paths, &reading, findings)?;
     let mut sources = Vec::new();
     for path in paths {

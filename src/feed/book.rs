@@ -10,10 +10,7 @@ use std::thread;
 use crate::diagnostics::Diagnostics;
 use crate::error::Error;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_dnc::feed::{Store, Told, read_journal};
-
-/// The begin of the record that ends a job which was continued in another journal.
-pub(crate) const TAKEN_UP: &str = "taken up again in ";
+use ncfix_dnc::feed::{HeadKey, JournalContents, JournalEnd, Store, read_journal};
 
 /// A file that another thread writes through.
 pub(super) struct Book {
@@ -75,7 +72,7 @@ fn supersede(mut file: &File, bytes: &[u8], path: &Path) -> io::Result<()> {
     // The end of the last complete record; a record may be cut off after it.
     let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
     file.set_len(whole as u64)?;
-    writeln!(file, "0 E {TAKEN_UP}{}", path.display())?;
+    writeln!(file, "0 E {}", JournalEnd::TakenUp(path.display().to_string()))?;
     file.sync_data()
 }
 
@@ -121,8 +118,9 @@ fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Error> {
 
 /// True if a journal may be replaced by that of a new job: its job ended without an error, or none of its lines was sent. A journal of a job that
 /// itself resumed another one is kept even if none of its lines was sent.
-fn gives_way(told: &Told) -> bool {
-    told.ended.as_deref() == Some("done") || told.frozen == 0 && told.head.iter().all(|(name, _)| name != "resumed")
+fn gives_way(told: &JournalContents) -> bool {
+    told.ended == Some(JournalEnd::Done)
+        || told.frozen == 0 && told.head.iter().all(|(key, _)| *key != HeadKey::Resumed)
 }
 
 /// A name beside a journal that no file has.

@@ -11,14 +11,13 @@ use std::time::{Duration, Instant};
 use super::book::Book;
 use super::job::Transfer;
 use super::meter::Meter;
-use super::source::{self, AHEAD, Source};
+use super::source::{self, AHEAD, LineSource};
 use super::thermal::{Standing, Thermal};
 use super::{FeedEnd, FeedView, Sent};
 use crate::error::Error;
-use ncfix_base::geometry::{AXES, AXIS_COUNT};
-use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisKey};
 use ncfix_dnc::drip::Lines;
-use ncfix_dnc::feed::{Ended, Event, Halt, Journal, Port, Progress, Sender};
+use ncfix_dnc::feed::{Ended, Event, Halt, HeadKey, Journal, Port, Sender, TransferProgress};
 use ncfix_dnc::sense::Panel;
 use ncfix_report::feed::{Before, FeedEvent, FeedOutcome, Status};
 
@@ -73,7 +72,7 @@ pub(crate) fn run(
     let dialogue = job.dialogue()?;
     let mut book = Book::create(lane.journal, begin.journal.as_deref())?;
     let head = head(&job, before, begin);
-    let head: Vec<(&str, &str)> = head.iter().map(|(name, value)| (*name, value.as_str())).collect();
+    let head: Vec<(HeadKey, &str)> = head.iter().map(|(key, value)| (*key, value.as_str())).collect();
     let unwritten = |error: &io::Error| Error::file("write", lane.journal, error);
     let mut journal = Journal::new(&mut book, &head).map_err(|error| unwritten(&error))?;
     let thermal = match lane.panel {
@@ -92,7 +91,7 @@ pub(crate) fn run(
         thread::spawn(move || source::produce(&job, &base, program, &to));
     }
     let lines = Lines::new(&job.machine.machine, &base, &job.writing.options, job.writing.writer()?, job.settings);
-    let mut supply = Source::new(&job.options, made, lines, &thermal, (begin.skip, &begin.lines));
+    let mut supply = LineSource::new(&job.options, made, lines, &thermal, (begin.skip, &begin.lines));
     let profile = &job.link.profile;
     let sender = Sender::new(dialogue, profile.window.system_bytes, &mut journal).patient(profile.patience);
     let bound = profile.holds_at_most();
@@ -124,21 +123,21 @@ pub(crate) struct Begin {
 }
 
 /// The settings that must be the same when the job is resumed.
-fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(&'static str, String)> {
+fn head(job: &Transfer, before: &Before, begin: &Begin) -> Vec<(HeadKey, String)> {
     let mut head = vec![
-        ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("program", format!("{} {}", before.program, begin.input)),
-        ("machine", format!("{} {}", job.machine.hash, job.machine.machine.name)),
-        ("state", job.machine.state.clone().unwrap_or_default()),
-        ("link", format!("{} {}", job.link.hash, job.link.profile.name)),
-        ("sensors", job.sensors_hash.clone()),
-        ("port", begin.port.clone()),
-        ("lines", before.lines.to_string()),
+        (HeadKey::Version, env!("CARGO_PKG_VERSION").to_owned()),
+        (HeadKey::Program, format!("{} {}", before.program, begin.input)),
+        (HeadKey::Machine, format!("{} {}", job.machine.hash, job.machine.machine.name)),
+        (HeadKey::State, job.machine.state.clone().unwrap_or_default()),
+        (HeadKey::Link, format!("{} {}", job.link.hash, job.link.profile.name)),
+        (HeadKey::Sensors, job.sensors_hash.clone()),
+        (HeadKey::Port, begin.port.clone()),
+        (HeadKey::Lines, before.lines.to_string()),
     ];
     let folder = std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default();
-    head.push(("folder", folder));
-    head.extend(begin.resumed.clone().map(|resumed| ("resumed", resumed)));
-    head.extend(begin.words.iter().map(|word| ("argument", word.clone())));
+    head.push((HeadKey::Folder, folder));
+    head.extend(begin.resumed.clone().map(|resumed| (HeadKey::Resumed, resumed)));
+    head.extend(begin.words.iter().map(|word| (HeadKey::Argument, word.clone())));
     head
 }
 
@@ -188,7 +187,7 @@ struct Drive<'a> {
 }
 
 impl Drive<'_> {
-    fn go(&mut self, supply: &mut Source, thermal: &Thermal) -> io::Result<(Ended, FeedEnd)> {
+    fn go(&mut self, supply: &mut LineSource, thermal: &Thermal) -> io::Result<(Ended, FeedEnd)> {
         let mut events: Vec<Event> = Vec::new();
         loop {
             let now = self.started.elapsed();
@@ -283,7 +282,7 @@ impl Drive<'_> {
     }
 
     /// Waits until the last message is sent.
-    fn flush(&mut self, supply: &mut Source) -> io::Result<()> {
+    fn flush(&mut self, supply: &mut LineSource) -> io::Result<()> {
         let from = Instant::now();
         while self.sender.wants_to_write() && from.elapsed() < LAST {
             let now = self.started.elapsed();
@@ -294,7 +293,7 @@ impl Drive<'_> {
     }
 
     /// The message for the lines of a job that are lost.
-    fn lost(&self, why: &str, progress: &Progress) -> String {
+    fn lost(&self, why: &str, progress: &TransferProgress) -> String {
         let taken = progress.acknowledged.max(progress.left);
         if progress.sent == 0 {
             return format!("{why}; no line was sent");
@@ -316,8 +315,8 @@ impl Drive<'_> {
         }
     }
 
-    fn status(&self, supply: &Source, thermal: &Thermal, ended: Option<&Ended>) -> Status {
-        let progress: &Progress = self.sender.progress();
+    fn status(&self, supply: &LineSource, thermal: &Thermal, ended: Option<&Ended>) -> Status {
+        let progress: &TransferProgress = self.sender.progress();
         let elapsed_s = self.started.elapsed().as_secs_f64();
         let (standing, age) = thermal.standing();
         let left_s = (self.before.motion_s - supply.busy_s).max(0.0);
@@ -379,14 +378,13 @@ impl Drive<'_> {
 }
 
 /// Axes with a shift, or with a requested shift.
-fn axes(values: &[f64; AXIS_COUNT], others: &[f64; AXIS_COUNT]) -> BTreeMap<String, f64> {
+fn axes(values: &[f64; AXIS_COUNT], others: &[f64; AXIS_COUNT]) -> BTreeMap<AxisKey, f64> {
     let mut out = BTreeMap::new();
     for axis in AXES {
         let (value, other) = (values[axis.slot()], others[axis.slot()]);
         if value != 0.0 || other != 0.0 {
-            let (unit, shown) =
-                if axis.is_rotary() { ("urad", urad_from_rad(value)) } else { ("um", um_from_mm(value)) };
-            out.insert(format!("{axis}_{unit}"), (shown * 100.0).round() / 100.0);
+            let key = AxisKey::of_deviation(axis);
+            out.insert(key, (key.shown(value) * 100.0).round() / 100.0);
         }
     }
     out

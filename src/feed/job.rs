@@ -17,7 +17,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
 use ncfix_dialect::Dialect;
 use ncfix_dnc::drip::Settings;
-use ncfix_dnc::feed::{Dialogue, Limits};
+use ncfix_dnc::feed::{Dialogue, DosingLimits};
 use ncfix_dnc::sense::{Config, Panel};
 
 /// A program that will be sent to a control line by line, corrected for the current temperatures.
@@ -63,8 +63,11 @@ impl Transfer {
         run::keep_unit(source, opened.dialect, true, &mut machine.machine);
         let bytes = (source.bytes(), short_hash([source.bytes()]));
         let writing = Writing::new(correction, program.reading().start, opened.dialect.name, &machine, bytes)?;
-        let limits =
-            Limits { per_block: options.dose_per_block_mm, per_mm: options.dose_per_mm, per_s: options.dose_per_s_mm };
+        let limits = DosingLimits {
+            per_block: options.dose_per_block_mm,
+            per_mm: options.dose_per_mm,
+            per_s: options.dose_per_s_mm,
+        };
         let settings = Settings { limits, rapids_only: options.rapids_only, is_upper_case: link.profile.is_upper_case };
         let dialect = opened.dialect;
         Ok(Some(Transfer { program, machine, link, sensors_hash, options, writing, dialect, settings }))

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::book::{TAKEN_UP, is_held};
+use super::book::is_held;
 use super::drive::Begin;
 use super::job::Transfer;
 use super::survey::{Step, walk};
@@ -13,9 +13,9 @@ use crate::error::Error;
 use crate::run::Watch;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::drip::restart::{CLEAR_MM, Found, Place, Search, Why};
+use ncfix_dnc::drip::restart::{CLEAR_MM, RestartPlace, RestartSearch, SearchOutcome, Why};
 use ncfix_dnc::drip::{Ends, Grammar, Heights};
-use ncfix_dnc::feed::{Frozen, Told, read_journal};
+use ncfix_dnc::feed::{Frozen, HeadKey, JournalContents, JournalEnd, read_journal};
 use ncfix_machine::machine::ToolChange;
 use ncfix_path::path::Tips;
 use ncfix_report::feed::{Before, Plan};
@@ -29,7 +29,7 @@ pub(crate) struct Broken {
     /// Its journal.
     pub(crate) source: Source,
     /// The content of the journal.
-    pub(crate) told: Told,
+    pub(crate) told: JournalContents,
 }
 
 /// Reads the journal of a job that was broken off.
@@ -44,15 +44,15 @@ pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
     }
     let text = String::from_utf8_lossy(source.bytes()).into_owned();
     let told = read_journal(&text).map_err(|(line, why)| Error::usage(format!("{shown}:{line}: {why}")))?;
-    if told.ended.as_deref() == Some("done") {
+    if told.ended == Some(JournalEnd::Done) {
         return Err(Error::usage(format!("the job of {shown} is done: there is nothing to take up again")));
     }
-    if let Some(other) = told.ended.as_deref().and_then(|ended| ended.strip_prefix(TAKEN_UP))
+    if let Some(JournalEnd::TakenUp(other)) = &told.ended
         && !is_empty(other)
     {
         return Err(Error::usage(format!("the job of {shown} was taken up again: its journal is {other}")));
     }
-    if told.frozen == 0 && !head(&told, "resumed").is_empty() {
+    if told.frozen == 0 && !head(&told, HeadKey::Resumed).is_empty() {
         return Err(Error::usage(format!(
             "{shown} has no line: the control took none when the job was to be taken up again; look at the newest journal beside it, `ncfix resume {shown}.old` or .old1 …"
         )));
@@ -64,13 +64,13 @@ pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
 ///
 /// # Errors
 /// Where it began in another folder.
-pub(crate) fn began_with(told: &Told) -> Result<impl Iterator<Item = &str>, Error> {
+pub(crate) fn began_with(told: &JournalContents) -> Result<impl Iterator<Item = &str>, Error> {
     let folder = std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default();
-    let began_in = head(told, "folder");
+    let began_in = head(told, HeadKey::Folder);
     if folder != began_in {
         return Err(Error::usage(format!("the job began in the folder {began_in}; go there first")));
     }
-    Ok(told.head.iter().filter(|(name, _)| name == "argument").map(|(_, value)| value.as_str()))
+    Ok(told.head.iter().filter(|(key, _)| *key == HeadKey::Argument).map(|(_, value)| value.as_str()))
 }
 
 /// True if a journal says that no line was sent.
@@ -79,22 +79,22 @@ fn is_empty(journal: &str) -> bool {
     text.is_ok_and(|text| read_journal(&text).is_ok_and(|told| told.frozen == 0))
 }
 
-/// The value of a name in the head of a journal.
-fn head<'t>(told: &'t Told, name: &str) -> &'t str {
-    told.head.iter().find(|(known, _)| known == name).map_or("", |(_, value)| value)
+/// The value of a key in the head of a journal.
+fn head(told: &JournalContents, key: HeadKey) -> &str {
+    told.head.iter().find(|(known, _)| *known == key).map_or("", |(_, value)| value)
 }
 
 /// Refuses what is not as it was.
-pub(crate) fn check_same(told: &Told, job: &Transfer, before: &Before, findings: &mut Diagnostics) {
+pub(crate) fn check_same(told: &JournalContents, job: &Transfer, before: &Before, findings: &mut Diagnostics) {
     let state = job.machine.state.clone().unwrap_or_default();
-    let first = |name: &str| head(told, name).split(' ').next().unwrap_or_default().to_owned();
+    let first = |key: HeadKey| head(told, key).split(' ').next().unwrap_or_default().to_owned();
     for (what, was, is) in [
-        ("the program, or one that it calls,", first("program"), before.program.as_str()),
-        ("the machine file", first("machine"), job.machine.hash.as_str()),
-        ("the state of the machine", first("state"), state.as_str()),
-        ("the profile of the link", first("link"), job.link.hash.as_str()),
-        ("the file of the sensors", first("sensors"), job.sensors_hash.as_str()),
-        ("the version of ncfix", first("version"), env!("CARGO_PKG_VERSION")),
+        ("the program, or one that it calls,", first(HeadKey::Program), before.program.as_str()),
+        ("the machine file", first(HeadKey::Machine), job.machine.hash.as_str()),
+        ("the state of the machine", first(HeadKey::State), state.as_str()),
+        ("the profile of the link", first(HeadKey::Link), job.link.hash.as_str()),
+        ("the file of the sensors", first(HeadKey::Sensors), job.sensors_hash.as_str()),
+        ("the version of ncfix", first(HeadKey::Version), env!("CARGO_PKG_VERSION")),
     ] {
         if was != is {
             let message = format!("{what} is not the one with which the job began ({was}, now {is})");
@@ -111,7 +111,7 @@ fn is_move(text: &[u8]) -> bool {
 
 /// The largest number of blocks that the control may have received and not executed, and the source of that number: the value that it stated when the
 /// job began, but at least the bound of the profile.
-fn holds(told: &Told, job: &Transfer) -> Option<(u64, String)> {
+fn holds(told: &JournalContents, job: &Transfer) -> Option<(u64, String)> {
     if !job.link.profile.protocol.has_planner {
         return None;
     }
@@ -123,12 +123,12 @@ fn holds(told: &Told, job: &Transfer) -> Option<(u64, String)> {
 }
 
 /// The reason why the job cannot be resumed.
-fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
+fn refusal(found: &SearchOutcome, clearance_mm: Option<f64>) -> Option<Diagnostic> {
     let by_hand = "lift the tool by hand, remove the journal, and feed the program from its beginning";
     let stated_mm = clearance_mm.unwrap_or_default();
     let (code, message, help) = match *found {
-        Found::Place(_) | Found::Beginning(..) => return None,
-        Found::NotStated(highest_z_mm) => {
+        SearchOutcome::Place(_) | SearchOutcome::Beginning(..) => return None,
+        SearchOutcome::NotStated(highest_z_mm) => {
             let highest = highest_z_mm
                 .map_or(String::new(), |mm| format!("; all that is machined ends at Z {mm:.3} mm of the program"));
             (
@@ -139,21 +139,21 @@ fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
                 "state a height that is clear of workpiece and clamps, Z of the program with its unit: --clearance 25mm".to_owned(),
             )
         }
-        Found::TooLow(highest_z_mm) => (
+        SearchOutcome::TooLow(highest_z_mm) => (
             Code::CLEARANCE_TOO_LOW,
             format!(
                 "--clearance {stated_mm:.3} mm is not {CLEAR_MM} mm above all that is machined, which ends at Z {highest_z_mm:.3} mm of the program"
             ),
             "state a height above that, and above the workpiece and its clamps".to_owned(),
         ),
-        Found::OutOfTravel([low_mm, high_mm]) => (
+        SearchOutcome::OutOfTravel([low_mm, high_mm]) => (
             Code::CLEARANCE_TOO_LOW,
             format!(
                 "--clearance {stated_mm:.3} mm is outside of the travel of Z, which goes from {low_mm:.3} to {high_mm:.3} mm of the program with the tool and the zero offset there"
             ),
             "state a height within it; look at its unit, and at axis.Z.travel_mm in the machine file".to_owned(),
         ),
-        Found::Nothing(why) => {
+        SearchOutcome::Nothing(why) => {
             let message = match why {
                 Why::Tilted => "the tool was tilted against Z: lifting Z draws it sideways through the workpiece".to_owned(),
                 Why::HeightUnknown(line) => {
@@ -178,7 +178,7 @@ fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
 
 /// The place where the job is resumed; a finding if it cannot be resumed.
 pub(crate) fn plan(
-    told: &Told,
+    told: &JournalContents,
     (input, port): (String, String),
     job: &Transfer,
     watch: Option<fn() -> Box<dyn Watch>>,
@@ -209,7 +209,7 @@ pub(crate) fn plan(
     let until = at(sure + 1).or(at(sure)).map_or(0, |line| line.element);
     let sent = at(told.frozen).map_or(0, |line| line.element);
     let grammar = Grammar::new(job.dialect, job.machine.machine.control.tool_change == ToolChange::T);
-    let mut search = Search::new(grammar, (from_start(), &heights), [until, sent], clearance_mm);
+    let mut search = RestartSearch::new(grammar, (from_start(), &heights), [until, sent], clearance_mm);
     walk(job, watch, &mut ignored, &mut |step| match step {
         Step::Element(output) => search.element(output),
         Step::Line(line) => search.line(line),
@@ -220,8 +220,8 @@ pub(crate) fn plan(
         return Ok(Err(finding));
     }
     let (place, skip, lines, above_mm) = match found {
-        Found::Place(place) => (Some(place.clone()), place.element - 1, place.lines, place.above_mm),
-        Found::Beginning(lines, above_mm) => (None, 0, lines, above_mm),
+        SearchOutcome::Place(place) => (Some(place.clone()), place.element - 1, place.lines, place.above_mm),
+        SearchOutcome::Beginning(lines, above_mm) => (None, 0, lines, above_mm),
         _ => (None, 0, Vec::new(), f64::NAN),
     };
     let mut first = Vec::new();
@@ -242,7 +242,7 @@ pub(crate) fn plan(
         schema: 1,
         plan: number.clone(),
         program: input.clone(),
-        ended: told.ended.clone(),
+        ended: told.ended.as_ref().map(ToString::to_string),
         acknowledged: told.acknowledged,
         acknowledged_line: line_of(told.acknowledged),
         executed: sure,
@@ -255,12 +255,12 @@ pub(crate) fn plan(
         is_beginning: skip == 0,
         above_mm: Some(above_mm).filter(|mm| mm.is_finite()),
         unsure_line: unsure.filter(|_| place.is_none()),
-        tool: place.and_then(|place: Place| place.tool),
+        tool: place.and_then(|place: RestartPlace| place.tool),
         before: lines.clone(),
         first: first.into_iter().map(|(_, text)| text).collect(),
         clearance: clearance_mm.map(|mm| format!("{mm}mm")),
         port: port.clone(),
     };
-    let words = told.head.iter().filter(|(name, _)| name == "argument").map(|(_, word)| word.clone()).collect();
+    let words = told.head.iter().filter(|(key, _)| *key == HeadKey::Argument).map(|(_, word)| word.clone()).collect();
     Ok(Ok((plan, Begin { input, port, skip, lines, words, resumed: Some(number), journal: Some(journal.to_vec()) })))
 }

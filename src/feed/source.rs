@@ -70,7 +70,7 @@ pub(super) fn produce(job: &Transfer, model: &Model, opened: Opened, to: &SyncSe
 }
 
 /// The lines of a job.
-pub(super) struct Source<'a> {
+pub(super) struct LineSource<'a> {
     made: Receiver<Made>,
     batch: std::vec::IntoIter<Output>,
     /// The result of the execution, after the last batch.
@@ -97,7 +97,7 @@ pub(super) struct Source<'a> {
     number: u64,
 }
 
-impl<'a> Source<'a> {
+impl<'a> LineSource<'a> {
     /// Begins after the element `skip`, with some lines before.
     pub(super) fn new(
         options: &FeedOptions,
@@ -107,7 +107,7 @@ impl<'a> Source<'a> {
         (skip, first): (u64, &[String]),
     ) -> Self {
         let line = |text: &String| Line { text: text.clone().into_bytes(), element: skip, ..Line::default() };
-        Source {
+        LineSource {
             made,
             batch: Vec::new().into_iter(),
             ended: None,
@@ -167,7 +167,7 @@ impl<'a> Source<'a> {
     }
 }
 
-impl Source<'_> {
+impl LineSource<'_> {
     /// Checks for the next batch.
     fn receive(&mut self) {
         if self.batch.len() > 0 || self.ended.is_some() {
@@ -223,7 +223,7 @@ impl Source<'_> {
     }
 }
 
-impl Supply for Source<'_> {
+impl Supply for LineSource<'_> {
     fn next(&mut self) -> Supplied {
         let next = self.held.take().map_or_else(|| self.advance(), Supplied::Line);
         let Supplied::Line(mut line) = next else { return next };

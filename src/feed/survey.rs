@@ -8,7 +8,7 @@ use crate::run::{self, Watch};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;
 use ncfix_dnc::drip::Lines;
-use ncfix_dnc::feed::{Forecaster, Line, Link, port};
+use ncfix_dnc::feed::{Forecaster, Line, LinkRate, port};
 use ncfix_language::exec::RapidOrder;
 use ncfix_path::emit;
 use ncfix_path::path::{Corrector, Output};
@@ -36,7 +36,7 @@ pub(crate) fn run(
     findings: &mut Diagnostics,
 ) -> Result<Option<Before>, Error> {
     let profile = &job.link.profile;
-    let link = Link {
+    let link = LinkRate {
         characters_per_s: port::characters_per_s(port, profile),
         answer_s: profile.answer_s,
         lines: profile.window.lines + profile.window.planned,

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ncfix_dnc::sense::{Action, Panel, Verdict};
+use ncfix_dnc::sense::{Action, Panel, PanelVerdict};
 use ncfix_machine::machine::Condition;
 use ncfix_model::Model;
 
@@ -105,11 +105,11 @@ impl Watch {
     fn look(&mut self, now: Duration, shared: &Mutex<Shared>) {
         self.panel.take(now);
         let standing = match self.panel.verdict() {
-            Verdict::Good => Standing::Good,
-            Verdict::Waiting(names) => Standing::Waiting(names.join(", ")),
-            Verdict::Freeze(why) | Verdict::Act(Action::Continue, why) => Standing::Frozen(why),
-            Verdict::Act(Action::Stop, why) => Standing::Stop(why),
-            Verdict::Act(Action::Hold, why) => Standing::Hold(why),
+            PanelVerdict::Good => Standing::Good,
+            PanelVerdict::Waiting(names) => Standing::Waiting(names.join(", ")),
+            PanelVerdict::Freeze(why) | PanelVerdict::Act(Action::Continue, why) => Standing::Frozen(why),
+            PanelVerdict::Act(Action::Stop, why) => Standing::Stop(why),
+            PanelVerdict::Act(Action::Hold, why) => Standing::Hold(why),
         };
         let is_due = self.looked.is_none_or(|looked| now.saturating_sub(looked) >= self.every);
         let model = (is_due && standing == Standing::Good).then(|| self.model(now));

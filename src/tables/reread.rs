@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{TableOptions, Tables, request, wiring};
 use crate::diagnostics::Diagnostics;
-use crate::disk::table_files::{self, Reading};
+use crate::disk::table_files::{self, TableReading};
 use crate::error::Error;
 use crate::machine::Machine;
 use ncfix_base::geometry::Vector;
@@ -55,7 +55,7 @@ impl Reread<'_> {
     ) -> Result<Option<RereadTables>, Error> {
         let request = machine.map(|machine| request(machine, options)).transpose()?;
         let wiring = request.as_ref().map_or_else(|| wiring(Wiring::usual(), options), |one| one.wiring.clone());
-        let reading = Reading {
+        let reading = TableReading {
             // Without a conversion, the requested format is the one to read.
             format: if self.is_converted { None } else { self.format },
             multiplication: request.as_ref().map_or(options.multiplication, |one| one.multiplication),
@@ -76,7 +76,7 @@ impl Reread<'_> {
         let mut other = None;
         if let Some(path) = self.compare {
             let paths = [path.to_path_buf()];
-            let Some(second) = table_files::read(&paths, &Reading { format: None, ..reading }, found)? else {
+            let Some(second) = table_files::read(&paths, &TableReading { format: None, ..reading }, found)? else {
                 return Ok(None);
             };
             let both = [&read.tables, &second.tables];

@@ -2,14 +2,14 @@
 //! be taken up again.
 
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::drip::restart::{Found, Search};
+use ncfix_dnc::drip::restart::{RestartSearch, SearchOutcome};
 use ncfix_dnc::drip::{Ends, Grammar, Heights, Lines, Settings};
-use ncfix_dnc::feed::{Line, Told};
+use ncfix_dnc::feed::{JournalContents, Line};
 use ncfix_language::exec::{Execution, NoLibrary, Options as ExecOptions};
 use ncfix_machine::machine::{Machine, file};
 use ncfix_model::Model;
 use ncfix_path::emit::{self, Stamp, WriterOptions};
-use ncfix_path::path::{Corrector, Increments, Options, Output, OutputFrame, Tips};
+use ncfix_path::path::{CorrectionOptions, Corrector, Increments, Output, OutputFrame, Tips};
 use std::sync::LazyLock;
 
 use crate::support;
@@ -49,7 +49,7 @@ impl Part {
         let source = Source::new(FileId(0), "part.ngc", program().into_bytes()).unwrap();
         let (parsed, _) = ncfix_language::syntax::parse(&source, ncfix_dialect::find("rs274").unwrap());
         let execution = Execution::new(parsed, &machine, Box::new(NoLibrary), ExecOptions::default());
-        let outputs: Vec<Output> = Corrector::new(execution, &machine, &base, Options::default())
+        let outputs: Vec<Output> = Corrector::new(execution, &machine, &base, CorrectionOptions::default())
             .filter(|output| !matches!(output, Err(finding) if !finding.is_error()))
             .map(Result::unwrap)
             .collect();
@@ -58,8 +58,8 @@ impl Part {
     }
 
     /// Lines that are taken for carried out, and lines of the program that are not sent when the job is taken up again; none where it is not.
-    pub(crate) fn restart(&self, told: &Told, holds: Option<u64>) -> (u64, usize) {
-        let options = Options::default();
+    pub(crate) fn restart(&self, told: &JournalContents, holds: Option<u64>) -> (u64, usize) {
+        let options = CorrectionOptions::default();
         let from_start = || Tips::new(&self.machine, &options);
         let (mut ends, mut heights, mut tips) = (Ends::new(told), Heights::default(), from_start());
         for output in &self.outputs {
@@ -77,7 +77,7 @@ impl Part {
         let until = element(sure + 1).or(element(sure)).unwrap_or(0);
         let sent = element(told.frozen).unwrap_or(0);
         let grammar = Grammar::new(ncfix_dialect::find("rs274").unwrap(), false);
-        let mut search = Search::new(grammar, (from_start(), &heights), [until, sent], Some(CLEARANCE_MM));
+        let mut search = RestartSearch::new(grammar, (from_start(), &heights), [until, sent], Some(CLEARANCE_MM));
         let mut lines = self.lines.iter().peekable();
         for (element, output) in (1..).zip(&self.outputs) {
             search.element(output);
@@ -88,7 +88,7 @@ impl Part {
         }
         lines.for_each(|line| search.line(line));
         let skipped = match search.finish() {
-            Found::Place(place) => self.lines.iter().filter(|line| line.element < place.element).count(),
+            SearchOutcome::Place(place) => self.lines.iter().filter(|line| line.element < place.element).count(),
             _ => 0,
         };
         (sure, skipped)
@@ -105,7 +105,7 @@ fn lines_of(machine: &Machine, base: &Model, outputs: &[Output]) -> Vec<Line> {
         last_block_number: None,
     };
     let writer = emit::writer("rs274", &writer_options).unwrap();
-    let mut lines = Lines::new(machine, base, &Options::default(), writer, Settings::default());
+    let mut lines = Lines::new(machine, base, &CorrectionOptions::default(), writer, Settings::default());
     let mut out = Vec::new();
     for output in outputs {
         lines.take(output.clone(), None, false).unwrap();

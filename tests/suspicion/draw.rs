@@ -8,12 +8,12 @@ use ncfix_machine::machine::{IncrementSystem, Lever, Machine};
 use ncfix_model::motion::backlash::Backlash;
 use ncfix_model::motion::periodic::Periodic;
 use ncfix_model::motion::polynomial::Polynomial;
-use ncfix_model::motion::table::Table;
-use ncfix_model::motion::{Function, MotionError};
+use ncfix_model::motion::table::ErrorTable;
+use ncfix_model::motion::{EntryFunction, MotionError};
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorModel, ErrorName, LocationError};
 use ncfix_path::emit;
-use ncfix_path::path::{Arcs, FiveAxis, Options, OutputFrame, Rapids, Rotary, Subdivision};
+use ncfix_path::path::{Arcs, CorrectionOptions, FiveAxis, OutputFrame, Rapids, Rotary, Subdivision};
 
 use crate::five_axis::with_tool;
 
@@ -83,16 +83,16 @@ impl Shape {
         }
     }
 
-    fn function(&self) -> Function {
+    fn function(&self) -> EntryFunction {
         match self {
-            Shape::Powers(factors) => Function::Polynomial(Polynomial { coefficients: factors.clone() }),
+            Shape::Powers(factors) => EntryFunction::Polynomial(Polynomial { coefficients: factors.clone() }),
             Shape::Knots(places, values) => {
-                Function::Table(Table { positions: places.clone(), values: values.clone() })
+                EntryFunction::Table(ErrorTable { positions: places.clone(), values: values.clone() })
             }
             Shape::Wave { amplitude, period, phase } => {
-                Function::Periodic(Periodic { period: *period, amplitude: *amplitude, phase_rad: *phase })
+                EntryFunction::Periodic(Periodic { period: *period, amplitude: *amplitude, phase_rad: *phase })
             }
-            Shape::Reversal(size) => Function::Backlash(Backlash::constant(*size)),
+            Shape::Reversal(size) => EntryFunction::Backlash(Backlash::constant(*size)),
         }
     }
 }
@@ -114,7 +114,7 @@ pub(super) struct Pair {
     pub(super) tool_mm: Vector,
     pub(super) dialect: &'static str,
     pub(super) program: String,
-    pub(super) options: Options,
+    pub(super) options: CorrectionOptions,
     /// Whether the five-axis transformation is on.
     pub(super) is_transformed: bool,
     /// The block with which the axes are where the program says, with the tool.
@@ -151,7 +151,7 @@ impl Pair {
         let tolerance_mm = 10_f64.powf(random.between(-3.3, -1.7));
         let can_be_machine = dialect == "sinumerik" && !is_transformed && !is_turned;
         let entry = emit::entry(dialect).unwrap();
-        let options = Options {
+        let options = CorrectionOptions {
             tolerance_mm,
             subdivision: if random.one_in(6) {
                 Subdivision::Step(random.between(2.0, 60.0))
@@ -168,7 +168,7 @@ impl Pair {
             max_correction_mm: random.of(&[0.2, 0.2, 0.1, 0.03]),
             // A table that is corrected where G43.4 begins turns the coordinates of the control with it.
             rotary: if is_tip_control || random.one_in(3) { Rotary::Hold } else { Rotary::Correct },
-            ..Options::default()
+            ..CorrectionOptions::default()
         };
         let first_move = if is_tip_control { FIRST_MOVE + 1 } else { FIRST_MOVE };
         Pair { seed, machine, errors, tool_mm, dialect, program, options, is_transformed, first_move }

@@ -101,6 +101,12 @@ impl UnitKey {
             UnitKey::Urad => Unit::Urad,
         }
     }
+
+    /// `µm`, `µrad`.
+    #[must_use]
+    pub fn sign(self) -> &'static str {
+        self.unit().sign()
+    }
 }
 
 /// Returns the sine of an angle in degrees, exact at multiples of 90 and 30: a zero in a bolt circle must be exactly zero.

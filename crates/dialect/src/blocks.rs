@@ -7,7 +7,7 @@ const LONGEST: usize = 32;
 
 /// Letter with its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Word {
+pub(super) struct LooseWord {
     /// Letter, upper case.
     pub(super) letter: u8,
     /// Number; `None` if it is a variable or an expression.
@@ -19,11 +19,11 @@ pub(super) struct Word {
 
 /// Block of a program.
 #[derive(Debug, Default)]
-pub(super) struct Block {
-    pub(super) words: Vec<Word>,
+pub(super) struct LooseBlock {
+    pub(super) words: Vec<LooseWord>,
 }
 
-impl Block {
+impl LooseBlock {
     /// Reads a new line into this block. Lines with assignments, decisions or calls by name have no words.
     pub(super) fn read(&mut self, line: &[u8]) {
         self.words.clear();
@@ -101,12 +101,12 @@ impl Block {
             text.iter().skip_while(|byte| !byte.is_ascii_digit()).take_while(|byte| byte.is_ascii_digit()).count();
         let has_point = text.contains(&b'.');
         let value = std::str::from_utf8(text).ok().and_then(|text| text.parse().ok());
-        self.words.push(Word { letter, value, digits, has_point });
+        self.words.push(LooseWord { letter, value, digits, has_point });
         start + length
     }
 
     /// The word of a letter.
-    pub(super) fn word_of(&self, letter: u8) -> Option<Word> {
+    pub(super) fn word_of(&self, letter: u8) -> Option<LooseWord> {
         self.words.iter().find(|word| word.letter == letter).copied()
     }
 
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn names_and_assignments_are_passed_over() {
-        let mut block = Block::default();
+        let mut block = LooseBlock::default();
         block.read_around_names(b"N10 G96S200 LIMS=2500 M4 X=R1*2 Z=IC(-3) M3=5 F=0.25 MSG(\"Y5\") T=\"Y3\" ; Y4");
         let found: Vec<(u8, Option<f64>)> = block.words.iter().map(|word| (word.letter, word.value)).collect();
         let expected = [
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn words_are_read_with_and_without_blanks_and_comments() {
-        let mut block = Block::default();
+        let mut block = LooseBlock::default();
         block.read(b"n10 G 0 1X-1.5 (Z99.) T0101 W#1 ; Y5");
         let found: Vec<(u8, Option<f64>)> = block.words.iter().map(|word| (word.letter, word.value)).collect();
         let expected = [(b'N', Some(10.0)), (b'G', Some(1.0)), (b'X', Some(-1.5)), (b'T', Some(101.0)), (b'W', None)];

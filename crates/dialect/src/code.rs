@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 /// Effect of a code on the execution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Effect {
+pub enum CodeEffect {
     /// Selects the motion mode.
     Motion,
     /// Dwell.
@@ -59,7 +59,7 @@ pub struct CodeEntry {
     /// Modal group, 0 for none.
     pub group: u8,
     /// Effect.
-    pub effect: Effect,
+    pub effect: CodeEffect,
     /// Addresses that it uses, separated by blanks: `X Y I J B1 CR`; `axes` for all axes, `-` for none.
     pub words: &'static str,
     /// Short description.
@@ -84,6 +84,12 @@ pub struct CodeTable {
 }
 
 impl CodeEntry {
+    /// True if it uses any address.
+    #[must_use]
+    pub fn has_words(&self) -> bool {
+        self.words != "-"
+    }
+
     /// True if it uses an address letter, `X`, upper case; `@`, `^` and `$` of RS274/NGC count as letters.
     #[must_use]
     pub fn uses(&self, letter: u8) -> bool {
@@ -142,7 +148,7 @@ impl CodeTable {
         for line in text.lines().filter(|line| !line.starts_with('#')) {
             let fields: Vec<&'static str> = line.split('\t').collect();
             let [name, group, effect, words, meaning] = fields[..] else { continue };
-            let (Ok(group), Some(effect)) = (group.parse(), Effect::from_word(effect)) else { continue };
+            let (Ok(group), Some(effect)) = (group.parse(), CodeEffect::from_word(effect)) else { continue };
             let index = u16::try_from(table.rows.len()).unwrap_or(u16::MAX);
             table.rows.push(CodeEntry { name, group, effect, words, meaning, letters: letters_of(words) });
             table.by_name.insert(name, index);
@@ -193,31 +199,31 @@ impl CodeTable {
     }
 }
 
-impl Effect {
-    fn from_word(word: &str) -> Option<Effect> {
+impl CodeEffect {
+    fn from_word(word: &str) -> Option<CodeEffect> {
         Some(match word {
-            "motion" => Effect::Motion,
-            "dwell" => Effect::Dwell,
-            "plane" => Effect::Plane,
-            "unit" => Effect::Unit,
-            "dimension" => Effect::Dimension,
-            "offset" => Effect::Offset,
-            "suppress" => Effect::Suppress,
-            "frame" => Effect::Frame,
-            "pole" => Effect::Pole,
-            "contour" => Effect::Contour,
-            "keep" => Effect::Keep,
-            "feedmode" => Effect::FeedMode,
-            "transform" => Effect::Transform,
-            "orientation" => Effect::Orientation,
-            "spline" => Effect::Spline,
-            "tap" => Effect::Tap,
-            "reference" => Effect::Reference,
-            "limits" => Effect::Limits,
-            "diameter" => Effect::Diameter,
-            "display" => Effect::Display,
-            "execute" => Effect::Execute,
-            "refuse" => Effect::Refuse,
+            "motion" => CodeEffect::Motion,
+            "dwell" => CodeEffect::Dwell,
+            "plane" => CodeEffect::Plane,
+            "unit" => CodeEffect::Unit,
+            "dimension" => CodeEffect::Dimension,
+            "offset" => CodeEffect::Offset,
+            "suppress" => CodeEffect::Suppress,
+            "frame" => CodeEffect::Frame,
+            "pole" => CodeEffect::Pole,
+            "contour" => CodeEffect::Contour,
+            "keep" => CodeEffect::Keep,
+            "feedmode" => CodeEffect::FeedMode,
+            "transform" => CodeEffect::Transform,
+            "orientation" => CodeEffect::Orientation,
+            "spline" => CodeEffect::Spline,
+            "tap" => CodeEffect::Tap,
+            "reference" => CodeEffect::Reference,
+            "limits" => CodeEffect::Limits,
+            "diameter" => CodeEffect::Diameter,
+            "display" => CodeEffect::Display,
+            "execute" => CodeEffect::Execute,
+            "refuse" => CodeEffect::Refuse,
             _ => return None,
         })
     }
@@ -246,7 +252,7 @@ mod tests {
             }
         }
         let table = DIALECTS[0].codes();
-        assert_eq!(table.g(1).map(|row| row.effect), Some(Effect::Motion));
+        assert_eq!(table.g(1).map(|row| row.effect), Some(CodeEffect::Motion));
         assert_eq!(table.word("SUPA").map(|row| row.group), Some(9));
         assert!(table.g(505).is_none(), "G505 to G599 are a range, not rows");
     }

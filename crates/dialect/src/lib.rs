@@ -18,7 +18,7 @@ use std::sync::LazyLock;
 use regex::bytes::{RegexSet, RegexSetBuilder};
 
 pub use block_ends::{BlockEnd, BlockEnds};
-pub use code::{CodeEntry, CodeTable, Effect};
+pub use code::{CodeEffect, CodeEntry, CodeTable};
 pub use detector::{Detector, Detectors, guess_with};
 pub use foreign::{Foreign, foreign};
 pub use turning::{Mark, turning};

@@ -2,7 +2,7 @@
 //!
 //! Each kind of mark counts once. Its weight says how rare it is in milling programs: 6 is sufficient alone, 1 is a hint.
 
-use super::blocks::{Block, lines};
+use super::blocks::{LooseBlock, lines};
 use super::{Language, turning_names};
 
 /// Sum of weights from which on a program counts as a lathe program.
@@ -29,6 +29,23 @@ pub struct Mark {
     pub what: &'static str,
     /// Weight of the mark for a lathe.
     pub(super) weight: u32,
+    /// What of the rest of the program decides whether it counts, and how much.
+    pub(super) hangs_on: HangsOn,
+}
+
+/// What of a whole program a mark hangs on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum HangsOn {
+    /// Nothing: it counts as it is.
+    Nothing,
+    /// Whether tools are changed by their numbers alone.
+    Tools,
+    /// Whether there is a Y.
+    Flat,
+    /// Whether there are canned cycles.
+    Cycles,
+    /// Whether the feed is one of a turn.
+    FeedMode,
 }
 
 /// Returns the marks of a lathe program, in descending order of weight; `None` if their sum is too small. `axes` are the letters of the machine axes.
@@ -91,7 +108,7 @@ impl<'a> Search<'a> {
     }
 
     fn run(mut self, bytes: &[u8]) -> Vec<Mark> {
-        let mut block = Block::default();
+        let mut block = LooseBlock::default();
         for (line, (at, text)) in (1..).zip(lines(bytes)) {
             block.read(text);
             if !block.words.is_empty() {
@@ -102,12 +119,16 @@ impl<'a> Search<'a> {
     }
 
     fn note(&mut self, place: (usize, u32), what: &'static str, weight: u32) {
+        self.note_on(HangsOn::Nothing, place, what, weight);
+    }
+
+    fn note_on(&mut self, hangs_on: HangsOn, (at, line): (usize, u32), what: &'static str, weight: u32) {
         if !self.marks.iter().any(|mark| mark.what == what) {
-            self.marks.push(Mark { at: place.0, line: place.1, what, weight });
+            self.marks.push(Mark { at, line, what, weight, hangs_on });
         }
     }
 
-    fn block(&mut self, block: &Block, at: usize, line: u32) {
+    fn block(&mut self, block: &LooseBlock, at: usize, line: u32) {
         let place = (at, line);
         let code = |tenths: u32| block.has_code(tenths);
         if let Some(motion) = block.codes().filter(|code| *code <= 30).last() {
@@ -128,7 +149,7 @@ impl<'a> Search<'a> {
     }
 
     /// Notes marks of single words.
-    fn words(&mut self, block: &Block, place: (usize, u32)) {
+    fn words(&mut self, block: &LooseBlock, place: (usize, u32)) {
         let code = |tenths: u32| block.has_code(tenths);
         let is_step = |letter: u8| block.has(letter) && !self.axes.contains(&letter);
         let steps = is_step(b'U') || is_step(b'W');
@@ -150,7 +171,7 @@ impl<'a> Search<'a> {
         if let Some(tool) = block.word_of(b'T').filter(|word| word.digits >= 3 && !word.has_point)
             && let Some(number) = tool.value.filter(|&number| tool.digits > 3 || number >= 100.0)
         {
-            self.note(place, "T with station and offset", 2);
+            self.note_on(HangsOn::Tools, place, "T with station and offset", 2);
             let (first, others) = self.tools.unwrap_or((number, false));
             self.tools = Some((first, others || first != number));
         }
@@ -158,10 +179,10 @@ impl<'a> Search<'a> {
             && feed < FEED_PER_TURN[usize::from(self.is_inch)]
             && self.is_fanuc
         {
-            self.note(place, "a feed of one turn", 4);
+            self.note_on(HangsOn::FeedMode, place, "a feed of one turn", 4);
         }
         if code(990) {
-            self.note(place, "G99 without a canned cycle", 2);
+            self.note_on(HangsOn::Cycles, place, "G99 without a canned cycle", 2);
         }
         let is_arc = matches!(self.motion, 20 | 30) && block.has(b'K') && block.has_any(b"XZ");
         if is_arc && self.is_fanuc && !self.has_plane && !block.has(b'Y') && !block.has_any(b"J") {
@@ -170,7 +191,7 @@ impl<'a> Search<'a> {
     }
 
     /// Notes marks of the cycles of a lathe.
-    fn cycles(&mut self, block: &Block, place: (usize, u32)) {
+    fn cycles(&mut self, block: &LooseBlock, place: (usize, u32)) {
         let code = |tenths: u32| block.has_code(tenths);
         let has = |letter: u8| block.has(letter);
         let (across, along) = (block.has_any(b"XU"), block.has_any(b"ZW"));
@@ -190,7 +211,7 @@ impl<'a> Search<'a> {
         let is_plain = !has_motion && !has(b'Y') && across && along;
         let is_pass = block.words.iter().all(|word| matches!(word.letter, b'X' | b'N')) && has(b'X');
         if let Some(thread) = self.set_place.take().filter(|_| is_pass) {
-            self.note(thread, MODAL_THREAD, if self.is_fanuc { 6 } else { 4 });
+            self.note_on(HangsOn::Flat, thread, MODAL_THREAD, if self.is_fanuc { 6 } else { 4 });
         }
         if code(920) && is_plain && !has(b'F') {
             self.set_place = Some(place);
@@ -229,24 +250,24 @@ impl<'a> Search<'a> {
         let (has_m6, has_cycle, has_own_feed, has_turn_feed, is_fanuc) =
             (self.has_m6, self.has_cycle, self.has_own_feed, self.has_turn_feed, self.is_fanuc);
         let several = self.tools.is_some_and(|(_, others)| others);
-        self.marks.retain_mut(|mark| match mark.what {
-            "T with station and offset" => {
+        self.marks.retain_mut(|mark| match mark.hangs_on {
+            HangsOn::Tools => {
                 mark.weight = if several && !has_m6 { 4 } else { 2 };
                 true
             }
-            MODAL_THREAD => is_flat,
-            "G99 without a canned cycle" => !has_cycle,
-            "a feed of one turn" => {
+            HangsOn::Flat => is_flat,
+            HangsOn::Cycles => !has_cycle,
+            HangsOn::FeedMode => {
                 mark.weight = if has_turn_feed { 3 } else { 4 };
                 is_flat && !has_own_feed
             }
-            _ => true,
+            HangsOn::Nothing => true,
         });
         if is_flat
             && is_fanuc
             && let Some(first) = self.marks.first().cloned()
         {
-            self.marks.push(Mark { what: NO_Y, weight: 2, ..first });
+            self.marks.push(Mark { what: NO_Y, weight: 2, hangs_on: HangsOn::Nothing, ..first });
         }
         if self.has_length {
             // G43 belongs to mills: additional weight must indicate a lathe.

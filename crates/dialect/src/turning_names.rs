@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use regex::bytes::RegexSet;
 
-use super::blocks::{Block, lines};
-use super::turning::{Mark, NO_Y};
+use super::blocks::{LooseBlock, lines};
+use super::turning::{HangsOn, Mark, NO_Y};
 use super::{Language, patterns};
 
 /// Feeds below this are per revolution, mm.
@@ -53,7 +53,7 @@ struct Search {
 /// Returns the marks of a program.
 pub(super) fn marks(language: Language, bytes: &[u8]) -> Vec<Mark> {
     let mut search = Search::default();
-    let mut block = Block::default();
+    let mut block = LooseBlock::default();
     for (line, (at, text)) in (1..).zip(lines(bytes)) {
         match language {
             Language::Sinumerik => {
@@ -71,9 +71,13 @@ pub(super) fn marks(language: Language, bytes: &[u8]) -> Vec<Mark> {
 }
 
 impl Search {
-    fn note(&mut self, (at, line): (usize, u32), what: &'static str, weight: u32) {
+    fn note(&mut self, place: (usize, u32), what: &'static str, weight: u32) {
+        self.note_on(HangsOn::Nothing, place, what, weight);
+    }
+
+    fn note_on(&mut self, hangs_on: HangsOn, (at, line): (usize, u32), what: &'static str, weight: u32) {
         if !self.marks.iter().any(|mark| mark.what == what) {
-            self.marks.push(Mark { at, line, what, weight });
+            self.marks.push(Mark { at, line, what, weight, hangs_on });
         }
     }
 
@@ -83,7 +87,7 @@ impl Search {
         }
     }
 
-    fn block(&mut self, language: Language, block: &Block, place: (usize, u32)) {
+    fn block(&mut self, language: Language, block: &LooseBlock, place: (usize, u32)) {
         let code = |tenths: u32| block.has_code(tenths);
         if let Some(motion) = block.codes().filter(|code| *code <= 30).last() {
             self.motion = motion;
@@ -102,7 +106,7 @@ impl Search {
         }
         let feed = block.word_of(b'F').and_then(|word| word.value);
         if feed.is_some_and(|feed| feed > 0.0 && feed < FEED_PER_TURN_MM) && !code(40) && !code(840) {
-            self.note(place, "a feed of one turn", 4);
+            self.note_on(HangsOn::FeedMode, place, "a feed of one turn", 4);
         }
         let is_arc = matches!(self.motion, 20 | 30) && block.has(b'K') && block.has_any(b"XZ");
         if is_arc && language == Language::Sinumerik && !self.has_plane && !block.has_any(b"YJ") {
@@ -115,7 +119,7 @@ impl Search {
         let is_flat = !self.has_y && self.has_x && self.has_z;
         let (has_own_feed, has_turn_feed) = (self.has_own_feed, self.has_turn_feed);
         self.marks.retain_mut(|mark| {
-            if mark.what != "a feed of one turn" {
+            if mark.hangs_on != HangsOn::FeedMode {
                 return true;
             }
             // A mill also drills and bores with G95.
@@ -123,7 +127,7 @@ impl Search {
             is_flat && !has_own_feed
         });
         if is_flat && let Some(first) = self.marks.first().cloned() {
-            self.marks.push(Mark { what: NO_Y, weight: 2, ..first });
+            self.marks.push(Mark { what: NO_Y, weight: 2, hangs_on: HangsOn::Nothing, ..first });
         }
         self.marks
     }

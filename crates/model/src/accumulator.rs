@@ -5,7 +5,7 @@
 use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Branch, Condition, Machine, State};
 
-use super::motion::{Function, MotionError};
+use super::motion::{EntryFunction, MotionError};
 use super::name::{Carrier, DIRECTIONS, Direction, ErrorKind, ErrorName};
 use super::source::Effect;
 use super::{ErrorModel, Model};
@@ -79,7 +79,7 @@ impl<'a> Accumulator<'a> {
     }
 
     /// Adds a function multiplied by a factor to a motion error.
-    pub fn add_motion(&mut self, name: ErrorName, function: &Function, factor: f64) {
+    pub fn add_motion(&mut self, name: ErrorName, function: &EntryFunction, factor: f64) {
         let factor = self.sign * factor;
         if factor != 0.0 && !function.is_zero() {
             let function = if factor == 1.0 { function.clone() } else { function.scaled(factor) };
@@ -102,7 +102,7 @@ impl<'a> Accumulator<'a> {
     }
 
     /// Adds a displacement of the tool relative to the workpiece along an axis of F that depends on the position of an axis, mm.
-    pub fn add_relative(&mut self, direction: Direction, over: Axis, function: &Function) {
+    pub fn add_relative(&mut self, direction: Direction, over: Axis, function: &EntryFunction) {
         let sense = if self.machine.topology.branch(over) == Some(Branch::Workpiece) { -1.0 } else { 1.0 };
         self.add_motion(ErrorName::motion(direction, over), function, sense);
     }
@@ -121,7 +121,7 @@ impl<'a> Accumulator<'a> {
 
     /// Returns all contributions: location errors with their values, motion errors with their functions. Components may occur more than once.
     #[must_use]
-    pub fn parts(&self) -> Vec<(ErrorName, Option<&Function>, f64)> {
+    pub fn parts(&self) -> Vec<(ErrorName, Option<&EntryFunction>, f64)> {
         let axes = self.machine.axes.iter().flatten().map(|data| Carrier::Axis(data.axis));
         let places = axes.chain([Carrier::Spindle]).flat_map(|carrier| {
             let values = self.location(carrier);

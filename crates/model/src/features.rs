@@ -4,8 +4,8 @@ use ncfix_base::geometry::{AXES, AXIS_COUNT};
 use ncfix_machine::machine::Machine;
 
 use super::MotionError;
-use super::motion::Function;
-use super::motion::table::Table;
+use super::motion::EntryFunction;
+use super::motion::table::ErrorTable;
 
 /// Length over which an axis without error functions counts as smooth, mm.
 const LINEAR_LENGTH_MM: f64 = 500.0;
@@ -28,7 +28,7 @@ pub struct Features {
     pub backlash: bool,
     /// Lost motion of the axis along its command, mm or rad: entries add up, each with the factor of its direction. If the sum is negative, the control adds
     /// more than the axis loses.
-    lost: Vec<(f64, Table)>,
+    lost: Vec<(f64, ErrorTable)>,
 }
 
 impl Features {
@@ -83,7 +83,7 @@ pub(super) fn of(machine: &Machine, motion: &[MotionError]) -> [Features; AXIS_C
         if let Some(axis) = error.name.axis() {
             error.function.note_features(axis, &travels, &mut features);
             let own = axis.dimension() + if axis.is_rotary() { 3 } else { 0 };
-            if let (Function::Backlash(backlash), Some(data)) = (&error.function, machine.axis(axis))
+            if let (EntryFunction::Backlash(backlash), Some(data)) = (&error.function, machine.axis(axis))
                 && error.name.direction.index() == own
             {
                 // A lagging body remains behind, against the direction of the command.

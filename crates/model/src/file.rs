@@ -11,7 +11,7 @@ use ncfix_machine::machine::file::{MachineFile, SECTIONS, Section, nearest, read
 
 use super::motion::{Entry, MotionKind, MotionKinds};
 use super::name::{ErrorKind, ErrorName};
-use super::source::Reading;
+use super::source::MachineFileReading;
 use super::{ErrorModel, LocationError, ModelRegisters, MotionError};
 
 /// Reads a machine file and reports all diagnostics in one run, in the order of the file. The machine is `None` if any of them is an error.
@@ -36,7 +36,8 @@ pub fn load_with(source: &Source, registers: &ModelRegisters) -> (Option<(Machin
     let mut errors = ErrorModel::default();
     let kinds = &registers.motion_kinds;
     for source in registers.sources.iter() {
-        let mut reading = Reading { root: &mut root, axes, machine: machine.as_ref(), kinds, findings: &mut findings };
+        let mut reading =
+            MachineFileReading { root: &mut root, axes, machine: machine.as_ref(), kinds, findings: &mut findings };
         source.read(&mut reading, &mut errors);
     }
     let used = errors.sensors();

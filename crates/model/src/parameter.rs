@@ -17,7 +17,7 @@ use std::str::FromStr;
 use super::motion::backlash::Backlash;
 use super::motion::piecewise::{Knot, Piecewise};
 use super::motion::polynomial::Polynomial;
-use super::motion::{Function, MotionError};
+use super::motion::{EntryFunction, MotionError};
 use super::name::{ErrorKind, ErrorName, NoSuchComponent};
 use super::{ErrorModel, LocationError};
 use ncfix_base::geometry::AxisVector;
@@ -25,7 +25,7 @@ use ncfix_machine::machine::State;
 
 /// Number of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Term {
+pub enum ComponentTerm {
     /// The only number of a location error.
     Whole,
     /// The coefficient of this degree; names have degrees up to 9.
@@ -47,26 +47,26 @@ pub struct ParameterName {
     /// Error component.
     pub component: ErrorName,
     /// Number of the component; [`Term::Whole`] for a location error, another for a motion error.
-    pub term: Term,
+    pub term: ComponentTerm,
 }
 
 impl ParameterName {
     /// Returns the parameter of a location error.
     #[must_use]
     pub fn location(component: ErrorName) -> ParameterName {
-        ParameterName { component, term: Term::Whole }
+        ParameterName { component, term: ComponentTerm::Whole }
     }
 
     /// Returns the parameter of a coefficient of a motion error.
     #[must_use]
     pub fn coefficient(component: ErrorName, degree: u8) -> ParameterName {
-        ParameterName { component, term: Term::Coefficient(degree) }
+        ParameterName { component, term: ComponentTerm::Coefficient(degree) }
     }
 
     /// Returns the parameter of the backlash in a motion error.
     #[must_use]
     pub fn backlash(component: ErrorName) -> ParameterName {
-        ParameterName { component, term: Term::Backlash }
+        ParameterName { component, term: ComponentTerm::Backlash }
     }
 
     /// Returns the factor from the parameter to the component at a command: 1, qᵏ, the direction of motion, (q − t)₊ᵏ.
@@ -75,10 +75,10 @@ impl ParameterName {
         let Some(axis) = self.component.axis() else { return 1.0 };
         let own = command[axis];
         match self.term {
-            Term::Whole => 1.0,
-            Term::Coefficient(degree) => own.powi(i32::from(degree)),
-            Term::Backlash => f64::from(state.direction(axis)),
-            Term::Knot { degree, at } => {
+            ComponentTerm::Whole => 1.0,
+            ComponentTerm::Coefficient(degree) => own.powi(i32::from(degree)),
+            ComponentTerm::Backlash => f64::from(state.direction(axis)),
+            ComponentTerm::Knot { degree, at } => {
                 let beyond = own - self.knot_at(at);
                 if beyond >= 0.0 { beyond.powi(i32::from(degree)) } else { 0.0 }
             }
@@ -89,8 +89,8 @@ impl ParameterName {
     #[must_use]
     pub fn degree(&self) -> u8 {
         match self.term {
-            Term::Whole | Term::Backlash => 0,
-            Term::Coefficient(degree) | Term::Knot { degree, .. } => degree,
+            ComponentTerm::Whole | ComponentTerm::Backlash => 0,
+            ComponentTerm::Coefficient(degree) | ComponentTerm::Knot { degree, .. } => degree,
         }
     }
 
@@ -111,17 +111,17 @@ impl ParameterName {
     pub fn get(&self, errors: &ErrorModel) -> f64 {
         let motion = errors.motion.iter().filter(|error| error.name == self.component).map(|error| &error.function);
         match self.term {
-            Term::Whole => {
+            ComponentTerm::Whole => {
                 let own = errors.location.iter().filter(|error| error.name == self.component);
                 own.map(|error| error.value).sum()
             }
-            Term::Coefficient(degree) => {
+            ComponentTerm::Coefficient(degree) => {
                 motion.filter_map(global_part).map(|part| part.get(usize::from(degree)).copied().unwrap_or(0.0)).sum()
             }
-            Term::Backlash => motion.map(|function| self.backlash_of(function)).sum(),
-            Term::Knot { degree, at } => motion
+            ComponentTerm::Backlash => motion.map(|function| self.backlash_of(function)).sum(),
+            ComponentTerm::Knot { degree, at } => motion
                 .filter_map(|function| match function {
-                    Function::Piecewise(piecewise) => Some(&piecewise.knots),
+                    EntryFunction::Piecewise(piecewise) => Some(&piecewise.knots),
                     _ => None,
                 })
                 .flatten()
@@ -135,7 +135,7 @@ impl ParameterName {
     pub fn set(&self, errors: &mut ErrorModel, value: f64) {
         // The values of the other entries stay.
         let change = value - self.get(errors);
-        if self.term == Term::Whole {
+        if self.term == ComponentTerm::Whole {
             match errors.location.iter_mut().find(|error| error.name == self.component) {
                 Some(error) => error.value += change,
                 None => errors.location.push(LocationError { name: self.component, value }),
@@ -145,14 +145,16 @@ impl ParameterName {
         let own = errors.motion.iter_mut().filter(|error| error.name == self.component);
         let mut functions = own.map(|error| &mut error.function);
         let changed = match self.term {
-            Term::Whole => None,
-            Term::Coefficient(degree) => functions.find_map(global_part_mut).map(|part| add(part, degree, change)),
-            Term::Backlash => functions.find(|function| is_constant_backlash(function)).map(|function| {
+            ComponentTerm::Whole => None,
+            ComponentTerm::Coefficient(degree) => {
+                functions.find_map(global_part_mut).map(|part| add(part, degree, change))
+            }
+            ComponentTerm::Backlash => functions.find(|function| is_constant_backlash(function)).map(|function| {
                 *function = backlash(self.backlash_of(function) + change);
             }),
-            Term::Knot { degree, at } => functions
+            ComponentTerm::Knot { degree, at } => functions
                 .find_map(|function| match function {
-                    Function::Piecewise(piecewise) => Some(&mut piecewise.knots),
+                    EntryFunction::Piecewise(piecewise) => Some(&mut piecewise.knots),
                     _ => None,
                 })
                 .map(|knots| add(knot_at(knots, self.knot_at(at)), degree, change)),
@@ -164,27 +166,27 @@ impl ParameterName {
     }
 
     /// Returns a function with only this parameter.
-    fn function(&self, value: f64) -> Function {
+    fn function(&self, value: f64) -> EntryFunction {
         let alone = |degree| {
             let mut coefficients = Vec::new();
             add(&mut coefficients, degree, value);
             coefficients
         };
         match self.term {
-            Term::Whole => Function::Polynomial(Polynomial { coefficients: alone(0) }),
-            Term::Coefficient(degree) => Function::Polynomial(Polynomial { coefficients: alone(degree) }),
-            Term::Backlash => backlash(value),
-            Term::Knot { degree, at } => {
+            ComponentTerm::Whole => EntryFunction::Polynomial(Polynomial { coefficients: alone(0) }),
+            ComponentTerm::Coefficient(degree) => EntryFunction::Polynomial(Polynomial { coefficients: alone(degree) }),
+            ComponentTerm::Backlash => backlash(value),
+            ComponentTerm::Knot { degree, at } => {
                 let knots = vec![Knot { at: self.knot_at(at), coefficients: alone(degree) }];
-                Function::Piecewise(Piecewise { coefficients: Vec::new(), knots })
+                EntryFunction::Piecewise(Piecewise { coefficients: Vec::new(), knots })
             }
         }
     }
 
     /// Returns the deviation after a positive motion if the function is a backlash, else 0.
-    fn backlash_of(&self, function: &Function) -> f64 {
+    fn backlash_of(&self, function: &EntryFunction) -> f64 {
         match (function, self.component.axis()) {
-            (Function::Backlash(_), Some(axis)) if is_constant_backlash(function) => {
+            (EntryFunction::Backlash(_), Some(axis)) if is_constant_backlash(function) => {
                 let mut forward = State::default();
                 forward.direction.fill(1);
                 function.value(axis, &AxisVector::ZERO, &forward)
@@ -204,30 +206,30 @@ impl ParameterName {
 }
 
 /// Returns the coefficients of a function that apply everywhere.
-fn global_part(function: &Function) -> Option<&Vec<f64>> {
+fn global_part(function: &EntryFunction) -> Option<&Vec<f64>> {
     match function {
-        Function::Polynomial(polynomial) => Some(&polynomial.coefficients),
-        Function::Piecewise(piecewise) => Some(&piecewise.coefficients),
+        EntryFunction::Polynomial(polynomial) => Some(&polynomial.coefficients),
+        EntryFunction::Piecewise(piecewise) => Some(&piecewise.coefficients),
         _ => None,
     }
 }
 
-fn global_part_mut(function: &mut Function) -> Option<&mut Vec<f64>> {
+fn global_part_mut(function: &mut EntryFunction) -> Option<&mut Vec<f64>> {
     match function {
-        Function::Polynomial(polynomial) => Some(&mut polynomial.coefficients),
-        Function::Piecewise(piecewise) => Some(&mut piecewise.coefficients),
+        EntryFunction::Polynomial(polynomial) => Some(&mut polynomial.coefficients),
+        EntryFunction::Piecewise(piecewise) => Some(&mut piecewise.coefficients),
         _ => None,
     }
 }
 
 /// True for a constant backlash; one that changes along the axis is not a single parameter.
-fn is_constant_backlash(function: &Function) -> bool {
-    matches!(function, Function::Backlash(backlash) if backlash.reversal.positions.len() == 1)
+fn is_constant_backlash(function: &EntryFunction) -> bool {
+    matches!(function, EntryFunction::Backlash(backlash) if backlash.reversal.positions.len() == 1)
 }
 
 /// Returns a backlash from its coefficient of the direction.
-fn backlash(half: f64) -> Function {
-    Function::Backlash(Backlash::constant(2.0 * half))
+fn backlash(half: f64) -> EntryFunction {
+    EntryFunction::Backlash(Backlash::constant(2.0 * half))
 }
 
 fn add(coefficients: &mut Vec<f64>, degree: u8, change: f64) {
@@ -259,10 +261,10 @@ impl fmt::Display for ParameterName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.component.fmt(f)?;
         match self.term {
-            Term::Whole => Ok(()),
-            Term::Coefficient(degree) => degree.fmt(f),
-            Term::Backlash => f.write_str("b"),
-            Term::Knot { degree, at } => write!(f, "{degree}@{at}"),
+            ComponentTerm::Whole => Ok(()),
+            ComponentTerm::Coefficient(degree) => degree.fmt(f),
+            ComponentTerm::Backlash => f.write_str("b"),
+            ComponentTerm::Knot { degree, at } => write!(f, "{degree}@{at}"),
         }
     }
 }
@@ -300,8 +302,8 @@ impl FromStr for ParameterName {
         let (component, term) = text.split_at_checked(3).ok_or(NoSuchParameter)?;
         let component: ErrorName = component.parse()?;
         let term = match *term.as_bytes() {
-            [b'b'] => Term::Backlash,
-            [degree @ b'0'..=b'9'] => Term::Coefficient(degree - b'0'),
+            [b'b'] => ComponentTerm::Backlash,
+            [degree @ b'0'..=b'9'] => ComponentTerm::Coefficient(degree - b'0'),
             [degree @ b'0'..=b'9', b'@', ..] => {
                 let place = &term[2..];
                 let at: i32 = place.parse().map_err(|_| NoSuchParameter)?;
@@ -309,7 +311,7 @@ impl FromStr for ParameterName {
                 if at.to_string() != place {
                     return Err(NoSuchParameter);
                 }
-                Term::Knot { degree: degree - b'0', at }
+                ComponentTerm::Knot { degree: degree - b'0', at }
             }
             _ => return Err(NoSuchParameter),
         };

@@ -1,12 +1,12 @@
 //! Writes changed errors into the text of a machine file and keeps the rest unchanged.
 //!
-//! The sources state the places of the parameters of effects ([`super::source::Written`]). The other errors must be those that were read from this text, with
+//! The sources state the places of the parameters of effects ([`super::source::WrittenAt`]). The other errors must be those that were read from this text, with
 //! some numbers changed and entries appended, as by [`ParameterName::set`](super::parameter::ParameterName::set).
 
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::edit::{Edit, Given};
 
-use super::motion::{Function, MotionError};
+use super::motion::{EntryFunction, MotionError};
 use super::{Effect, ErrorModel, LocationError};
 
 /// Reason why a change cannot be written: a sentence without a full stop.
@@ -91,13 +91,13 @@ fn keys_of(error: &MotionError, old: Option<&MotionError>) -> Result<Vec<(String
     let mut keys = Vec::new();
     let mut key = |name: &str, given| keys.push((name.to_owned(), given));
     match &error.function {
-        Function::Polynomial(polynomial) => {
+        EntryFunction::Polynomial(polynomial) => {
             if old.is_none() {
                 key("kind", Given::Text("polynomial".into()));
             }
             key("coefficients", Given::Numbers(polynomial.coefficients.clone()));
         }
-        Function::Piecewise(piecewise) => {
+        EntryFunction::Piecewise(piecewise) => {
             let knots = &piecewise.knots;
             if old.is_none() {
                 key("kind", Given::Text("piecewise".into()));
@@ -116,7 +116,7 @@ fn keys_of(error: &MotionError, old: Option<&MotionError>) -> Result<Vec<(String
             };
             key("knots", Given::Entries(knots.iter().map(entry).collect()));
         }
-        Function::Backlash(backlash) if backlash.reversal.values.len() == 1 => {
+        EntryFunction::Backlash(backlash) if backlash.reversal.values.len() == 1 => {
             if old.is_none() {
                 key("kind", Given::Text("backlash".into()));
             }

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::correction::push_row;
+use super::correction::{output_name, push_row};
 use super::figures;
-use super::inputs::Input;
+use super::inputs::InputFile;
 use super::json::Finding;
 use super::number::significant;
 use super::selection;
-use ncfix_metrology::results::calibration::{CalibrationResult, Estimate};
+use ncfix_metrology::results::calibration::{CalibrationResult, EstimateReport};
 
 /// Maximum number of outlier rows that are listed.
 const MOST_SHOWN: usize = 20;
@@ -27,7 +27,7 @@ pub struct CalibrationReport {
     /// Report page that was written; `null` if there is none.
     pub report: Option<String>,
     /// Files from which the result was computed.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<InputFile>,
     /// Version of the program.
     pub version: &'static str,
     /// Diagnostics in order of occurrence.
@@ -40,7 +40,7 @@ const WIDEST_NAME: usize = 60;
 /// Returns value, uncertainty, effect and inflation of a number as text. The value has as many decimals as the uncertainty, as ball positions are large
 /// numbers.
 #[must_use]
-pub fn cells(one: &Estimate) -> [String; 4] {
+pub fn cells(one: &EstimateReport) -> [String; 4] {
     let effect = one.effect_um.map_or(String::new(), significant);
     let [sigma, inflation] = [one.sigma, one.inflation].map(significant);
     let decimals = sigma.split_once('.').map_or(0, |(_, behind)| behind.len());
@@ -132,10 +132,10 @@ impl CalibrationReport {
         push_row(&mut out, "model", &format!("{}{rest}", found.model));
         push_row(&mut out, "machine", &found.machine);
         if let Some(output) = &self.output {
-            push_row(&mut out, "written", if output == "-" { "standard output" } else { output });
+            push_row(&mut out, "written", output_name(output));
         }
         if let Some(report) = &self.report {
-            push_row(&mut out, "report", if report == "-" { "standard output" } else { report });
+            push_row(&mut out, "report", output_name(report));
         }
         out
     }

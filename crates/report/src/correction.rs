@@ -5,25 +5,26 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::json::{AtFeed, FeedLimit, Finding, Remaining, Spread};
+use super::json::{AtFeed, FeedLimit, Finding, RemainingReport, SpreadReport};
 use super::number::{duration, grouped, micrometers, significant};
 use super::verdict::Verdict;
+use ncfix_base::geometry::AxisKey;
 
 /// Output of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted by the error model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Correction {
+pub struct CorrectionReport {
     /// Errors as programmed; `null` if the program was refused.
-    pub before: Option<Spread>,
+    pub before: Option<SpreadReport>,
     /// Errors as written, including rounding.
-    pub after: Option<Spread>,
+    pub after: Option<SpreadReport>,
     /// Largest absolute correction of each axis: `X_um`, `C_urad`.
-    pub max_correction: BTreeMap<String, f64>,
+    pub max_correction: BTreeMap<AxisKey, f64>,
     /// Result of the feed limit; absent if none was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub feed_limit: Option<FeedLimit>,
     /// Errors that no axis can correct, by source.
-    pub remaining: Vec<Remaining>,
+    pub remaining: Vec<RemainingReport>,
     /// Rapid moves that stay as programmed: in machine coordinates, to reference points and tool changes, along the tool.
     pub rapids_as_programmed: u64,
     /// Largest tool error at the ends of rapid moves that do not approach a cut, µm.
@@ -52,7 +53,7 @@ pub struct Correction {
     pub diagnostics: Vec<Finding>,
 }
 
-impl Correction {
+impl CorrectionReport {
     /// Returns the table for people, with a line feed after every line.
     #[must_use]
     pub fn table(&self) -> String {
@@ -65,12 +66,12 @@ impl Correction {
         if !self.max_correction.is_empty() {
             let mut sizes: Vec<_> = self.max_correction.iter().collect();
             // Linear axes first.
-            sizes.sort_by_key(|(key, _)| key.ends_with("urad"));
-            let parts: Vec<String> = sizes.into_iter().map(|(key, &size)| largest(key, size)).collect();
+            sizes.sort_by_key(|(key, _)| key.is_rotary());
+            let parts: Vec<String> = sizes.into_iter().map(|(&key, &size)| largest(key, size)).collect();
             row("correction", &format!("up to {}", parts.join(", ")));
         }
         for (name, size) in [
-            ("tool tilt", (|left: &Remaining| left.tilt_urad) as fn(&Remaining) -> f64),
+            ("tool tilt", (|left: &RemainingReport| left.tilt_urad) as fn(&RemainingReport) -> f64),
             ("tool roll", |left| left.roll_urad),
         ] {
             if let Some(text) = left_over(&self.remaining, size, 0.05, "µrad") {
@@ -107,7 +108,7 @@ impl Correction {
         row("time", &duration(self.seconds));
         row("machine", &self.machine);
         if let Some(output) = &self.output {
-            row("written", if output == "-" { "standard output" } else { output });
+            row("written", output_name(output));
         }
         if let Some(backup) = &self.backup {
             row("original", backup);
@@ -127,7 +128,7 @@ impl Correction {
 
 /// Returns the rows of the error table; `max_at` is the line of the largest residual error and its file.
 #[must_use]
-pub fn error_rows(before: Spread, after: Spread, max_at: Option<(u32, &str)>) -> String {
+pub fn error_rows(before: SpreadReport, after: SpreadReport, max_at: Option<(u32, &str)>) -> String {
     let mut out = String::new();
     let place = max_at.map_or(String::new(), |(line, file)| format!("   largest at {file}:{line}"));
     push_row(&mut out, "", &format!("{:>12}{:>12}{:>12}", "mean", "RMS", "max"));
@@ -154,13 +155,18 @@ pub fn feed_rows(original: &AtFeed, corrected: &AtFeed) -> String {
 }
 
 /// Lists residuals, such as `geometry 12.3 µrad, load 3.1 µrad`; `None` if none is large enough for a line.
-fn left_over(all: &[Remaining], size: fn(&Remaining) -> f64, least: f64, unit: &str) -> Option<String> {
+fn left_over(all: &[RemainingReport], size: fn(&RemainingReport) -> f64, least: f64, unit: &str) -> Option<String> {
     let parts: Vec<String> = all
         .iter()
         .filter(|&left| size(left) >= least)
         .map(|left| format!("{} {} {unit}", left.source, significant(size(left))))
         .collect();
     (!parts.is_empty()).then(|| format!("left up to {}", parts.join(", ")))
+}
+
+/// A file that was written, as people read it.
+pub(super) fn output_name(output: &str) -> &str {
+    if output == "-" { "standard output" } else { output }
 }
 
 /// Appends one row of a table.
@@ -170,13 +176,13 @@ pub(super) fn push_row(out: &mut String, name: &str, text: &str) {
 }
 
 /// Formats the three columns of the error table.
-fn columns(spread: Spread) -> String {
+fn columns(spread: SpreadReport) -> String {
     let [mean, rms, max] = [spread.mean_um, spread.rms_um, spread.max_um].map(micrometers);
     format!("{mean:>12}{rms:>12}{max:>12}")
 }
 
 /// Formats the share of the mean error that the correction removed, Spaan's efficiency (eq. 3.6).
-fn improvement(before: Spread, after: Spread) -> String {
+fn improvement(before: SpreadReport, after: SpreadReport) -> String {
     if before.mean_um > 0.0 {
         let percent = (1.0 - after.mean_um / before.mean_um) * 100.0;
         // Rounding must not suggest that no error remains.
@@ -190,22 +196,21 @@ fn improvement(before: Spread, after: Spread) -> String {
     }
 }
 
-/// Formats a value as `X 12.3 µm`, `C 4.56 µrad` from a key such as `X_um`.
-fn largest(key: &str, size: f64) -> String {
-    let (axis, unit) = key.split_once('_').unwrap_or((key, ""));
-    let unit = if unit == "urad" { "µrad" } else { "µm" };
-    format!("{axis} {} {unit}", significant(size))
+/// `X 12.3 µm`, `C 4.56 µrad`.
+fn largest(key: AxisKey, size: f64) -> String {
+    format!("{} {} {}", key.letter(), significant(size), key.sign())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ncfix_base::geometry::Axis;
 
-    fn sample() -> Correction {
-        Correction {
-            before: Some(Spread { mean_um: 25.04, rms_um: 28.1, max_um: 103.2 }),
-            after: Some(Spread { mean_um: 0.25, rms_um: 0.31, max_um: 0.98 }),
-            max_correction: [("X_um".to_owned(), 41.26), ("C_urad".to_owned(), 3.0)].into(),
+    fn sample() -> CorrectionReport {
+        CorrectionReport {
+            before: Some(SpreadReport { mean_um: 25.04, rms_um: 28.1, max_um: 103.2 }),
+            after: Some(SpreadReport { mean_um: 0.25, rms_um: 0.31, max_um: 0.98 }),
+            max_correction: [(AxisKey::of_deviation(Axis::X), 41.26), (AxisKey::of_deviation(Axis::C), 3.0)].into(),
             feed_limit: None,
             remaining: Vec::new(),
             rapids_as_programmed: 12,
@@ -245,8 +250,8 @@ mod tests {
 
     #[test]
     fn improvement_never_reaches_a_hundred_by_rounding() {
-        let before = Spread { mean_um: 20.0, ..Spread::default() };
-        let after = |mean_um| Spread { mean_um, ..Spread::default() };
+        let before = SpreadReport { mean_um: 20.0, ..SpreadReport::default() };
+        let after = |mean_um| SpreadReport { mean_um, ..SpreadReport::default() };
         assert_eq!(improvement(before, after(1.0)), "95.0 % of the mean");
         assert_eq!(improvement(before, after(0.004)), "99.98 % of the mean");
         assert_eq!(improvement(before, after(0.000_01)), "99.99 % of the mean");

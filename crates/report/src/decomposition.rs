@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::inputs::Input;
+use super::inputs::InputFile;
 use super::json::Finding;
 use super::number::{grouped, significant};
-use ncfix_metrology::results::decomposition::{Decomposition, Delay, Run};
+use ncfix_metrology::results::decomposition::{DecompositionResult, Delay, RunReport};
 
 /// Output of `ncfix decompose`: the result, with its output files.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -15,7 +15,7 @@ use ncfix_metrology::results::decomposition::{Decomposition, Delay, Run};
 pub struct DecompositionReport {
     /// Result.
     #[serde(flatten)]
-    pub found: Decomposition,
+    pub found: DecompositionResult,
     /// Machine file that was written.
     pub output: Option<String>,
     /// Report page that was written.
@@ -24,7 +24,7 @@ pub struct DecompositionReport {
     pub diagnostics: Vec<Finding>,
     /// Files from which the result was computed.
     #[serde(skip)]
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<InputFile>,
 }
 
 impl DecompositionReport {
@@ -176,7 +176,7 @@ fn norm([x, y, z]: [f64; 3]) -> f64 {
     x.hypot(y).hypot(z)
 }
 
-fn feed_cell(run: &Run) -> String {
+fn feed_cell(run: &RunReport) -> String {
     let feed = run.feed_mm_min.map_or("–".into(), |feed| grouped(feed.round() as u64));
     format!("{feed:>12}")
 }

@@ -6,9 +6,9 @@ pub(crate) use text::{CauseText, chance, differing};
 
 use serde::Serialize;
 
-use super::inputs::Input;
+use super::inputs::InputFile;
 use super::json;
-use ncfix_metrology::results::diagnosis::{DiagnosisResult, Sizes};
+use ncfix_metrology::results::diagnosis::{DiagnosisResult, ReadingSizes};
 use ncfix_metrology::results::readings;
 
 /// Output of `ncfix diagnose`: the result, with its output files.
@@ -29,12 +29,12 @@ pub struct DiagnosisReport {
 impl DiagnosisReport {
     /// Sets all sizes to NaN if nothing was diagnosed: `null` in JSON, not zero.
     pub fn forget_sizes(&mut self) {
-        let none = Sizes {
+        let none = ReadingSizes {
             rms_um: f64::NAN,
             rms_95_um: [f64::NAN; 2],
             max_um: f64::NAN,
             efficiency: f64::NAN,
-            ..Sizes::default()
+            ..ReadingSizes::default()
         };
         let found = &mut self.found;
         [found.without_model, found.before, found.after] = [none; 3];
@@ -44,11 +44,11 @@ impl DiagnosisReport {
 
 /// Additional data for the page.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Shown {
+pub struct PageReadings {
     /// Readings and causes.
     pub readings: readings::ShownReadings,
     /// Files from which the result was computed.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<InputFile>,
     /// Version of the program.
     pub version: &'static str,
 }

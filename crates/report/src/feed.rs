@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::json::Finding;
 use super::number::{duration, grouped};
+use ncfix_base::geometry::AxisKey;
 
 /// Kind of an object of a transfer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -187,9 +188,9 @@ pub struct Status {
     /// Number of timeouts.
     pub stalls: u64,
     /// Correction due to temperature that was added to the axes in the last line: `X_um`, `C_urad`.
-    pub applied: BTreeMap<String, f64>,
+    pub applied: BTreeMap<AxisKey, f64>,
     /// Correction due to temperature that the model asks for.
-    pub target: BTreeMap<String, f64>,
+    pub target: BTreeMap<AxisKey, f64>,
     /// Age of the oldest sensor reading.
     pub sensor_age_s: Option<f64>,
     /// Faults of the sensors.
@@ -219,8 +220,7 @@ impl Status {
         }
         for (key, target) in &self.target {
             let applied = self.applied.get(key).copied().unwrap_or(0.0);
-            let (axis, unit) = key.split_once('_').unwrap_or((key, ""));
-            let unit = if unit == "um" { "µm" } else { "µrad" };
+            let (axis, unit) = (key.letter(), key.sign());
             let _ = write!(out, ", {axis} {applied:+.1}→{target:+.1} {unit}");
         }
         if let Some(age) = self.sensor_age_s {

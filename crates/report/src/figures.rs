@@ -7,21 +7,21 @@ use serde::Serialize;
 use super::correction::push_row;
 use super::json::Finding;
 use super::number::significant;
-use ncfix_metrology::results::figures::Measurement;
+use ncfix_metrology::results::figures::MeasurementFigures;
 
 /// Output of `ncfix iso230`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Figures {
+pub struct FiguresReport {
     /// Measurements, in the order in which they were given.
-    pub measurements: Vec<Measurement>,
+    pub measurements: Vec<MeasurementFigures>,
     /// Name of the machine.
     pub machine: String,
     /// Diagnostics in order of occurrence.
     pub diagnostics: Vec<Finding>,
 }
 
-impl Figures {
+impl FiguresReport {
     /// Returns the table for people, with a line feed after every line.
     #[must_use]
     pub fn table(&self) -> String {
@@ -33,7 +33,7 @@ impl Figures {
 
 /// Returns the lines of all measurements that have figures, with an empty line after each.
 #[must_use]
-pub fn lines(measurements: &[Measurement]) -> String {
+pub fn lines(measurements: &[MeasurementFigures]) -> String {
     let mut out = String::new();
     for one in measurements.iter().filter(|one| !one.figures.is_empty()) {
         // Writing into a String cannot fail.

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// Input file of a result.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Input {
+pub struct InputFile {
     /// File name.
     pub file: String,
     /// Role: `machine`, `readings`, `description`, `readings, held out` …

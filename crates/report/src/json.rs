@@ -46,7 +46,7 @@ impl Finding {
 /// Output of `ncfix check`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Check {
+pub struct ProgramCheck {
     /// True if the text was parsed without an error.
     pub parsed: bool,
     /// True if it was executed to its end without an error.
@@ -63,7 +63,7 @@ pub struct Check {
 /// Mean, root mean square and maximum of a distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Spread {
+pub struct SpreadReport {
     /// Mean, µm.
     pub mean_um: f64,
     /// Root mean square, µm.
@@ -75,7 +75,7 @@ pub struct Spread {
 /// Residual of one error source after a correction: the largest over poses of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Remaining {
+pub struct RemainingReport {
     /// Error source.
     pub source: &'static str,
     /// Displacement of the tip, as its correction is less than an increment, µm.
@@ -134,13 +134,13 @@ pub struct AtFeed {
 /// Output of `ncfix verify`: distance of the tool tip from the nominal path of the original, on the error model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Verification {
+pub struct VerificationReport {
     /// Verdict on running the corrected program; `null` if the programs were not compared.
     pub verdict: Option<super::verdict::Verdict>,
     /// Errors of the original program.
-    pub before: Option<Spread>,
+    pub before: Option<SpreadReport>,
     /// Errors of the corrected program.
-    pub after: Option<Spread>,
+    pub after: Option<SpreadReport>,
     /// Number of points at which both were evaluated.
     pub samples: u64,
     /// Behavior of the original at feed, with `--at-feed`.
@@ -183,7 +183,7 @@ mod tests {
         let source = Source::new(FileId(0), "a.mpf", b"N1 G0\nN2 Q\n".to_vec()).unwrap();
         let place = Place { file: FileId(0), span: Span::new(9, 10) };
         let found = Diagnostic::at(Code::NOT_SUPPORTED, place, "Q is not supported yet", "remove it");
-        let check = Check {
+        let check = ProgramCheck {
             parsed: true,
             executed: false,
             support_file: None,

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::correction::output_name;
 use super::number::{grouped, significant};
 use ncfix_metrology::results::corrected::{CorrectedReadings, CorrectionSize};
 
@@ -29,7 +30,7 @@ pub fn table(found: &CorrectedReadings, output: &str) -> String {
         row("sense", &format!("unknown in {rows}: as in the middle of the backlash; give X_dir …"));
     }
     row("machine", &found.machine);
-    row("written", if output == "-" { "standard output" } else { output });
+    row("written", output_name(output));
     out
 }
 

@@ -6,9 +6,10 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::correction::error_rows;
-use super::json::{Finding, Spread};
+use super::json::{Finding, SpreadReport};
 use super::number::{grouped, micrometers, significant};
 use super::verdict::Verdict;
+use ncfix_base::units::UnitKey;
 
 /// Output of `ncfix diff`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -39,15 +40,15 @@ pub struct Review {
     /// Pieces that end beyond the travel of an axis.
     pub beyond_travel: BTreeMap<String, Beyond>,
     /// Correction added by axis: X … in µm, A … in µrad.
-    pub axes: BTreeMap<String, Figures>,
+    pub axes: BTreeMap<String, AxisSummary>,
     /// Largest change from one piece to the next, µm, and its place.
-    pub largest_step: Option<Step>,
+    pub largest_step: Option<LargestStep>,
     /// Length of the longest line of the corrected program, in bytes, and its number.
     pub longest_line: [u64; 2],
     /// Errors of the original program on the error model.
-    pub before: Option<Spread>,
+    pub before: Option<SpreadReport>,
     /// Errors of the corrected program on the error model.
-    pub after: Option<Spread>,
+    pub after: Option<SpreadReport>,
     /// Limits, and whether they are met.
     pub limits: Vec<Limit>,
     /// Verdict on running it, with reasons.
@@ -55,7 +56,7 @@ pub struct Review {
     /// Provenance: versions and hashes.
     pub provenance: BTreeMap<&'static str, String>,
     /// Requested rows.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ChangedMove>,
     /// Number of changed moves that are not among the rows.
     pub more_rows: u64,
     /// Diagnostics.
@@ -66,8 +67,8 @@ pub struct Review {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
-pub struct Figures {
-    pub unit: &'static str,
+pub struct AxisSummary {
+    pub unit: UnitKey,
     pub max: f64,
     pub max_line: u32,
     /// File of that line, if it is a subprogram.
@@ -91,7 +92,7 @@ pub struct Beyond {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[expect(missing_docs, reason = "the names say it")]
-pub struct Step {
+pub struct LargestStep {
     pub um: f64,
     pub line: u32,
     /// File of that line, if it is a subprogram.
@@ -112,7 +113,7 @@ pub struct Limit {
 /// Changed move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Row {
+pub struct ChangedMove {
     /// Line of the original.
     pub line: u32,
     /// File of the line, if it is a subprogram.
@@ -141,8 +142,8 @@ pub struct Changed {
     pub after: String,
     /// Correction added, in `unit`.
     pub added: f64,
-    /// `um` or `urad`.
-    pub unit: &'static str,
+    /// Its unit.
+    pub unit: UnitKey,
 }
 
 /// Width of a changed word, with the space after it.
@@ -200,7 +201,7 @@ impl Review {
         for (axis, one) in &self.axes {
             let [max, mean] = [one.max, one.mean].map(signed);
             let [rms, p99] = [one.rms, one.p99].map(significant);
-            let (unit, line) = (unit_of(one.unit), one.max_line);
+            let (unit, line) = (one.unit.sign(), one.max_line);
             let file = one.max_file.as_ref().map_or(String::new(), |file| format!("  line {line} is of {file}"));
             let _ = writeln!(out, "  {axis:<4} {max:>10} {line:>10} {mean:>10} {rms:>10} {p99:>10}  {unit}{file}");
         }
@@ -218,17 +219,12 @@ pub fn place(line: u32, file: Option<&str>) -> String {
     file.map_or_else(|| format!("line {line}"), |file| format!("line {line} of {file}"))
 }
 
-/// Returns the symbol of a unit: `µm`.
-fn unit_of(unit: &str) -> &'static str {
-    if unit == "urad" { "µrad" } else { "µm" }
-}
-
 /// Formats a number with its sign.
 fn signed(value: f64) -> String {
     format!("{}{}", if value > 0.0 { "+" } else { "" }, significant(value))
 }
 
-impl Row {
+impl ChangedMove {
     /// Returns the row for a terminal, with a line feed after every line.
     #[must_use]
     pub fn line(&self, look: &Look) -> String {
@@ -275,7 +271,7 @@ impl Changed {
         let added = if added.contains('.') { added.trim_end_matches('0').trim_end_matches('.') } else { &added };
         let sign = if self.added > 0.0 { "+" } else { "" };
         let text = |after: &str| {
-            let (axis, before, unit) = (&self.axis, &self.before, unit_of(self.unit));
+            let (axis, before, unit) = (&self.axis, &self.before, self.unit.sign());
             format!("{axis:<2}{before:>NUMBER$} → {after}{blanks} ({sign}{added} {unit})")
         };
         (text(&self.colored(look)), text(&self.after).chars().count())

@@ -54,19 +54,19 @@ enum Sensors {
 pub fn all() -> Vec<(&'static str, Value)> {
     vec![
         ("calibrate", of::<calibration::CalibrationReport>()),
-        ("check", of::<json::Check>()),
+        ("check", of::<json::ProgramCheck>()),
         ("decompose", of::<decomposition::DecompositionReport>()),
         ("diagnose", of::<diagnosis::DiagnosisReport>()),
         ("diff", of::<Diff>()),
         ("feed", of::<Feed>()),
-        ("fix", of::<correction::Correction>()),
-        ("iso230", of::<figures::Figures>()),
+        ("fix", of::<correction::CorrectionReport>()),
+        ("iso230", of::<figures::FiguresReport>()),
         ("machine", of::<Machine>()),
         ("max-step", of::<steps::StepReport>()),
         ("resume", of::<feed::Plan>()),
         ("sensors", of::<Sensors>()),
         ("tables", of::<tables::TablesReport>()),
-        ("verify", of::<json::Verification>()),
+        ("verify", of::<json::VerificationReport>()),
         ("weigh", of::<load::Load>()),
     ]
 }

@@ -4,12 +4,12 @@ use std::fmt::Write as _;
 
 use super::correction::push_row;
 use super::number::significant;
-use ncfix_metrology::results::selection::{Gain, Selection};
+use ncfix_metrology::results::selection::{HoldoutGain, Selection};
 
 /// Maximum number of names in a list.
 const MOST_NAMES: usize = 8;
 
-fn shown(gain: &Gain) -> String {
+fn shown(gain: &HoldoutGain) -> String {
     format!("{:.1} ± {:.1} %", gain.gain * 100.0, gain.error * 100.0)
 }
 

@@ -9,6 +9,7 @@ use super::json::Finding;
 use super::number::{duration, grouped, micrometers};
 use super::scale::Log;
 use super::terminal::Colors;
+use ncfix_base::geometry::AxisKey;
 
 /// Width of the plot in columns.
 const WIDTH: usize = 60;
@@ -73,11 +74,11 @@ pub struct StepReport {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Worst {
     /// Position.
-    pub at: BTreeMap<String, f64>,
+    pub at: BTreeMap<AxisKey, f64>,
     /// Start of the line.
-    pub from: BTreeMap<String, f64>,
+    pub from: BTreeMap<AxisKey, f64>,
     /// End of the line.
-    pub to: BTreeMap<String, f64>,
+    pub to: BTreeMap<AxisKey, f64>,
     /// File of the move.
     pub file: Option<String>,
     /// Line of the move.
@@ -269,14 +270,13 @@ fn push_painted(out: &mut String, cells: impl Iterator<Item = (char, &'static st
     }
 }
 
-/// Formats a position as `X 10.5 Z -3 C 90 deg` from keys such as `X_mm`.
-fn place(position: &BTreeMap<String, f64>) -> String {
+/// `X10.5 Z-3 C90°`.
+fn place(position: &BTreeMap<AxisKey, f64>) -> String {
     let mut parts: Vec<(bool, String)> = position
         .iter()
         .map(|(key, &value)| {
-            let (axis, unit) = key.split_once('_').unwrap_or((key, ""));
-            let is_rotary = unit == "deg";
-            (is_rotary, format!("{axis}{}{}", decimal((value * 1e3).round() / 1e3), if is_rotary { "°" } else { "" }))
+            let number = decimal((value * 1e3).round() / 1e3);
+            (key.is_rotary(), format!("{}{number}{}", key.letter(), key.suffix()))
         })
         .collect();
     parts.sort_by_key(|(is_rotary, _)| *is_rotary);
@@ -311,6 +311,7 @@ pub(super) fn rounded_down(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ncfix_base::geometry::Axis;
 
     fn parabola() -> StepReport {
         // s² / 80 µm: 20 mm for 5 µm.
@@ -324,9 +325,9 @@ mod tests {
             residual_limit_um: 5.0,
             residual_um: 4.99,
             worst: Some(Worst {
-                at: [("X_mm".to_owned(), 10.0), ("B_deg".to_owned(), -3.5)].into(),
-                from: [("X_mm".to_owned(), 0.0)].into(),
-                to: [("X_mm".to_owned(), 400.0)].into(),
+                at: [(AxisKey::of_position(Axis::X), 10.0), (AxisKey::of_position(Axis::B), -3.5)].into(),
+                from: [(AxisKey::of_position(Axis::X), 0.0)].into(),
+                to: [(AxisKey::of_position(Axis::X), 400.0)].into(),
                 file: Some("a.mpf".into()),
                 line: Some(7),
             }),

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::json::Finding;
 use super::markup::Markup;
-use super::plot::{Chart, Picture, STYLE, Series, Shape, WIDTH};
+use super::plot::{Chart, Picture, PlotSeries, STYLE, Shape, WIDTH};
 use ncfix_base::geometry::Axis;
 use ncfix_base::units::UnitKey;
 use ncfix_tables::results::result::TablesResult;
@@ -179,7 +179,7 @@ pub fn picture(sets: &[(&str, &Tables)]) -> String {
 #[must_use]
 pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
     let mut charts: Vec<Chart> = Vec::new();
-    let mut add = |title: String, across: String, up: &str, series: Series| match charts
+    let mut add = |title: String, across: String, up: &str, series: PlotSeries| match charts
         .iter_mut()
         .find(|chart| chart.title == title)
     {
@@ -194,8 +194,12 @@ pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
             ..Chart::default()
         }),
     };
-    let line =
-        |label: String, points: Vec<(f64, f64)>| Series { label, points, shape: Shape::Line, ..Series::default() };
+    let line = |label: String, points: Vec<(f64, f64)>| PlotSeries {
+        label,
+        points,
+        shape: Shape::Line,
+        ..PlotSeries::default()
+    };
     let unit = |axis: Axis| if axis.is_rotary() { "deg" } else { "mm" };
     for (label, tables) in sets {
         for (index, one) in tables.lookups.iter().enumerate() {

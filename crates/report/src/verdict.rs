@@ -152,13 +152,13 @@ fn grade_of(finding: &Finding) -> Grade {
 
 #[cfg(test)]
 mod tests {
-    use super::super::json::Spread;
+    use super::super::json::SpreadReport;
     use super::super::review::Limit;
     use super::*;
 
     #[test]
     fn the_worst_reason_decides_and_comes_first() {
-        let spread = |max_um: f64| Spread { mean_um: max_um / 2.0, rms_um: max_um / 2.0, max_um };
+        let spread = |max_um: f64| SpreadReport { mean_um: max_um / 2.0, rms_um: max_um / 2.0, max_um };
         let mut review = Review { before: Some(spread(40.0)), after: Some(spread(1.0)), ..Review::default() };
         let verdict = Verdict::of(&review);
         assert_eq!((verdict.grade, verdict.reasons.len()), (Grade::Ok, 1));

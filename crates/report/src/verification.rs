@@ -1,7 +1,7 @@
 //! Result of `ncfix verify` along the path, for its page.
 
-use super::inputs::Input;
-use super::json::{AtFeed, Finding, Spread};
+use super::inputs::InputFile;
+use super::json::{AtFeed, Finding, SpreadReport};
 
 /// Errors of two programs along the path of the original.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,9 +11,9 @@ pub struct Verification {
     /// Name of the machine.
     pub machine: String,
     /// Errors of the original program.
-    pub before: Option<Spread>,
+    pub before: Option<SpreadReport>,
     /// Errors of the corrected program.
-    pub after: Option<Spread>,
+    pub after: Option<SpreadReport>,
     /// Number of points at which both were evaluated.
     pub samples: u64,
     /// All relevant pieces, in the order of the program.
@@ -23,7 +23,7 @@ pub struct Verification {
     /// Behavior of both programs at feed, if requested.
     pub at_feed: Option<[AtFeed; 2]>,
     /// Files from which the result was computed.
-    pub inputs: Vec<Input>,
+    pub inputs: Vec<InputFile>,
     /// Diagnostics.
     pub diagnostics: Vec<Finding>,
 }

@@ -16,7 +16,7 @@ use crate::cli::stop::Stop;
 use crate::cli::together::Together;
 use crate::cli::{parameters, print, state, tell};
 use ncfix_base::source::FileId;
-use ncfix_metrology::calibrate::candidates::Pieces;
+use ncfix_metrology::calibrate::candidates::PiecewisePolynomials;
 use ncfix_metrology::results::calibration::{CalibrationSettings, CalibrationStart, check_sizes, prepare};
 use ncfix_report::calibration::CalibrationReport;
 use ncfix_report::{json, page};
@@ -118,7 +118,7 @@ fn calibrate(
     let candidates = match &arguments.select {
         Some(words) => {
             let data = prepared.data();
-            let pieces = Pieces { spacing_mm: arguments.knots, degree: arguments.degree };
+            let pieces = PiecewisePolynomials { spacing_mm: arguments.knots, degree: arguments.degree };
             let choice = (words.as_str(), pieces);
             let found = parameters::candidates(choice, &chosen.machine, &chosen.errors, &data, findings)?;
             if found.is_none() {

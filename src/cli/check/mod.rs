@@ -14,7 +14,7 @@ pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> 
     let mut findings = Findings::default();
     let Checked { parsed, executed, support_file, elements } = examine(arguments, &mut findings)?;
     if arguments.json {
-        let check = json::Check { parsed, executed, support_file, elements, diagnostics: findings.json() };
+        let check = json::ProgramCheck { parsed, executed, support_file, elements, diagnostics: findings.json() };
         print(&json::line(&check).map_err(Stop::Usage)?)?;
     } else {
         findings.draw();

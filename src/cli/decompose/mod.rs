@@ -18,7 +18,7 @@ use crate::cli::{print, program, tell, trace};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
 use ncfix_machine::machine::Machine;
-use ncfix_metrology::decompose::{self, Options, links};
+use ncfix_metrology::decompose::{self, DecompositionOptions, links};
 use ncfix_metrology::results::decomposition::{self, SCHEMA};
 use ncfix_report::decomposition::DecompositionReport;
 use ncfix_report::{json, page};
@@ -117,9 +117,9 @@ fn find(
     Ok(())
 }
 
-fn options(arguments: &DecomposeArguments, machine: &Machine) -> Result<Options, Stop> {
+fn options(arguments: &DecomposeArguments, machine: &Machine) -> Result<DecompositionOptions, Stop> {
     let links = arguments.links.as_deref().map_or_else(|| Ok(Vec::new()), |list| links(list, machine));
-    Ok(Options {
+    Ok(DecompositionOptions {
         links: links.map_err(|reason| Stop::Usage(reason.to_string()))?,
         smooth: arguments.motion,
         record_delay_s: arguments.record_delay_ms.map(|ms| ms / 1e3),

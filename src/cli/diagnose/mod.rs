@@ -18,7 +18,7 @@ use crate::cli::{measurement, print, tell};
 use ncfix_base::source::{FileId, Source};
 use ncfix_metrology::results::diagnosis::{self, DiagnosisSettings, SCHEMA};
 use ncfix_metrology::results::measurement::{Measurement, check_copies};
-use ncfix_report::diagnosis::{DiagnosisReport, Shown};
+use ncfix_report::diagnosis::{DiagnosisReport, PageReadings};
 use ncfix_report::{json, page};
 
 /// Diagnoses.
@@ -28,7 +28,7 @@ pub(in crate::cli) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Sto
     let mut findings = Findings::default();
     let mut report = DiagnosisReport::default();
     report.found.schema = SCHEMA;
-    let mut shown = Shown { version: env!("CARGO_PKG_VERSION"), ..Shown::default() };
+    let mut shown = PageReadings { version: env!("CARGO_PKG_VERSION"), ..PageReadings::default() };
     let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
     let mut files = Together::default();
     let mut result = find(arguments, (page.as_ref(), &mut files), &mut findings, &mut report, &mut shown);
@@ -70,7 +70,7 @@ fn find(
     (page, files): (Option<&Pages>, &mut Together),
     findings: &mut Findings,
     report: &mut DiagnosisReport,
-    shown: &mut Shown,
+    shown: &mut PageReadings,
 ) -> Result<(), Stop> {
     let first = arguments.data.first().map_or(Path::new("."), PathBuf::as_path);
     let target = arguments.output.as_deref().map(Target::new).transpose()?;

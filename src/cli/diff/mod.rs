@@ -14,7 +14,7 @@ use crate::cli::{machine_choice, pages, print, program, progress, tell};
 use crate::compare::{CompareOptions, ComparedPrograms, Listing, Outcome, Pair, ROWS};
 use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_path::review::Trace;
+use ncfix_path::review::ReviewTrace;
 use ncfix_report::json;
 use ncfix_report::review::Review;
 
@@ -97,7 +97,7 @@ fn compare(
     programs: [&Program; 2],
     has_places: bool,
     findings: &mut Findings,
-) -> Result<Option<(Trace, Outcome)>, Stop> {
+) -> Result<Option<(ReviewTrace, Outcome)>, Stop> {
     let Some(machine) = machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.original, findings)?
     else {
         return Ok(None);

@@ -7,9 +7,9 @@ use crate::cli::machine_choice::digest;
 use crate::cli::stop::Stop;
 use crate::compare::Outcome;
 use ncfix_base::source::{FileId, Source};
-use ncfix_dnc::feed::{Shown, shown};
-use ncfix_path::review::Trace;
-use ncfix_report::page::review::{Journal, Program, Subject, review};
+use ncfix_dnc::feed::{ThermalHistory, shown};
+use ncfix_path::review::ReviewTrace;
+use ncfix_report::page::review::{JournalTrace, ReviewedProgram, Subject, review};
 use ncfix_report::review::Review;
 
 /// Its text.
@@ -18,24 +18,24 @@ use ncfix_report::review::Review;
 /// Where there is more than a page can show.
 pub(in crate::cli) fn text(
     object: &Review,
-    trace: &Trace,
+    trace: &ReviewTrace,
     (outcome, corrected): (&Outcome, &Source),
-    journal: Option<&Journal>,
+    journal: Option<&JournalTrace>,
 ) -> Result<String, Stop> {
-    let originals: Vec<Program<'_>> = outcome.sources[0].iter().map(of).collect();
+    let originals: Vec<ReviewedProgram<'_>> = outcome.sources[0].iter().map(of).collect();
     let subject = Subject { review: object, trace, originals: &originals, corrected: of(corrected), journal };
     review(&subject, &digest).map_err(Stop::Usage)
 }
 
-fn of(source: &Source) -> Program<'_> {
-    Program { name: source.name(), bytes: source.bytes(), line_end: source.line_end() }
+fn of(source: &Source) -> ReviewedProgram<'_> {
+    ReviewedProgram { name: source.name(), bytes: source.bytes(), line_end: source.line_end() }
 }
 
 /// Reads what the journal of a transfer says of temperatures and corrections.
-pub(in crate::cli) fn journal(path: &Path) -> Result<Journal, Stop> {
+pub(in crate::cli) fn journal(path: &Path) -> Result<JournalTrace, Stop> {
     let source = input::read(path, FileId(0), "journal, --journal")?;
     let text = String::from_utf8_lossy(source.bytes());
-    let Shown { times_s, sensors_c, axes_um } =
+    let ThermalHistory { times_s, sensors_c, axes_um } =
         shown(&text).map_err(|(line, why)| Stop::Usage(format!("{}, line {line}: {why}", path.display())))?;
-    Ok(Journal { times_s, sensors_c, axes_um })
+    Ok(JournalTrace { times_s, sensors_c, axes_um })
 }

@@ -8,7 +8,7 @@ use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::{deliver, machine_choice, measurement};
 use ncfix_metrology::results::figures;
-use ncfix_report::figures::Figures as Report;
+use ncfix_report::figures::FiguresReport as Report;
 use ncfix_report::json;
 
 /// Prints figures.

@@ -22,7 +22,7 @@ use crate::program::Program;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::Source;
 use ncfix_base::units::um_from_mm;
-use ncfix_report::correction::Correction;
+use ncfix_report::correction::CorrectionReport;
 use ncfix_report::json;
 
 /// Corrects a program.
@@ -30,7 +30,7 @@ pub(in crate::cli) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
     let started = Instant::now();
     let job = Job::new(arguments)?;
     let mut findings = Findings::default();
-    let mut report = Correction::default();
+    let mut report = CorrectionReport::default();
     if let Err(stop) = job.correct(&mut findings, &mut report) {
         findings.draw();
         return Err(stop);
@@ -88,7 +88,7 @@ impl<'a> Job<'a> {
     }
 
     /// Reads the machine, corrects, and publishes the text if there is no error.
-    fn correct(&self, findings: &mut Findings, report: &mut Correction) -> Result<(), Stop> {
+    fn correct(&self, findings: &mut Findings, report: &mut CorrectionReport) -> Result<(), Stop> {
         let arguments = self.arguments;
         let Some(chosen) = machine_choice::choose_in(&arguments.machine, &arguments.state, &arguments.input, findings)?
         else {
@@ -120,12 +120,12 @@ impl<'a> Job<'a> {
         }
         if findings.has_errors() {
             // Numbers of an output that does not exist would be taken for its numbers.
-            *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
+            *report = CorrectionReport { machine: std::mem::take(&mut report.machine), ..CorrectionReport::default() };
             return Ok(());
         }
         let page = self.review(&chosen, &mut spool, findings, report)?;
         if findings.has_errors() {
-            *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
+            *report = CorrectionReport { machine: std::mem::take(&mut report.machine), ..CorrectionReport::default() };
             return Ok(());
         }
         let mut together = Together::default();
@@ -137,7 +137,8 @@ impl<'a> Job<'a> {
         let backup = match together.publish_first(old) {
             Err(error) if error.code() == Some(Code::NEWER_FILE) => {
                 findings.absorb(error.diagnostics().clone());
-                *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
+                *report =
+                    CorrectionReport { machine: std::mem::take(&mut report.machine), ..CorrectionReport::default() };
                 return Ok(());
             }
             published => published?,
@@ -180,7 +181,7 @@ impl<'a> Job<'a> {
         machine: &Machine,
         spool: &mut Spool,
         findings: &mut Findings,
-        report: &mut Correction,
+        report: &mut CorrectionReport,
     ) -> Result<Option<String>, Stop> {
         let Some(page) = &self.page else { return Ok(None) };
         let arguments = self.arguments;

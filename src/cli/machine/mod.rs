@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::cli::arguments::{MachineArguments, MachineCommand, ShowArguments};
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
-use crate::cli::machine_choice::{self, Chosen, Found};
+use crate::cli::machine_choice::{self, Chosen, FoundFile};
 use crate::cli::stop::Stop;
 use crate::cli::{print, state, tell};
 use crate::disk::origin;
@@ -99,9 +99,9 @@ fn name(arguments: &MachineArguments) -> String {
 }
 
 /// The text of the machine file, and how it was found.
-fn locate(arguments: &MachineArguments, findings: &mut Findings) -> Result<(Source, Found), Stop> {
+fn locate(arguments: &MachineArguments, findings: &mut Findings) -> Result<(Source, FoundFile), Stop> {
     let (path, found) = match &arguments.file {
-        Some(file) => (Some(file.clone()), Found::Named),
+        Some(file) => (Some(file.clone()), FoundFile::Named),
         // There is no program beside which a machine file could lie.
         None => machine_choice::locate(None, Path::new("-")),
     };

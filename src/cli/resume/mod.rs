@@ -8,7 +8,7 @@ use crate::cli::stop::Stop;
 use crate::cli::{print, progress, tell};
 use crate::feed::{Broken, began_with, check_same, plan, read_broken};
 use ncfix_base::diagnostic::{Code, Diagnostic};
-use ncfix_dnc::feed::Told;
+use ncfix_dnc::feed::JournalContents;
 use ncfix_report::json;
 
 /// Shows the plan, or carries it out.
@@ -73,7 +73,7 @@ fn nothing_sent(findings: &Findings) -> ExitCode {
 }
 
 /// The arguments with which the job began.
-fn arguments_of(told: &Told) -> Result<FeedArguments, Stop> {
+fn arguments_of(told: &JournalContents) -> Result<FeedArguments, Stop> {
     let words = std::iter::once("ncfix").chain(began_with(told)?);
     match arguments::parse(words.map(std::ffi::OsString::from)) {
         Ok((_, Command::Feed(feed))) => Ok(*feed),

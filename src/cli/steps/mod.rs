@@ -17,7 +17,7 @@ use crate::cli::{input, machine_choice, pages, print, program};
 use crate::program::Program;
 use crate::steps::StepSearch;
 use ncfix_base::source::{FileId, Source};
-use ncfix_report::inputs::Input;
+use ncfix_report::inputs::InputFile;
 use ncfix_report::plot::Picture as _;
 use ncfix_report::residual::Residual;
 use ncfix_report::steps::StepReport;
@@ -89,8 +89,8 @@ fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepRepor
 }
 
 /// The files of a result.
-fn inputs(program: Option<&Source>, machine: &[PathBuf]) -> Result<Vec<Input>, Stop> {
-    let mut all: Vec<Input> = program.map(|one| pages::input(one, "program")).into_iter().collect();
+fn inputs(program: Option<&Source>, machine: &[PathBuf]) -> Result<Vec<InputFile>, Stop> {
+    let mut all: Vec<InputFile> = program.map(|one| pages::input(one, "program")).into_iter().collect();
     for path in machine {
         all.push(pages::input(&input::read_written(path, FileId(0), "machine file")?, "machine"));
     }

@@ -10,7 +10,7 @@ mod rotation;
 mod spline;
 
 pub use arc::{Arc, CenterFault, Plane};
-pub use axes::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
+pub use axes::{AXES, AXIS_COUNT, Axis, AxisKey, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
 pub use basis::PlaneBasis;
 pub use bezier::{Bezier, CurveFault, Weighted, weighted};
 pub use frame::Frame;

@@ -1,6 +1,6 @@
 //! Maps the permissions of a move to doses.
 
-use crate::feed::{Dose, Limits, LineDosing};
+use crate::feed::{Dose, DosingLimits, LineDosing};
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector};
 use ncfix_path::path::{Allows, Asked, Doses};
 
@@ -14,7 +14,7 @@ pub(super) struct Doser {
 }
 
 impl Doser {
-    pub(super) fn new(limits: Limits) -> Doser {
+    pub(super) fn new(limits: DosingLimits) -> Doser {
         Doser { dosing: LineDosing::new(limits), is_frozen: false }
     }
 }

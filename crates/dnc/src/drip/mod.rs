@@ -15,14 +15,14 @@ mod told;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::feed::{Limits, Line};
+use crate::feed::{DosingLimits, Line};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AXIS_COUNT, AxisVector};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::snc::{Dwell, Element, Kind};
 use ncfix_model::Model;
 use ncfix_path::emit::{Writer, is_stamped};
-use ncfix_path::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Live, ON_THE_SPOT, Options, Output};
+use ncfix_path::path::{CONTINUES, CONTINUES_ON_THE_SPOT, CorrectionOptions, Live, ON_THE_SPOT, Output};
 
 pub use heights::Heights;
 pub use rules::Grammar;
@@ -34,7 +34,7 @@ use doser::Doser;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
     /// Limits on the rate of change of the applied correction due to temperature.
-    pub limits: Limits,
+    pub limits: DosingLimits,
     /// True if the correction changes only on moves that do not cut.
     pub rapids_only: bool,
     /// True if letters are converted to capitals.
@@ -75,7 +75,7 @@ impl<'a> Lines<'a> {
     pub fn new(
         machine: &'a Machine,
         base: &'a Model,
-        options: &Options,
+        options: &CorrectionOptions,
         writer: Box<dyn Writer + 'a>,
         settings: Settings,
     ) -> Lines<'a> {

@@ -24,7 +24,7 @@ const SAME_DIRECTION: f64 = 1e-6;
 
 /// Restart place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct RestartPlace {
     /// First element that is sent.
     pub element: u64,
     /// Source line.
@@ -41,9 +41,9 @@ pub struct Place {
 
 /// Result of a search.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Found {
+pub enum SearchOutcome {
     /// A safe place.
-    Place(Place),
+    Place(RestartPlace),
     /// The beginning: the lines that are sent before it, and its height above everything machined, mm.
     Beginning(Vec<String>, f64),
     /// No height was stated. Holds the highest machined Z of the program, mm, if it is known.
@@ -87,7 +87,7 @@ struct Start {
 }
 
 /// Searches for the last safe place.
-pub struct Search<'a> {
+pub struct RestartSearch<'a> {
     tips: Tips<'a>,
     heights: &'a Heights,
     /// Clear height as stated by a person, Z of the program, mm.
@@ -104,7 +104,7 @@ pub struct Search<'a> {
     is_retracted: bool,
     /// Place whose first line is still to come: its element, the height of the path to it above everything machined, mm, and its Z of the program, mm.
     pending: Option<(u64, f64, f64)>,
-    best: Option<Place>,
+    best: Option<RestartPlace>,
     start: Option<Start>,
     /// Lines that lift the tool to the stated height before the first move, once they are known.
     beginning: Option<Option<Vec<String>>>,
@@ -115,7 +115,7 @@ pub struct Search<'a> {
     unsure: Option<u32>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> RestartSearch<'a> {
     /// Begins a search. No place after the element `until` is accepted. No element after `sent` has been carried out.
     #[must_use]
     pub fn new(
@@ -123,8 +123,8 @@ impl<'a> Search<'a> {
         (tips, heights): (Tips<'a>, &'a Heights),
         [until, sent]: [u64; 2],
         clearance_mm: Option<f64>,
-    ) -> Search<'a> {
-        Search {
+    ) -> RestartSearch<'a> {
+        RestartSearch {
             tips,
             heights,
             clearance_mm,
@@ -258,7 +258,7 @@ impl<'a> Search<'a> {
             if let Some(lines) = way.and_then(|way| self.told.lines(self.is_numbered, way)) {
                 let (source_line, first, tool) = (line.source_line, text.clone(), self.told.tool.clone());
                 self.at_best = Some(self.told.clone());
-                self.best = Some(Place { element, source_line, lines, tool, first, above_mm });
+                self.best = Some(RestartPlace { element, source_line, lines, tool, first, above_mm });
             }
         }
         if self.beginning.is_none()
@@ -279,25 +279,25 @@ impl<'a> Search<'a> {
     /// Returns the last safe place. Lines after a place may set a state that is not known before it: an axis, a zero offset, the coolant. Its earlier value
     /// is then unknown, and only the beginning remains as a place.
     #[must_use]
-    pub fn finish(self) -> Found {
+    pub fn finish(self) -> SearchOutcome {
         let start = self.start.unwrap_or_default();
         if self.clearance_mm.is_none() {
-            return Found::NotStated(start.highest_z_mm);
+            return SearchOutcome::NotStated(start.highest_z_mm);
         }
         let is_known = self.at_best.is_some_and(|at_best| at_best.knows(&self.told));
         if let Some(place) = self.best.filter(|_| is_known) {
-            return Found::Place(place);
+            return SearchOutcome::Place(place);
         }
         match self.refused.or(start.stated) {
-            Some(Stated::TooLow(highest_z_mm)) => return Found::TooLow(highest_z_mm),
-            Some(Stated::OutOfTravel(travel_mm)) => return Found::OutOfTravel(travel_mm),
+            Some(Stated::TooLow(highest_z_mm)) => return SearchOutcome::TooLow(highest_z_mm),
+            Some(Stated::OutOfTravel(travel_mm)) => return SearchOutcome::OutOfTravel(travel_mm),
             _ => {}
         }
         // The restart path crosses at the stated height if lines can be sent before the first move, or if that move itself lifts the tool.
         match (start.stated, self.beginning.flatten()) {
-            (Some(Stated::Above(above_mm)), Some(lift)) => Found::Beginning(lift, above_mm),
-            (Some(Stated::Above(above_mm)), None) if start.lifts => Found::Beginning(Vec::new(), above_mm),
-            _ => Found::Nothing(match self.heights.unknown() {
+            (Some(Stated::Above(above_mm)), Some(lift)) => SearchOutcome::Beginning(lift, above_mm),
+            (Some(Stated::Above(above_mm)), None) if start.lifts => SearchOutcome::Beginning(Vec::new(), above_mm),
+            _ => SearchOutcome::Nothing(match self.heights.unknown() {
                 Some(line) => Why::HeightUnknown(line),
                 None if self.heights.is_tilted(self.sent) => Why::Tilted,
                 None => Why::BeginningCrosses,

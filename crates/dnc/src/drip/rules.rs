@@ -2,7 +2,7 @@
 //!
 //! Every row of a code table has a rule. A code without a row belongs to the machine builder; its effect is not known.
 
-use ncfix_dialect::{CodeEntry, CodeTable, Effect, Language};
+use ncfix_dialect::{CodeEffect, CodeEntry, CodeTable, Language};
 
 /// Group of motion codes, in all code tables.
 const MOTION: u8 = 1;
@@ -141,7 +141,7 @@ impl Grammar {
             return self.rule_of_m(entry);
         }
         let key = (entry.group, "");
-        if PASSING.contains(&name) || entry.effect == Effect::Display {
+        if PASSING.contains(&name) || entry.effect == CodeEffect::Display {
             return Rule::Passing;
         }
         let is_elsewhere = ELSEWHERE.contains(&name)
@@ -154,7 +154,7 @@ impl Grammar {
         if entry.group == MOTION {
             // Probing, threads with the spindle and cycles end where their words do not state it.
             let says_where = STRAIGHT.contains(&name);
-            return if entry.effect == Effect::Refuse { Rule::InForce(key) } else { Rule::Motion(says_where) };
+            return if entry.effect == CodeEffect::Refuse { Rule::InForce(key) } else { Rule::Motion(says_where) };
         }
         match (self.language, name) {
             (Language::Sinumerik, "TRAORI") => return Rule::InForce((TRANSFORM, "")),
@@ -162,12 +162,12 @@ impl Grammar {
             (Language::Fanuc, "M29") => return Rule::InForce((9, "")),
             _ => {}
         }
-        if entry.effect == Effect::Refuse {
+        if entry.effect == CodeEffect::Refuse {
             return if entry.group > 0 { Rule::InForce(key) } else { Rule::Never };
         }
         if entry.group == 0 {
             // Fanuc: look-ahead and smoothing, which stay active until they are switched off one by one.
-            let is_mode = entry.effect == Effect::Keep && entry.words != "-";
+            let is_mode = entry.effect == CodeEffect::Keep && entry.has_words();
             return if is_mode { Rule::State((OWN, name), Axes::Values) } else { Rule::Never };
         }
         let plain = Rule::State(key, Axes::Refused);
@@ -192,7 +192,7 @@ impl Grammar {
             (Language::Sinumerik, _) if entry.group <= 3 => Rule::Never,
             (Language::Sinumerik, _) => plain,
             // The words of a cycle, a scale or a rotated plane cannot be restored away from their place.
-            _ if entry.words == "-" || entry.effect == Effect::Keep => plain,
+            _ if !entry.has_words() || entry.effect == CodeEffect::Keep => plain,
             _ => Rule::InForce(key),
         }
     }

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::feed::Told;
+use crate::feed::JournalContents;
 use ncfix_base::geometry::{AXES, AxisVector};
 use ncfix_path::path::Output;
 
@@ -26,7 +26,7 @@ pub struct Ends {
 impl Ends {
     /// Prepares for the lines that a journal has kept.
     #[must_use]
-    pub fn new(told: &Told) -> Ends {
+    pub fn new(told: &JournalContents) -> Ends {
         let kept = [told.lines.front(), told.lines.back()].map(|line| line.map_or(0, |line| line.element));
         Ends { kept, ..Ends::default() }
     }
@@ -44,12 +44,12 @@ impl Ends {
     /// Returns the last line that was certainly carried out. `at_most` is the number of blocks that the control may hold; `None` if it is not known. A line
     /// that has only left proves nothing. The same applies to an answer that may have come twice, and to a control that does not state its capacity.
     #[must_use]
-    pub fn sure(&self, told: &Told, at_most: Option<u64>) -> u64 {
+    pub fn sure(&self, told: &JournalContents, at_most: Option<u64>) -> u64 {
         let by_planner = at_most.filter(|_| told.left == 0).map_or(0, |at_most| self.before(told, at_most));
         told.executed.max(by_planner)
     }
 
-    fn before(&self, told: &Told, at_most: u64) -> u64 {
+    fn before(&self, told: &JournalContents, at_most: u64) -> u64 {
         if at_most == 0 {
             return told.checked;
         }
@@ -80,8 +80,8 @@ mod tests {
     use ncfix_base::geometry::Axis;
 
     /// Makes one line per element, ending at these X, mm; all are acknowledged.
-    fn job(ends_mm: &[Option<f64>]) -> (Told, Ends) {
-        let mut told = Told::default();
+    fn job(ends_mm: &[Option<f64>]) -> (JournalContents, Ends) {
+        let mut told = JournalContents::default();
         let mut ends = Ends::default();
         for (number, end_mm) in (1..).zip(ends_mm) {
             told.lines.push_back(Frozen { number, element: number, ..Frozen::default() });

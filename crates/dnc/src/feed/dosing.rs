@@ -9,7 +9,7 @@ use ncfix_base::geometry::AXIS_COUNT;
 
 /// Limits on the rate of change of an applied correction due to temperature, for each axis; infinite means no limit. Linear axes in mm, rotary axes in rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct DosingLimits {
     /// Maximum change from one block to the next.
     pub per_block: f64,
     /// Maximum change per mm of path. A block without motion changes nothing.
@@ -38,16 +38,16 @@ pub enum Dose {
     Release,
 }
 
-impl Default for Limits {
+impl Default for DosingLimits {
     fn default() -> Self {
-        Limits { per_block: 1e-3, per_mm: 1e-4, per_s: 5e-4 }
+        DosingLimits { per_block: 1e-3, per_mm: 1e-4, per_s: 5e-4 }
     }
 }
 
 /// Applied correction and remaining dose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LineDosing {
-    limits: Limits,
+    limits: DosingLimits,
     /// Correction of the model minus applied correction, for each axis; `None` before the first block.
     left: Option<[f64; AXIS_COUNT]>,
     applied: [f64; AXIS_COUNT],
@@ -58,7 +58,7 @@ pub struct LineDosing {
 impl LineDosing {
     /// Starts without a correction.
     #[must_use]
-    pub fn new(limits: Limits) -> LineDosing {
+    pub fn new(limits: DosingLimits) -> LineDosing {
         LineDosing { limits, ..LineDosing::default() }
     }
 
@@ -128,17 +128,17 @@ mod tests {
     #[test]
     fn on_the_spot_time_alone_counts() {
         for per_mm in [f64::INFINITY, 1e-4] {
-            let mut dosing = LineDosing::new(Limits { per_block: 1.0, per_mm, per_s: 1e-3 });
+            let mut dosing = LineDosing::new(DosingLimits { per_block: 1.0, per_mm, per_s: 1e-3 });
             assert_eq!(dosing.step(&along_x(0.05), &along_x(0.05), step(0.0, 0.0))[0], 0.0);
             assert!((dosing.step(&along_x(0.05), &along_x(0.05), step(0.0, 1.0))[0] - 1e-3).abs() < 1e-12);
         }
-        let mut dosing = LineDosing::new(Limits { per_block: 1.0, per_mm: 1e-4, per_s: f64::INFINITY });
+        let mut dosing = LineDosing::new(DosingLimits { per_block: 1.0, per_mm: 1e-4, per_s: f64::INFINITY });
         assert!((dosing.step(&along_x(0.05), &along_x(0.05), step(2.0, 0.0))[0] - 2e-4).abs() < 1e-12);
     }
 
     #[test]
     fn a_jump_of_ten_micrometers_takes_as_many_blocks_as_the_limit_says() {
-        let mut dosing = LineDosing::new(Limits { per_block: 1e-3, per_mm: 1.0, per_s: 1.0 });
+        let mut dosing = LineDosing::new(DosingLimits { per_block: 1e-3, per_mm: 1.0, per_s: 1.0 });
         let asked = along_x(0.0105);
         let applied: Vec<f64> = (0..12).map(|_| dosing.step(&asked, &asked, step(10.0, 1.0))[0]).collect();
         for (k, value) in applied.iter().enumerate() {
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn way_and_time_limit_too_and_what_the_way_asks_for_is_followed() {
-        let mut dosing = LineDosing::new(Limits { per_block: 1.0, per_mm: 1e-4, per_s: 1e-3 });
+        let mut dosing = LineDosing::new(DosingLimits { per_block: 1.0, per_mm: 1e-4, per_s: 1e-3 });
         // 10 mm: 1 µm; 0.1 s: 0.1 µm; the smaller limit counts.
         assert!((dosing.step(&along_x(0.05), &along_x(0.05), step(10.0, 0.1))[0] - 1e-4).abs() < 1e-12);
         // The path itself asks for another 0.02.
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_move_without_correction_does_not_end_what_is_followed() {
-        let mut dosing = LineDosing::new(Limits { per_block: 1.0, per_mm: 1.0, per_s: 1.0 });
+        let mut dosing = LineDosing::new(DosingLimits { per_block: 1.0, per_mm: 1.0, per_s: 1.0 });
         assert_eq!(dosing.step(&along_x(0.0), &along_x(0.012), Dose::Whole)[0], 0.012);
         for _ in 0..2 {
             assert_eq!(dosing.step(&along_x(0.012), &along_x(0.012), Dose::Release)[0], 0.0);
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn what_is_held_stays_and_is_dosed_afterwards() {
-        let mut dosing = LineDosing::new(Limits { per_block: 1e-3, per_mm: 1.0, per_s: 1.0 });
+        let mut dosing = LineDosing::new(DosingLimits { per_block: 1e-3, per_mm: 1.0, per_s: 1.0 });
         let held = dosing.step(&along_x(0.0), &along_x(0.004), Dose::Hold)[0];
         assert_eq!((held, dosing.left().unwrap()[0]), (0.0, 0.004));
         let next = dosing.step(&along_x(0.004), &along_x(0.004), step(10.0, 1.0))[0];

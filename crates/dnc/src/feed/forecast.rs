@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 /// Performance of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link {
+pub struct LinkRate {
     /// Characters per second; infinite if the line is not the limit.
     pub characters_per_s: f64,
     /// Time from the last character of a line to its answer, s; 0 on a link without answers.
@@ -63,7 +63,7 @@ const UNNOTICED_S: f64 = 1e-3;
 /// Makes a forecast line by line, in bounded memory.
 #[derive(Clone, Debug)]
 pub struct Forecaster {
-    link: Link,
+    link: LinkRate,
     forecast: Forecast,
     /// Completion time of each line that has not been carried out, s, and its bytes.
     waiting: VecDeque<(f64, usize)>,
@@ -84,7 +84,7 @@ struct Open {
 impl Forecaster {
     /// Begins a forecast.
     #[must_use]
-    pub fn new(link: Link) -> Forecaster {
+    pub fn new(link: LinkRate) -> Forecaster {
         Forecaster {
             link,
             forecast: Forecast::default(),
@@ -187,9 +187,9 @@ mod tests {
     use super::*;
 
     /// 9600 Bd, 7E2: 873 characters per second.
-    const SLOW: Link = Link { characters_per_s: 9600.0 / 11.0, answer_s: 0.0, lines: 5, bytes: 512 };
+    const SLOW: LinkRate = LinkRate { characters_per_s: 9600.0 / 11.0, answer_s: 0.0, lines: 5, bytes: 512 };
 
-    fn forecast(link: Link, count: u64, bytes: usize, busy_s: f64) -> Forecast {
+    fn forecast(link: LinkRate, count: u64, bytes: usize, busy_s: f64) -> Forecast {
         let mut forecaster = Forecaster::new(link);
         (0..count).for_each(|k| forecaster.line(bytes, k as u32 + 1, busy_s));
         forecaster.finish()
@@ -222,7 +222,7 @@ mod tests {
     #[test]
     fn send_and_wait_stands_still_for_every_answer() {
         // One line under way, 20 ms until its answer, 25 ms per block: the link waits for the block, the block for the link.
-        let link = Link { characters_per_s: f64::INFINITY, answer_s: 0.02, lines: 1, bytes: 512 };
+        let link = LinkRate { characters_per_s: f64::INFINITY, answer_s: 0.02, lines: 1, bytes: 512 };
         let found = forecast(link, 200, 20, 0.025);
         assert!((found.total_s - 200.0 * 0.045).abs() < 1e-6, "{found:?}");
         let [stretch] = found.stretches.as_slice() else { panic!("{found:?}") };

@@ -21,7 +21,7 @@
 //! system has accepted survive a crash of the program at once, and a crash of the computer as soon as their group is synced.
 
 use std::collections::VecDeque;
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 use std::io::{self, Write};
 use std::time::Duration;
 
@@ -36,6 +36,100 @@ pub(super) const FIRST: &str = "ncfix journal 1";
 const GROUP: Duration = Duration::from_millis(50);
 /// Decimals of axis values, mm or degrees.
 const DECIMALS: usize = 4;
+
+/// How a journal ended whose job was taken up again in another one.
+const TAKEN_UP: &str = "taken up again in ";
+
+/// What the head of a journal says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeadKey {
+    /// The version of the program that wrote it.
+    Version,
+    /// Hash and name of the part program.
+    Program,
+    /// Hash and name of the machine.
+    Machine,
+    /// The state of the machine.
+    State,
+    /// Hash and name of the profile of the link.
+    Link,
+    /// Hash of the file of the sensors.
+    Sensors,
+    /// The port.
+    Port,
+    /// How many lines the job has.
+    Lines,
+    /// The folder in which it began.
+    Folder,
+    /// From which line a job went on that was taken up again.
+    Resumed,
+    /// A word of the command line.
+    Argument,
+}
+
+impl HeadKey {
+    const ALL: [HeadKey; 11] = [
+        HeadKey::Version,
+        HeadKey::Program,
+        HeadKey::Machine,
+        HeadKey::State,
+        HeadKey::Link,
+        HeadKey::Sensors,
+        HeadKey::Port,
+        HeadKey::Lines,
+        HeadKey::Folder,
+        HeadKey::Resumed,
+        HeadKey::Argument,
+    ];
+
+    /// Its word in the file.
+    fn word(self) -> &'static str {
+        match self {
+            HeadKey::Version => "version",
+            HeadKey::Program => "program",
+            HeadKey::Machine => "machine",
+            HeadKey::State => "state",
+            HeadKey::Link => "link",
+            HeadKey::Sensors => "sensors",
+            HeadKey::Port => "port",
+            HeadKey::Lines => "lines",
+            HeadKey::Folder => "folder",
+            HeadKey::Resumed => "resumed",
+            HeadKey::Argument => "argument",
+        }
+    }
+}
+
+/// How a journal says that its job ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum JournalEnd {
+    /// All lines were acknowledged, or have left.
+    Done,
+    /// It went on in the journal of this path.
+    TakenUp(String),
+    /// It was broken off: why.
+    BrokenOff(String),
+}
+
+impl JournalEnd {
+    fn read(text: &str) -> JournalEnd {
+        match text.strip_prefix(TAKEN_UP) {
+            _ if text == "done" => JournalEnd::Done,
+            Some(path) => JournalEnd::TakenUp(path.to_owned()),
+            None => JournalEnd::BrokenOff(text.to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for JournalEnd {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            JournalEnd::Done => out.write_str("done"),
+            JournalEnd::TakenUp(path) => write!(out, "{TAKEN_UP}{path}"),
+            JournalEnd::BrokenOff(why) => out.write_str(why),
+        }
+    }
+}
 
 /// Append-only file.
 pub trait Store: Write {
@@ -79,11 +173,11 @@ impl<S: Store> Journal<S> {
     ///
     /// # Errors
     /// I/O errors of the file.
-    pub fn new(mut store: S, head: &[(&str, &str)]) -> io::Result<Journal<S>> {
+    pub fn new(mut store: S, head: &[(HeadKey, &str)]) -> io::Result<Journal<S>> {
         let mut text = format!("{FIRST}\n");
-        for (name, value) in head {
+        for (key, value) in head {
             let value: String = value.chars().map(|one| if one.is_control() { ' ' } else { one }).collect();
-            let _ = writeln!(text, "# {name} {value}");
+            let _ = writeln!(text, "# {} {value}", key.word());
         }
         store.write_all(text.as_bytes())?;
         store.sync()?;
@@ -195,9 +289,9 @@ const KEPT: u64 = 8192;
 
 /// Content of a journal.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Told {
-    /// Names and values of the head.
-    pub head: Vec<(String, String)>,
+pub struct JournalContents {
+    /// The head.
+    pub head: Vec<(HeadKey, String)>,
     /// The last line that was frozen: it and all before it may have been sent.
     pub frozen: u64,
     /// The last line that was acknowledged: it and all before it were taken.
@@ -213,15 +307,15 @@ pub struct Told {
     /// Maximum number of blocks that the control may have taken and not carried out, and its words; `None` if it stated nothing.
     pub holds: Option<(u64, String)>,
     /// End of the transfer; `None` if the program died.
-    pub ended: Option<String>,
+    pub ended: Option<JournalEnd>,
 }
 
 /// Reads a journal.
 ///
 /// # Errors
 /// The number of the line that is not a valid record, and the reason.
-pub fn read(text: &str) -> Result<Told, (usize, String)> {
-    let mut told = Told::default();
+pub fn read(text: &str) -> Result<JournalContents, (usize, String)> {
+    let mut told = JournalContents::default();
     let whole = text.rfind('\n').map_or("", |end| text.get(..end).unwrap_or_default());
     for (number, line) in (1..).zip(whole.split('\n')) {
         let fault = |why: &str| Err((number, why.to_owned()));
@@ -233,7 +327,9 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
         }
         if let Some(head) = line.strip_prefix("# ") {
             let (name, value) = head.split_once(' ').unwrap_or((head, ""));
-            told.head.push((name.to_owned(), value.to_owned()));
+            // What another version may have written besides is for people.
+            let key = HeadKey::ALL.into_iter().find(|key| key.word() == name);
+            told.head.extend(key.map(|key| (key, value.to_owned())));
             continue;
         }
         let mut words = line.splitn(3, ' ');
@@ -297,7 +393,7 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
                     told.checked = told.checked.min(before);
                     told.executed = told.executed.min(before);
                 }
-                told.ended = Some(rest.to_owned());
+                told.ended = Some(JournalEnd::read(rest));
             }
             ("R" | "W" | "T", _) => {}
             _ => return fault("a record of an unknown kind"),
@@ -324,7 +420,7 @@ mod tests {
 
     #[test]
     fn what_was_written_is_read_again_up_to_the_death_of_the_program() {
-        let mut journal = Journal::new(Vec::new(), &[("program", "5a1e part.mpf")]).unwrap();
+        let mut journal = Journal::new(Vec::new(), &[(HeadKey::Program, "5a1e part.mpf")]).unwrap();
         let at = Duration::from_millis;
         for number in 1..=5 {
             journal.frozen(&line(number), at(number)).unwrap();
@@ -343,7 +439,7 @@ mod tests {
         assert_eq!(told.lines.iter().map(|line| line.number).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
         assert_eq!(told.lines[2], Frozen { number: 3, crc: crc32(b"G1 X3"), source_line: 43, element: 6 });
         assert_eq!((told.left, told.holds.clone()), (4, Some((31, "[OPT:V,15,128]".to_owned()))));
-        assert_eq!((told.head[0].0.as_str(), told.ended.as_deref()), ("program", None));
+        assert_eq!((told.head[0].0, told.ended.clone()), (HeadKey::Program, None));
         // Died in the middle of a record: wherever that is, the records before it remain.
         for end in text.find("1 F").unwrap()..text.len() {
             let told = read(&text[..end]).unwrap();

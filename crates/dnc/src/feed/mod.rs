@@ -26,12 +26,12 @@ mod watch;
 mod wire;
 
 pub use dialogue::{Dialogue, Event, Halt, PROTOCOLS, Protocol, Protocols};
-pub use dosing::{Dose, Limits, LineDosing};
-pub use forecast::{Forecast, Forecaster, Link, Stretch};
-pub use journal::{Frozen, Journal, Store, Told, read as read_journal};
+pub use dosing::{Dose, DosingLimits, LineDosing};
+pub use forecast::{Forecast, Forecaster, LinkRate, Stretch};
+pub use journal::{Frozen, HeadKey, Journal, JournalContents, JournalEnd, Store, read as read_journal};
 pub use line::{Line, crc32};
 pub use profile::{Bound, Flow, Framing, LinkFile, Links, PROFILES, Parity, Profile, Serial, Window};
-pub use sender::{Ended, GONE, Port, Progress, Record, Sender, Supplied, Supply};
-pub use shown::{Shown, shown};
+pub use sender::{Ended, GONE, Port, Record, Sender, Supplied, Supply, TransferProgress};
+pub use shown::{ThermalHistory, shown};
 pub use watch::Patience;
 pub use wire::Wire;

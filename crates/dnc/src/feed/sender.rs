@@ -4,7 +4,7 @@ use std::io;
 use std::time::Duration;
 
 use super::dialogue::{Dialogue, Event, Halt};
-use super::watch::{Patience, Watch};
+use super::watch::{Patience, TransferWatch};
 use super::{Line, Wire};
 
 /// Number of bytes per read.
@@ -112,7 +112,7 @@ pub const GONE: &str = "the link is gone";
 
 /// Progress of a transfer.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Progress {
+pub struct TransferProgress {
     /// Lines that were frozen and passed to the link.
     pub sent: u64,
     /// Lines that the control has taken.
@@ -142,7 +142,7 @@ pub struct Sender<'a> {
     dialogue: Box<dyn Dialogue>,
     record: &'a mut dyn Record,
     wire: Wire,
-    watch: Watch,
+    watch: TransferWatch,
     /// Frozen line for which the window had no room.
     pending: Option<Line>,
     /// Maximum number of bytes in the queue of the operating system.
@@ -154,7 +154,7 @@ pub struct Sender<'a> {
     /// Reason why no further line may be sent.
     fault: Option<String>,
     ended: Option<Ended>,
-    progress: Progress,
+    progress: TransferProgress,
     events: Vec<Event>,
 }
 
@@ -166,7 +166,7 @@ impl<'a> Sender<'a> {
             dialogue,
             record,
             wire: Wire::default(),
-            watch: Watch::new(Patience::default()),
+            watch: TransferWatch::new(Patience::default()),
             pending: None,
             system_bytes: system_bytes.max(1),
             is_opened: false,
@@ -175,7 +175,7 @@ impl<'a> Sender<'a> {
             is_closed: false,
             fault: None,
             ended: None,
-            progress: Progress::default(),
+            progress: TransferProgress::default(),
             events: Vec::new(),
         }
     }
@@ -183,13 +183,13 @@ impl<'a> Sender<'a> {
     /// Sets the maximum times without progress.
     #[must_use]
     pub fn patient(mut self, patience: Patience) -> Sender<'a> {
-        self.watch = Watch::new(patience);
+        self.watch = TransferWatch::new(patience);
         self
     }
 
     /// Returns the progress.
     #[must_use]
-    pub fn progress(&self) -> &Progress {
+    pub fn progress(&self) -> &TransferProgress {
         &self.progress
     }
 

@@ -8,7 +8,7 @@ use ncfix_base::units::{um_from_mm, urad_from_rad};
 
 /// Temperatures and corrections over time, one entry for each frozen line.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Shown {
+pub struct ThermalHistory {
     /// Time since the start, s.
     pub times_s: Vec<f64>,
     /// Temperatures by sensor, °C; NaN while a sensor has no value yet.
@@ -21,9 +21,9 @@ pub struct Shown {
 ///
 /// # Errors
 /// The number of the line that is not a valid record, and the reason.
-pub fn shown(text: &str) -> Result<Shown, (usize, String)> {
+pub fn shown(text: &str) -> Result<ThermalHistory, (usize, String)> {
     let whole = text.rfind('\n').map_or("", |end| text.get(..end).unwrap_or_default());
-    let mut out = Shown::default();
+    let mut out = ThermalHistory::default();
     let mut sensors: BTreeMap<String, (f64, Vec<f64>)> = BTreeMap::new();
     let mut axes: BTreeMap<Axis, [Vec<f64>; 2]> = BTreeMap::new();
     for (number, line) in (1..).zip(whole.split('\n')) {

@@ -27,7 +27,7 @@ impl Default for Patience {
 
 /// Monitors the progress of a transfer.
 #[derive(Debug, Default)]
-pub(super) struct Watch {
+pub(super) struct TransferWatch {
     patience: Patience,
     /// Time when a line was last answered, carried out or left.
     moved: Duration,
@@ -38,9 +38,9 @@ pub(super) struct Watch {
     recent: VecDeque<Duration>,
 }
 
-impl Watch {
-    pub(super) fn new(patience: Patience) -> Watch {
-        Watch { patience, ..Watch::default() }
+impl TransferWatch {
+    pub(super) fn new(patience: Patience) -> TransferWatch {
+        TransferWatch { patience, ..TransferWatch::default() }
     }
 
     /// Notes a line that was sent, with its duration.
@@ -106,8 +106,8 @@ mod tests {
 
     const SECOND: Duration = Duration::from_secs(1);
 
-    fn watch() -> Watch {
-        Watch::new(Patience { stall: 60 * SECOND, hold: 600 * SECOND })
+    fn watch() -> TransferWatch {
+        TransferWatch::new(Patience { stall: 60 * SECOND, hold: 600 * SECOND })
     }
 
     #[test]
@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(watch.look(660 * SECOND, true, false), None);
         assert!(watch.look(661 * SECOND, true, false).is_some_and(|why| why.contains("no line")));
         // Holds add up while no line is answered between them: 10 s of every 20, 601 s of 1201.
-        let mut watch = Watch::new(Patience { stall: 6000 * SECOND, hold: 600 * SECOND });
+        let mut watch = TransferWatch::new(Patience { stall: 6000 * SECOND, hold: 600 * SECOND });
         for second in (0..1200).step_by(20) {
             watch.note(&Event::Paused(true), second * SECOND);
             assert_eq!(watch.look((second + 9) * SECOND, true, false), None);
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(watch.look(1801 * SECOND, true, false), None);
         assert!(watch.look(1802 * SECOND, true, false).is_some());
         // Before the first line a person may have to press a key.
-        assert_eq!(Watch::new(Patience::default()).look(3600 * SECOND, false, false), None);
-        assert!(Watch::new(Patience::default()).look(3601 * SECOND, false, false).is_some());
+        assert_eq!(TransferWatch::new(Patience::default()).look(3600 * SECOND, false, false), None);
+        assert!(TransferWatch::new(Patience::default()).look(3601 * SECOND, false, false).is_some());
     }
 }

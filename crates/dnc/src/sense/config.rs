@@ -23,7 +23,7 @@ use ncfix_base::source::Source;
 use ncfix_machine::machine::condition::file::PLAUSIBLE_C;
 use ncfix_machine::machine::file::{MachineFile, Section, nearest};
 
-use super::source::{Plan, SensorSource, SensorSources, Wanted};
+use super::source::{SensorSource, SensorSources, SourcePlan, Wanted};
 
 /// Maximum number of channels; more than any machine has.
 const MOST_CHANNELS: usize = 256;
@@ -138,7 +138,7 @@ pub struct ValueOrigin {
     /// Indices of its channels in [`Config::channels`].
     pub channels: Vec<usize>,
     /// Settings for opening it.
-    pub plan: Arc<dyn Plan>,
+    pub plan: Arc<dyn SourcePlan>,
 }
 
 /// Content of the file.

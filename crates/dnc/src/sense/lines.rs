@@ -9,7 +9,7 @@ use serde_json::Value;
 use ncfix_base::csv::Table;
 use ncfix_base::source::{FileId, Source};
 
-use super::monitor::{Fault, Told};
+use super::monitor::{ChannelFault, SourceReport};
 use super::stamp::stamp;
 
 /// Maximum length of a reading, bytes.
@@ -18,7 +18,7 @@ pub(super) const LONGEST_LINE: usize = 1 << 16;
 const TIMES: [&str; 3] = ["time", "timestamp", "ts"];
 
 /// Callback for a channel: its reading and the time when it was read.
-pub(super) type Tell<'a> = dyn FnMut(usize, Told, Option<SystemTime>) + 'a;
+pub(super) type Tell<'a> = dyn FnMut(usize, SourceReport, Option<SystemTime>) + 'a;
 
 /// Reads lines.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ impl LineReader {
     /// Reports a line that cannot be interpreted for all channels.
     fn fail(&self, why: &str, tell: &mut Tell<'_>) {
         for (_, channel) in &self.items {
-            tell(*channel, Told::Nothing(Fault::Invalid, why.to_owned()), None);
+            tell(*channel, SourceReport::Nothing(ChannelFault::Invalid, why.to_owned()), None);
         }
     }
 
@@ -154,11 +154,11 @@ pub(super) fn plain(value: &Value) -> String {
 }
 
 /// Interprets a text as the value of a channel.
-pub(super) fn told(text: &str) -> Told {
+pub(super) fn told(text: &str) -> SourceReport {
     let text = text.trim().trim_matches('"');
     match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Told::Value(value),
-        _ => Told::Nothing(Fault::Invalid, format!("'{}' is no number", shortened(text))),
+        Ok(value) if value.is_finite() => SourceReport::Value(value),
+        _ => SourceReport::Nothing(ChannelFault::Invalid, format!("'{}' is no number", shortened(text))),
     }
 }
 

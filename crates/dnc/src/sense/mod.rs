@@ -1,12 +1,12 @@
 //! Sensors that are read while the machine works: sources in separate threads, and a check of every value.
 //!
 //! ```text
-//! source (thread) ─▶ Outlet ─▶ Panel::take ─▶ Monitor ─▶ Reading
+//! source (thread) ─▶ ReadingOutlet ─▶ Panel::take ─▶ Monitor ─▶ ChannelReading
 //!                   bounded     never waits    pure       last good value, its age, its state
 //! ```
 //!
 //! A [`Config`] defines the channels, the sources of their values and the plausibility limits. A [`Panel`] owns the threads. A source that hangs or dies
-//! delays no one; the values of its channels grow old. A [`Monitor`] is a state machine: a value and its time go in, a [`Reading`] comes out. It always
+//! delays no one; the values of its channels grow old. A [`Monitor`] is a state machine: a value and its time go in, a [`ChannelReading`] comes out. It always
 //! passes on the last good value; a fault never becomes a temperature.
 
 mod config;
@@ -19,8 +19,8 @@ mod stamp;
 
 pub use config::{Action, ChannelUnit, Config, SensorChannel, ValueOrigin};
 pub use lines::LineReader;
-pub use monitor::{ChannelState, Fault, Monitor, Reading, Told};
-pub use outlet::Outlet;
-pub use panel::{Panel, Verdict};
+pub use monitor::{ChannelFault, ChannelReading, ChannelState, Monitor, SourceReport};
+pub use outlet::ReadingOutlet;
+pub use panel::{Panel, PanelVerdict};
 pub use source::{SensorSource, SensorSources};
 pub use stamp::stamp;

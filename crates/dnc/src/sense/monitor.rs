@@ -15,7 +15,7 @@ const ANCHORS: usize = 30;
 
 /// Reason why a channel has no good value now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
+pub enum ChannelFault {
     /// No value has come for too long, or the value that came is too old.
     Silent,
     /// The value is outside the range of the channel.
@@ -34,45 +34,45 @@ pub enum Fault {
     Clock,
 }
 
-impl Fault {
+impl ChannelFault {
     /// Returns its name as in JSON.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
-            Fault::Silent => "silent",
-            Fault::OutOfRange => "out_of_range",
-            Fault::Jump => "jump",
-            Fault::Stuck => "stuck",
-            Fault::Invalid => "invalid",
-            Fault::Disconnected => "disconnected",
-            Fault::Retained => "retained",
-            Fault::Clock => "clock",
+            ChannelFault::Silent => "silent",
+            ChannelFault::OutOfRange => "out_of_range",
+            ChannelFault::Jump => "jump",
+            ChannelFault::Stuck => "stuck",
+            ChannelFault::Invalid => "invalid",
+            ChannelFault::Disconnected => "disconnected",
+            ChannelFault::Retained => "retained",
+            ChannelFault::Clock => "clock",
         }
     }
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for ChannelFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Fault::Silent => "silent",
-            Fault::OutOfRange => "out of range",
-            Fault::Jump => "jump",
-            Fault::Stuck => "stuck",
-            Fault::Invalid => "no value",
-            Fault::Disconnected => "disconnected",
-            Fault::Retained => "retained",
-            Fault::Clock => "clock",
+            ChannelFault::Silent => "silent",
+            ChannelFault::OutOfRange => "out of range",
+            ChannelFault::Jump => "jump",
+            ChannelFault::Stuck => "stuck",
+            ChannelFault::Invalid => "no value",
+            ChannelFault::Disconnected => "disconnected",
+            ChannelFault::Retained => "retained",
+            ChannelFault::Clock => "clock",
         })
     }
 }
 
 /// Report of a source on a channel.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Told {
+pub enum SourceReport {
     /// Number as delivered by the sensor.
     Value(f64),
     /// No value, with the reason.
-    Nothing(Fault, String),
+    Nothing(ChannelFault, String),
 }
 
 /// Reliability of a channel.
@@ -84,7 +84,7 @@ pub enum ChannelState {
     /// The value is good and recent.
     Good,
     /// The value is the last good one; the fault is why there is no newer one.
-    Held(Fault),
+    Held(ChannelFault),
 }
 
 impl ChannelState {
@@ -101,7 +101,7 @@ impl ChannelState {
 
 /// Current state of a channel.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Reading {
+pub struct ChannelReading {
     /// Name of the sensor.
     pub name: String,
     /// The last good value, filtered, °C; `None` before the first one.
@@ -133,7 +133,7 @@ pub struct Monitor {
     newest_s: f64,
     /// Start time and value of the current run of equal readings.
     same: Option<(f64, f64)>,
-    fault: Option<Fault>,
+    fault: Option<ChannelFault>,
     note: String,
     /// Time since when there is no good value.
     bad_since_s: Option<f64>,
@@ -167,11 +167,11 @@ impl Monitor {
     }
 
     /// Takes a report that was read `age` before `now`.
-    pub fn hear(&mut self, told: &Told, age: Duration, now: Duration) {
+    pub fn hear(&mut self, told: &SourceReport, age: Duration, now: Duration) {
         let now_s = now.as_secs_f64();
         let result = match told {
-            Told::Value(raw) => self.judge(*raw, age, now_s - age.as_secs_f64()),
-            Told::Nothing(fault, why) => Err((Some(*fault), why.clone())),
+            SourceReport::Value(raw) => self.judge(*raw, age, now_s - age.as_secs_f64()),
+            SourceReport::Nothing(fault, why) => Err((Some(*fault), why.clone())),
         };
         match result {
             Ok(()) => {
@@ -196,7 +196,7 @@ impl Monitor {
         };
         let most_s = self.channel.max_age.as_secs_f64();
         if self.fault.is_none() && now_s - good_s > most_s {
-            self.fault = Some(Fault::Silent);
+            self.fault = Some(ChannelFault::Silent);
             self.note = format!("nothing for more than {most_s} s");
             // Time when it became too old, not when that was noticed: the result must not depend on the polling.
             self.bad_since_s.get_or_insert(good_s + most_s);
@@ -221,7 +221,7 @@ impl Monitor {
     }
 
     /// Writes the state into a reading. Returns true if the value has changed.
-    pub fn show(&self, now: Duration, reading: &mut Reading) -> bool {
+    pub fn show(&self, now: Duration, reading: &mut ChannelReading) -> bool {
         let has_changed = reading.value_c != self.value_c;
         let age_s = self.good.map(|(at_s, _)| (now.as_secs_f64() - at_s).max(0.0));
         reading.value_c = self.value_c;
@@ -235,23 +235,23 @@ impl Monitor {
     }
 
     /// Accepts a number, or returns the reason. A reason without a fault means that the number is ignored and nothing is wrong.
-    fn judge(&mut self, raw: f64, age: Duration, at_s: f64) -> Result<(), (Option<Fault>, String)> {
+    fn judge(&mut self, raw: f64, age: Duration, at_s: f64) -> Result<(), (Option<ChannelFault>, String)> {
         let channel = &self.channel;
         let no = |fault, note: String| Err((Some(fault), note));
         if !raw.is_finite() {
-            return no(Fault::Invalid, "the sensor gives no number".into());
+            return no(ChannelFault::Invalid, "the sensor gives no number".into());
         }
         self.raw = Some(raw);
         let value_c = channel.to_c(raw);
         if channel.is_invalid(raw, value_c) {
-            return no(Fault::Invalid, format!("{raw} is what the sensor gives when it has no value"));
+            return no(ChannelFault::Invalid, format!("{raw} is what the sensor gives when it has no value"));
         }
         if age > channel.max_age {
-            return no(Fault::Silent, format!("what comes is {:.0} s old", age.as_secs_f64()));
+            return no(ChannelFault::Silent, format!("what comes is {:.0} s old", age.as_secs_f64()));
         }
         let [low, high] = channel.range_c;
         if !(low..=high).contains(&value_c) {
-            return no(Fault::OutOfRange, format!("{value_c:.1} °C is not within {low} to {high} °C"));
+            return no(ChannelFault::OutOfRange, format!("{value_c:.1} °C is not within {low} to {high} °C"));
         }
         if at_s <= self.newest_s {
             // A repeated or overtaken reading: nothing new is known, and the old value grows older.
@@ -292,7 +292,7 @@ impl Monitor {
     }
 
     /// Holds a value that does not follow from the good ones until others agree.
-    fn confirm(&mut self, at_s: f64, value_c: f64) -> Result<(), (Option<Fault>, String)> {
+    fn confirm(&mut self, at_s: f64, value_c: f64) -> Result<(), (Option<ChannelFault>, String)> {
         let is_first = self.good.is_none();
         let wanted = if is_first { self.channel.first } else { self.channel.confirm }.max(1);
         let most_s = self.steady_s();
@@ -310,7 +310,7 @@ impl Monitor {
                 None => (None, format!("{count} of {wanted} first readings agree")),
                 Some((_, good_c)) => {
                     let note = format!("{value_c:.1} °C after {good_c:.1} °C is faster than a machine changes");
-                    (Some(Fault::Jump), note)
+                    (Some(ChannelFault::Jump), note)
                 }
             });
         }
@@ -338,13 +338,13 @@ impl Monitor {
     }
 
     /// Checks that a good value has not been constant for too long.
-    fn check_motion(&mut self, at_s: f64, raw: f64) -> Result<(), (Option<Fault>, String)> {
+    fn check_motion(&mut self, at_s: f64, raw: f64) -> Result<(), (Option<ChannelFault>, String)> {
         let limit_s = self.channel.stuck_after.as_secs_f64();
         match self.same {
             Some((since_s, same)) if same == raw => {
                 let for_s = at_s - since_s;
                 if limit_s > 0.0 && for_s >= limit_s {
-                    return Err((Some(Fault::Stuck), format!("exactly {raw} for {for_s:.0} s")));
+                    return Err((Some(ChannelFault::Stuck), format!("exactly {raw} for {for_s:.0} s")));
                 }
             }
             _ => self.same = Some((at_s, raw)),

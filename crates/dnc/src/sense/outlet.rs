@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, TryLockError};
 use std::time::{Duration, Instant, SystemTime};
 
-use super::monitor::{Fault, Told};
+use super::monitor::{ChannelFault, SourceReport};
 
 /// Maximum number of waiting readings; if there are more, the oldest are lost.
 const MOST_WAITING: usize = 4096;
@@ -15,7 +15,7 @@ const CLOCKS_DIFFER: Duration = Duration::from_secs(60);
 #[derive(Clone, Debug)]
 pub(super) struct SourceSample {
     pub(super) channel: usize,
-    pub(super) told: Told,
+    pub(super) told: SourceReport,
     /// Time of arrival.
     came: Instant,
     /// Age at arrival.
@@ -38,7 +38,7 @@ struct Shared {
 
 /// Sending end, held by a source.
 #[derive(Debug)]
-pub struct Outlet {
+pub struct ReadingOutlet {
     shared: Arc<Shared>,
     channels: Vec<usize>,
 }
@@ -48,29 +48,29 @@ pub struct Outlet {
 pub(super) struct Inlet(Arc<Shared>);
 
 /// Creates a queue and returns both ends.
-pub(super) fn box_of(channels: &[usize]) -> (Outlet, Inlet) {
+pub(super) fn box_of(channels: &[usize]) -> (ReadingOutlet, Inlet) {
     let shared = Arc::new(Shared::default());
-    (Outlet { shared: Arc::clone(&shared), channels: channels.to_vec() }, Inlet(shared))
+    (ReadingOutlet { shared: Arc::clone(&shared), channels: channels.to_vec() }, Inlet(shared))
 }
 
 /// Returns a report after checking its time stamp, and its age.
 #[must_use]
-pub(super) fn aged(told: Told, stamp: Option<SystemTime>, now: SystemTime) -> (Told, Duration) {
+pub(super) fn aged(told: SourceReport, stamp: Option<SystemTime>, now: SystemTime) -> (SourceReport, Duration) {
     let Some(stamp) = stamp else { return (told, Duration::ZERO) };
     match (now.duration_since(stamp), &told) {
         (Ok(age), _) => (told, age),
-        (Err(ahead), Told::Value(_)) if ahead.duration() > CLOCKS_DIFFER => {
+        (Err(ahead), SourceReport::Value(_)) if ahead.duration() > CLOCKS_DIFFER => {
             // Such a value would never grow old.
             let why = format!("its time is {:.0} s in the future; compare the clocks", ahead.duration().as_secs_f64());
-            (Told::Nothing(Fault::Clock, why), Duration::ZERO)
+            (SourceReport::Nothing(ChannelFault::Clock, why), Duration::ZERO)
         }
         (Err(_), _) => (told, Duration::ZERO),
     }
 }
 
-impl Outlet {
+impl ReadingOutlet {
     /// Passes a reading on. `stamp` is the time when it was read; `None` means now.
-    pub fn tell(&self, channel: usize, told: Told, stamp: Option<SystemTime>) {
+    pub fn tell(&self, channel: usize, told: SourceReport, stamp: Option<SystemTime>) {
         let (told, age) = aged(told, stamp, SystemTime::now());
         let mut waiting = self.shared.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         if waiting.len() >= MOST_WAITING {
@@ -80,9 +80,9 @@ impl Outlet {
     }
 
     /// Reports that none of the channels has a value, with the reason.
-    pub fn fail(&self, fault: Fault, why: &str) {
+    pub fn fail(&self, fault: ChannelFault, why: &str) {
         for &channel in &self.channels {
-            self.tell(channel, Told::Nothing(fault, why.to_owned()), None);
+            self.tell(channel, SourceReport::Nothing(fault, why.to_owned()), None);
         }
     }
 
@@ -127,12 +127,12 @@ mod tests {
     fn the_box_is_bounded_and_keeps_the_newest() {
         let (outlet, inlet) = box_of(&[0]);
         for value in 0..MOST_WAITING + 10 {
-            outlet.tell(0, Told::Value(value as f64), None);
+            outlet.tell(0, SourceReport::Value(value as f64), None);
         }
         let mut samples = Vec::new();
         inlet.take(&mut samples);
         assert_eq!(samples.len(), MOST_WAITING);
-        assert_eq!(samples.last().unwrap().told, Told::Value((MOST_WAITING + 9) as f64));
+        assert_eq!(samples.last().unwrap().told, SourceReport::Value((MOST_WAITING + 9) as f64));
         assert!(outlet.wait(Duration::ZERO));
         drop(inlet);
         assert!(!outlet.wait(Duration::from_secs(60)) && outlet.is_over());
@@ -141,11 +141,14 @@ mod tests {
     #[test]
     fn a_reading_of_the_future_is_none() {
         let now = SystemTime::UNIX_EPOCH + Duration::from_secs(2_000_000_000);
-        let value = || Told::Value(21.0);
+        let value = || SourceReport::Value(21.0);
         assert_eq!(aged(value(), None, now), (value(), Duration::ZERO));
         let second = Duration::from_secs(1);
         assert_eq!(aged(value(), Some(now - 90 * second), now), (value(), 90 * second));
         assert_eq!(aged(value(), Some(now + 30 * second), now), (value(), Duration::ZERO));
-        assert!(matches!(aged(value(), Some(now + 3600 * second), now).0, Told::Nothing(Fault::Clock, _)));
+        assert!(matches!(
+            aged(value(), Some(now + 3600 * second), now).0,
+            SourceReport::Nothing(ChannelFault::Clock, _)
+        ));
     }
 }

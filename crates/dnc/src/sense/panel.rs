@@ -7,16 +7,16 @@ use std::time::{Duration, Instant};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 
 use super::config::{Action, Config};
-use super::monitor::{ChannelState, Fault, Monitor, Reading, Told};
+use super::monitor::{ChannelFault, ChannelReading, ChannelState, Monitor, SourceReport};
 use super::outlet::{Inlet, SourceSample, box_of};
-use super::source::{Clocked, Opened};
+use super::source::{Clocked, OpenedSource};
 
 /// Maximum time that a dropped panel waits for its threads; a thread that hangs is abandoned.
 const MOST_FOR_END: Duration = Duration::from_millis(300);
 
 /// Permission from all channels together.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum PanelVerdict {
     /// All channels are good.
     Good,
     /// These channels had no good value yet.
@@ -39,7 +39,7 @@ struct Running {
 /// Owns the channels and the threads of their sources. The threads end when it is dropped.
 pub struct Panel {
     monitors: Vec<Monitor>,
-    readings: Vec<Reading>,
+    readings: Vec<ChannelReading>,
     running: Vec<Running>,
     clocked: Vec<Box<dyn Clocked>>,
     now: Duration,
@@ -54,13 +54,14 @@ impl Panel {
     /// Sources that can never be opened. A source that cannot be reached yet is not an error: its channels wait.
     pub fn open(config: &Config, base: &Path) -> Result<Panel, Vec<Diagnostic>> {
         let monitors: Vec<Monitor> = config.channels.iter().map(Monitor::new).collect();
-        let reading = |monitor: &Monitor| Reading { name: monitor.channel().name.clone(), ..Reading::default() };
+        let reading =
+            |monitor: &Monitor| ChannelReading { name: monitor.channel().name.clone(), ..ChannelReading::default() };
         let readings = monitors.iter().map(reading).collect();
         let (mut running, mut clocked, mut findings) = (Vec::new(), Vec::new(), Vec::new());
         for origin in &config.sources {
             match origin.plan.open(base, origin.poll) {
-                Ok(Opened::Clocked(source)) => clocked.push(source),
-                Ok(Opened::Thread(run)) => {
+                Ok(OpenedSource::Clocked(source)) => clocked.push(source),
+                Ok(OpenedSource::Thread(run)) => {
                     let (outlet, inlet) = box_of(&origin.channels);
                     let name = format!("sensors-{}", origin.name);
                     match thread::Builder::new().name(name).spawn(move || run(outlet)) {
@@ -102,7 +103,7 @@ impl Panel {
                 }
             });
         }
-        let mut hear = |channel: usize, told: &Told, age: Duration| {
+        let mut hear = |channel: usize, told: &SourceReport, age: Duration| {
             if let Some(monitor) = monitors.get_mut(channel) {
                 monitor.hear(told, age, now);
             }
@@ -116,7 +117,8 @@ impl Panel {
             self.samples.drain(..).for_each(|sample| hear(sample.channel, &sample.told, sample.age()));
             if has_ended && !running.has_ended {
                 running.has_ended = true;
-                let told = Told::Nothing(Fault::Disconnected, format!("the source {} has ended", running.name));
+                let told =
+                    SourceReport::Nothing(ChannelFault::Disconnected, format!("the source {} has ended", running.name));
                 running.channels.iter().for_each(|&channel| hear(channel, &told, Duration::ZERO));
             }
         }
@@ -129,13 +131,13 @@ impl Panel {
     }
 
     /// Returns all channels as they were at the last [`Panel::take`].
-    pub fn channels(&self) -> impl Iterator<Item = &Reading> {
+    pub fn channels(&self) -> impl Iterator<Item = &ChannelReading> {
         self.readings.iter()
     }
 
     /// Returns the permission: the most severe one of all channels.
     #[must_use]
-    pub fn verdict(&self) -> Verdict {
+    pub fn verdict(&self) -> PanelVerdict {
         let mut acting: Option<(Action, String)> = None;
         let (mut waiting, mut held) = (Vec::new(), None);
         for (monitor, reading) in self.monitors.iter().zip(&self.readings) {
@@ -156,11 +158,11 @@ impl Panel {
             }
         }
         match (acting, held) {
-            (Some((action, why)), _) if action > Action::Continue => Verdict::Act(action, why),
-            _ if !waiting.is_empty() => Verdict::Waiting(waiting),
-            (Some((action, why)), _) => Verdict::Act(action, why),
-            (None, Some(why)) => Verdict::Freeze(why),
-            (None, None) => Verdict::Good,
+            (Some((action, why)), _) if action > Action::Continue => PanelVerdict::Act(action, why),
+            _ if !waiting.is_empty() => PanelVerdict::Waiting(waiting),
+            (Some((action, why)), _) => PanelVerdict::Act(action, why),
+            (None, Some(why)) => PanelVerdict::Freeze(why),
+            (None, None) => PanelVerdict::Good,
         }
     }
 }

@@ -40,7 +40,7 @@ pub use grundig_control::{GrundigControl, ScaledAxes};
 pub use iso_control::{DecimalPoint, IncrementSystem, IsoControl, LengthAxis, OneAxis};
 pub use kinematics::Kinematics;
 pub use macro_control::MacroControl;
-pub use opaque::Opaque;
+pub use opaque::{AllowedSynchronised, Opaque};
 pub use servo::{AxisServo, Servo};
 pub use setting::Setting;
 pub use state::State;
@@ -188,7 +188,7 @@ pub struct Control {
     /// Programs and cycles that the control executes by itself: their calls are passed on.
     pub opaque: Vec<Opaque>,
     /// Synchronized actions that may move axes, by ID.
-    pub allow_synchronised: Vec<String>,
+    pub allow_synchronised: Vec<AllowedSynchronised>,
     /// Axis whose positions are diameters after DIAMON (Sinumerik MD20100).
     pub transverse_axis: Axis,
     /// Rotations of the tool by A2, B2, C2 (Sinumerik MD21100).

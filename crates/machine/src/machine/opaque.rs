@@ -14,6 +14,23 @@ pub struct Opaque {
     pub moves: bool,
 }
 
+/// The synchronised actions that may move axes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum AllowedSynchronised {
+    /// All of them, with an ID or without.
+    All,
+    /// The one of this ID, as it is written.
+    Id(String),
+}
+
+impl AllowedSynchronised {
+    /// From an entry of `allow_synchronised`: `all`, or an ID.
+    #[must_use]
+    pub fn read(entry: String) -> AllowedSynchronised {
+        if entry == "all" { AllowedSynchronised::All } else { AllowedSynchronised::Id(entry) }
+    }
+}
+
 impl Control {
     /// Returns whether a program (upper case) moves axes; `None` if its calls are not passed on.
     #[must_use]
@@ -29,7 +46,10 @@ impl Control {
     #[must_use]
     pub fn allows_synchronised(&self, id: Option<u32>) -> bool {
         let shown = id.map(|id| id.to_string());
-        self.allow_synchronised.iter().any(|entry| entry == "all" || Some(entry) == shown.as_ref())
+        self.allow_synchronised.iter().any(|entry| match entry {
+            AllowedSynchronised::All => true,
+            AllowedSynchronised::Id(id) => Some(id) == shown.as_ref(),
+        })
     }
 }
 
@@ -40,7 +60,8 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     }
     control.initial_codes = section.texts("initial_codes").unwrap_or_default();
     control.search_path = section.texts("search_path").unwrap_or_default();
-    control.allow_synchronised = section.texts("allow_synchronised").unwrap_or_default();
+    let allowed = section.texts("allow_synchronised").unwrap_or_default();
+    control.allow_synchronised = allowed.into_iter().map(AllowedSynchronised::read).collect();
     if let Some(text) = section.text("transverse_axis") {
         let axis = match text.as_bytes() {
             [letter] => Axis::from_letter(*letter).filter(|axis| !axis.is_rotary()),

@@ -8,7 +8,7 @@ use crate::measure::data::DataSet;
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_machine::machine::Machine;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
-use ncfix_model::parameter::{ParameterName, Term};
+use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::effect::Parameter;
 
@@ -21,7 +21,7 @@ const KNOT_HANDICAP: f64 = 4.0;
 
 /// Piecewise polynomials.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pieces {
+pub struct PiecewisePolynomials {
     /// Spacing of the knots, whole mm.
     pub spacing_mm: i32,
     /// Highest degree.
@@ -30,19 +30,19 @@ pub struct Pieces {
 
 /// The terms of one motion error. A rotary axis has no truncated powers.
 #[must_use]
-pub fn of_component(component: ErrorName, data: &[DataSet], pieces: Pieces) -> Vec<ParameterName> {
+pub fn of_component(component: ErrorName, data: &[DataSet], pieces: PiecewisePolynomials) -> Vec<ParameterName> {
     let mut terms: Vec<ParameterName> =
         (1..=pieces.degree).map(|degree| ParameterName::coefficient(component, degree)).collect();
     let Some(axis) = component.axis().filter(|axis| !axis.is_rotary()) else { return terms };
     let degree = pieces.degree.min(MOST_KNOT_DEGREE);
-    let knot = |at| ParameterName { component, term: Term::Knot { degree, at } };
+    let knot = |at| ParameterName { component, term: ComponentTerm::Knot { degree, at } };
     terms.extend(knots(axis, data, pieces.spacing_mm).into_iter().map(knot));
     terms
 }
 
 /// The terms of all motion errors of the linear axes.
 #[must_use]
-pub fn of_motion(machine: &Machine, data: &[DataSet], pieces: Pieces) -> Vec<ParameterName> {
+pub fn of_motion(machine: &Machine, data: &[DataSet], pieces: PiecewisePolynomials) -> Vec<ParameterName> {
     let linear = AXES.into_iter().filter(|&axis| !axis.is_rotary() && machine.axis(axis).is_some());
     let components = linear.flat_map(|axis| DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)));
     components.flat_map(|component| of_component(component, data, pieces)).collect()
@@ -51,7 +51,7 @@ pub fn of_motion(machine: &Machine, data: &[DataSet], pieces: Pieces) -> Vec<Par
 /// The penalty of a candidate: of two that are not distinguishable, the one without a knot is selected.
 #[must_use]
 pub fn handicap(parameter: &Parameter) -> f64 {
-    if matches!(parameter, Parameter::Geometry(ParameterName { term: Term::Knot { .. }, .. })) {
+    if matches!(parameter, Parameter::Geometry(ParameterName { term: ComponentTerm::Knot { .. }, .. })) {
         KNOT_HANDICAP
     } else {
         0.0
@@ -132,14 +132,14 @@ mod tests {
 
     #[test]
     fn knots_lie_inside_what_was_measured() {
-        let pieces = Pieces { spacing_mm: 50, degree: 2 };
+        let pieces = PiecewisePolynomials { spacing_mm: 50, degree: 2 };
         let names = |component: &str, positions: &[f64], pieces| {
             let terms = of_component(component.parse().unwrap(), &data(positions), pieces);
             terms.iter().map(ParameterName::to_string).collect::<Vec<String>>().join(" ")
         };
         assert_eq!(names("EYX", &[-60.0, 10.0, 150.0], pieces), "EYX1 EYX2 EYX2@-50 EYX2@0 EYX2@50 EYX2@100");
-        assert_eq!(names("EXX", &[0.0, 100.0], Pieces { spacing_mm: 100, degree: 3 }), "EXX1 EXX2 EXX3");
-        assert_eq!(names("EXX", &[0.0, 90.0], Pieces { degree: 1, ..pieces }), "EXX1 EXX1@50");
+        assert_eq!(names("EXX", &[0.0, 100.0], PiecewisePolynomials { spacing_mm: 100, degree: 3 }), "EXX1 EXX2 EXX3");
+        assert_eq!(names("EXX", &[0.0, 90.0], PiecewisePolynomials { degree: 1, ..pieces }), "EXX1 EXX1@50");
         assert_eq!(names("ECC", &[0.0, 90.0], pieces), "ECC1 ECC2");
         // For any distance.
         assert!(of_component("EXX".parse().unwrap(), &data(&[-1e300, 1e300]), pieces).len() <= MOST_KNOTS + 3);

@@ -5,7 +5,7 @@ use std::fmt;
 use crate::measure::data::DataSet;
 use crate::measure::kind::Unknown;
 use ncfix_base::geometry::{Axis, Vector};
-use ncfix_model::parameter::{ParameterName, Term};
+use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::column::Column;
 use super::effect::{Parameter, lack};
@@ -180,7 +180,7 @@ pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Un
         }
         return if own.degree() == 0 { UndeterminedCause::Constant } else { UndeterminedCause::SetUp };
     }
-    let turns = |name: &ParameterName| name.component.direction.is_rotation() && name.term != Term::Whole;
+    let turns = |name: &ParameterName| name.component.direction.is_rotation() && name.term != ComponentTerm::Whole;
     if parameters.iter().any(turns) && has_one_tool(data) {
         return UndeterminedCause::Lever;
     }
@@ -213,13 +213,13 @@ fn positions_lack(
     is_unfelt: bool,
     data: &[DataSet],
 ) -> Option<UndeterminedCause> {
-    if let (Term::Knot { at, .. }, Some(axis)) = (own.term, own.component.axis()) {
+    if let (ComponentTerm::Knot { at, .. }, Some(axis)) = (own.term, own.component.axis()) {
         let begins = if axis.is_rotary() { f64::from(at).to_radians() } else { f64::from(at) };
         if observations(data).all(|position| position(axis) <= begins + SAME_PLACE) {
             return Some(UndeterminedCause::Beyond(axis));
         }
     }
-    if is_unfelt && own.degree() == 0 && own.term != Term::Backlash {
+    if is_unfelt && own.degree() == 0 && own.term != ComponentTerm::Backlash {
         return None;
     }
     let mut axes: Vec<Axis> = all.iter().filter_map(|name| name.component.axis()).collect();
@@ -229,7 +229,7 @@ fn positions_lack(
         let names = || all.iter().filter(|name| name.component.axis() == Some(axis));
         let highest = names().map(ParameterName::degree).max().unwrap_or(0);
         let needed = (usize::from(highest) + 1).max(if axis.is_rotary() { 2 } else { 1 });
-        if names().any(|name| name.term == Term::Backlash) {
+        if names().any(|name| name.term == ComponentTerm::Backlash) {
             let mut readings = data.iter().flat_map(|set| &set.observations);
             let first = readings.next().map(|row| row.reading.state.direction(axis));
             if readings.all(|row| Some(row.reading.state.direction(axis)) == first) {
@@ -255,7 +255,7 @@ fn observations(data: &[DataSet]) -> impl Iterator<Item = impl Fn(Axis) -> f64> 
 /// `true` for the gain of an axis.
 fn is_gain(name: &ParameterName) -> bool {
     let direction = name.component.direction;
-    name.term == Term::Coefficient(1)
+    name.term == ComponentTerm::Coefficient(1)
         && !direction.is_rotation()
         && name.component.axis() == [Axis::X, Axis::Y, Axis::Z].get(direction.index()).copied()
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::measure::data::DataSet;
-use crate::measure::kind::Unknown;
+use crate::measure::kind::{Measurand, Unknown};
 use ncfix_model::ErrorName;
 use ncfix_model::parameter::ParameterName;
 
@@ -63,7 +63,7 @@ impl Column {
         let Some(set) = data.get(number) else { return false };
         let target = match unknown {
             Unknown::Rotation(..) => return true,
-            Unknown::Offset(which, _) if set.kind.name == "direct" => which % set.targets.len().max(1),
+            Unknown::Offset(which, _) if set.kind.measurand == Measurand::Component => which % set.targets.len().max(1),
             Unknown::Drift(which) | Unknown::Level(which) => set.cycles.get(which).map_or(0, |cycle| cycle.target),
             _ => return false,
         };
@@ -116,7 +116,7 @@ impl fmt::Display for Named<'_> {
             }
             Unknown::RodTemperature(which) => write!(f, "temperature of the ball-bar{}", setup(which)),
             Unknown::Length(which) => write!(f, "length of the ball-bar{}", setup(which)),
-            Unknown::Offset(which, _) if set.kind.name == "direct" => {
+            Unknown::Offset(which, _) if set.kind.measurand == Measurand::Component => {
                 let count = set.targets.len().max(1);
                 let component = set.targets.get(which % count).map_or("", String::as_str);
                 write!(f, "zero of {component}{}", setup(which / count))

@@ -4,8 +4,8 @@
 //! depends on its own.
 
 use crate::measure::data::DataSet;
-use ncfix_model::motion::Function;
-use ncfix_model::parameter::{ParameterName, Term};
+use ncfix_model::motion::EntryFunction;
+use ncfix_model::parameter::{ComponentTerm, ParameterName};
 use ncfix_model::{ErrorModel, ErrorName};
 
 use super::effect::Parameter;
@@ -18,7 +18,7 @@ pub fn reversals<'a>(
     data: &[DataSet],
 ) -> Vec<String> {
     let backlash = |parameter: &Parameter| match parameter {
-        Parameter::Geometry(name) if name.term == Term::Backlash => Some(*name),
+        Parameter::Geometry(name) if name.term == ComponentTerm::Backlash => Some(*name),
         _ => None,
     };
     let backlashes: Vec<ParameterName> = parameters.filter_map(backlash).collect();
@@ -35,7 +35,7 @@ pub fn reversals<'a>(
             };
             let fitted = backlashes.iter().find(|name| feels(&name.component));
             let known = errors.motion.iter().find(|entry| {
-                let Function::Backlash(backlash) = &entry.function else { return false };
+                let EntryFunction::Backlash(backlash) = &entry.function else { return false };
                 feels(&entry.name) && backlash.reversal.values.iter().any(|&value| value != 0.0)
             });
             let cause = match (fitted, known) {

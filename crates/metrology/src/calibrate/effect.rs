@@ -11,7 +11,7 @@ use crate::measure::data::DataSet;
 use ncfix_base::geometry::AxisVector;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_machine::machine::{Condition, Machine, State};
-use ncfix_model::motion::Function;
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::parameter::ParameterName;
 use ncfix_model::{Accumulator, Effect, ErrorModel, ErrorName};
 
@@ -218,7 +218,7 @@ pub fn coefficient_unit(is_angle: bool, is_rotary: bool, degree: u8) -> (f64, St
 #[derive(Clone, Debug)]
 pub(super) struct ParameterEffect {
     pub(super) component: ErrorName,
-    function: Option<Function>,
+    function: Option<EntryFunction>,
     factor: f64,
 }
 

@@ -4,7 +4,7 @@ use super::words::Lost;
 
 /// Reason why there is no result.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Fault {
+pub enum FitError {
     /// Fewer equations than unknowns.
     TooFew {
         /// Number of equations.

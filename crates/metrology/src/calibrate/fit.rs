@@ -12,7 +12,7 @@ use ncfix_model::ErrorModel;
 use super::column::Column;
 use super::design::{Design, EquationOrigin, ReadingEquation, tie_sigma};
 use super::effect::Parameter;
-use super::fault::{Fault, Unsettled};
+use super::fault::{FitError, Unsettled};
 use super::identify::{Identified, judge};
 use super::noise::{NoiseGroups, group_of};
 use super::robust::TUKEY_VARIANCE;
@@ -42,7 +42,7 @@ const REJECTED: f64 = 0.01;
 
 /// Options of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct FitOptions {
     /// `true` to reduce the weight of rows that do not fit.
     pub robust: bool,
 }
@@ -100,14 +100,14 @@ pub struct Estimate {
 /// Fits parameters to data, starting from the model.
 ///
 /// # Errors
-/// [`Fault`].
+/// [`FitError`].
 pub fn fit<P: Clone + Into<Parameter>>(
     machine: &Machine,
     start: &ErrorModel,
     parameters: &[P],
     data: &[DataSet],
-    options: Options,
-) -> Result<Fit, Fault> {
+    options: FitOptions,
+) -> Result<Fit, FitError> {
     let parameters: Vec<Parameter> = parameters.iter().cloned().map(Into::into).collect();
     let start = awake(machine, start, &parameters, data)?;
     let judged = judge(machine, &start, &parameters, data)?;
@@ -120,13 +120,13 @@ pub(super) fn awake(
     start: &ErrorModel,
     parameters: &[Parameter],
     data: &[DataSet],
-) -> Result<ErrorModel, Fault> {
+) -> Result<ErrorModel, FitError> {
     if !parameters.iter().any(|parameter| parameter.is_idle(start)) {
         return Ok(start.clone());
     }
     let linear: Vec<Parameter> = parameters.iter().filter(|one| one.is_linear()).cloned().collect();
     let judged = judge(machine, start, &linear, data)?;
-    Ok(fit_judged(machine, start, &linear, data, Options { robust: false }, &judged)?.errors)
+    Ok(fit_judged(machine, start, &linear, data, FitOptions { robust: false }, &judged)?.errors)
 }
 
 /// Fits the identifiable parameters.
@@ -135,9 +135,9 @@ pub(super) fn fit_judged(
     start: &ErrorModel,
     parameters: &[Parameter],
     data: &[DataSet],
-    options: Options,
+    options: FitOptions,
     judged: &Identified,
-) -> Result<Fit, Fault> {
+) -> Result<Fit, FitError> {
     let design = Design::new(machine, data, parameters);
     let mut errors = start.clone();
     let mut values = design.start(start);
@@ -159,7 +159,7 @@ pub(super) fn fit_judged(
             parameter.set(&mut errors, value);
         }
         if !values.iter().all(|value| value.is_finite()) {
-            return Err(Fault::NotSettled(None));
+            return Err(FitError::NotSettled(None));
         }
         let moved = largest_step(&step);
         rounds.used = shared(step.used, &rounds.lines, rounds.noise.groups(), values.len());
@@ -168,13 +168,13 @@ pub(super) fn fit_judged(
         }
         is_last = moved < SETTLED && round > rounds.early() && is_same;
     }
-    Err(Fault::NotSettled(rounds.unsettled()))
+    Err(FitError::NotSettled(rounds.unsettled()))
 }
 
 /// State between iterations.
 struct Rounds<'a> {
     design: &'a Design<'a>,
-    options: Options,
+    options: FitOptions,
     noise: NoiseGroups,
     /// Number of unknowns absorbed by each group of readings.
     used: Vec<f64>,
@@ -189,7 +189,7 @@ struct Rounds<'a> {
 }
 
 impl<'a> Rounds<'a> {
-    fn new(design: &'a Design<'a>, data: &[DataSet], options: Options, judged: &'a Identified) -> Rounds<'a> {
+    fn new(design: &'a Design<'a>, data: &[DataSet], options: FitOptions, judged: &'a Identified) -> Rounds<'a> {
         let noise = NoiseGroups::new(data);
         let used = vec![0.0; noise.groups()];
         Rounds {
@@ -321,16 +321,16 @@ impl<'a> Rounds<'a> {
         Some(step)
     }
 
-    fn solved(&self) -> Result<Solution, Fault> {
+    fn solved(&self) -> Result<Solution, FitError> {
         let count = self.design.columns.len();
         let mut system = System::new(count);
         self.each(|line, factors, weight| system.add(factors, line.residual, weight));
         self.each_held(|factors| system.add(factors, 0.0, 1.0 / HELD));
         // Weights vary as much as readings; identifiability was judged before.
-        let solution = system.solve_to(ARITHMETIC).ok_or(Fault::NotSettled(None))?;
+        let solution = system.solve_to(ARITHMETIC).ok_or(FitError::NotSettled(None))?;
         if solution.rank < count {
             let lost = words::lost(&solution.null_space, &self.design.columns, self.design.data);
-            return Err(Fault::NotTold(Box::new(lost)));
+            return Err(FitError::NotTold(Box::new(lost)));
         }
         Ok(solution)
     }

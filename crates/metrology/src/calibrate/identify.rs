@@ -12,7 +12,7 @@ use super::column::Column;
 use super::design::Design;
 use super::effect::Parameter;
 use super::exact::exact;
-use super::fault::Fault;
+use super::fault::FitError;
 use super::noise::{FIRST_ANGLE_SIGMA, FIRST_SIGMA};
 use super::words::{self, Lost};
 
@@ -109,11 +109,11 @@ pub(super) fn judge(
     start: &ErrorModel,
     parameters: &[Parameter],
     data: &[DataSet],
-) -> Result<Identified, Fault> {
-    let judged = identify(machine, start, parameters, data).ok_or(Fault::NotSettled(None))?;
+) -> Result<Identified, FitError> {
+    let judged = identify(machine, start, parameters, data).ok_or(FitError::NotSettled(None))?;
     if judged.equations < judged.columns.len() {
         let Identified { equations, columns, lost, .. } = judged;
-        return Err(Fault::TooFew { equations, unknowns: columns.len(), lost: Box::new(lost) });
+        return Err(FitError::TooFew { equations, unknowns: columns.len(), lost: Box::new(lost) });
     }
-    if judged.lost.leave_out.is_empty() { Ok(judged) } else { Err(Fault::NotTold(Box::new(judged.lost))) }
+    if judged.lost.leave_out.is_empty() { Ok(judged) } else { Err(FitError::NotTold(Box::new(judged.lost))) }
 }

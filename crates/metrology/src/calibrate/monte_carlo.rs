@@ -6,7 +6,7 @@
 
 use crate::measure::data::DataSet;
 use crate::measure::noise::Noise;
-use crate::measure::simulate::{Read, Simulation};
+use crate::measure::simulate::{ReadValue, Simulation};
 use ncfix_base::geometry::Axis;
 use ncfix_base::numeric::repeated;
 use ncfix_machine::machine::Machine;
@@ -14,8 +14,8 @@ use ncfix_machine::machine::Machine;
 use super::column::Column;
 use super::design::TIE_SIGMA;
 use super::effect::Parameter;
-use super::fault::Fault;
-use super::fit::{Fit, Options, fit_judged};
+use super::fault::FitError;
+use super::fit::{Fit, FitOptions, fit_judged};
 use super::identify::{Identified, judge};
 
 /// Permitted relative difference between uncertainty and scatter.
@@ -48,16 +48,16 @@ impl MonteCarlo {
 /// Repeats a fit on simulated readings; `progress` receives the number of completed ones. The same seed gives the same result on any number of cores.
 ///
 /// # Errors
-/// [`Fault`] if the data do not identify the parameters.
+/// [`FitError`] if the data do not identify the parameters.
 pub fn monte_carlo(
     machine: &Machine,
     parameters: &[impl Clone + Into<Parameter>],
     data: &[DataSet],
     fit: &Fit,
-    options: Options,
+    options: FitOptions,
     [runs, seed]: [u64; 2],
     progress: &mut dyn FnMut(u64),
-) -> Result<MonteCarlo, Fault> {
+) -> Result<MonteCarlo, FitError> {
     let parameters: Vec<Parameter> = parameters.iter().cloned().map(Into::into).collect();
     let judged = judge(machine, &fit.errors, &parameters, data)?;
     let job = Job { machine, parameters: &parameters, data, fit, options, judged: &judged, seed };
@@ -82,7 +82,7 @@ struct Job<'a> {
     parameters: &'a [Parameter],
     data: &'a [DataSet],
     fit: &'a Fit,
-    options: Options,
+    options: FitOptions,
     judged: &'a Identified,
     seed: u64,
 }
@@ -116,10 +116,10 @@ impl Job<'_> {
             let is_angle = observation.component.is_some_and(|name| name.direction.is_rotation());
             let sigma = if is_angle { sigma_rad } else { sigma };
             match simulation.read(observation).ok()? {
-                Read::Values(read) => {
+                ReadValue::Values(read) => {
                     observation.values = read.map(|value| value.map(|value| value + sigma * noise.normal()));
                 }
-                Read::Position(position) => {
+                ReadValue::Position(position) => {
                     observation.reading.position = position;
                     for axis in [Axis::X, Axis::Y, Axis::Z] {
                         observation.reading.position[axis] += sigma * noise.normal();

@@ -8,8 +8,8 @@ use ncfix_machine::machine::Machine;
 use ncfix_model::ErrorModel;
 
 use super::effect::Parameter;
-use super::fault::Fault;
-use super::fit::{Options, fit};
+use super::fault::FitError;
+use super::fit::{FitOptions, fit};
 
 /// A measurement and a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,12 +29,12 @@ pub struct Quality {
     /// Explained share of the sum of magnitudes.
     pub efficiency: f64,
     /// Individual readings, in the order of the rows.
-    pub lines: Vec<Compared>,
+    pub lines: Vec<ComparedReading>,
 }
 
 /// A reading and a model, mm or rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compared {
+pub struct ComparedReading {
     /// The row.
     pub row: usize,
     /// Index of the value in its row, from 0.
@@ -48,13 +48,13 @@ pub struct Compared {
 impl Quality {
     /// The statistics of readings.
     #[must_use]
-    pub fn of(name: String, lines: Vec<Compared>) -> Quality {
+    pub fn of(name: String, lines: Vec<ComparedReading>) -> Quality {
         let count = lines.len().max(1) as f64;
-        let sizes = |of: fn(&Compared) -> f64| {
+        let sizes = |of: fn(&ComparedReading) -> f64| {
             let mean = lines.iter().map(|line| of(line).powi(2)).sum::<f64>() / count;
             [mean.sqrt(), lines.iter().fold(0.0_f64, |most, line| most.max(of(line).abs()))]
         };
-        let sum = |of: fn(&Compared) -> f64| lines.iter().map(|line| of(line).abs()).sum::<f64>();
+        let sum = |of: fn(&ComparedReading) -> f64| lines.iter().map(|line| of(line).abs()).sum::<f64>();
         let (measured, left) = (sizes(|line| line.measured), sizes(|line| line.left));
         let sums = [sum(|line| line.measured), sum(|line| line.left)];
         let mean = lines.iter().map(|line| line.left).sum::<f64>() / count;
@@ -73,7 +73,7 @@ impl Quality {
 
     /// Some of the readings.
     #[must_use]
-    pub fn part(&self, name: String, keep: impl Fn(&Compared) -> bool) -> Quality {
+    pub fn part(&self, name: String, keep: impl Fn(&ComparedReading) -> bool) -> Quality {
         Quality::of(name, self.lines.iter().copied().filter(|line| keep(line)).collect())
     }
 }
@@ -81,19 +81,19 @@ impl Quality {
 /// Compares a model with a measurement, fitted or not.
 ///
 /// # Errors
-/// [`Fault`] if not even the set-up unknowns are identifiable.
-pub fn quality(machine: &Machine, errors: &ErrorModel, data: &DataSet) -> Result<Quality, Fault> {
+/// [`FitError`] if not even the set-up unknowns are identifiable.
+pub fn quality(machine: &Machine, errors: &ErrorModel, data: &DataSet) -> Result<Quality, FitError> {
     let set = std::slice::from_ref(data);
-    let of = |errors: &ErrorModel| -> Result<Vec<(usize, f64)>, Fault> {
+    let of = |errors: &ErrorModel| -> Result<Vec<(usize, f64)>, FitError> {
         // Without the errors of the machine, residuals are not noise and cannot reveal outliers.
-        let found = fit::<Parameter>(machine, errors, &[], set, Options { robust: false })?;
+        let found = fit::<Parameter>(machine, errors, &[], set, FitOptions { robust: false })?;
         Ok(found.residuals.iter().map(|&(_, row, residual, _)| (row, residual)).collect())
     };
     let (measured, left) = (of(&ErrorModel::default())?, of(errors)?);
-    let mut lines: Vec<Compared> = Vec::with_capacity(left.len());
+    let mut lines: Vec<ComparedReading> = Vec::with_capacity(left.len());
     for ((row, measured), (_, left)) in measured.into_iter().zip(left) {
         let index = lines.last().filter(|last| last.row == row).map_or(0, |last| last.index + 1);
-        lines.push(Compared { row, index, measured, left });
+        lines.push(ComparedReading { row, index, measured, left });
     }
     Ok(Quality::of(data.name.clone(), lines))
 }
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn sizes_are_those_of_the_definition() {
-        let line = |index, measured, left| Compared { row: 0, index, measured, left };
+        let line = |index, measured, left| ComparedReading { row: 0, index, measured, left };
         let found = Quality::of("a".into(), vec![line(0, 3.0, 1.0), line(1, -4.0, -0.5), line(2, 0.0, 0.5)]);
         // √(25/3); 1 − 2/7; mean 1/3, squares 4/9 + 25/36 + 1/36 = 7/6 over 2.
         assert!((found.measured[0] - (25.0_f64 / 3.0).sqrt()).abs() < 1e-15 && found.measured[1] == 4.0);

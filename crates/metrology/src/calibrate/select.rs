@@ -18,8 +18,8 @@ use super::candidates::handicap;
 use super::column::Column;
 use super::design::{Design, EquationOrigin, ReadingEquation, tie_sigma};
 use super::effect::Parameter;
-use super::fault::Fault;
-use super::fit::{Fit, Options, fit};
+use super::fault::FitError;
+use super::fit::{Fit, FitOptions, fit};
 use super::noise::{FIRST_ANGLE_SIGMA, FIRST_SIGMA, group_of};
 use super::robust::{spread, weight};
 
@@ -58,7 +58,7 @@ pub struct Selected {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Refusal {
     /// The fixed parameters, or the selected ones, cannot be fitted.
-    Fault(Fault),
+    Fault(FitError),
     /// The product of equations and columns is too large.
     TooLarge {
         /// Number of equations.
@@ -68,8 +68,8 @@ pub enum Refusal {
     },
 }
 
-impl From<Fault> for Refusal {
-    fn from(fault: Fault) -> Refusal {
+impl From<FitError> for Refusal {
+    fn from(fault: FitError) -> Refusal {
         Refusal::Fault(fault)
     }
 }
@@ -84,7 +84,7 @@ pub fn select(
     base: &[Parameter],
     candidates: &[Parameter],
     data: &[DataSet],
-    options: Options,
+    options: FitOptions,
     rule: Rule,
 ) -> Result<Selected, Refusal> {
     let mut own: Vec<Parameter> = Vec::new();
@@ -95,12 +95,12 @@ pub fn select(
     }
     let job = Job { machine, start, base, candidates: &own, data, options };
     // Before the effects are included, residuals do not reveal outliers.
-    let mut fitted = fit(machine, start, base, data, Options { robust: false })?;
+    let mut fitted = fit(machine, start, base, data, FitOptions { robust: false })?;
     let mut chosen: Vec<usize> = Vec::new();
     let mut choice = Choice::default();
     let (mut passes, mut is_settled) = (0, false);
     while passes < MOST_PASSES && !is_settled {
-        choice = choose(&job.rows(&fitted)?, rule).ok_or(Fault::NotSettled(None))?;
+        choice = choose(&job.rows(&fitted)?, rule).ok_or(FitError::NotSettled(None))?;
         passes += 1;
         let now: Vec<usize> = choice.terms.iter().map(|term| term.candidate).collect();
         is_settled = now == chosen;
@@ -119,7 +119,7 @@ struct Job<'a> {
     base: &'a [Parameter],
     candidates: &'a [Parameter],
     data: &'a [DataSet],
-    options: Options,
+    options: FitOptions,
 }
 
 /// The equations, concatenated.
@@ -332,7 +332,7 @@ mod tests {
             base: &[],
             candidates: &[],
             data: &data,
-            options: Options { robust: true },
+            options: FitOptions { robust: true },
         };
         // Eight rows without information on two unknowns and two candidates.
         let line = |row| ReadingEquation { residual: 0.0, set: 0, origin: EquationOrigin::Row(row), is_angle: false };

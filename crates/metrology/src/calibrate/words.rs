@@ -7,8 +7,8 @@
 use nalgebra::DVector;
 
 use crate::measure::data::DataSet;
-use crate::measure::kind::Unknown;
-use ncfix_model::parameter::{ParameterName, Term};
+use crate::measure::kind::{Measurand, Unknown};
+use ncfix_model::parameter::{ComponentTerm, ParameterName};
 
 use super::cause::{UndeterminedCause, cause};
 use super::column::Column;
@@ -134,10 +134,10 @@ impl Key {
 pub(super) fn simplicity(column: &Column) -> (u8, u8) {
     match column {
         Column::Parameter(name) => match name.term {
-            Term::Whole => (1, 0),
-            Term::Coefficient(degree) => (2, degree),
-            Term::Backlash => (3, 0),
-            Term::Knot { degree, .. } => (4, degree),
+            ComponentTerm::Whole => (1, 0),
+            ComponentTerm::Coefficient(degree) => (2, degree),
+            ComponentTerm::Backlash => (3, 0),
+            ComponentTerm::Knot { degree, .. } => (4, degree),
         },
         Column::Effect(parameter) => (5, u8::try_from(parameter.index()).unwrap_or(u8::MAX)),
         Column::Unknown(..) => (0, 0),
@@ -204,7 +204,7 @@ fn joined(all: &[String], most: usize) -> String {
 #[must_use]
 pub fn listed(names: &[Parameter], most: usize) -> String {
     let family = |name: &Parameter| match name {
-        Parameter::Geometry(ParameterName { component, term: Term::Knot { degree, .. } }) => {
+        Parameter::Geometry(ParameterName { component, term: ComponentTerm::Knot { degree, .. } }) => {
             Some((*component, *degree))
         }
         _ => None,
@@ -239,7 +239,7 @@ fn phrases(columns: &[&Column], data: &[DataSet]) -> Vec<String> {
             Unknown::RodTemperature(_) => "the temperature of the rod",
             Unknown::Drift(_) => "the drift of the instrument",
             Unknown::Level(_) => "the zeros of the cycles",
-            Unknown::Offset(..) if set.kind.name == "direct" => "the zero of the instrument",
+            Unknown::Offset(..) if set.kind.measurand == Measurand::Component => "the zero of the instrument",
             Unknown::Offset(..) => "the place of the artefact",
             Unknown::Rotation(..) => "the rotation of the artefact",
             Unknown::Place(..) => "the places of the balls",

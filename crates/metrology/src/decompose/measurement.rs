@@ -1,6 +1,6 @@
 //! A trace as a measurement for calibration and diagnosis: on a common clock, at the encoder positions.
 
-use crate::measure::data::{DataSet, Driver, Free, Observation, Setup};
+use crate::measure::data::{DataColumn, DataSet, Free, Observation, Setup};
 use crate::measure::kind;
 use crate::measure::reading::Reading;
 use crate::measure::trace::Trace;
@@ -9,7 +9,7 @@ use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::machine::{Machine, State};
 use ncfix_model::ErrorModel;
 
-use super::parts::{Fault, decompose};
+use super::parts::{DecompositionError, decompose};
 use super::signal::triangle;
 use super::together::{Synchronous, synchronous};
 
@@ -30,9 +30,9 @@ pub enum Of<'a> {
 /// Creates it: readings are averaged as the accelerations are, with one reading per averaging time.
 ///
 /// # Errors
-/// [`Fault`].
-pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -> Result<DataSet, Fault> {
-    let options = super::Options::default();
+/// [`DecompositionError`].
+pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -> Result<DataSet, DecompositionError> {
+    let options = super::DecompositionOptions::default();
     let Synchronous { axes, order, grids, poses, mut left, .. } = synchronous(machine, trace, &options)?;
     if let Of::Speed(errors) = of {
         let found = decompose(machine, errors, trace, &options, &mut |_, _| {})?;
@@ -101,7 +101,7 @@ pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -
         conditions: Vec::new(),
         has_senses: true,
         observations,
-        drivers: if has_feeds { vec![Driver { name: FEED.to_owned(), values: feeds }] } else { Vec::new() },
+        drivers: if has_feeds { vec![DataColumn { name: FEED.to_owned(), values: feeds }] } else { Vec::new() },
     })
 }
 

@@ -16,7 +16,7 @@ use super::contour::from_path;
 use super::grid::RunGrid;
 use super::poses::RunPoses;
 use super::power::{PowerLaw, power_law};
-use super::quasi_static::{Link, Links, SmoothMotion, links, motion};
+use super::quasi_static::{LinkError, LinkPart, SmoothMotion, links, motion};
 use super::servo::ServoErrors;
 use super::shares::{SourceShares, shares};
 use super::together::{Synchronous, synchronous_telling};
@@ -32,7 +32,7 @@ const SAME_FEED: f64 = 1e-3;
 
 /// Options of the decomposition.
 #[derive(Clone, Debug, Default)]
-pub struct Options {
+pub struct DecompositionOptions {
     /// The fitted link errors; empty for the default of the machine.
     pub links: Vec<ParameterName>,
     /// Representation of motion errors.
@@ -45,7 +45,7 @@ pub struct Options {
 
 /// Reason why a trace cannot be decomposed.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Fault {
+pub enum DecompositionError {
     /// No axis moves.
     Still,
     /// Readings and control do not overlap in time.
@@ -58,25 +58,27 @@ pub enum Fault {
     NotTold(usize),
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for DecompositionError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Fault::Still => f.write_str("no axis moves"),
-            Fault::Apart => f.write_str("readings and positions do not overlap in time"),
-            Fault::OtherPath(_, [one, other]) => {
+            DecompositionError::Still => f.write_str("no axis moves"),
+            DecompositionError::Apart => f.write_str("readings and positions do not overlap in time"),
+            DecompositionError::OtherPath(_, [one, other]) => {
                 write!(f, "runs of paths of {one:.1} and {other:.1} mm: they do not follow one path")
             }
-            Fault::Units(axis, [set, encoder]) => {
+            DecompositionError::Units(axis, [set, encoder]) => {
                 let (unit, size) = if axis.is_rotary() { ("deg", 1_f64.to_degrees()) } else { ("mm", 1.0) };
                 let [set, encoder] = [set, encoder].map(|value| value * size);
                 write!(f, "the column {axis}_enc goes over {encoder:.3} {unit} while {axis} goes over {set:.3} {unit}")
             }
-            Fault::NotTold(_) => f.write_str("the slowest run has too few readings to tell link and motion errors"),
+            DecompositionError::NotTold(_) => {
+                f.write_str("the slowest run has too few readings to tell link and motion errors")
+            }
         }
     }
 }
 
-impl std::error::Error for Fault {}
+impl std::error::Error for DecompositionError {}
 
 /// A run and its sources; by sample, along F's directions, mm.
 #[derive(Clone, Debug)]
@@ -123,7 +125,7 @@ pub struct Decomposition {
     /// The runs, the slowest first.
     pub runs: Vec<RunParts>,
     /// The link errors.
-    pub links: Vec<Link>,
+    pub links: Vec<LinkError>,
     /// Representation of motion errors.
     pub smooth: Smooth,
     /// Compliances.
@@ -148,14 +150,14 @@ impl Decomposition {
 /// Decomposes a trace into its sources.
 ///
 /// # Errors
-/// [`Fault`].
+/// [`DecompositionError`].
 pub fn decompose(
     machine: &Machine,
     errors: &ErrorModel,
     trace: &Trace,
-    options: &Options,
+    options: &DecompositionOptions,
     tell: &mut dyn FnMut(&str, f64),
-) -> Result<Decomposition, Fault> {
+) -> Result<Decomposition, DecompositionError> {
     let whole = synchronous_telling(machine, trace, options, tell)?;
     let Synchronous { axes, order, grids, poses, servo, clock, left, tool_mm, nominal } = whole;
     let cycle_s = grids.first().map_or(0.0, |grid| grid.step_s);
@@ -212,7 +214,7 @@ type Known = [Vector; 3];
 struct Work<'a> {
     machine: &'a Machine,
     errors: &'a ErrorModel,
-    options: &'a Options,
+    options: &'a DecompositionOptions,
     nominal: Model,
     axes: Vec<Axis>,
     tool_mm: Vector,
@@ -222,15 +224,19 @@ struct Work<'a> {
     left: Vec<Vec<Option<Vector>>>,
     known: Vec<Vec<Known>>,
     found: Compliances,
-    quasi: Option<(Links, SmoothMotion)>,
+    quasi: Option<(LinkPart, SmoothMotion)>,
 }
 
 impl Work<'_> {
-    fn divide(&mut self, free: &[crate::measure::trace::TraceUnknown], reference: usize) -> Result<(), Fault> {
+    fn divide(
+        &mut self,
+        free: &[crate::measure::trace::TraceUnknown],
+        reference: usize,
+    ) -> Result<(), DecompositionError> {
         self.known = self.known();
         let names =
             if self.options.links.is_empty() { default_links(self.machine) } else { self.options.links.clone() };
-        let slow = self.poses.first().ok_or(Fault::Still)?;
+        let slow = self.poses.first().ok_or(DecompositionError::Still)?;
         let basis = Basis::new(self.options.smooth, &self.axes, &slow.encoder);
         for _ in 0..ROUNDS {
             // Compliance in the slowest run is not a motion error.
@@ -238,13 +244,13 @@ impl Work<'_> {
                 let known: Vector = work.known[0][number].iter().sum();
                 known + deflection(&work.nominal, &work.found.all, &work.tool_mm, slow, number)
             });
-            let links =
-                links(&self.nominal, &names, free, &self.tool_mm, slow, &rest).ok_or(Fault::NotTold(reference))?;
+            let links = links(&self.nominal, &names, free, &self.tool_mm, slow, &rest)
+                .ok_or(DecompositionError::NotTold(reference))?;
             let of_links =
                 |number: usize| links.at(&self.nominal, &self.tool_mm, slow, number) + links.setup_at(slow, number);
             let rest: Vec<Option<Vector>> =
                 rest.iter().enumerate().map(|(k, rest)| rest.map(|rest| rest - of_links(k))).collect();
-            let motion = motion(basis.clone(), slow, &rest).ok_or(Fault::NotTold(reference))?;
+            let motion = motion(basis.clone(), slow, &rest).ok_or(DecompositionError::NotTold(reference))?;
             self.quasi = Some((links, motion));
             let dynamic: Vec<Vec<Option<Vector>>> = (0..self.poses.len())
                 .map(|run| {

@@ -22,7 +22,7 @@ const SMOOTH_LIMIT: f64 = 2e-3;
 
 /// A link error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Link {
+pub struct LinkError {
     /// Its name.
     pub name: ParameterName,
     /// Value relative to the machine file, mm or rad.
@@ -33,9 +33,9 @@ pub struct Link {
 
 /// The contribution of links and set-up.
 #[derive(Clone, Debug)]
-pub(super) struct Links {
+pub(super) struct LinkPart {
     /// The links.
-    pub(super) links: Vec<Link>,
+    pub(super) links: Vec<LinkError>,
     /// Unknowns of the set-up, with their three values, mm.
     pub(super) setup: Vec<(TraceUnknown, [f64; 3])>,
 }
@@ -56,7 +56,7 @@ pub(super) fn links(
     tool_mm: &Vector,
     poses: &RunPoses,
     left: &[Option<Vector>],
-) -> Option<Links> {
+) -> Option<LinkPart> {
     let columns = names.len() + 3 * free.len();
     let mut system = System::new(columns);
     let every = poses.count().div_ceil(SAMPLES).max(1);
@@ -84,16 +84,16 @@ pub(super) fn links(
     let links = names
         .iter()
         .enumerate()
-        .map(|(k, &name)| Link { name, value: unknowns[k], is_told: inflation[k].is_finite() })
+        .map(|(k, &name)| LinkError { name, value: unknowns[k], is_told: inflation[k].is_finite() })
         .collect();
     let setup = free.iter().enumerate().map(|(k, &unknown)| {
         let at = names.len() + 3 * k;
         (unknown, [unknowns[at], unknowns[at + 1], unknowns[at + 2]])
     });
-    Some(Links { links, setup: setup.collect() })
+    Some(LinkPart { links, setup: setup.collect() })
 }
 
-impl Links {
+impl LinkPart {
     /// Contribution of the links at a sample, mm.
     #[must_use]
     pub(super) fn at(&self, model: &Model, tool_mm: &Vector, poses: &RunPoses, number: usize) -> Vector {

@@ -8,7 +8,7 @@ use ncfix_model::{ErrorModel, Model};
 
 use super::clock::{Clock, clock, reading};
 use super::grid::RunGrid;
-use super::parts::{Fault, Options};
+use super::parts::{DecompositionError, DecompositionOptions};
 use super::poses::RunPoses;
 use super::servo::{ServoErrors, servo};
 
@@ -33,7 +33,7 @@ fn grids(machine: &Machine, trace: &Trace) -> (Vec<Axis>, Vec<usize>, Vec<RunGri
 }
 
 /// Estimates the delay between the recordings, if it is not known.
-fn find_servo(axes: &[Axis], grids: &[RunGrid], options: &Options) -> Option<ServoErrors> {
+fn find_servo(axes: &[Axis], grids: &[RunGrid], options: &DecompositionOptions) -> Option<ServoErrors> {
     let pairs: Vec<_> = axes
         .iter()
         .enumerate()
@@ -72,21 +72,25 @@ pub(super) struct Synchronous {
 /// Brings a trace to a common clock.
 ///
 /// # Errors
-/// [`Fault`].
-pub(super) fn synchronous(machine: &Machine, trace: &Trace, options: &Options) -> Result<Synchronous, Fault> {
+/// [`DecompositionError`].
+pub(super) fn synchronous(
+    machine: &Machine,
+    trace: &Trace,
+    options: &DecompositionOptions,
+) -> Result<Synchronous, DecompositionError> {
     synchronous_telling(machine, trace, options, &mut |_, _| {})
 }
 
 pub(super) fn synchronous_telling(
     machine: &Machine,
     trace: &Trace,
-    options: &Options,
+    options: &DecompositionOptions,
     tell: &mut dyn FnMut(&str, f64),
-) -> Result<Synchronous, Fault> {
+) -> Result<Synchronous, DecompositionError> {
     tell("delays and servo loops", 0.0);
     let (axes, order, grids) = grids(machine, trace);
     check_units(&grids)?;
-    let servo = find_servo(&axes, &grids, options).ok_or(Fault::Still)?;
+    let servo = find_servo(&axes, &grids, options).ok_or(DecompositionError::Still)?;
     let nominal = Model::new(machine, &ErrorModel::default());
     let tool_mm = trace.runs.first().map_or_else(Vector::zeros, |run| run.tool_mm);
     let pose = |grid: &RunGrid| {
@@ -96,7 +100,8 @@ pub(super) fn synchronous_telling(
     let poses = in_parts(&grids, &pose);
     check_paths(&poses, &order)?;
     tell("clock of the instrument", 0.3);
-    let mut clock = if trace.has_readings() { Some(clock(&grids, &poses, &axes).ok_or(Fault::Apart)?) } else { None };
+    let mut clock =
+        if trace.has_readings() { Some(clock(&grids, &poses, &axes).ok_or(DecompositionError::Apart)?) } else { None };
     if let (Some(clock), Some(known)) = (&mut clock, options.reading_delay_s) {
         (clock.delay_s, clock.uncertainty_s) = (known, 0.0);
     }
@@ -105,7 +110,7 @@ pub(super) fn synchronous_telling(
 }
 
 /// Checks that the encoders travel as far as the set-points.
-fn check_units(grids: &[RunGrid]) -> Result<(), Fault> {
+fn check_units(grids: &[RunGrid]) -> Result<(), DecompositionError> {
     let span = |values: &[f64]| {
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         most - values.iter().copied().fold(f64::INFINITY, f64::min)
@@ -114,21 +119,21 @@ fn check_units(grids: &[RunGrid]) -> Result<(), Fault> {
         let [set, encoder] = [&pair.set, &pair.encoder].map(|signal| span(&signal.values));
         let least = if axis.is_rotary() { LEAST_MM / 100.0 } else { LEAST_MM };
         if set > least && !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(&(encoder / set)) {
-            return Err(Fault::Units(*axis, [set, encoder]));
+            return Err(DecompositionError::Units(*axis, [set, encoder]));
         }
     }
     Ok(())
 }
 
 /// Checks that all runs follow one path.
-fn check_paths(poses: &[RunPoses], order: &[usize]) -> Result<(), Fault> {
-    let Some(first) = poses.first() else { return Err(Fault::Still) };
+fn check_paths(poses: &[RunPoses], order: &[usize]) -> Result<(), DecompositionError> {
+    let Some(first) = poses.first() else { return Err(DecompositionError::Still) };
     if first.length_mm < LEAST_MM {
-        return Err(Fault::Still);
+        return Err(DecompositionError::Still);
     }
     for (other, &number) in poses.iter().zip(order).skip(1) {
         if (other.length_mm / first.length_mm - 1.0).abs() > SAME_PATH {
-            return Err(Fault::OtherPath([order[0], number], [first.length_mm, other.length_mm]));
+            return Err(DecompositionError::OtherPath([order[0], number], [first.length_mm, other.length_mm]));
         }
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Scenes for tests of this room: tables of a machine without errors, and candidates.
 
-use super::cause::{BUILT_IN, Candidate, Effect, Weight};
-use super::row::Row;
+use super::cause::{BUILT_IN, Candidate, EffectKind, Weight};
+use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use super::search::Weights;
 pub(super) use crate::calibrate::bench::{machine, table, turning};
@@ -34,9 +34,9 @@ pub(super) fn scene<'a>(machine: &'a Machine, sets: &'a [DataSet]) -> Scene<'a> 
 
 /// A candidate with one column.
 pub(super) fn candidate(
-    effect: Effect,
+    effect: EffectKind,
     through: Through,
-    weight: impl Fn(&Row) -> f64 + Send + Sync + 'static,
+    weight: impl Fn(&SceneRow) -> f64 + Send + Sync + 'static,
 ) -> Candidate {
     let cause = BUILT_IN.iter().find(|cause| cause.effect == effect).unwrap();
     Candidate::one(cause, "X", through, Weight::new(weight))

@@ -4,7 +4,7 @@
 //! And terms that readings hardly show: for micrometres that are read they would have to be larger than any machine errs.
 
 use super::cause::{Candidate, range};
-use super::row::{NOWHERE, Row};
+use super::row::{NOWHERE, SceneRow};
 use super::scene::Through;
 use super::search::Field;
 use super::size::weights_at;
@@ -33,7 +33,7 @@ impl Field<'_, '_> {
         };
         let (amounts, _) = series.amounts(&self.columns(one));
         let step = (self.scene.rows.len() / ROWS).max(1);
-        let is_large = |row: &Row| {
+        let is_large = |row: &SceneRow| {
             let all = weights_at(one, row);
             all.iter().zip(&amounts).map(|(weight, amount)| weight * amount).sum::<f64>().abs() > most
         };
@@ -46,16 +46,16 @@ impl Field<'_, '_> {
 
 impl Field<'_, '_> {
     /// Where the axes on which one depends are at the ends of what was measured; none where it depends on anything else.
-    fn corners(&self, one: &Candidate) -> Vec<Row> {
+    fn corners(&self, one: &Candidate) -> Vec<SceneRow> {
         let axis = |driver: &String| AXES.into_iter().find(|axis| axis.to_string() == *driver);
         let axes: Option<Vec<Axis>> = one.drivers.iter().map(axis).collect();
         let (Some(axes), Some(first)) = (axes.filter(|axes| axes.len() == 2), self.scene.rows.first()) else {
             return Vec::new();
         };
-        let mut out = vec![Row { number: NOWHERE, ..first.clone() }];
+        let mut out = vec![SceneRow { number: NOWHERE, ..first.clone() }];
         for axis in axes {
             let Some(ends) = range(self.scene, axis) else { return Vec::new() };
-            let at = |row: &Row, place: f64| {
+            let at = |row: &SceneRow, place: f64| {
                 let mut row = row.clone();
                 row.position[axis] = place;
                 row
@@ -125,7 +125,7 @@ impl Triangle {
 mod tests {
     use super::*;
     use crate::diagnose::bench;
-    use crate::diagnose::cause::{Effect, Weight};
+    use crate::diagnose::cause::{EffectKind, Weight};
 
     #[test]
     fn of_two_that_are_nearly_one_the_later_is_cancelled() {
@@ -155,7 +155,7 @@ mod tests {
             let sets = [bench::reads_along_x(&machine, &[um; 8])];
             let scene = bench::scene(&machine, &sets);
             // Readings show a thousandth of it.
-            let mut one = bench::candidate(Effect::Unknown, Through::Tip(0), |_| 1.0);
+            let mut one = bench::candidate(EffectKind::Unknown, Through::Tip(0), |_| 1.0);
             one.columns[0].push((Through::Tip(0), Weight::new(|_| -0.999)));
             let field = Field::new(&scene, vec![one]);
             field.is_absurd(0, &field.series(&bench::even(&scene), &[], 0.0))

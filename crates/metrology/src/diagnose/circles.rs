@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::cause::{Values, circle};
-use super::row::Row;
+use super::row::SceneRow;
 use super::scene::Scene;
 use super::seek::SOME;
 
@@ -49,7 +49,7 @@ impl Circles {
     pub(super) fn new(scene: &Scene<'_>) -> Option<Circles> {
         let all = circle::places(scene)?;
         let circle::Places { angles, radii, planes } = &all;
-        let at = |values: &Values, row: &Row| {
+        let at = |values: &Values, row: &SceneRow| {
             values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
         };
         let places: Vec<(usize, f64, f64)> = scene

@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::cause::{Candidate, Effect, Term, circle};
+use super::cause::{Candidate, EffectKind, Term, circle};
 use super::mimic::RIVAL;
 use super::scene::Through;
 use super::search::{Field, Weights};
@@ -17,7 +17,7 @@ use super::volume::Volume;
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::Series;
 use ncfix_base::numeric::sums::dot;
-use ncfix_model::parameter::Term as Part;
+use ncfix_model::parameter::ComponentTerm;
 
 /// A correction helps where it leaves less than this share of an error.
 const LEAVES: f64 = 0.8;
@@ -39,7 +39,7 @@ const OWN: f64 = 1e-4;
 
 /// Why a finding is in doubt.
 #[derive(Clone, Debug)]
-pub struct Doubt {
+pub struct ExtrapolationRisk {
     /// Names of errors that together do the same to the readings; none where it is less sure over the travel than it is large.
     pub rivals: Vec<String>,
     /// What tells it from the first of them.
@@ -62,7 +62,7 @@ impl Field<'_, '_> {
         (number, others): (usize, &[usize]),
         (amounts, class): (&Amounts, &[usize]),
         (memory, noise): (f64, f64),
-    ) -> Option<Doubt> {
+    ) -> Option<ExtrapolationRisk> {
         let one = self.candidates.get(number)?;
         if let Some(doubt) = self.turn_in_doubt(one, class) {
             return Some(doubt);
@@ -76,7 +76,10 @@ impl Field<'_, '_> {
             return None;
         }
         if is_unsure(one, &fields, amounts, dot(&moves, &moves)) {
-            return Some(Doubt { rivals: Vec::new(), separate_by: "at more places, or more often".to_owned() });
+            return Some(ExtrapolationRisk {
+                rivals: Vec::new(),
+                separate_by: "at more places, or more often".to_owned(),
+            });
         }
         let mut series = self.series(weights, others, memory);
         let own = series.gain(&self.columns(one)).squares;
@@ -90,21 +93,21 @@ impl Field<'_, '_> {
                     names.push(name);
                 }
             }
-            Some(Doubt { rivals: names, separate_by: separating(self.scene, one, rivals.first()?) })
+            Some(ExtrapolationRisk { rivals: names, separate_by: separating(self.scene, one, rivals.first()?) })
         };
         for &rival in class.iter().skip(1) {
             let Some(other) = self.candidates.get(rival).filter(|other| is_of_place(other)) else { continue };
             // Cross-couplings with and without what each axis does alone are one kind.
-            let are_cross = [one, other].iter().all(|one| one.cause.effect == Effect::Cross);
+            let are_cross = [one, other].iter().all(|one| one.cause.effect == EffectKind::Cross);
             let is_as_short = are_cross || other.columns.len() <= one.columns.len();
             let [far, of_other] = [one, other].map(Candidate::far_fetched);
             let columns = self.columns(other);
             let is_better = series.gain(&columns).squares > own + BETTER * noise;
             // A bow with a slope of its own says more by chance; what has no name was found among many.
-            let is_any = one.cause.effect == Effect::Unknown;
+            let is_any = one.cause.effect == EffectKind::Unknown;
             let is_longer = other.columns.len() == one.columns.len() + 1 && (is_better || is_any);
             // An angle that is seen at one arm is any displacement that goes the same way.
-            let is_angle = far >= FAR && one.cause.effect == Effect::Motion;
+            let is_angle = far >= FAR && one.cause.effect == EffectKind::Motion;
             let is_simpler = of_other.saturating_add(AS_FAR) < far && (is_as_short || is_longer || is_angle);
             let is_alike = is_as_short && of_other <= far.saturating_add(AS_FAR) && other.parameter != one.parameter;
             let is_better = is_as_short && is_better;
@@ -147,14 +150,14 @@ impl Field<'_, '_> {
     }
 
     /// Whether a turn of a carriage where it reverses may as well be a plain play, which acts alike wherever the tool is.
-    fn turn_in_doubt(&self, one: &Candidate, class: &[usize]) -> Option<Doubt> {
-        let is_play = |one: &Candidate| matches!(one.cause.effect, Effect::Backlash | Effect::LateralPlay);
+    fn turn_in_doubt(&self, one: &Candidate, class: &[usize]) -> Option<ExtrapolationRisk> {
+        let is_play = |one: &Candidate| matches!(one.cause.effect, EffectKind::Backlash | EffectKind::LateralPlay);
         if !is_play(one) || one.far_fetched() < FAR {
             return None;
         }
         let others = class.iter().skip(1).filter_map(|&number| self.candidates.get(number));
         let plain = others.into_iter().find(|other| is_play(other) && other.far_fetched() < FAR)?;
-        Some(Doubt {
+        Some(ExtrapolationRisk {
             rivals: vec![format!("{} {}", plain.cause.effect, plain.parameter)],
             separate_by: separating(self.scene, one, plain),
         })
@@ -169,7 +172,7 @@ impl Field<'_, '_> {
         memory: f64,
     ) -> Option<usize> {
         let is_simple = |one: &Candidate| {
-            let is_known = matches!(one.cause.effect, Effect::Location | Effect::Motion);
+            let is_known = matches!(one.cause.effect, EffectKind::Location | EffectKind::Motion);
             is_known && one.columns.len() == 1 && matches!(one.term, Term::Parameters(_))
         };
         let at = |number: usize| self.candidates.get(number).filter(|one| is_simple(one));
@@ -194,7 +197,7 @@ impl Field<'_, '_> {
     }
 
     /// Lobes that go round with the angle of circles and explain as much with no more unknowns: they are no errors of axes.
-    fn lobes_instead(&self, series: &Series, one: &Candidate, needed: f64) -> Option<Doubt> {
+    fn lobes_instead(&self, series: &Series, one: &Candidate, needed: f64) -> Option<ExtrapolationRisk> {
         let most = one.columns.len() / 2;
         let places = if most > 0 { circle::places(self.scene)? } else { return None };
         let mut planes: Vec<usize> =
@@ -213,7 +216,7 @@ impl Field<'_, '_> {
         });
         let (_, lobes) = found.find(|(gain, _)| *gain >= needed)?;
         let count = lobes.constant.map_or(0.0, |(count, _)| count);
-        Some(Doubt {
+        Some(ExtrapolationRisk {
             rivals: vec![format!("{count} lobes over the angle of circles ({})", lobes.parameter)],
             separate_by: lobes.cause.separate_by.to_owned(),
         })
@@ -224,9 +227,11 @@ impl Field<'_, '_> {
         let is_simple = |&number: &usize| {
             let Some(one) = self.candidates.get(number).filter(|one| one.columns.len() == 1) else { return false };
             let is_kind = match (&one.cause.effect, &one.term) {
-                (Effect::Location, Term::Parameters(_)) => true,
-                (Effect::Motion, Term::Parameters(names)) => names.iter().all(|name| name.term == Part::Coefficient(1)),
-                (Effect::Motion, Term::None) => self.bows.contains(&number),
+                (EffectKind::Location, Term::Parameters(_)) => true,
+                (EffectKind::Motion, Term::Parameters(names)) => {
+                    names.iter().all(|name| name.term == ComponentTerm::Coefficient(1))
+                }
+                (EffectKind::Motion, Term::None) => self.bows.contains(&number),
                 _ => false,
             };
             is_kind && one.far_fetched() / 10 < than.far_fetched() / 10
@@ -313,7 +318,7 @@ impl<'a> Rivals<'a> {
 fn is_unsure(one: &Candidate, fields: &[Vec<f64>], amounts: &Amounts, square: f64) -> bool {
     // A constant that is not told is not written.
     let is_constant = |k: usize| match &one.term {
-        Term::Parameters(names) => names.get(k).is_some_and(|name| name.term == Part::Coefficient(0)),
+        Term::Parameters(names) => names.get(k).is_some_and(|name| name.term == ComponentTerm::Coefficient(0)),
         Term::File(_) | Term::None => false,
     };
     let told: Vec<usize> = (0..fields.len()).filter(|&k| !is_constant(k)).collect();
@@ -345,14 +350,14 @@ fn sum(columns: &[impl AsRef<[f64]>], amounts: &[f64]) -> Vec<f64> {
 
 /// Whether it is taken for no more beyond the last places that were measured than there: what bends.
 fn is_bounded(one: &Candidate) -> bool {
-    let is_straight = |term: Part| matches!(term, Part::Coefficient(0 | 1) | Part::Whole);
+    let is_straight = |term: ComponentTerm| matches!(term, ComponentTerm::Coefficient(0 | 1) | ComponentTerm::Whole);
     !matches!(&one.term, Term::Parameters(names) if names.iter().all(|name| is_straight(name.term)))
 }
 
 /// Whether it is an error of the machine that depends on places alone.
 fn is_of_place(one: &Candidate) -> bool {
     let is_place = |driver: &String| AXES.iter().any(|axis| axis.to_string() == *driver);
-    matches!(one.cause.effect, Effect::Location | Effect::Motion | Effect::Cross | Effect::Unknown)
+    matches!(one.cause.effect, EffectKind::Location | EffectKind::Motion | EffectKind::Cross | EffectKind::Unknown)
         && one.constant.is_none()
         && one.drivers.iter().all(is_place)
         && one.columns.iter().flatten().all(|(through, _)| matches!(through, Through::Component(_) | Through::Tip(_)))

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use super::cause::{Candidate, Effect};
+use super::cause::{Candidate, EffectKind};
 use super::held_out::{Selections, of_parts};
 use super::scene::{NO_ROW, Scene, Through};
 use super::search::{Field, Taken, Weights};
@@ -70,19 +70,19 @@ pub(super) fn stretches(scene: &Scene<'_>, rounds: usize) -> Vec<usize> {
 /// The linear axis along which a candidate is a wave.
 fn wave_axis(one: &Candidate) -> Option<Axis> {
     let (Through::Component(name), _) = one.columns.first()?.first()? else { return None };
-    name.axis().filter(|axis| one.cause.effect == Effect::Periodic && !axis.is_rotary())
+    name.axis().filter(|axis| one.cause.effect == EffectKind::Periodic && !axis.is_rotary())
 }
 
 /// Parts by places along an axis, dealt out one after the other; none where places do not come again.
 fn places(scene: &Scene<'_>, axis: Axis) -> Vec<usize> {
-    let fine = |row: &super::row::Row| (row.position[axis] * FINE).round() as i64;
+    let fine = |row: &super::row::SceneRow| (row.position[axis] * FINE).round() as i64;
     let mut all: Vec<i64> = scene.rows.iter().map(fine).collect();
     all.sort_unstable();
     all.dedup();
     if 2 * all.len() > scene.rows.len() {
         return Vec::new();
     }
-    let part = |row: &super::row::Row| all.binary_search(&fine(row)).map_or(NO_PART, |place| place % STRETCHES);
+    let part = |row: &super::row::SceneRow| all.binary_search(&fine(row)).map_or(NO_PART, |place| place % STRETCHES);
     scene.items.iter().map(|item| scene.rows.get(item.row).map_or(NO_PART, part)).collect()
 }
 
@@ -144,7 +144,7 @@ pub(super) fn confirmed(
 
 /// How much a term must take off what is left of unseen readings.
 pub(super) fn worth(field: &Field<'_, '_>, number: usize) -> f64 {
-    let is_unnamed = field.candidates.get(number).is_some_and(|one| one.cause.effect == Effect::Unknown);
+    let is_unnamed = field.candidates.get(number).is_some_and(|one| one.cause.effect == EffectKind::Unknown);
     if is_unnamed { WORTH_UNNAMED } else { WORTH }
 }
 

@@ -1,6 +1,6 @@
 //! The gates: chance, size, gain on unseen parts, data held out.
 
-use super::cause::{Candidate, Effect};
+use super::cause::{Candidate, EffectKind};
 use super::fold::{confirmed, counts, worth};
 use super::held_out::{Selections, unseen};
 use super::readings::{doing, left_of, rms};
@@ -48,7 +48,7 @@ fn waves_that_stand(
     rejections: &mut Rejections,
 ) -> Vec<(Taken, f64)> {
     let is_wave =
-        |term: &Taken| field.candidates.get(term.candidate).is_some_and(|one| one.cause.effect == Effect::Periodic);
+        |term: &Taken| field.candidates.get(term.candidate).is_some_and(|one| one.cause.effect == EffectKind::Periodic);
     if kept.iter().any(|(term, _)| is_wave(term)) {
         let numbers = kept.iter().map(|(term, _)| term.candidate).collect();
         let standing = field.backward(weights, numbers, LIMIT, &mut |out| {
@@ -78,7 +78,7 @@ fn large_enough(field: &Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) ->
         let most = places.iter().map(|&place| of(&does, place).abs()).fold(0.0, f64::max);
         let acts = places.iter().map(|&place| of(&does, place)).filter(|value| value.abs() > ACTS * most);
         let effect = field.candidates.get(term.candidate).map(|one| one.cause.effect);
-        let least = if matches!(effect, Some(Effect::Unknown | Effect::Drift)) { SMALL_UNNAMED } else { SMALL };
+        let least = if matches!(effect, Some(EffectKind::Unknown | EffectKind::Drift)) { SMALL_UNNAMED } else { SMALL };
         rms(acts) > least * noise
     };
     judged.into_iter().filter(is_large).collect()
@@ -87,8 +87,10 @@ fn large_enough(field: &Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) ->
 /// Causes that belong to one day or one set-up: other data cannot confirm them.
 fn is_only_here(one: &Candidate) -> bool {
     // What vibrates has another phase on another day.
-    matches!(one.cause.effect, Effect::Setup | Effect::Sensor | Effect::Outlier | Effect::Program | Effect::Drift)
-        || (one.cause.effect == Effect::Dynamic && one.drivers.iter().all(|driver| driver == "t_s"))
+    matches!(
+        one.cause.effect,
+        EffectKind::Setup | EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program | EffectKind::Drift
+    ) || (one.cause.effect == EffectKind::Dynamic && one.drivers.iter().all(|driver| driver == "t_s"))
 }
 
 /// Takes out what the data held out does not confirm, and notes the gains there.
@@ -142,10 +144,10 @@ mod tests {
     #[test]
     fn a_day_a_set_up_and_a_vibration_are_only_here() {
         let of =
-            |effect: Effect, driver: &str| bench::candidate(effect, Through::Tip(0), |_| 1.0).driven_by(&[&driver]);
-        assert!(is_only_here(&of(Effect::Setup, "setup")) && is_only_here(&of(Effect::Drift, "t_s")));
+            |effect: EffectKind, driver: &str| bench::candidate(effect, Through::Tip(0), |_| 1.0).driven_by(&[&driver]);
+        assert!(is_only_here(&of(EffectKind::Setup, "setup")) && is_only_here(&of(EffectKind::Drift, "t_s")));
         // What vibrates goes with the clock, what gives way to acceleration does so on every day.
-        assert!(is_only_here(&of(Effect::Dynamic, "t_s")) && !is_only_here(&of(Effect::Dynamic, "X_acc")));
-        assert!(!is_only_here(&of(Effect::Motion, "t_s")));
+        assert!(is_only_here(&of(EffectKind::Dynamic, "t_s")) && !is_only_here(&of(EffectKind::Dynamic, "X_acc")));
+        assert!(!is_only_here(&of(EffectKind::Motion, "t_s")));
     }
 }

@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::cause::{Candidate, Effect, Term};
+use super::cause::{Candidate, EffectKind, Term};
 use super::gates::LIMIT;
 use super::price::Price;
 use super::scene::Through;
@@ -15,7 +15,7 @@ use ncfix_base::numeric::in_parts;
 use ncfix_base::numeric::sums::dot;
 use ncfix_model::ParameterName;
 use ncfix_model::name::ErrorName;
-use ncfix_model::parameter::Term as Part;
+use ncfix_model::parameter::ComponentTerm;
 
 /// So many terms one after the other make it worth trying.
 const MANY: usize = 3;
@@ -77,7 +77,8 @@ impl Field<'_, '_> {
     pub(super) fn together(&mut self, weights: &Weights, taken: Vec<usize>) -> Vec<usize> {
         // Two simple errors at once look like one angle over a part of what was measured.
         let is_far = |one: &Candidate| one.far_fetched() >= FAR;
-        let is_pair = |one: &Candidate| is_far(one) && matches!(one.cause.effect, Effect::Motion | Effect::Cross);
+        let is_pair =
+            |one: &Candidate| is_far(one) && matches!(one.cause.effect, EffectKind::Motion | EffectKind::Cross);
         let is_any_far = taken.iter().filter_map(|&number| self.candidates.get(number)).any(is_far);
         if taken.len() < MANY && !is_any_far {
             return taken;
@@ -108,13 +109,13 @@ impl Field<'_, '_> {
     pub(super) fn better(&self, weights: &Weights, taken: &[usize]) -> Option<Vec<usize>> {
         let is_simple = |one: &Candidate| {
             let is_one = one.columns.len() == 1 && matches!(one.term, Term::Parameters(_));
-            is_one && matches!(one.cause.effect, Effect::Location | Effect::Motion)
+            is_one && matches!(one.cause.effect, EffectKind::Location | EffectKind::Motion)
         };
         let is_simple = |number: &usize| self.candidates.get(*number).is_some_and(is_simple);
-        let is_cross = |one: &Candidate| one.columns.len() == 1 && one.cause.effect == Effect::Cross;
+        let is_cross = |one: &Candidate| one.columns.len() == 1 && one.cause.effect == EffectKind::Cross;
         // A turn of the carriage that is seen at one arm is a plain play; there is no play that is a bow.
         let is_play = |one: &Candidate| {
-            one.columns.len() == 1 && matches!(one.cause.effect, Effect::Backlash | Effect::LateralPlay)
+            one.columns.len() == 1 && matches!(one.cause.effect, EffectKind::Backlash | EffectKind::LateralPlay)
         };
         let play = |number: &usize| {
             self.candidates.get(*number).filter(|one| is_play(one)).map(|one| one.far_fetched() >= FAR)
@@ -232,8 +233,8 @@ impl Field<'_, '_> {
             let degrees: Option<Vec<u8>> = parameters.iter().map(degree).collect();
             let (Some(degrees), Some(first)) = (degrees, parameters.first()) else { continue };
             let degree = match one.cause.effect {
-                Effect::Location if parameters.len() == 1 => 0,
-                Effect::Motion if degrees.iter().copied().eq(1..=degrees.len() as u8) => degrees.len() as u8,
+                EffectKind::Location if parameters.len() == 1 => 0,
+                EffectKind::Motion if degrees.iter().copied().eq(1..=degrees.len() as u8) => degrees.len() as u8,
                 _ => continue,
             };
             let name = first.component;
@@ -289,8 +290,8 @@ impl Field<'_, '_> {
 /// The degree of a coefficient of a polynomial.
 fn degree(parameter: &ParameterName) -> Option<u8> {
     match parameter.term {
-        Part::Coefficient(degree) => Some(degree),
-        Part::Whole => Some(0),
+        ComponentTerm::Coefficient(degree) => Some(degree),
+        ComponentTerm::Whole => Some(0),
         _ => None,
     }
 }

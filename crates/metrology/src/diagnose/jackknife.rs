@@ -1,6 +1,6 @@
 //! How much amounts change when a part of the readings is left out: what no model of the noise says, the readings do (Miller 1974).
 
-use super::cause::{Candidate, Effect};
+use super::cause::{Candidate, EffectKind};
 use super::fold::{NO_PART, repeats, stretches};
 use super::scene::Scene;
 use super::search::{Field, Weights};
@@ -79,7 +79,7 @@ pub(super) fn u95(
     used: usize,
 ) -> Option<f64> {
     // What happened in one part is not in the others.
-    if matches!(candidate.cause.effect, Effect::Setup | Effect::Drift) {
+    if matches!(candidate.cause.effect, EffectKind::Setup | EffectKind::Drift) {
         return None;
     }
     let whole = size(candidate, amounts, scene, used);
@@ -185,7 +185,7 @@ mod tests {
         let found = |rows: usize| {
             let sets = [bench::reads_along_x(&machine, &vec![1.0; rows])];
             let scene = bench::scene(&machine, &sets);
-            let field = Field::new(&scene, vec![bench::candidate(Effect::Unknown, Through::Tip(0), |_| 1.0)]);
+            let field = Field::new(&scene, vec![bench::candidate(EffectKind::Unknown, Through::Tip(0), |_| 1.0)]);
             let columns = field.columns_of(0);
             without_parts(&field, &bench::even(&scene), &columns, 0.0).len()
         };

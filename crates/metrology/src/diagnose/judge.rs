@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::cause::Effect;
+use super::cause::EffectKind;
 use super::freedom::Order;
 use super::search::{Field, Taken, Weights};
 use ncfix_base::geometry::AXIS_COUNT;
@@ -80,7 +80,7 @@ impl Field<'_, '_> {
     ) -> Vec<Taken> {
         let order = Order::new(weights);
         let is_wave =
-            |number: &usize| self.candidates.get(*number).is_some_and(|one| one.cause.effect == Effect::Periodic);
+            |number: &usize| self.candidates.get(*number).is_some_and(|one| one.cause.effect == EffectKind::Periodic);
         let poses = taken.iter().any(is_wave).then(|| self.poses(weights));
         let mut columns: Vec<Vec<Vec<f64>>> = taken.iter().map(|&number| self.columns_of(number)).collect();
         let plain = LeaveOut::new(self.series(weights, &[], 0.0), &columns);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::cause::Weight;
-use super::score::{Layout, Scores, State};
+use super::score::{Layout, Scores, SearchState};
 use super::search::{Field, Weights};
 use ncfix_base::numeric::{Gain, Series};
 
@@ -46,7 +46,7 @@ impl KnownTables {
 struct Start {
     weights: Weights,
     series: Series,
-    state: Option<Arc<State>>,
+    state: Option<Arc<SearchState>>,
 }
 
 /// Those that were asked for last, the last one at the end.
@@ -69,7 +69,7 @@ impl Starts {
     }
 
     /// What candidates are beside a regression; `make` makes it where it is not known.
-    pub(super) fn state(&self, weights: &Weights, memory: f64, make: impl FnOnce() -> State) -> Arc<State> {
+    pub(super) fn state(&self, weights: &Weights, memory: f64, make: impl FnOnce() -> SearchState) -> Arc<SearchState> {
         if let Some(known) = self.with(weights, memory, |start| start.state.clone()).flatten() {
             return known;
         }
@@ -118,7 +118,7 @@ impl Field<'_, '_> {
         let later = self.candidates.get(self.layout.count()..).unwrap_or_default();
         let layout = Arc::new(Layout::new(self.scene, later, &self.tables));
         [
-            Scores::at(&self.layout, self.scene, &self.factors, State::clone(&state)),
+            Scores::at(&self.layout, self.scene, &self.factors, SearchState::clone(&state)),
             Scores::new(&layout, self.scene, &self.factors, &start),
         ]
     }

@@ -4,8 +4,8 @@
 //! polynomial fits them, and between the places does something else. A pitch that screws have is a rival of a smooth shape where it explains the
 //! readings as well. A shape of many coefficients has any wave as a rival that explains them better with fewer.
 
-use super::cause::{Candidate, Effect, own, periodic};
-use super::doubt::Doubt;
+use super::cause::{Candidate, EffectKind, own, periodic};
+use super::doubt::ExtrapolationRisk;
 use super::refine::PEAK;
 use super::scene::Through;
 use super::search::{Field, Weights};
@@ -13,7 +13,7 @@ use super::seek::information_of;
 use super::separate::steps;
 use super::size::weights_at;
 use ncfix_base::geometry::{AXES, Axis};
-use ncfix_model::motion::Function;
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 /// Pitches of screws, mm (ISO 3408-2), from the coarsest.
@@ -41,7 +41,7 @@ impl Field<'_, '_> {
     pub(super) fn pitches(&self, axis: Axis) -> impl Iterator<Item = f64> {
         let of_file = self.scene.errors.motion.iter().filter(move |error| error.name.axis() == Some(axis));
         let of_file = of_file.filter_map(|error| match &error.function {
-            Function::Periodic(own) => Some(own.period),
+            EntryFunction::Periodic(own) => Some(own.period),
             _ => None,
         });
         of_file.chain(PITCHES)
@@ -56,36 +56,37 @@ impl Field<'_, '_> {
         (memory, noise): (f64, f64),
     ) -> Vec<f64> {
         let series = self.series(weights, others, memory);
-        let found = self.candidates.get(number).filter(|one| one.cause.effect == Effect::Periodic).and_then(|one| {
-            let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
-            let axis = name.axis()?;
-            let sweep = self.seek.sweep(axis)?;
-            let (period, _) = one.constant?;
-            let own = series.gain(&self.columns(one)).squares;
-            let information = information_of(&self.factors, Through::Component(name), &weights.items);
-            let left = series.unwhitened(series.left());
-            let products: Vec<f64> =
-                self.factors.get(&Through::Component(name))?.iter().zip(&left).map(|(a, b)| a * b).collect();
-            let is_other = |other: &f64| (sweep.travel() / other - sweep.travel() / period).abs() > 2.0 * PEAK;
-            let is_rival = |other: &f64| {
-                let near = self.period_near(&series, name, axis, *other);
-                let near = near.unwrap_or_else(|| periodic::candidate(name, axis, *other));
-                (own - series.gain(&self.columns(&near)).squares) / noise < RIVAL
-            };
-            let all = sweep.peaks(&products, &information, ALIAS).into_iter();
-            Some(all.filter(is_other).filter(is_rival).collect::<Vec<f64>>())
-        });
+        let found =
+            self.candidates.get(number).filter(|one| one.cause.effect == EffectKind::Periodic).and_then(|one| {
+                let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
+                let axis = name.axis()?;
+                let sweep = self.seek.sweep(axis)?;
+                let (period, _) = one.constant?;
+                let own = series.gain(&self.columns(one)).squares;
+                let information = information_of(&self.factors, Through::Component(name), &weights.items);
+                let left = series.unwhitened(series.left());
+                let products: Vec<f64> =
+                    self.factors.get(&Through::Component(name))?.iter().zip(&left).map(|(a, b)| a * b).collect();
+                let is_other = |other: &f64| (sweep.travel() / other - sweep.travel() / period).abs() > 2.0 * PEAK;
+                let is_rival = |other: &f64| {
+                    let near = self.period_near(&series, name, axis, *other);
+                    let near = near.unwrap_or_else(|| periodic::candidate(name, axis, *other));
+                    (own - series.gain(&self.columns(&near)).squares) / noise < RIVAL
+                };
+                let all = sweep.peaks(&products, &information, ALIAS).into_iter();
+                Some(all.filter(is_other).filter(is_rival).collect::<Vec<f64>>())
+            });
         let mut found = found.unwrap_or_default();
         found.sort_by(|a, b| b.total_cmp(a));
         found
     }
 
     /// Why a wave through a few places is in doubt: some wave of all that were tried goes through whatever these have of their own.
-    pub(super) fn wave_doubt(&self, weights: &Weights, taken: &[usize], number: usize) -> Option<Doubt> {
-        let one = self.candidates.get(number).filter(|one| one.cause.effect == Effect::Periodic)?;
+    pub(super) fn wave_doubt(&self, weights: &Weights, taken: &[usize], number: usize) -> Option<ExtrapolationRisk> {
+        let one = self.candidates.get(number).filter(|one| one.cause.effect == EffectKind::Periodic)?;
         let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
         let waves = self.seek.sweep(name.axis()?)?.count();
-        (self.chance_of_places(weights, taken, number, waves) > BY_CHANCE).then(|| Doubt {
+        (self.chance_of_places(weights, taken, number, waves) > BY_CHANCE).then(|| ExtrapolationRisk {
             rivals: vec!["an error of each place by itself".to_owned()],
             separate_by: steps(self.scene, one, one.constant.map_or(MOST_PERIOD, |(period, _)| period)),
         })
@@ -152,7 +153,7 @@ fn smooth(one: &Candidate) -> Option<(ErrorName, Axis)> {
     };
     // Screws and scales repeat along their own axis.
     let is_own = name == own(axis) && all.all(|through| through == first);
-    (matches!(one.cause.effect, Effect::Motion | Effect::Unknown) && is_own).then_some((name, axis))
+    (matches!(one.cause.effect, EffectKind::Motion | EffectKind::Unknown) && is_own).then_some((name, axis))
 }
 
 /// The step of evenly spaced places, some of which may be missing, and how far they go.

@@ -7,7 +7,7 @@ use ncfix_base::numeric::fisher;
 
 use super::fold::counts;
 use super::freedom::Order;
-use super::scene::{Item, Scene};
+use super::scene::{Scene, SceneReading};
 use super::search::{Field, Weights};
 
 /// Repeated readings beyond the first of each pose that tell the noise.
@@ -39,7 +39,7 @@ const LEAST_FREEDOM: f64 = 4.0;
 
 /// How the noise is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Source {
+pub enum NoiseSource {
     /// Readings of the same pose, sense and set-up.
     Repeats,
     /// The description of the instrument.
@@ -57,7 +57,7 @@ pub struct Left {
     /// Standard deviation of a reading, mm or rad.
     pub noise: f64,
     /// How it is known.
-    pub source: Source,
+    pub source: NoiseSource,
     /// What the descriptions of the instruments say, mm or rad.
     pub stated: Option<f64>,
     /// What is left beyond it, root of the mean square, mm or rad.
@@ -88,22 +88,22 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
     let order = Order::new(weights);
     let known = described(scene, &places);
     let (mut noise, mut source) = match (repeats(scene, &places, &at), known) {
-        (Some(Repeats { noise, follows: None }), _) => (noise, Source::Repeats),
+        (Some(Repeats { noise, follows: None }), _) => (noise, NoiseSource::Repeats),
         // What lies between them is at work there: its size is not that of the noise.
         (Some(Repeats { follows: Some(near), .. }), known) => match known.filter(|known| *known >= near) {
-            Some(noise) => (noise, Source::Instrument),
-            None => (near, Source::Differences),
+            Some(noise) => (noise, NoiseSource::Instrument),
+            None => (near, NoiseSource::Differences),
         },
-        (None, Some(noise)) => (noise, Source::Instrument),
-        (None, None) => (differences(weights, &places, &at), Source::Differences),
+        (None, Some(noise)) => (noise, NoiseSource::Instrument),
+        (None, None) => (differences(weights, &places, &at), NoiseSource::Differences),
     };
     let standard: Vec<f64> =
         left.iter().zip(&weights.items).map(|(left, weight)| if *weight > 0.0 { left * weight } else { 0.0 }).collect();
     let chance = ljung_box(&order, &standard, places.len());
     // What is white has no shape: where it is more than stated it is noise all the same.
     let white = differences(weights, &places, &at);
-    if source == Source::Instrument && chance >= LIMIT && rms > STATED * noise && white > WHITE * rms {
-        (noise, source) = (rms, Source::Rest);
+    if source == NoiseSource::Instrument && chance >= LIMIT && rms > STATED * noise && white > WHITE * rms {
+        (noise, source) = (rms, NoiseSource::Rest);
     }
     let unexplained = (rms * rms - noise * noise).max(0.0).sqrt();
     Left {
@@ -128,7 +128,7 @@ fn described(scene: &Scene<'_>, places: &[usize]) -> Option<f64> {
 }
 
 /// What makes two readings repeats of each other.
-fn key(scene: &Scene<'_>, item: &Item) -> Option<Vec<i64>> {
+fn key(scene: &Scene<'_>, item: &SceneReading) -> Option<Vec<i64>> {
     let row = scene.rows.get(item.row)?;
     let set = scene.sets.get(row.set)?;
     let one = set.observations.get(row.number)?;
@@ -224,7 +224,7 @@ fn drivers(scene: &Scene<'_>, places: &[usize], at: &dyn Fn(usize) -> f64, noise
     let row_of = |place: usize| scene.items.get(place).and_then(|item| scene.rows.get(item.row));
     let mut all: Vec<(String, Vec<f64>)> = Vec::new();
     for axis in scene.machine.axes.iter().flatten().map(|data| data.axis) {
-        let rows: Vec<Option<&super::row::Row>> = places.iter().map(|&place| row_of(place)).collect();
+        let rows: Vec<Option<&super::row::SceneRow>> = places.iter().map(|&place| row_of(place)).collect();
         let at = rows.iter().map(|row| row.map_or(f64::NAN, |row| row.position[axis])).collect();
         let sense = rows.iter().map(|row| row.map_or(f64::NAN, |row| row.sense_of(axis))).collect();
         all.extend([(axis.to_string(), at), (format!("{axis}_dir"), sense)]);

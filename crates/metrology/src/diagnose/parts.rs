@@ -2,7 +2,7 @@
 //!
 //! Each file scales what the cause does as it was found in all; others stand beside it.
 
-use super::cause::{Candidate, Effect};
+use super::cause::{Candidate, EffectKind};
 use super::scene::NO_ROW;
 use super::search::{Field, Weights};
 
@@ -17,7 +17,7 @@ const EXPANDED: f64 = 1.96;
 
 /// How large a cause is in one file, as a share of what it is in all.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct FileShare {
     /// Number of the measurement.
     pub set: usize,
     /// Share.
@@ -34,11 +34,11 @@ pub(super) fn differing(
     (candidate, amounts): (&Candidate, &[f64]),
     others: &[usize],
     (memory, inflation): (f64, f64),
-) -> Vec<Part> {
+) -> Vec<FileShare> {
     // What belongs to a day or a set-up is another one in each.
     if matches!(
         candidate.cause.effect,
-        Effect::Setup | Effect::Drift | Effect::Sensor | Effect::Outlier | Effect::Program
+        EffectKind::Setup | EffectKind::Drift | EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program
     ) {
         return Vec::new();
     }
@@ -85,5 +85,5 @@ pub(super) fn differing(
     if !pairs.into_iter().any(differ) {
         return Vec::new();
     }
-    known.into_iter().map(|k| Part { set: numbers[k], share: shares[k], u95: EXPANDED * sigma(k) }).collect()
+    known.into_iter().map(|k| FileShare { set: numbers[k], share: shares[k], u95: EXPANDED * sigma(k) }).collect()
 }

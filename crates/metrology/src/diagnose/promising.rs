@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::cause::Candidate;
-use super::score::{Layout, Own, Scores, gain};
+use super::score::{Layout, OwnProducts, Scores, gain};
 use super::search::Field;
 use ncfix_base::numeric::{Gain, Series};
 
@@ -103,7 +103,7 @@ impl Scores {
 
     /// Directions that a candidate is beside.
     fn seen(&self, number: usize) -> usize {
-        self.state.own.get(number).and_then(|own: &Own| own.seen).unwrap_or(self.state.seen)
+        self.state.own.get(number).and_then(|own: &OwnProducts| own.seen).unwrap_or(self.state.seen)
     }
 
     fn what_is_at(&self, series: &Series, place: usize) -> Vec<f64> {

@@ -17,7 +17,7 @@ const UNLIKE: f64 = 2.5;
 /// Weights of the measurements that are used, and of those held out.
 pub(super) fn weights(scene: &Scene<'_>, used: usize) -> (Weights, Weights) {
     let rows = scene.rows.len();
-    let series = |item: &super::scene::Item| {
+    let series = |item: &super::scene::SceneReading| {
         // Each value of a row is a series of its own, and so is every known distance.
         scene.rows.get(item.row).map_or(usize::MAX, |row| row.sequence * 3 + item.value)
     };

@@ -1,6 +1,6 @@
 //! Periods and time constants moved to where they explain most. Which others the readings show alike is in [`super::mimic`].
 
-use super::cause::{Candidate, Effect, periodic, thermal};
+use super::cause::{Candidate, EffectKind, periodic, thermal};
 use super::mimic::RIVAL;
 use super::scene::Through;
 use super::search::Field;
@@ -23,7 +23,7 @@ impl Field<'_, '_> {
         let one = self.candidates.get(number)?;
         let (first, _) = one.constant?;
         let (through, _) = one.columns.first()?.first()?;
-        if one.cause.effect == Effect::Periodic {
+        if one.cause.effect == EffectKind::Periodic {
             let Through::Component(name) = *through else { return None };
             let axis = name.axis()?;
             let refined = self.period_near(series, name, axis, first);

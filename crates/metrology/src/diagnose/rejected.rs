@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::cause::{Candidate, Cause, Causes};
-use super::parts::{Part, differing};
+use super::parts::{FileShare, differing};
 use super::search::{Field, Taken, Weights};
 use super::size::{Amounts, Size, size};
 
@@ -54,12 +54,12 @@ pub struct Rejected {
     /// Its size over all files.
     pub size: Size,
     /// What it is in each file, where files surely differ: that is why those left out do not have it.
-    pub by_file: Vec<Part>,
+    pub by_file: Vec<FileShare>,
 }
 
 /// What a cause was worth in the end.
 #[derive(Clone, Debug)]
-pub struct Tried {
+pub struct TriedCause {
     /// The cause.
     pub cause: &'static Cause,
     /// How many candidates of it there were.
@@ -128,7 +128,7 @@ pub(super) fn tried(
     weights: &Weights,
     taken: &[usize],
     memory: f64,
-) -> Vec<Tried> {
+) -> Vec<TriedCause> {
     let series = field.series(weights, taken, memory);
     let whole = series.squares();
     let gains = field.gains(weights, &series);
@@ -139,7 +139,7 @@ pub(super) fn tried(
             .filter_map(|(number, one)| Some((one, gains.get(number).filter(|gain| gain.rank > 0)?.squares)))
             .max_by(|a, b| a.1.total_cmp(&b.1));
         let share = |squares: f64| if whole > 0.0 { squares / whole } else { 0.0 };
-        Tried {
+        TriedCause {
             cause,
             candidates: own().count(),
             best: best.map(|(one, squares)| (one.parameter.clone(), share(squares))),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::measure::data::{DataSet, Observation};
-use crate::measure::kind;
+use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisVector};
 use ncfix_model::ErrorName;
 
@@ -16,7 +16,7 @@ const STILL: f64 = 1e-9;
 
 /// One row.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct SceneRow {
     /// Number of its measurement.
     pub set: usize,
     /// Number in its measurement.
@@ -49,7 +49,7 @@ pub struct Row {
     pub time_s: Option<f64>,
 }
 
-impl Row {
+impl SceneRow {
     /// Sense of the last motion of an axis as a factor.
     #[must_use]
     pub fn sense_of(&self, axis: Axis) -> f64 {
@@ -58,7 +58,7 @@ impl Row {
 }
 
 /// The rows of measurements, one after another; `first` numbers the sequences.
-pub(super) fn rows(sets: &[DataSet]) -> Vec<Row> {
+pub(super) fn rows(sets: &[DataSet]) -> Vec<SceneRow> {
     let mut rows = Vec::new();
     let mut sequences = 0;
     for (set, data) in sets.iter().enumerate() {
@@ -78,8 +78,8 @@ pub(super) fn rows(sets: &[DataSet]) -> Vec<Row> {
     rows
 }
 
-fn row(set: usize, number: usize, sequence: usize, one: &Observation) -> Row {
-    Row {
+fn row(set: usize, number: usize, sequence: usize, one: &Observation) -> SceneRow {
+    SceneRow {
         set,
         number,
         sequence,
@@ -99,7 +99,7 @@ fn row(set: usize, number: usize, sequence: usize, one: &Observation) -> Row {
 }
 
 /// What follows from the rows before and behind: turns, velocities.
-fn move_along(data: &DataSet, rows: &mut [Row]) {
+fn move_along(data: &DataSet, rows: &mut [SceneRow]) {
     let feed = data.drivers.iter().find(|driver| driver.name == FEED).map(|driver| driver.values.as_slice());
     let mut sequences: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (place, row) in rows.iter().enumerate() {
@@ -113,7 +113,7 @@ fn move_along(data: &DataSet, rows: &mut [Row]) {
         for ((&place, velocity), acceleration) in places.iter().zip(velocities).zip(accelerations) {
             rows[place].velocity = velocity;
             // What encoders say at their own rate is better than differences of the rows that are left of them.
-            rows[place].acceleration = if data.kind.name == kind::TRACE.name {
+            rows[place].acceleration = if data.kind.measurand == Measurand::MovingDisplacement {
                 data.observations.get(rows[place].number).map(|one| one.reading.state.acceleration)
             } else {
                 acceleration
@@ -122,11 +122,11 @@ fn move_along(data: &DataSet, rows: &mut [Row]) {
     }
 }
 
-fn turns(rows: &mut [Row], places: &[usize]) {
+fn turns(rows: &mut [SceneRow], places: &[usize]) {
     let mut path = AxisVector([f64::INFINITY; AXIS_COUNT]);
     let mut way = path;
     // Half the motion over the two neighbours: what the speed of the axis is like there.
-    let speed = |rows: &[Row], k: usize, axis: Axis| {
+    let speed = |rows: &[SceneRow], k: usize, axis: Axis| {
         let pair = [k.saturating_sub(1), (k + 1).min(places.len() - 1)];
         (rows[places[pair[1]]].position[axis] - rows[places[pair[0]]].position[axis]).abs()
     };
@@ -163,7 +163,7 @@ fn around(places: &[usize], k: usize) -> Option<[usize; 2]> {
     (before != behind).then_some([*before, *behind])
 }
 
-fn difference(rows: &[Row], [from, to]: [usize; 2]) -> AxisVector {
+fn difference(rows: &[SceneRow], [from, to]: [usize; 2]) -> AxisVector {
     let mut out = AxisVector::ZERO;
     for axis in AXES {
         out[axis] = rows[to].position[axis] - rows[from].position[axis];
@@ -172,7 +172,7 @@ fn difference(rows: &[Row], [from, to]: [usize; 2]) -> AxisVector {
 }
 
 /// How long it took, s: by the clock, else by the feed along the path of the linear axes.
-fn duration(rows: &[Row], [from, to]: [usize; 2], at: usize, feed: Option<&[f64]>) -> Option<f64> {
+fn duration(rows: &[SceneRow], [from, to]: [usize; 2], at: usize, feed: Option<&[f64]>) -> Option<f64> {
     if let (Some(from), Some(to)) = (rows[from].time_s, rows[to].time_s) {
         return (to > from).then_some(to - from);
     }
@@ -182,7 +182,7 @@ fn duration(rows: &[Row], [from, to]: [usize; 2], at: usize, feed: Option<&[f64]
     (length > STILL).then_some(length / (feed / 60.0))
 }
 
-fn velocity(rows: &[Row], places: &[usize], k: usize, feed: Option<&[f64]>) -> Option<AxisVector> {
+fn velocity(rows: &[SceneRow], places: &[usize], k: usize, feed: Option<&[f64]>) -> Option<AxisVector> {
     let pair = around(places, k)?;
     let seconds = duration(rows, pair, *places.get(k)?, feed)?;
     let mut out = difference(rows, pair);
@@ -191,7 +191,7 @@ fn velocity(rows: &[Row], places: &[usize], k: usize, feed: Option<&[f64]>) -> O
 }
 
 fn acceleration(
-    rows: &[Row],
+    rows: &[SceneRow],
     places: &[usize],
     k: usize,
     velocities: &[Option<AxisVector>],
@@ -218,7 +218,7 @@ mod tests {
         let cells: Vec<(f64, String)> = (0..5).map(|t| (f64::from(t * t), format!(",{t}"))).collect();
         let data = bench::along_x(&machine, ",t_s", &cells.iter().map(|(x, t)| (*x, t.as_str())).collect::<Vec<_>>());
         let found = rows(&[data]);
-        let of = |at: fn(&Row) -> Option<AxisVector>| -> Vec<f64> {
+        let of = |at: fn(&SceneRow) -> Option<AxisVector>| -> Vec<f64> {
             found.iter().map(|row| at(row).unwrap()[Axis::X]).collect()
         };
         // In the middle over two seconds, 2t and 2; at the ends over one: 1 and 16 − 9, and 1 from there to the next.

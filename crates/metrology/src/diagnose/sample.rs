@@ -81,13 +81,13 @@ impl<'a> Sample<'a> {
 
 /// The candidates of a field beside a part of its readings.
 #[derive(Debug)]
-pub(super) struct Part<'s, 'a> {
+pub(super) struct SearchPart<'s, 'a> {
     sample: &'s Sample<'a>,
     field: Field<'s, 'a>,
 }
 
-impl<'s, 'a> Part<'s, 'a> {
-    pub(super) fn new(field: &Field<'_, '_>, sample: &'s Sample<'a>) -> Part<'s, 'a> {
+impl<'s, 'a> SearchPart<'s, 'a> {
+    pub(super) fn new(field: &Field<'_, '_>, sample: &'s Sample<'a>) -> SearchPart<'s, 'a> {
         let picked = |all: &Arc<Vec<f64>>| {
             Arc::new(sample.items.iter().map(|&item| all.get(item).copied().unwrap_or(0.0)).collect())
         };
@@ -103,12 +103,12 @@ impl<'s, 'a> Part<'s, 'a> {
             tried: field.tried,
             part: None,
         };
-        Part { sample, field }
+        SearchPart { sample, field }
     }
 
     /// The same for another search.
-    pub(super) fn beside(&self) -> Part<'s, 'a> {
-        Part { sample: self.sample, field: self.field.beside(self.field.candidates.len()) }
+    pub(super) fn beside(&self) -> SearchPart<'s, 'a> {
+        SearchPart { sample: self.sample, field: self.field.beside(self.field.candidates.len()) }
     }
 
     /// The candidates that came since, in the place of those that went.
@@ -136,14 +136,14 @@ impl<'s, 'a> Part<'s, 'a> {
 }
 
 /// Candidates beside what a search has taken: where there are many readings those that are promising in a part of them.
-pub(super) struct Look<'s, 'a> {
-    part: Option<(Box<Part<'s, 'a>>, Series, [Scores; 2])>,
+pub(super) struct CandidateSample<'s, 'a> {
+    part: Option<(Box<SearchPart<'s, 'a>>, Series, [Scores; 2])>,
     whole: [Scores; 2],
 }
 
-impl<'s, 'a> Look<'s, 'a> {
-    /// Behind some that are taken; takes the part that a field has, which [`Look::end`] gives back.
-    pub(super) fn new(field: &mut Field<'s, 'a>, weights: &Weights, kept: &[usize]) -> Look<'s, 'a> {
+impl<'s, 'a> CandidateSample<'s, 'a> {
+    /// Behind some that are taken; takes the part that a field has, which [`CandidateSample::end`] gives back.
+    pub(super) fn new(field: &mut Field<'s, 'a>, weights: &Weights, kept: &[usize]) -> CandidateSample<'s, 'a> {
         let whole = field.scores(weights, 0.0);
         let part = field.part.take().map(|mut part| {
             part.follow(&field.candidates);
@@ -153,7 +153,7 @@ impl<'s, 'a> Look<'s, 'a> {
             let scores = part.field.scores(&weights, 0.0);
             (part, series, scores)
         });
-        Look { part, whole }
+        CandidateSample { part, whole }
     }
 
     /// What each candidate would gain beside what is taken, those that were added to the field since, too.
@@ -218,7 +218,7 @@ impl<'a> Scene<'a> {
 mod tests {
     use super::*;
     use crate::diagnose::bench;
-    use crate::diagnose::cause::Effect;
+    use crate::diagnose::cause::EffectKind;
     use crate::diagnose::scene::Through;
 
     #[test]
@@ -245,13 +245,14 @@ mod tests {
         let um: Vec<f64> = (0..ROWS).map(|row| 5.0 * turns(3.0, row) + 2.0 * turns(7.0, row)).collect();
         let sets = [bench::reads_along_x(&machine, &um)];
         let scene = bench::scene(&machine, &sets);
-        let of = |count: f64| bench::candidate(Effect::Unknown, Through::Tip(0), move |row| turns(count, row.number));
+        let of =
+            |count: f64| bench::candidate(EffectKind::Unknown, Through::Tip(0), move |row| turns(count, row.number));
         let mut field = Field::new(&scene, [3.0, 7.0, 11.0].map(of).to_vec());
         let sample = Sample::new(&scene).unwrap();
-        field.part = Some(Box::new(Part::new(&field, &sample)));
+        field.part = Some(Box::new(SearchPart::new(&field, &sample)));
         let weights = bench::even(&scene);
         let series = field.series(&weights, &[0], 0.0);
-        let gains = Look::new(&mut field, &weights, &[0]).gains(&field, &series);
+        let gains = CandidateSample::new(&mut field, &weights, &[0]).gains(&field, &series);
         // 2 µm of a cosine: N/2 of their square.
         let expected = 2e-3_f64.powi(2) * ROWS as f64 / 2.0;
         assert!((gains[1].squares / expected - 1.0).abs() < 1e-6 && gains[1].rank == 1, "{:?}", gains[1]);

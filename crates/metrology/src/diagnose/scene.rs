@@ -6,14 +6,14 @@
 
 use std::collections::HashMap;
 
-use crate::calibrate::{Column, Fault, Options, Parameter, WEAK, fit};
+use crate::calibrate::{Column, FitError, FitOptions, Parameter, WEAK, fit};
 use crate::measure::data::DataSet;
 use crate::measure::kind::{Equation, Seen};
 use ncfix_base::geometry::Vector;
 use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::{ErrorModel, ErrorName, Model};
 
-use super::row::{Row, rows};
+use super::row::{SceneRow, rows};
 
 /// A reading of this uncertainty where nothing is known of it, mm or rad.
 const FIRST_SIGMA: f64 = 1e-3;
@@ -38,7 +38,7 @@ pub enum Through {
 
 /// One number that was read.
 #[derive(Clone, Debug)]
-pub struct Item {
+pub struct SceneReading {
     /// Its row among [`Scene::rows`].
     pub row: usize,
     /// Which of the values of its row.
@@ -65,9 +65,9 @@ pub struct Scene<'a> {
     /// The measurements.
     pub sets: &'a [DataSet],
     /// Their rows.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SceneRow>,
     /// Their readings in the order of rows.
-    pub items: Vec<Item>,
+    pub items: Vec<SceneReading>,
     /// Unknowns of the set-ups.
     pub unknowns: usize,
 }
@@ -76,10 +76,10 @@ impl<'a> Scene<'a> {
     /// Holds measurements against a model, with the unknowns of the set-ups as they fit best.
     ///
     /// # Errors
-    /// [`Fault`] where not even these can be told.
-    pub fn new(machine: &'a Machine, errors: &ErrorModel, sets: &'a [DataSet]) -> Result<Scene<'a>, Fault> {
+    /// [`FitError`] where not even these can be told.
+    pub fn new(machine: &'a Machine, errors: &ErrorModel, sets: &'a [DataSet]) -> Result<Scene<'a>, FitError> {
         // What the model lacks is no noise that could tell which rows do not fit.
-        let found = fit::<Parameter>(machine, errors, &[], sets, Options { robust: false })?;
+        let found = fit::<Parameter>(machine, errors, &[], sets, FitOptions { robust: false })?;
         let values: Vec<f64> = found.estimates.iter().map(|estimate| estimate.value).collect();
         let mut first = vec![0; sets.len() + 1];
         for (place, estimate) in found.estimates.iter().enumerate() {
@@ -119,7 +119,7 @@ impl<'a> Scene<'a> {
                 let present: Vec<usize> = (0..3).filter(|&k| observation.values[k].is_some()).collect();
                 for (place, equation) in equations.iter().enumerate() {
                     let sigma = if equation.is_angle { data.sigma_rad } else { data.sigma };
-                    scene.items.push(Item {
+                    scene.items.push(SceneReading {
                         row,
                         value: present.get(place).copied().unwrap_or(place),
                         left: equation.residual,
@@ -136,7 +136,7 @@ impl<'a> Scene<'a> {
             (data.kind.ties)(data, own, &mut equations);
             for (tie, equation) in equations.iter().enumerate() {
                 let sigma = data.lengths.get(tie).and_then(|length| length.sigma_mm).unwrap_or(TIE_SIGMA);
-                scene.items.push(Item {
+                scene.items.push(SceneReading {
                     row: NO_ROW,
                     value: 0,
                     left: equation.residual,
@@ -170,7 +170,7 @@ impl<'a> Scene<'a> {
         let model = Model::new(self.machine, &ErrorModel::default());
         let mut at = usize::MAX;
         let (mut tip, mut turn) = (Vector::zeros(), Vector::zeros());
-        let one = |item: &Item| {
+        let one = |item: &SceneReading| {
             if item.row == NO_ROW {
                 return 0.0;
             }
@@ -192,7 +192,7 @@ impl<'a> Scene<'a> {
     /// In a set-up that hardly shows a deviation it is not looked for: it would have to be a hundred times as large there, and would be found so.
     fn leave_faint(&self, factors: &mut [f64]) {
         // Lengths and angles apart: they have other units.
-        let setup = |item: &Item| self.rows.get(item.row).map(|row| (row.set, row.setup, item.is_angle));
+        let setup = |item: &SceneReading| self.rows.get(item.row).map(|row| (row.set, row.setup, item.is_angle));
         let mut strongest: HashMap<(usize, usize, bool), f64> = HashMap::new();
         let mut most = [0.0_f64; 2];
         for (item, factor) in self.items.iter().zip(factors.iter()) {
@@ -238,7 +238,7 @@ impl<'a> Scene<'a> {
 
     /// The row of a reading.
     #[must_use]
-    pub fn row_of(&self, item: &Item) -> Option<&Row> {
+    pub fn row_of(&self, item: &SceneReading) -> Option<&SceneRow> {
         self.rows.get(item.row)
     }
 }

@@ -97,14 +97,14 @@ impl Layout {
 
 /// Of a candidate: products of its columns with each other as far as they are their own, the same at first, and with what is left.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Own {
+pub(super) struct OwnProducts {
     products: Vec<f64>,
     squares: Vec<f64>,
     /// Columns of the basis beside which this is, where these are others than of the whole state.
     pub(super) seen: Option<usize>,
 }
 
-impl Own {
+impl OwnProducts {
     /// Without the shares of its columns in a direction.
     pub(super) fn leave(&mut self, shares: &[f64]) {
         let count = shares.len();
@@ -116,8 +116,8 @@ impl Own {
 
 /// What all candidates are beside a basis, and how many columns that has.
 #[derive(Clone, Debug, Default)]
-pub(super) struct State {
-    pub(super) own: Vec<Own>,
+pub(super) struct SearchState {
+    pub(super) own: Vec<OwnProducts>,
     pub(super) seen: usize,
 }
 
@@ -128,7 +128,7 @@ pub(super) struct Scores {
     factors: Vec<Arc<Vec<f64>>>,
     rows: Vec<usize>,
     row_count: usize,
-    pub(super) state: State,
+    pub(super) state: SearchState,
 }
 
 impl Scores {
@@ -137,7 +137,7 @@ impl Scores {
         layout: &Arc<Layout>,
         scene: &Scene<'_>,
         factors: &HashMap<Through, Arc<Vec<f64>>>,
-        state: State,
+        state: SearchState,
     ) -> Scores {
         let nothing = Arc::new(vec![0.0; scene.items.len()]);
         let factors = layout.places.iter().map(|place| Arc::clone(factors.get(place).unwrap_or(&nothing))).collect();
@@ -152,7 +152,7 @@ impl Scores {
         factors: &HashMap<Through, Arc<Vec<f64>>>,
         series: &Series,
     ) -> Scores {
-        let mut scores = Scores::at(layout, scene, factors, State::default());
+        let mut scores = Scores::at(layout, scene, factors, SearchState::default());
         // Without memory the products of columns at one place are sums over rows as well.
         let squares: Vec<Vec<f64>> = if series.memory() == 0.0 {
             let counted = |factors: &Arc<Vec<f64>>| {
@@ -174,11 +174,11 @@ impl Scores {
     }
 
     /// What was reached.
-    pub(super) fn state(self) -> State {
+    pub(super) fn state(self) -> SearchState {
         self.state
     }
 
-    fn first(&self, columns: &[Column], series: &Series, squares: &[Vec<f64>]) -> Own {
+    fn first(&self, columns: &[Column], series: &Series, squares: &[Vec<f64>]) -> OwnProducts {
         let count = columns.len();
         let mut products = vec![0.0; count * count];
         let pair = |column: &Column| column.first().and_then(|&number| self.layout.pairs.get(number)).copied();
@@ -207,7 +207,7 @@ impl Scores {
             }
         }
         let squares = (0..count).map(|k| products[k * count + k]).collect();
-        Own { products, squares, seen: None }
+        OwnProducts { products, squares, seen: None }
     }
 
     fn column(&self, column: &Column) -> Vec<f64> {
@@ -322,7 +322,7 @@ impl Scores {
     }
 }
 
-pub(super) fn gain(own: &Own, left: Vec<f64>) -> Gain {
+pub(super) fn gain(own: &OwnProducts, left: Vec<f64>) -> Gain {
     without_those_before(own.products.clone(), &own.squares, left)
 }
 

@@ -11,10 +11,10 @@ use std::sync::Arc;
 use ncfix_base::numeric::{Series, in_parts};
 
 use super::cancel::Triangle;
-use super::cause::{Candidate, Effect, Term, motion};
+use super::cause::{Candidate, EffectKind, Term, motion};
 use super::known::{KnownTables, Starts};
 use super::price::Price;
-use super::sample::{Look, Part};
+use super::sample::{CandidateSample, SearchPart};
 use super::scene::{NO_ROW, Scene, Through};
 use super::score::Layout;
 use super::seek::Seek;
@@ -54,7 +54,7 @@ pub(super) struct Field<'s, 'a> {
     /// How many candidates there are to choose from, those of sweeps too.
     pub(super) tried: usize,
     /// The same beside a part of the readings, where there are many.
-    pub(super) part: Option<Box<Part<'s, 'a>>>,
+    pub(super) part: Option<Box<SearchPart<'s, 'a>>>,
 }
 
 /// One candidate that was taken.
@@ -132,9 +132,9 @@ impl<'s, 'a> Field<'s, 'a> {
         let is_near = |other: &Candidate| match (one.constant, other.constant) {
             _ if one.sensor.is_some() => true,
             // A bow has all of its component but the slope, which a location has.
-            _ if one.cause.effect == Effect::Motion && other.term == Term::None => true,
+            _ if one.cause.effect == EffectKind::Motion && other.term == Term::None => true,
             (Some((own, unit)), Some((known, of))) if one.columns.len() > 1 => {
-                let nearly = if one.cause.effect == Effect::Unknown { NEARLY_UNNAMED } else { NEARLY };
+                let nearly = if one.cause.effect == EffectKind::Unknown { NEARLY_UNNAMED } else { NEARLY };
                 unit == of && (own / known - 1.0).abs() < nearly
             }
             _ => false,
@@ -260,7 +260,7 @@ impl<'s, 'a> Field<'s, 'a> {
             triangle.take(&mut series, number, &columns);
         }
         let count = series.count() as f64;
-        let mut look = Look::new(self, weights, kept);
+        let mut look = CandidateSample::new(self, weights, kept);
         while taken.len() < MOST.max(kept.len() + MORE) {
             let freedom = count - series.rank() as f64;
             let is_enough = !enough.is_empty() && contains_all(&taken, enough);
@@ -301,7 +301,12 @@ impl<'s, 'a> Field<'s, 'a> {
     }
 
     /// The candidate that is taken next beside some; `None` where none is worth it.
-    fn choose(&self, (series, look): (&Series, &mut Look<'_, '_>), taken: &[usize], never: &[usize]) -> Option<Step> {
+    fn choose(
+        &self,
+        (series, look): (&Series, &mut CandidateSample<'_, '_>),
+        taken: &[usize],
+        never: &[usize],
+    ) -> Option<Step> {
         let squares = series.squares();
         let gains = look.gains(self, series);
         let price = Price::new(series.count() as f64, self.tried);
@@ -339,13 +344,13 @@ impl<'s, 'a> Field<'s, 'a> {
     }
 
     fn is_unnamed(&self, number: usize) -> bool {
-        self.candidates.get(number).is_none_or(|one| one.cause.effect == Effect::Unknown)
+        self.candidates.get(number).is_none_or(|one| one.cause.effect == EffectKind::Unknown)
     }
 
     /// The first of two causes with names that together explain what one without explains.
     fn named_instead(
         &self,
-        (series, look): (&Series, &Look<'_, '_>),
+        (series, look): (&Series, &CandidateSample<'_, '_>),
         open: &[(f64, usize)],
         price: Price,
         worth: f64,
@@ -366,9 +371,9 @@ impl<'s, 'a> Field<'s, 'a> {
     /// What has no name must explain more than what has one.
     fn belief(&self, number: usize) -> f64 {
         match self.candidates.get(number) {
-            Some(one) if one.cause.effect == Effect::Unknown && one.columns.len() <= FEW => UNNAMED_SIMPLE,
-            Some(one) if one.cause.effect == Effect::Unknown && one.drivers.len() > 1 => UNNAMED_PAIR,
-            Some(one) if one.cause.effect == Effect::Unknown => UNNAMED,
+            Some(one) if one.cause.effect == EffectKind::Unknown && one.columns.len() <= FEW => UNNAMED_SIMPLE,
+            Some(one) if one.cause.effect == EffectKind::Unknown && one.drivers.len() > 1 => UNNAMED_PAIR,
+            Some(one) if one.cause.effect == EffectKind::Unknown => UNNAMED,
             _ => 1.0,
         }
     }

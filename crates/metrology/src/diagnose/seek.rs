@@ -62,8 +62,9 @@ struct Clock {
 impl Seek {
     pub(super) fn new(scene: &Scene<'_>) -> Seek {
         let linear = scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary());
-        let place =
-            |item: &super::scene::Item, axis| scene.rows.get(item.row).map_or(f64::NAN, |row| row.position[axis]);
+        let place = |item: &super::scene::SceneReading, axis| {
+            scene.rows.get(item.row).map_or(f64::NAN, |row| row.position[axis])
+        };
         let sweep = |axis| {
             let positions: Vec<f64> = scene.items.iter().map(|item| place(item, axis)).collect();
             Some((axis, Sweep::new(&positions)?))

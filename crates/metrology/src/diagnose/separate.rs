@@ -1,6 +1,6 @@
 //! Rivals that the data cannot tell apart, and the one measurement that would.
 
-use super::cause::{Candidate, Causes, Effect, periodic};
+use super::cause::{Candidate, Causes, EffectKind, periodic};
 use super::scene::{Scene, Through};
 use super::verdict::propose;
 use ncfix_base::geometry::{AXES, Axis, Vector};
@@ -81,65 +81,74 @@ pub(super) enum SeparatingPlan {
 }
 
 /// What tells causes of two effects apart, in whatever order; the plan that does it.
-fn told_apart(pair: [Effect; 2]) -> (Option<&'static str>, Option<SeparatingPlan>) {
+fn told_apart(pair: [EffectKind; 2]) -> (Option<&'static str>, Option<SeparatingPlan>) {
     let is = |a, b| pair == [a, b] || pair == [b, a];
     let both = |a| pair == [a, a];
-    let (sentence, plan) = if is(Effect::Location, Effect::ServoMismatch) {
+    let (sentence, plan) = if is(EffectKind::Location, EffectKind::ServoMismatch) {
         (
             "the same circle in the other sense: squareness stays, a mismatch of the servos turns over",
             SeparatingPlan::Circles,
         )
-    } else if is(Effect::Backlash, Effect::Following) || is(Effect::Backlash, Effect::Delay) {
+    } else if is(EffectKind::Backlash, EffectKind::Following) || is(EffectKind::Backlash, EffectKind::Delay) {
         ("the same line at another feed: a lag goes with it, backlash stays", SeparatingPlan::SlowLine)
-    } else if is(Effect::Backlash, Effect::LateralPlay) || both(Effect::LateralPlay) || both(Effect::Backlash) {
+    } else if is(EffectKind::Backlash, EffectKind::LateralPlay)
+        || both(EffectKind::LateralPlay)
+        || both(EffectKind::Backlash)
+    {
         (
             "forth and back with two tool lengths, and with an indicator along and across: a turn of the carriage grows with the tool",
             SeparatingPlan::Line,
         )
-    } else if is(Effect::Backlash, Effect::Motion) {
+    } else if is(EffectKind::Backlash, EffectKind::Motion) {
         (
             "the same line forth and back at every place: play turns over with the sense, a motion does not",
             SeparatingPlan::Line,
         )
-    } else if is(Effect::Motion, Effect::ThermalExpansion) {
+    } else if is(EffectKind::Motion, EffectKind::ThermalExpansion) {
         ("the same lines at another temperature", SeparatingPlan::Line)
-    } else if is(Effect::Location, Effect::ThermalSquareness) {
+    } else if is(EffectKind::Location, EffectKind::ThermalSquareness) {
         ("the same lines at another temperature", SeparatingPlan::Grid)
-    } else if is(Effect::Motion, Effect::Setup) {
+    } else if is(EffectKind::Motion, EffectKind::Setup) {
         ("the same line with the artefact shifted along it and turned by 90°", SeparatingPlan::Line)
-    } else if is(Effect::Motion, Effect::Cross) {
+    } else if is(EffectKind::Motion, EffectKind::Cross) {
         ("lines at three places of the other axis", SeparatingPlan::Grid)
-    } else if is(Effect::Motion, Effect::Periodic) {
+    } else if is(EffectKind::Motion, EffectKind::Periodic) {
         ("steps of an eighth of the period over three periods", SeparatingPlan::FineLine)
-    } else if is(Effect::Motion, Effect::Location) {
+    } else if is(EffectKind::Motion, EffectKind::Location) {
         ("lines at two heights, and at the ends of the other axis", SeparatingPlan::Heights)
-    } else if both(Effect::Motion) {
+    } else if both(EffectKind::Motion) {
         (
             "the same lines with a second tool length, and at a second height: angles grow with the arm, straightness does not",
             SeparatingPlan::Heights,
         )
-    } else if both(Effect::Location) {
+    } else if both(EffectKind::Location) {
         ("the same poses with a second tool length, and the artefact turned by 90°", SeparatingPlan::Heights)
-    } else if is(Effect::ThermalDrift, Effect::Drift) || both(Effect::ThermalDrift) || both(Effect::Drift) {
+    } else if is(EffectKind::ThermalDrift, EffectKind::Drift)
+        || both(EffectKind::ThermalDrift)
+        || both(EffectKind::Drift)
+    {
         (
             "a run in which the temperatures do not rise together: spindle on and off by chance, then cooling",
             SeparatingPlan::Drift,
         )
-    } else if is(Effect::ThermalDrift, Effect::ThermalExpansion) {
+    } else if is(EffectKind::ThermalDrift, EffectKind::ThermalExpansion) {
         return (Some("two poses far apart along the axis, in turn, while it warms up"), None);
-    } else if both(Effect::ServoMismatch) || is(Effect::ServoMismatch, Effect::Following) || both(Effect::Following) {
+    } else if both(EffectKind::ServoMismatch)
+        || is(EffectKind::ServoMismatch, EffectKind::Following)
+        || both(EffectKind::Following)
+    {
         ("circles in the planes of the other axes at the same feed", SeparatingPlan::Circles)
-    } else if is(Effect::Following, Effect::Dynamic) {
+    } else if is(EffectKind::Following, EffectKind::Dynamic) {
         (
             "another radius at the same feed: a lag goes with the velocity, a deflection with its square over the radius",
             SeparatingPlan::SmallCircles,
         )
-    } else if is(Effect::Periodic, Effect::Dynamic) {
+    } else if is(EffectKind::Periodic, EffectKind::Dynamic) {
         (
             "another feed: what vibrates moves along the path, what is periodic in position stays",
             SeparatingPlan::SlowCircles,
         )
-    } else if pair[0] == Effect::Cross {
+    } else if pair[0] == EffectKind::Cross {
         return (None, Some(SeparatingPlan::Grid));
     } else {
         return (None, None);

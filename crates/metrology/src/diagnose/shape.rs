@@ -1,10 +1,10 @@
 //! The shape of a finding: how large it is over what it depends on, and in words where it acts.
 
-use super::cause::Effect;
-use super::row::Row;
+use super::cause::EffectKind;
+use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use super::size::{is_angle, weights_at};
-use super::verdict::Finding;
+use super::verdict::AcceptedCause;
 use ncfix_base::geometry::AXES;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 
@@ -60,7 +60,7 @@ pub fn unit_of(name: &str) -> &'static str {
 /// A driver by its name: a position, a sense, time or a column of numbers; `None` where no row has it.
 #[must_use]
 pub fn driver(scene: &Scene<'_>, name: &str) -> Option<Driver> {
-    let column = |row: &Row| {
+    let column = |row: &SceneRow| {
         let own = scene.sets.get(row.set)?.drivers.iter().find(|driver| driver.name == name)?;
         own.values.get(row.number).copied()
     };
@@ -79,7 +79,7 @@ pub fn driver(scene: &Scene<'_>, name: &str) -> Option<Driver> {
 
 /// What a finding depends on.
 #[must_use]
-pub fn drivers(one: &Finding, scene: &Scene<'_>) -> Vec<Driver> {
+pub fn drivers(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<Driver> {
     let searched = |(name, values): &(String, std::sync::Arc<Vec<f64>>)| {
         let is_rotary = AXES.into_iter().any(|axis| axis.is_rotary() && axis.to_string() == *name);
         let factor = if is_rotary { 1.0_f64.to_degrees() } else { 1.0 };
@@ -93,9 +93,9 @@ pub fn drivers(one: &Finding, scene: &Scene<'_>) -> Vec<Driver> {
 
 /// How large a finding is where it comes in, by row of the scene, µm or µrad.
 #[must_use]
-pub fn deviations(one: &Finding, scene: &Scene<'_>) -> Vec<f64> {
+pub fn deviations(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<f64> {
     let micro = if is_angle(&one.candidate) { urad_from_rad(1.0) } else { um_from_mm(1.0) };
-    let of = |row: &Row| {
+    let of = |row: &SceneRow| {
         let weights = weights_at(&one.candidate, row);
         micro * weights.iter().zip(&one.amounts.values).map(|(weight, amount)| weight * amount).sum::<f64>()
     };
@@ -104,7 +104,7 @@ pub fn deviations(one: &Finding, scene: &Scene<'_>) -> Vec<f64> {
 
 /// The shape over what it depends on, one driver or two: means over places that were measured. `used` measurements were used.
 #[must_use]
-pub fn shape(one: &Finding, scene: &Scene<'_>, used: usize) -> Vec<(Vec<f64>, f64)> {
+pub fn shape(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Vec<(Vec<f64>, f64)> {
     let all = drivers(one, scene);
     let most = match all.len() {
         1 => ALONE,
@@ -183,8 +183,8 @@ fn value_share(value: f64, low: f64, high: f64) -> f64 {
 
 /// What is known of a finding without a name, in a sentence; `None` for those that have one.
 #[must_use]
-pub fn sentence(one: &Finding, scene: &Scene<'_>, used: usize) -> Option<String> {
-    if one.candidate.cause.effect != Effect::Unknown {
+pub fn sentence(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Option<String> {
+    if one.candidate.cause.effect != EffectKind::Unknown {
         return None;
     }
     if let Some((count, "lobes")) = one.candidate.constant {

@@ -10,7 +10,7 @@ const MOST: usize = 10;
 
 /// Of one finding, as shares of the squares of what the model leaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Share {
+pub struct VarianceShare {
     /// What comes back without it.
     pub alone: f64,
     /// Its fair part.
@@ -18,7 +18,7 @@ pub struct Share {
 }
 
 /// Of all findings.
-pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) -> Vec<Share> {
+pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) -> Vec<VarianceShare> {
     let count = taken.len();
     let mut series = field.series(weights, &[], 0.0);
     let left = series.left().to_vec();
@@ -33,7 +33,7 @@ pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) 
         }
     }
     if count == 0 || whole <= 0.0 {
-        return vec![Share::default(); count];
+        return vec![VarianceShare::default(); count];
     }
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let gram = DMatrix::from_fn(columns.len(), columns.len(), |a, b| dot(&columns[a], &columns[b]));
@@ -59,7 +59,7 @@ pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) 
         let every = explained(all);
         let of = |k: usize| {
             let alone = every - explained(all & !(1 << k));
-            Share { alone, fair: (alone + explained(1 << k)) / 2.0 }
+            VarianceShare { alone, fair: (alone + explained(1 << k)) / 2.0 }
         };
         return (0..count).map(of).collect();
     }
@@ -75,7 +75,7 @@ pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) 
             let orders = factorial(size) * factorial(all.count_ones() - size - 1) / factorial(all.count_ones());
             fair += orders * (at(set | bit) - at(set));
         }
-        Share { alone: at(all) - at(all & !bit), fair }
+        VarianceShare { alone: at(all) - at(all & !bit), fair }
     };
     (0..count).map(of).collect()
 }
@@ -89,23 +89,23 @@ fn unit(column: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::diagnose::bench;
-    use crate::diagnose::cause::Effect;
+    use crate::diagnose::cause::EffectKind;
     use crate::diagnose::scene::Through;
 
     /// Readings of 1 µm along X in some rows; three findings say those of the first row, one more those of each other row.
-    fn of(rows: usize) -> Vec<Share> {
+    fn of(rows: usize) -> Vec<VarianceShare> {
         let machine = bench::machine();
         let sets = [bench::reads_along_x(&machine, &vec![1.0; rows])];
         let scene = bench::scene(&machine, &sets);
-        let own = |at: usize| move |row: &crate::diagnose::row::Row| f64::from(u8::from(row.number == at));
+        let own = |at: usize| move |row: &crate::diagnose::row::SceneRow| f64::from(u8::from(row.number == at));
         let all = [0, 0].into_iter().chain(0..rows);
-        let all = all.map(|at| bench::candidate(Effect::Unknown, Through::Tip(0), own(at))).collect();
+        let all = all.map(|at| bench::candidate(EffectKind::Unknown, Through::Tip(0), own(at))).collect();
         let field = Field::new(&scene, all);
         shares(&field, &bench::even(&scene), &(0..rows + 2).collect::<Vec<_>>())
     }
 
     /// The first three are alone and fair as said, and of the others each is all of its row.
-    fn check(found: &[Share], first: [f64; 2], other: f64) {
+    fn check(found: &[VarianceShare], first: [f64; 2], other: f64) {
         for (k, share) in found.iter().enumerate() {
             let [alone, fair] = if k < 3 { first } else { [other; 2] };
             assert!((share.alone - alone).abs() < 1e-9 && (share.fair - fair).abs() < 1e-9, "{k} {share:?}");

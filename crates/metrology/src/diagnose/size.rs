@@ -1,7 +1,7 @@
 //! The size of a finding as people name it: a reversal value, an amplitude, a slope or the range over the travel that was measured.
 
-use super::cause::{Candidate, Effect, Term};
-use super::row::Row;
+use super::cause::{Candidate, EffectKind, Term};
+use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::units::{um_from_mm, urad_from_rad};
@@ -52,7 +52,7 @@ impl Amounts {
 }
 
 /// The weights of the columns of a candidate at a row.
-pub(super) fn weights_at(candidate: &Candidate, row: &Row) -> Vec<f64> {
+pub(super) fn weights_at(candidate: &Candidate, row: &SceneRow) -> Vec<f64> {
     candidate.columns.iter().map(|parts| parts.first().map_or(0.0, |(_, weight)| weight.of(row))).collect()
 }
 
@@ -92,54 +92,56 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         return all.max_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or_default();
     }
     match candidate.cause.effect {
-        Effect::Periodic => amplitude(amounts, 0, micro, unit),
-        Effect::Dynamic if candidate.constant.is_some() => amplitude(amounts, 0, micro, unit),
+        EffectKind::Periodic => amplitude(amounts, 0, micro, unit),
+        EffectKind::Dynamic if candidate.constant.is_some() => amplitude(amounts, 0, micro, unit),
         // The step from one octant to the next.
-        Effect::Dynamic if candidate.parameter.is_empty() => {
+        EffectKind::Dynamic if candidate.parameter.is_empty() => {
             let step = plain(micro, unit);
             Size { value: step.value.abs(), ..step }
         }
-        Effect::Dynamic if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => {
+        EffectKind::Dynamic if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => {
             plain(MILLION, "um/(m/s2)")
         }
-        Effect::Location => plain(micro, unit),
-        Effect::Backlash | Effect::LateralPlay => {
+        EffectKind::Location => plain(micro, unit),
+        EffectKind::Backlash | EffectKind::LateralPlay => {
             // The full reversal value, where it is largest.
             let at = peak(candidate, amounts, &mut rows().filter(|row| sense_of(candidate, row) > 0.0));
             of(&at.unwrap_or(first.clone()), 2.0 * micro, unit)
         }
-        Effect::Motion if single && !is_bow && !is_rotary(candidate) && !is_angle => plain(MILLION, "um/m"),
-        Effect::Motion if single && is_rotary(candidate) => plain(micro, if is_angle { "urad/rad" } else { "um/rad" }),
-        Effect::Cross => {
+        EffectKind::Motion if single && !is_bow && !is_rotary(candidate) && !is_angle => plain(MILLION, "um/m"),
+        EffectKind::Motion if single && is_rotary(candidate) => {
+            plain(micro, if is_angle { "urad/rad" } else { "um/rad" })
+        }
+        EffectKind::Cross => {
             let [low, high] = corners(candidate, scene, used);
             of(&mixed(candidate, &low, &high), micro, unit)
         }
-        Effect::Following if candidate.parameter.len() > 1 => {
+        EffectKind::Following if candidate.parameter.len() > 1 => {
             // What shrinks circles is the square of the lag.
             let (value, sigma) = amounts.form(&first);
             let lag = value.abs().sqrt();
             let u95 = if lag > 0.0 { EXPANDED * sigma / (2.0 * lag) } else { EXPANDED * sigma.sqrt() };
             Size { value: THOUSAND * lag, u95: THOUSAND * u95, unit: "ms" }
         }
-        Effect::Delay if candidate.drivers.iter().any(|driver| driver == "t_s") => plain(MILLION, "ppm"),
-        Effect::ServoMismatch | Effect::Following | Effect::Delay => plain(THOUSAND, "ms"),
-        Effect::Probe if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => plain(THOUSAND, "ms"),
-        Effect::ThermalDrift => plain(micro, "um/K"),
+        EffectKind::Delay if candidate.drivers.iter().any(|driver| driver == "t_s") => plain(MILLION, "ppm"),
+        EffectKind::ServoMismatch | EffectKind::Following | EffectKind::Delay => plain(THOUSAND, "ms"),
+        EffectKind::Probe if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => plain(THOUSAND, "ms"),
+        EffectKind::ThermalDrift => plain(micro, "um/K"),
         // What grows with the axis: errors are those of the moving body, which a table goes the other way round.
-        Effect::ThermalExpansion => plain(MILLION * sense_along(candidate, scene), "um/(m K)"),
-        Effect::ThermalSquareness => plain(MILLION, "urad/K"),
-        Effect::Setup if candidate.parameter == "scale" => {
+        EffectKind::ThermalExpansion => plain(MILLION * sense_along(candidate, scene), "um/(m K)"),
+        EffectKind::ThermalSquareness => plain(MILLION, "urad/K"),
+        EffectKind::Setup if candidate.parameter == "scale" => {
             plain(MILLION, if candidate.sensor.is_some() { "um/(m K)" } else { "um/m" })
         }
         // The largest of all set-ups.
-        Effect::Setup if candidate.parameter == "rotation" => {
+        EffectKind::Setup if candidate.parameter == "rotation" => {
             let size = |k: &usize| amounts.values.get(*k).copied().unwrap_or(0.0).abs();
             let most = (0..amounts.values.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0);
             let factors: Vec<f64> = (0..amounts.values.len()).map(|k| f64::from(u8::from(k == most))).collect();
             of(&factors, MILLION, "urad")
         }
-        Effect::ReversalSpike => plain(micro * sense_along(candidate, scene), unit),
-        Effect::Motion | Effect::Drift => of(&range(), micro, unit),
+        EffectKind::ReversalSpike => plain(micro * sense_along(candidate, scene), unit),
+        EffectKind::Motion | EffectKind::Drift => of(&range(), micro, unit),
         _ => of(&peak(candidate, amounts, &mut rows()).unwrap_or(first.clone()), micro, unit),
     }
 }
@@ -170,19 +172,19 @@ fn is_rotary(candidate: &Candidate) -> bool {
     component_axis(candidate).is_some_and(Axis::is_rotary)
 }
 
-fn sense_of(candidate: &Candidate, row: &Row) -> f64 {
+fn sense_of(candidate: &Candidate, row: &SceneRow) -> f64 {
     component_axis(candidate).map_or(1.0, |axis| row.sense_of(axis))
 }
 
 /// The weights where it is largest.
-fn peak(candidate: &Candidate, amounts: &Amounts, rows: &mut dyn Iterator<Item = &Row>) -> Option<Vec<f64>> {
-    let of = |row: &Row| weights_at(candidate, row);
+fn peak(candidate: &Candidate, amounts: &Amounts, rows: &mut dyn Iterator<Item = &SceneRow>) -> Option<Vec<f64>> {
+    let of = |row: &SceneRow| weights_at(candidate, row);
     let all = rows.map(of).map(|weights| (amounts.form(&weights).0.abs(), weights));
     all.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, weights)| weights)
 }
 
 /// Weights where it is highest less those where it is lowest.
-fn range(candidate: &Candidate, amounts: &Amounts, rows: &mut dyn Iterator<Item = &Row>) -> Vec<f64> {
+fn range(candidate: &Candidate, amounts: &Amounts, rows: &mut dyn Iterator<Item = &SceneRow>) -> Vec<f64> {
     let zero = vec![0.0; amounts.values.len()];
     let mut ends: Option<[(f64, Vec<f64>); 2]> = None;
     for row in rows {
@@ -203,7 +205,7 @@ fn range(candidate: &Candidate, amounts: &Amounts, rows: &mut dyn Iterator<Item 
 }
 
 /// The ends of what was measured, as rows.
-fn corners(candidate: &Candidate, scene: &Scene<'_>, used: usize) -> [Option<Row>; 2] {
+fn corners(candidate: &Candidate, scene: &Scene<'_>, used: usize) -> [Option<SceneRow>; 2] {
     let _ = candidate;
     let mut rows = scene.rows.iter().filter(|row| row.set < used);
     let Some(first) = rows.next() else { return [None, None] };
@@ -218,7 +220,7 @@ fn corners(candidate: &Candidate, scene: &Scene<'_>, used: usize) -> [Option<Row
 }
 
 /// What two axes do together between the ends: a quarter of the difference of the differences.
-fn mixed(candidate: &Candidate, low: &Option<Row>, high: &Option<Row>) -> Vec<f64> {
+fn mixed(candidate: &Candidate, low: &Option<SceneRow>, high: &Option<SceneRow>) -> Vec<f64> {
     let axis_of = |name: &String| AXES.into_iter().find(|axis| axis.to_string() == *name);
     let axes: Vec<Axis> = candidate.drivers.iter().filter_map(axis_of).take(2).collect();
     let (Some(low), Some(high), [one, other]) = (low, high, axes.as_slice()) else {

@@ -6,7 +6,7 @@
 
 use ncfix_base::numeric::{fisher, in_parts};
 
-use super::cause::{Candidate, Effect};
+use super::cause::{Candidate, EffectKind};
 use super::fold::counts;
 use super::search::{Field, Taken, Weights};
 
@@ -235,13 +235,13 @@ pub(super) fn named(field: &Field<'_, '_>, weights: &Weights, mut judged: Vec<Ta
 fn named_of(field: &Field<'_, '_>, one: &Candidate) -> Vec<usize> {
     let through = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(through, _)| *through);
     let is_rival = |other: &Candidate| {
-        other.cause.effect != Effect::Unknown
+        other.cause.effect != EffectKind::Unknown
             && through(other) == through(one)
             && !other.drivers.is_empty()
             && other.drivers.iter().all(|driver| one.drivers.contains(driver))
     };
     let is_slow = |driver: &String| driver.starts_with("T_") || driver == "t_s";
-    if one.cause.effect != Effect::Unknown || one.drivers.len() < 2 || !one.drivers.iter().all(is_slow) {
+    if one.cause.effect != EffectKind::Unknown || one.drivers.len() < 2 || !one.drivers.iter().all(is_slow) {
         return Vec::new();
     }
     (0..field.candidates.len())
@@ -317,18 +317,18 @@ mod tests {
         let machine = bench::machine();
         let sets = [bench::reads_along_x(&machine, &[1.0; 8])];
         let scene = bench::scene(&machine, &sets);
-        let of = |effect: Effect, drivers: &[&str]| {
+        let of = |effect: EffectKind, drivers: &[&str]| {
             let mut one = bench::candidate(effect, Through::Tip(0), |_| 1.0);
             one.drivers = drivers.iter().map(|&name| name.to_owned()).collect();
             one
         };
         let all = vec![
-            of(Effect::ThermalDrift, &["T_a_C"]),
-            of(Effect::ThermalDrift, &["T_b_C"]),
-            of(Effect::Unknown, &["T_a_C"]),
+            of(EffectKind::ThermalDrift, &["T_a_C"]),
+            of(EffectKind::ThermalDrift, &["T_b_C"]),
+            of(EffectKind::Unknown, &["T_a_C"]),
         ];
         let field = Field::new(&scene, all);
-        let rivals = |drivers: &[&str]| named_of(&field, &of(Effect::Unknown, drivers));
+        let rivals = |drivers: &[&str]| named_of(&field, &of(EffectKind::Unknown, drivers));
         assert_eq!(rivals(&["T_a_C", "t_s"]), [0]);
         assert_eq!(rivals(&["T_a_C", "T_b_C", "t_s"]), [0, 1]);
         // One driver alone has been looked at with its name; places are not slow.
@@ -344,13 +344,13 @@ mod tests {
             let sets = [bench::reads_along_x(&machine, &(0..60).map(um).collect::<Vec<_>>())];
             let scene = bench::scene(&machine, &sets);
             let tip = Through::Tip(0);
-            let mut named = bench::candidate(Effect::ThermalDrift, tip, move |row| temperature(row.number));
+            let mut named = bench::candidate(EffectKind::ThermalDrift, tip, move |row| temperature(row.number));
             named.drivers = vec!["T_a_C".into()];
             // Beside the temperature also what goes with it more and more.
-            let mut shape = bench::candidate(Effect::Unknown, tip, move |row| temperature(row.number));
+            let mut shape = bench::candidate(EffectKind::Unknown, tip, move |row| temperature(row.number));
             shape.drivers = vec!["T_a_C".into(), "t_s".into()];
             let mut more =
-                bench::candidate(Effect::Unknown, tip, move |row| row.number as f64 * temperature(row.number));
+                bench::candidate(EffectKind::Unknown, tip, move |row| row.number as f64 * temperature(row.number));
             shape.columns.append(&mut more.columns);
             let field = Field::new(&scene, vec![shape, named]);
             let judged = super::named(&field, &bench::even(&scene), vec![Taken { candidate: 0, chance: 0.0 }]);

@@ -1,8 +1,8 @@
 //! The verdict: findings with their sizes, rivals and what they gain, and what is left.
 
 use super::account::{Account, swing};
-use super::cause::{Candidate, Cause, Causes, Effect, periodic, thermal};
-use super::doubt::Doubt;
+use super::cause::{Candidate, Cause, Causes, EffectKind, periodic, thermal};
+use super::doubt::ExtrapolationRisk;
 use super::fold::counts;
 use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
@@ -10,14 +10,14 @@ use super::held_out::Selections;
 use super::jackknife::{u95, without_parts};
 use super::mimic::RIVAL;
 use super::noise::{self, is_angle};
-use super::parts::{Part, differing};
+use super::parts::{FileShare, differing};
 use super::readings::{doing, drop_far, even_out, left_of, projected, rms, weights};
-use super::rejected::{Rejected, Rejections, Tried, tried};
+use super::rejected::{Rejected, Rejections, TriedCause, tried};
 use super::sample::{self, Sample};
 use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
 use super::separate::{self, separating};
-use super::share::{Share, shares};
+use super::share::{VarianceShare, shares};
 use super::size::{Amounts, Size, size};
 use super::volume::Volume;
 
@@ -32,7 +32,7 @@ const AGAIN: usize = 2;
 
 /// What was found.
 #[derive(Clone, Debug)]
-pub struct Finding {
+pub struct AcceptedCause {
     /// The candidate.
     pub candidate: Candidate,
     /// Amounts of its columns, mm, rad, per unit of the driver.
@@ -51,35 +51,35 @@ pub struct Finding {
     /// selection repeated without them.
     pub gain_unseen: f64,
     /// Which part of all it explains.
-    pub share: Share,
+    pub share: VarianceShare,
     /// Candidates that explain it nearly as well: cause and parameter, the best first, itself first.
     pub class: Vec<(&'static Cause, String)>,
     /// Other periods, mm, that a wave may as well have, or periods of waves that do what a smooth shape does: at the places that were measured they
     /// are the same.
     pub aliases: Vec<f64>,
     /// Why a program must not be moved by it: other errors do the same to the readings, and something else where was not measured.
-    pub doubt: Option<Doubt>,
+    pub doubt: Option<ExtrapolationRisk>,
     /// What it is in each file, where files surely differ.
-    pub by_file: Vec<Part>,
+    pub by_file: Vec<FileShare>,
     /// The measurement that tells it from the first of them.
     pub separate_by: Option<String>,
 }
 
 /// A diagnosis.
 #[derive(Clone, Debug)]
-pub struct Diagnosis {
+pub struct DiagnosedCauses {
     /// The data that were used.
     pub used: Compared,
     /// The data that were held out.
     pub held_out: Option<Compared>,
     /// Findings, the largest first.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<AcceptedCause>,
     /// What the data held out does not confirm.
     pub not_confirmed: Vec<Candidate>,
     /// What a gate stopped, those that were not confirmed too.
     pub rejected: Vec<Rejected>,
     /// Every cause, and what the best of it would explain of what is left.
-    pub causes: Vec<Tried>,
+    pub causes: Vec<TriedCause>,
     /// The readings before and after.
     pub account: Account,
     /// Readings that did not count: numbers of measurement and row.
@@ -95,7 +95,7 @@ pub struct Diagnosis {
 /// Finds what the model lacks from the first measurements of a scene, as many as are `used`, and holds it against the others. `bare` are the
 /// readings of a scene of the same measurements with a machine without errors. `note` gets what is done and how much of it.
 #[must_use]
-pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn FnMut(&str, f64)) -> Diagnosis {
+pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn FnMut(&str, f64)) -> DiagnosedCauses {
     diagnose_with(&Causes::default(), scene, bare, used, note)
 }
 
@@ -107,12 +107,12 @@ pub fn diagnose_with(
     bare: &Scene<'_>,
     used: usize,
     note: &mut dyn FnMut(&str, f64),
-) -> Diagnosis {
+) -> DiagnosedCauses {
     note("causes that may be", 0.0);
     let candidates = propose(causes, scene);
     let sample = Sample::new(scene);
     let mut field = Field::new(scene, candidates);
-    field.part = sample.as_ref().map(|some| Box::new(sample::Part::new(&field, some)));
+    field.part = sample.as_ref().map(|some| Box::new(sample::SearchPart::new(&field, some)));
     let (mut weights, mut held_out) = weights(scene, used);
     let mut taken = Vec::new();
     for round in 0..ROUNDS {
@@ -172,7 +172,7 @@ fn verdict(
     [weights, held_out]: [&Weights; 2],
     kept: &[(Taken, f64)],
     (used, not_confirmed, rejections): (usize, Vec<Candidate>, &Rejections),
-) -> Diagnosis {
+) -> DiagnosedCauses {
     let scene = field.scene;
     let taken: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     let memory = field.memory(weights, &taken);
@@ -209,7 +209,7 @@ fn verdict(
         let does = doing(field, weights, weights, &taken, term.candidate);
         let class = class(field, weights, (term.candidate, &others), memory, noise * inflation);
         let rival = class.get(1).and_then(|&number| field.candidates.get(number));
-        let (is_wave, scatter) = (candidate.cause.effect == Effect::Periodic, (memory, noise * inflation));
+        let (is_wave, scatter) = (candidate.cause.effect == EffectKind::Periodic, (memory, noise * inflation));
         let aliases = if is_wave {
             field.aliases(weights, term.candidate, &others, scatter)
         } else {
@@ -232,7 +232,7 @@ fn verdict(
         let of_alias = aliases.iter().map(|period| (&periodic::CAUSE, separate::every(&candidate.parameter, *period)));
         names.splice(names.len().min(1)..names.len().min(1), of_alias);
         let by_file = differing(field, weights, (candidate, &amounts.values), &others, (memory, inflation));
-        findings.push(Finding {
+        findings.push(AcceptedCause {
             by_file,
             size,
             rms: rms(counts(scene, weights).into_iter().filter_map(|place| does.get(place).copied())),
@@ -266,7 +266,7 @@ fn verdict(
     let before = [weights, held_out].map(|on| projected(field, on, &values));
     let compared = |on: &Weights, k: usize| compare(scene, on, [&projected(field, on, &without), &before[k], &left[k]]);
     let parts = [(weights, before[0].as_slice(), left[0].as_slice()), (held_out, &before[1], &left[1])];
-    Diagnosis {
+    DiagnosedCauses {
         used: compared(weights, 0),
         held_out: (!counts(scene, held_out).is_empty()).then(|| compared(held_out, 1)),
         findings,
@@ -341,7 +341,7 @@ fn class(
     let far = |number: usize| field.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
     rivals.sort_by(|a, b| far(a.1).cmp(&far(b.1)).then(rounded(b.0).total_cmp(&rounded(a.0))));
     let mut class: Vec<usize> = Vec::new();
-    let mut names: Vec<(Effect, String)> = Vec::new();
+    let mut names: Vec<(EffectKind, String)> = Vec::new();
     for place in std::iter::once(number).chain(rivals.into_iter().map(|(_, place)| place)) {
         if let Some(one) = field.candidates.get(place) {
             let name = (one.cause.effect, one.parameter.clone());

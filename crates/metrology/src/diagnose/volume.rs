@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::cause::Candidate;
-use super::row::{NOWHERE, Row};
+use super::row::{NOWHERE, SceneRow};
 use super::scene::{Scene, Through};
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_base::numeric::sums::dot;
@@ -17,7 +17,7 @@ const OWN: f64 = 1e-6;
 
 /// Places all over the travel.
 pub(super) struct Volume {
-    places: Vec<Row>,
+    places: Vec<SceneRow>,
     /// Between where and where was measured.
     low: AxisVector,
     high: AxisVector,
@@ -29,7 +29,7 @@ pub(super) struct Volume {
 
 impl Volume {
     /// Of the machine of a scene, with the tool of the first of the rows that count; `None` where there is none.
-    pub(super) fn new(scene: &Scene<'_>, counts: impl Fn(&Row) -> bool) -> Option<Volume> {
+    pub(super) fn new(scene: &Scene<'_>, counts: impl Fn(&SceneRow) -> bool) -> Option<Volume> {
         let mut rows = scene.rows.iter().filter(|row| counts(row));
         let first = rows.next()?;
         let (mut low, mut high) = (first.position, first.position);
@@ -39,7 +39,7 @@ impl Volume {
                 high[axis] = high[axis].max(row.position[axis]);
             }
         }
-        let mut places = vec![Row { number: NOWHERE, sense: [0; _], ..first.clone() }];
+        let mut places = vec![SceneRow { number: NOWHERE, sense: [0; _], ..first.clone() }];
         for data in scene.machine.axes.iter().flatten() {
             let axis = data.axis;
             let measured = [low[axis], high[axis]];
@@ -93,7 +93,7 @@ impl Volume {
     }
 
     /// The nearest place that was measured.
-    fn within(&self, row: &Row) -> Row {
+    fn within(&self, row: &SceneRow) -> SceneRow {
         let mut out = row.clone();
         AXES.into_iter()
             .for_each(|axis| out.position[axis] = row.position[axis].clamp(self.low[axis], self.high[axis]));
@@ -101,7 +101,7 @@ impl Volume {
     }
 
     fn units(&self, through: Through) -> Vec<Vector> {
-        let unit = |row: &Row| {
+        let unit = |row: &SceneRow| {
             let nominal = self.model.nominal(&row.position, &self.tool);
             match through {
                 Through::Component(name) => {
@@ -125,7 +125,7 @@ impl Volume {
     }
 }
 
-fn moved(row: &Row, axis: Axis, place: f64) -> Row {
+fn moved(row: &SceneRow, axis: Axis, place: f64) -> SceneRow {
     let mut out = row.clone();
     out.position[axis] = place;
     out

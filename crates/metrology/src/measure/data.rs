@@ -7,7 +7,7 @@ mod description;
 mod drivers;
 mod rows;
 
-pub use drivers::Driver;
+pub use drivers::{DataColumn, TIME};
 
 use std::sync::LazyLock;
 
@@ -20,7 +20,7 @@ use ncfix_machine::machine::{Condition, Machine};
 use ncfix_model::ErrorName;
 
 use self::cycles::RepeatCycle;
-use super::kind::{Instruments, Kind};
+use super::kind::{Instrument, Instruments};
 use super::reading::{Reading, Readings};
 
 /// A measurement.
@@ -29,7 +29,7 @@ pub struct DataSet {
     /// The name of its files without extension.
     pub name: String,
     /// Kind of the measurement.
-    pub kind: &'static Kind,
+    pub kind: &'static Instrument,
     /// Standard uncertainty of a length reading, mm; `None` if it is to be estimated.
     pub sigma: Option<f64>,
     /// Standard uncertainty of an angle reading, rad; `None` if it is to be estimated.
@@ -63,7 +63,7 @@ pub struct DataSet {
     /// Readings in the order of the file.
     pub observations: Vec<Observation>,
     /// Other numeric columns.
-    pub drivers: Vec<Driver>,
+    pub drivers: Vec<DataColumn>,
 }
 
 impl DataSet {

@@ -1,6 +1,6 @@
 //! Simulated readings of instruments on a machine with errors: the inverse of the equations of a calibration.
 //!
-//! A predicted reading uses [`Kind::equations`](super::kind::Kind::equations), so that there is one formula for both. Unknowns of a set-up have their
+//! A predicted reading uses [`Kind::equations`](super::kind::Instrument::equations), so that there is one formula for both. Unknowns of a set-up have their
 //! described values. For a kind that reads positions (probing), the linear axes move until its equations are satisfied.
 
 use ncfix_base::geometry::{Axis, AxisVector, Matrix, Vector};
@@ -17,7 +17,7 @@ const MAX_STEPS: usize = 30;
 
 /// Result of reading a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Read {
+pub enum ReadValue {
     /// Values as in [`Observation::values`], mm or rad.
     Values([Option<f64>; 3]),
     /// Positions of the axes, mm and rad.
@@ -77,15 +77,15 @@ impl<'a> Simulation<'a> {
     ///
     /// # Errors
     /// [`OutOfReach`].
-    pub fn read(&mut self, row: &Observation) -> Result<Read, OutOfReach> {
+    pub fn read(&mut self, row: &Observation) -> Result<ReadValue, OutOfReach> {
         if self.condition != row.condition {
             self.condition = row.condition;
             self.model = Model::at(self.machine, self.errors, self.data.condition(row));
         }
         if reads_positions(row) {
-            self.position(row).map(Read::Position)
+            self.position(row).map(ReadValue::Position)
         } else {
-            Ok(Read::Values(self.values_of(row)))
+            Ok(ReadValue::Values(self.values_of(row)))
         }
     }
 

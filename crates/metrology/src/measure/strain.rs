@@ -15,7 +15,7 @@ const STRAIN: &str = "strain_um_m";
 
 /// A reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct StrainReading {
     /// Command of the axis, mm or rad.
     pub position: f64,
     /// Strain, µm/m.
@@ -32,7 +32,7 @@ pub struct Reading {
 ///
 /// # Errors
 /// Diagnostics for missing columns, cells that are not numbers, and positions outside the range of the gauge.
-pub fn read(table: &Table, gauge: &StrainGauge) -> Result<Vec<Reading>, Vec<Diagnostic>> {
+pub fn read(table: &Table, gauge: &StrainGauge) -> Result<Vec<StrainReading>, Vec<Diagnostic>> {
     let mut findings = Vec::new();
     let axis = gauge.axis.to_string();
     let unit = if gauge.axis.is_rotary() { "deg" } else { "mm" };
@@ -76,7 +76,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn read(&self, row: &Row<'_>, gauge: &StrainGauge) -> Result<Reading, Diagnostic> {
+    fn read(&self, row: &Row<'_>, gauge: &StrainGauge) -> Result<StrainReading, Diagnostic> {
         let shown = row.number(self.position, self.sign)?;
         let is_rotary = gauge.axis.is_rotary();
         let position = if is_rotary { shown.to_radians() } else { shown };
@@ -89,6 +89,6 @@ impl Columns {
         }
         let strain_um_m = row.number(self.strain, self.sign)?;
         let time_s = self.time.map(|column| row.number(column, self.sign)).transpose()?;
-        Ok(Reading { position, strain_um_m, run: 0, time_s, place: row.place(self.strain) })
+        Ok(StrainReading { position, strain_um_m, run: 0, time_s, place: row.place(self.strain) })
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::compared::{Part, Readings};
+use super::compared::{MeasurementPart, ReadingSeries};
 use super::figures;
 use super::not_told::LeftOut;
 use super::selection::Selection;
@@ -13,17 +13,17 @@ use ncfix_base::units::Unit;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CalibrationResult {
     /// Parameters of the machine.
-    pub parameters: Vec<Estimate>,
+    pub parameters: Vec<EstimateReport>,
     /// Unknowns of the set-ups.
-    pub unknowns: Vec<Estimate>,
+    pub unknowns: Vec<EstimateReport>,
     /// Parameters of the model that were left out because the data do not determine them.
     pub left_out: Vec<LeftOut>,
     /// Measurements.
     pub data: Vec<Data>,
     /// Figures of ISO 230 of the measurements, independent of the model.
-    pub figures: Vec<figures::Measurement>,
+    pub figures: Vec<figures::MeasurementFigures>,
     /// Rows with a reduced weight because they do not fit.
-    pub weighted_down: Vec<Row>,
+    pub weighted_down: Vec<OutlierRow>,
     /// Condition number of the equations, largest to smallest singular value; `null` without a result.
     pub condition: Option<f64>,
     /// Equations minus unknowns.
@@ -41,7 +41,7 @@ pub struct CalibrationResult {
 /// An estimated number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Estimate {
+pub struct EstimateReport {
     /// Its name.
     pub name: String,
     /// Its value.
@@ -90,19 +90,19 @@ pub struct Data {
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub efficiency: f64,
     /// By direction or component.
-    pub parts: Vec<Part>,
+    pub parts: Vec<MeasurementPart>,
     /// Sums of the magnitudes of measured values and of residuals, for the efficiency of several measurements together.
     #[serde(skip)]
     pub sums: [f64; 2],
     /// The readings themselves; empty if no pictures are requested.
     #[serde(skip)]
-    pub shown: Readings,
+    pub shown: ReadingSeries,
 }
 
 /// A row that does not fit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Row {
+pub struct OutlierRow {
     /// Its file.
     pub file: String,
     /// Its line, from 1.

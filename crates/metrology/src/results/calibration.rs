@@ -1,14 +1,15 @@
 //! A complete calibration: checks of the readings, the fit, its uncertainties, and the residuals of every measurement.
 
-pub use super::calibrated::{CalibrationResult, Data, Estimate, Row};
+pub use super::calibrated::{CalibrationResult, Data, EstimateReport, OutlierRow};
 use super::cells::{cell, estimate, weighted_down};
-use super::held::{Held, weights};
+use super::held::{ComparedMeasurement, weights};
 use super::measurement::{Measurement, check_copies, data_of};
 pub use super::not_told::LeftOut;
 use super::selection;
 use super::{conditions, figures, has_errors, not_told, repeated};
-use crate::calibrate::{Compared, Fit, Options, Parameter, Refusal, Rule, fit, quality, reversals, select};
+use crate::calibrate::{ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select};
 use crate::measure::data::DataSet;
+use crate::measure::kind::Measurand;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
 use ncfix_base::number::{micrometers, significant};
@@ -129,8 +130,8 @@ impl PreparedFit<'_> {
         Some(fit)
     }
 
-    fn options(&self) -> Options {
-        Options { robust: self.settings.robust }
+    fn options(&self) -> FitOptions {
+        FitOptions { robust: self.settings.robust }
     }
 
     fn found(
@@ -225,8 +226,9 @@ impl PreparedFit<'_> {
                 }
             };
             for (angles, described, key) in [(false, data.sigma, "sigma_um"), (true, data.sigma_rad, "sigma_urad")] {
-                let is_of_unit =
-                    |line: &Compared| data.observations.get(line.row).is_some_and(|row| row.is_angle() == angles);
+                let is_of_unit = |line: &ComparedReading| {
+                    data.observations.get(line.row).is_some_and(|row| row.is_angle() == angles)
+                };
                 let left = quality.part(String::new(), is_of_unit).left[0];
                 if let Some(described) = described.filter(|&described| left > POOR * described) {
                     let times = significant(left / described);
@@ -237,7 +239,7 @@ impl PreparedFit<'_> {
                     findings.push(Diagnostic::nowhere(Code::POOR_FIT, message, help));
                 }
             }
-            let held = Held { data, quality, sigmas, weights, is_held_out };
+            let held = ComparedMeasurement { data, quality, sigmas, weights, is_held_out };
             report.data.extend(held.shown(self.begin.machine, self.settings.with_readings));
         }
     }
@@ -320,7 +322,7 @@ pub fn check_sizes(begin: &CalibrationStart<'_>, measurement: &Measurement, max_
 /// Reports probings that are far from the others of their ball.
 fn check_balls(begin: &CalibrationStart<'_>, measurement: &Measurement, max_mm: f64, findings: &mut Vec<Diagnostic>) {
     let data = &measurement.data;
-    if data.kind.name != "probe" || !data.free.is_empty() {
+    if data.kind.measurand != Measurand::BallPlace || !data.free.is_empty() {
         return;
     }
     let model = begin.model();

@@ -14,7 +14,7 @@ use ncfix_base::units::{Unit, um_from_mm};
 use ncfix_model::ErrorModel;
 
 /// An estimated number; `start` is the previous error model.
-pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -> calibrated::Estimate {
+pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -> calibrated::EstimateReport {
     let (factor, unit) = unit_of(&found.column, data);
     let name = found.column.name(data).to_string();
     let (before, effect_um) = match &found.column {
@@ -22,7 +22,7 @@ pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -
         Column::Effect(parameter) => (Parameter::from(parameter.clone()).get(start), Some(um_from_mm(found.effect_mm))),
         Column::Unknown(..) => (0.0, None),
     };
-    calibrated::Estimate {
+    calibrated::EstimateReport {
         name,
         value: found.value * factor,
         sigma: found.sigma * factor,
@@ -53,8 +53,8 @@ pub(super) fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
 }
 
 /// The rows with reduced weight, once each, with the places of their worst readings.
-pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::Row, Place)> {
-    let mut rows: Vec<(calibrated::Row, Place)> = Vec::new();
+pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::OutlierRow, Place)> {
+    let mut rows: Vec<(calibrated::OutlierRow, Place)> = Vec::new();
     let mut tables: Vec<Option<Cells<'_>>> = all.iter().map(|_| None).collect();
     // Of the previous row: its measurement and index, and the number of its readings so far.
     let mut last = (usize::MAX, usize::MAX, 0);
@@ -68,7 +68,7 @@ pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibrated::
         let Some(observation) = measurement.data.observations.get(row) else { continue };
         let place = cells.get_or_insert_with(|| Cells::new(measurement)).place(observation, last.2);
         let source = &measurement.sources[0];
-        let found = calibrated::Row {
+        let found = calibrated::OutlierRow {
             file: source.name().to_owned(),
             line: source.line_column(place.span.start).0,
             residual: Unit::of(observation.is_angle()).shown(residual),

@@ -9,7 +9,7 @@ pub const DOES_NOT_FIT: f64 = 0.25;
 /// The readings of one direction or component of a measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Part {
+pub struct MeasurementPart {
     /// `dx`, `EXX`, `dr`.
     pub name: String,
     /// Number of readings.
@@ -33,11 +33,11 @@ pub struct Part {
 
 /// The readings of a measurement in one unit; all lists of readings have the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Readings {
+pub struct ReadingSeries {
     /// Labels of the set-ups.
     pub setups: Vec<String>,
     /// The readings in the order of the table.
-    pub points: Vec<Point>,
+    pub points: Vec<ReadingPoint>,
     /// Time and moving axes: name with unit (`X in mm`), and the value for each reading.
     pub axes: Vec<(String, Vec<f64>)>,
     /// Circles of a ball-bar.
@@ -46,10 +46,10 @@ pub struct Readings {
 
 /// A reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Point {
+pub struct ReadingPoint {
     /// Row of the table, from 1.
     pub row: usize,
-    /// Index of its [`Part`].
+    /// Index of its [`MeasurementPart`].
     pub part: usize,
     /// Index of its set-up.
     pub setup: usize,

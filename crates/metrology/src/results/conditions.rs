@@ -5,7 +5,7 @@ use crate::calibrate::Parameter;
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_machine::machine::Condition;
-use ncfix_machine::machine::condition::columns::Column;
+use ncfix_machine::machine::condition::columns::ConditionColumn;
 use ncfix_model::{Effect, ErrorModel};
 
 /// Reports missing sensors and loads: an error if a fitted parameter needs them and no table has them, otherwise a note that an effect is in its
@@ -17,13 +17,13 @@ pub(super) fn check(
     parameters: &[Parameter],
     findings: &mut Vec<Diagnostic>,
 ) {
-    let columns: Vec<Vec<Column>> = all
+    let columns: Vec<Vec<ConditionColumn>> = all
         .iter()
-        .map(|one| Table::read(&one.sources[0]).0.map(|table| Column::all(&table)).unwrap_or_default())
+        .map(|one| Table::read(&one.sources[0]).0.map(|table| ConditionColumn::all(&table)).unwrap_or_default())
         .collect();
-    let has_sensor = |columns: &[Column], sensor: &str| {
+    let has_sensor = |columns: &[ConditionColumn], sensor: &str| {
         base.trace(sensor).is_some()
-            || columns.iter().any(|column| matches!(column, Column::Sensor(name) if name == sensor))
+            || columns.iter().any(|column| matches!(column, ConditionColumn::Sensor(name) if name == sensor))
     };
     let mut wanted: Vec<&str> = Vec::new();
     for parameter in parameters {
@@ -37,7 +37,7 @@ pub(super) fn check(
         wanted.extend(if own.is_empty() { sensors } else { own });
         if effect.needs_load()
             && base.loads().is_empty()
-            && !columns.iter().any(|columns| columns.contains(&Column::Force))
+            && !columns.iter().any(|columns| columns.contains(&ConditionColumn::Force))
         {
             let message = format!("{} is about the weight of workpieces, and no table has load_N", parameter.name());
             let help = "add load_N and the place of the load, load_x_mm load_y_mm load_z_mm, to the tables";
@@ -67,7 +67,7 @@ pub(super) fn check(
                 missing.join(", ")
             );
             let unknown = columns.iter().find_map(|column| match column {
-                Column::Sensor(sensor) if !known.contains(&sensor.as_str()) => Some(sensor),
+                ConditionColumn::Sensor(sensor) if !known.contains(&sensor.as_str()) => Some(sensor),
                 _ => None,
             });
             let help = match unknown {
@@ -78,7 +78,7 @@ pub(super) fn check(
             };
             findings.push(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help));
         }
-        if needs_load && base.loads().is_empty() && !columns.contains(&Column::Force) {
+        if needs_load && base.loads().is_empty() && !columns.contains(&ConditionColumn::Force) {
             let message = format!("{name}: no workpiece weight is given: the table is taken as empty");
             let help = "add a column load_N, 0 for none";
             findings.push(Diagnostic::nowhere(Code::NO_LOAD, message, help));

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::measurement::{Measurement, data_of};
 use crate::diagnose::Scene;
-use crate::diagnose::fault::{Checks, Fault, Then, find_with, mend_sensors};
+use crate::diagnose::fault::{Checks, DataDefect, DefectKind, Then, find_with, mend_sensors};
 use crate::measure::data::DataSet;
 use ncfix_base::csv::Table;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
@@ -20,7 +20,8 @@ use ncfix_model::ErrorModel;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DataFault {
     /// `outlier`, `sensor` …
-    pub kind: String,
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
+    pub kind: DefectKind,
     /// The measurement, sensor or column.
     pub name: String,
     /// The defect.
@@ -47,7 +48,7 @@ pub(super) fn look(
     used: usize,
     findings: &mut Vec<Diagnostic>,
     report: &mut Vec<DataFault>,
-) -> Vec<Fault> {
+) -> Vec<DataDefect> {
     let (own, held_out) = all.split_at_mut(used.min(all.len()));
     let faults = look_in(of, (own, false), findings, report);
     look_in(of, (held_out, true), findings, report);
@@ -59,13 +60,14 @@ fn look_in(
     (measurements, is_held_out): (&mut [Measurement], bool),
     findings: &mut Vec<Diagnostic>,
     report: &mut Vec<DataFault>,
-) -> Vec<Fault> {
+) -> Vec<DataDefect> {
     let mut sets = data_of(measurements);
     // If readings do not even determine the set-ups, a later step reports it.
     let mut faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find_with(checks, &scene));
     // Holdout rows stay: only the sensor is dropped.
-    for fault in
-        faults.iter_mut().filter(|fault| is_held_out && fault.kind == "sensor" && fault.then == Then::WithoutRows)
+    for fault in faults
+        .iter_mut()
+        .filter(|fault| is_held_out && fault.kind == DefectKind::Sensor && fault.then == Then::WithoutRows)
     {
         fault.then = Then::WithoutSensors(vec![fault.name.clone()]);
     }
@@ -81,12 +83,13 @@ fn look_in(
 }
 
 /// `true` if the measurement is unusable. An outdated model resembles an active table: in holdout data both are left to the reader.
-fn is_refused(fault: &Fault, is_held_out: bool) -> bool {
-    fault.then == Then::Refuse && !(is_held_out && ["compensated", "topology"].contains(&fault.kind))
+fn is_refused(fault: &DataDefect, is_held_out: bool) -> bool {
+    fault.then == Then::Refuse
+        && !(is_held_out && [DefectKind::Compensated, DefectKind::Topology].contains(&fault.kind))
 }
 
 /// Data that the search excludes.
-fn excluded(fault: &Fault, is_held_out: bool) -> String {
+fn excluded(fault: &DataDefect, is_held_out: bool) -> String {
     match &fault.then {
         _ if is_refused(fault, is_held_out) => "the whole file".into(),
         Then::WithoutSensors(names) => format!("what {} says, as a cause", names.join(" and ")),
@@ -103,11 +106,11 @@ fn excluded(fault: &Fault, is_held_out: bool) -> String {
 }
 
 /// Outliers are single readings, all other defects affect ranges of rows.
-fn is_range(fault: &Fault) -> bool {
-    fault.kind != "outlier"
+fn is_range(fault: &DataDefect) -> bool {
+    fault.kind != DefectKind::Outlier
 }
 
-fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
+fn reported(fault: &DataDefect, set: &DataSet, is_held_out: bool) -> DataFault {
     let rows = match &fault.then {
         // Single readings are not a range.
         Then::WithoutReadings(readings) if !is_range(fault) => {
@@ -118,7 +121,7 @@ fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
         _ => fault.rows.map(|row| row + 1).to_vec(),
     };
     DataFault {
-        kind: fault.kind.into(),
+        kind: fault.kind,
         name: fault.name.clone(),
         what: fault.what.clone(),
         rows,
@@ -130,7 +133,7 @@ fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
 }
 
 /// The first row, in the defective column if there is one.
-fn place(fault: &Fault, source: &Source) -> Option<Place> {
+fn place(fault: &DataDefect, source: &Source) -> Option<Place> {
     let table = Table::read(source).0?;
     let column = fault.name.split(' ').next().and_then(|name| table.column(name));
     let whole = [Then::Refuse].contains(&fault.then) || matches!(fault.then, Then::MoreNoise(_) | Then::Nothing);
@@ -140,7 +143,7 @@ fn place(fault: &Fault, source: &Source) -> Option<Place> {
     Some(table.rows().nth(fault.rows[0])?.place(column.unwrap_or(0)))
 }
 
-fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>) -> Diagnostic {
+fn finding(fault: &DataDefect, set: &DataSet, is_held_out: bool, place: Option<Place>) -> Diagnostic {
     let name = if fault.name == set.name { String::new() } else { format!(" {}", fault.name) };
     let of = if is_held_out { "held out, " } else { "" };
     let rows = match &fault.then {
@@ -151,26 +154,26 @@ fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>
     let message = format!("{of}{}{name}: {}{rows}: {}", set.name, fault.what, fault.evidence);
     let is_refused = is_refused(fault, is_held_out);
     let help = match fault.kind {
-        "unit" => {
+        DefectKind::Unit => {
             "convert the column to the unit that its name says, and check sigma_um (or sigma_urad) in the description".into()
         }
-        "axes" if fault.what.starts_with("not ") => {
+        DefectKind::Positions => {
             "check the unit of the readings, the columns of positions, and centre_mm and length_mm in the description".into()
         }
-        "axes" => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again".into(),
-        "topology" => {
+        DefectKind::Axes => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again".into(),
+        DefectKind::Topology => {
             "check topology and direction of the axes in the machine file; errors that it knows act elsewhere on another machine"
                 .into()
         }
-        "compensated" if is_refused => {
+        DefectKind::Compensated if is_refused => {
             "measure with the table of the control switched off, or give with --machine what the control does not take out"
                 .into()
         }
-        "sensor" if matches!(fault.then, Then::InFahrenheit(_)) => {
+        DefectKind::Sensor if matches!(fault.then, Then::InFahrenheit(_)) => {
             "converted for this diagnosis; convert the column, (°F − 32) / 1.8, for all that reads it".into()
         }
-        "compensated" => "check whether a table of the control was active; if not, the model has expired".into(),
-        "order" => "give the rows in the order in which they were taken, or the senses of motion in columns X_dir …".into(),
+        DefectKind::Compensated => "check whether a table of the control was active; if not, the model has expired".into(),
+        DefectKind::Order => "give the rows in the order in which they were taken, or the senses of motion in columns X_dir …".into(),
         _ => format!("left out: {}", excluded(fault, is_held_out)),
     };
     let code = if is_refused { Code::DATA_FAULT } else { Code::FAULTY_DATA };

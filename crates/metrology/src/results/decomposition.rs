@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::decompose::{self, Fault, RunParts, Smooth};
+use crate::decompose::{self, DecompositionError, RunParts, Smooth};
 use crate::measure::trace::Trace;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::Vector;
@@ -16,7 +16,7 @@ pub const SCHEMA: u32 = 1;
 /// Decomposition of traces at several feeds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Decomposition {
+pub struct DecompositionResult {
     /// [`SCHEMA`].
     pub schema: u32,
     /// Name of the machine.
@@ -30,13 +30,13 @@ pub struct Decomposition {
     /// The loops of the moving axes.
     pub servo: Vec<Loop>,
     /// Link errors relative to the machine file.
-    pub links: Vec<Link>,
+    pub links: Vec<LinkReport>,
     /// Representation of motion errors: `pose:6`, `path:20`.
     pub motion: String,
     /// The runs, the slowest first.
-    pub runs: Vec<Run>,
+    pub runs: Vec<RunReport>,
     /// Compliances, in the order in which they were found.
-    pub compliances: Vec<Compliance>,
+    pub compliances: Vec<ComplianceReport>,
     /// Power laws of the RMS: contouring and dynamics, along X, Y, Z.
     pub power_laws: Vec<Law>,
 }
@@ -76,7 +76,7 @@ pub struct Loop {
 /// A link error.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Link {
+pub struct LinkReport {
     /// Its name.
     pub parameter: String,
     /// Its value relative to the machine file, µm or µrad.
@@ -120,7 +120,7 @@ impl<T: Copy> BySource<T> {
 /// A run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Run {
+pub struct RunReport {
     /// Its label.
     pub run: String,
     /// Programmed feed.
@@ -164,7 +164,7 @@ pub struct Along {
 /// A compliance.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Compliance {
+pub struct ComplianceReport {
     /// The compliant component.
     pub component: String,
     /// The axis that accelerates.
@@ -250,7 +250,7 @@ pub struct Law {
 /// Names of the directions.
 pub const DIRECTIONS: [&str; 3] = ["X", "Y", "Z"];
 
-impl Decomposition {
+impl DecompositionResult {
     /// `true` if an instrument measured.
     #[must_use]
     pub fn is_measured(&self) -> bool {
@@ -260,15 +260,21 @@ impl Decomposition {
 
 /// The diagnostic for traces that cannot be decomposed.
 #[must_use]
-pub fn told(fault: &Fault) -> Diagnostic {
+pub fn told(fault: &DecompositionError) -> Diagnostic {
     let (code, help) = match fault {
-        Fault::Still => (Code::NOT_TOLD, "record while the axes move, and check that set-points are in mm and degrees"),
-        Fault::Apart => (Code::NOT_TOLD, "check t_s of both records: their clocks may differ by up to half a second"),
-        Fault::OtherPath(..) => (Code::NOT_TOLD, "give runs of one program; divide runs of another one by themselves"),
-        Fault::Units(..) => {
+        DecompositionError::Still => {
+            (Code::NOT_TOLD, "record while the axes move, and check that set-points are in mm and degrees")
+        }
+        DecompositionError::Apart => {
+            (Code::NOT_TOLD, "check t_s of both records: their clocks may differ by up to half a second")
+        }
+        DecompositionError::OtherPath(..) => {
+            (Code::NOT_TOLD, "give runs of one program; divide runs of another one by themselves")
+        }
+        DecompositionError::Units(..) => {
             (Code::DATA_SIZE, "write set-points and encoders in mm and degrees: is a column in inches or rad?")
         }
-        Fault::NotTold(_) => {
+        DecompositionError::NotTold(_) => {
             (Code::NOT_TOLD, "record a longer run, or give fewer --links and a lower degree of --motion")
         }
     };
@@ -276,7 +282,7 @@ pub fn told(fault: &Fault) -> Diagnostic {
 }
 
 /// Fills the report.
-pub fn fill(found: &decompose::Decomposition, trace: &Trace, report: &mut Decomposition) {
+pub fn fill(found: &decompose::Decomposition, trace: &Trace, report: &mut DecompositionResult) {
     let ms = |s: f64| 1e3 * s;
     report.cycle_ms = ms(found.cycle_s);
     if let Some(servo) = &found.servo {
@@ -324,9 +330,9 @@ pub fn fill(found: &decompose::Decomposition, trace: &Trace, report: &mut Decomp
     }
 }
 
-fn link(link: &decompose::Link) -> Link {
+fn link(link: &decompose::LinkError) -> LinkReport {
     let is_rotation = link.name.component.direction.is_rotation();
-    Link {
+    LinkReport {
         parameter: link.name.to_string(),
         value: UnitKey::of(is_rotation).unit().shown(link.value),
         unit: UnitKey::of(is_rotation),
@@ -334,9 +340,9 @@ fn link(link: &decompose::Link) -> Link {
     }
 }
 
-fn compliance(one: &decompose::Compliance) -> Compliance {
+fn compliance(one: &decompose::Compliance) -> ComplianceReport {
     let factor = dynamic::factor(one.name);
-    Compliance {
+    ComplianceReport {
         component: one.name.to_string(),
         axis: one.name.axis().map_or_else(String::new, |axis| axis.to_string()),
         of: if one.order == 3 { Under::Jerk } else { Under::Acceleration },
@@ -351,7 +357,7 @@ fn um(vector: &Vector) -> [f64; 3] {
     [0, 1, 2].map(|k| um_from_mm(vector[k]))
 }
 
-fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> Run {
+fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> RunReport {
     let in_um = |of: &[[f64; 3]; 5]| BySource::new(of.map(|along| along.map(um_from_mm)));
     let norms: Vec<f64> = run.moving.clone().map(|k| um_from_mm(run.contouring[k].norm())).collect();
     let rms = (norms.iter().map(|norm| norm * norm).sum::<f64>() / norms.len().max(1) as f64).sqrt();
@@ -361,7 +367,7 @@ fn shown_run(run: &RunParts, trace: &Trace, held_out_um: Option<[f64; 2]>) -> Ru
         let parts = run.parts[k].unwrap_or([run.following[k], none, none, none, none]);
         Along { t_s: run.t_s[k] - start, parts_um: parts.map(|part| um(&part)), explained_um: um(&run.explained[k]) }
     });
-    Run {
+    RunReport {
         run: trace.runs.get(run.number).map_or_else(String::new, |one| one.label.clone()),
         feed_mm_min: run.feed_mm_min,
         samples: run.moving.len(),

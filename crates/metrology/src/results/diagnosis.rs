@@ -5,15 +5,15 @@ use std::panic::resume_unwind;
 use serde::Serialize;
 
 pub use super::data_faults::DataFault;
-use super::extended::{Extended, Job};
+use super::extended::{Extended, ExtensionJob};
 use super::measurement::{Measurement, check_copies, check_near_copies};
 use super::readings::{self, ShownReadings};
 use super::{data_faults, has_errors};
 use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
-use crate::diagnose::fault::Checks;
+use crate::diagnose::fault::{Checks, DefectKind};
 use crate::diagnose::{
-    self, Causes, Compared, Diagnosis as Found, FAR_OUT, Gate, Scene, Source, diagnose, diagnose_with, fault,
+    self, Causes, Compared, DiagnosedCauses, FAR_OUT, Gate, NoiseSource, Scene, diagnose, diagnose_with, fault,
     freedom_of, reads_angles, shape,
 };
 use crate::measure::data::DataSet;
@@ -45,15 +45,15 @@ pub struct DiagnosisResult {
     /// Noise stated in the descriptions of the instruments; `null` if not stated.
     pub noise_stated_um: Option<f64>,
     /// Residuals of an error-free machine.
-    pub without_model: Sizes,
+    pub without_model: ReadingSizes,
     /// Residuals of the model.
-    pub before: Sizes,
+    pub before: ReadingSizes,
     /// Missing causes, the largest first.
-    pub findings: Vec<Cause>,
+    pub findings: Vec<CauseReport>,
     /// Excluded readings.
     pub data_faults: Vec<DataFault>,
     /// Residuals after all findings.
-    pub after: Sizes,
+    pub after: ReadingSizes,
     /// Relative reduction of the root mean square.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub gain: f64,
@@ -68,7 +68,7 @@ pub struct DiagnosisResult {
     /// Causes in the data that the holdout data did not confirm.
     pub not_confirmed: Vec<String>,
     /// Candidates that failed an acceptance test.
-    pub rejected: Vec<Rejected>,
+    pub rejected: Vec<RejectedReport>,
     /// Number of candidates tried.
     pub tried: usize,
     /// Number of readings used.
@@ -80,12 +80,12 @@ pub struct DiagnosisResult {
 impl DiagnosisResult {
     /// Sets all sizes to unknown if nothing was diagnosed: `null` in JSON, not zero.
     pub fn forget_sizes(&mut self) {
-        let none = Sizes {
+        let none = ReadingSizes {
             rms_um: f64::NAN,
             rms_95_um: [f64::NAN; 2],
             max_um: f64::NAN,
             efficiency: f64::NAN,
-            ..Sizes::default()
+            ..ReadingSizes::default()
         };
         [self.without_model, self.before, self.after] = [none; 3];
         [self.noise_um, self.gain, self.unexplained.rms_um, self.unexplained.p] = [f64::NAN; 4];
@@ -111,13 +111,13 @@ pub enum NoiseFrom {
     Rest,
 }
 
-impl From<Source> for NoiseFrom {
-    fn from(source: Source) -> NoiseFrom {
+impl From<NoiseSource> for NoiseFrom {
+    fn from(source: NoiseSource) -> NoiseFrom {
         match source {
-            Source::Repeats => NoiseFrom::Repeats,
-            Source::Instrument => NoiseFrom::Instrument,
-            Source::Differences => NoiseFrom::Neighbours,
-            Source::Rest => NoiseFrom::Rest,
+            NoiseSource::Repeats => NoiseFrom::Repeats,
+            NoiseSource::Instrument => NoiseFrom::Instrument,
+            NoiseSource::Differences => NoiseFrom::Neighbours,
+            NoiseSource::Rest => NoiseFrom::Rest,
         }
     }
 }
@@ -125,7 +125,7 @@ impl From<Source> for NoiseFrom {
 /// Statistics of readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Sizes {
+pub struct ReadingSizes {
     /// Root of the mean square.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub rms_um: f64,
@@ -177,7 +177,7 @@ pub struct With {
 /// A candidate that was not accepted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Rejected {
+pub struct RejectedReport {
     /// Kind of effect.
     pub effect: String,
     /// ISO 230-1 name, axes or direction.
@@ -211,7 +211,7 @@ pub struct InFile {
 /// A point of a shape.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Place {
+pub struct ShapePlace {
     /// Values of the drivers, in their order and units.
     pub at: Vec<f64>,
     /// The deviation there (µrad if the unit of the finding is `urad`).
@@ -221,7 +221,7 @@ pub struct Place {
 /// One finding.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Cause {
+pub struct CauseReport {
     /// Kind of effect.
     pub effect: String,
     /// ISO 230-1 name, axes or direction.
@@ -273,7 +273,7 @@ pub struct Cause {
     /// For an unnamed finding: its drivers and place of action, in a sentence.
     pub what: Option<String>,
     /// Its value over its drivers; empty if the single value suffices.
-    pub shape: Vec<Place>,
+    pub shape: Vec<ShapePlace>,
     /// The unit of the shape.
     #[serde(skip)]
     pub shape_unit: UnitKey,
@@ -354,7 +354,7 @@ pub fn run(
     let extension = extension(&found, &of_model, used);
     let refused: Vec<Option<String>> = extension.iter().map(|changes| changes.as_ref().err().cloned()).collect();
     let registers = settings.model.cloned().unwrap_or_default();
-    let job = Job { machine, registers, scene: &of_model, used, found: &found, extension };
+    let job = ExtensionJob { machine, registers, scene: &of_model, used, found: &found, extension };
     let mut aside = Vec::new();
     let made = settings.file.and_then(|file| job.make(file, if settings.is_extended { findings } else { &mut aside }));
     can_be_done(made.as_ref().map_or(&refused, |made| &made.why_not), report);
@@ -383,14 +383,19 @@ fn can_be_done(why_not: &[Option<String>], report: &mut DiagnosisResult) {
 }
 
 /// All findings, in display units.
-fn tell_all(found: &Found, scene: &Scene<'_>, (sets, used): (&[DataSet], usize), report: &mut DiagnosisResult) {
+fn tell_all(
+    found: &DiagnosedCauses,
+    scene: &Scene<'_>,
+    (sets, used): (&[DataSet], usize),
+    report: &mut DiagnosisResult,
+) {
     let of_angles = reads_angles(scene);
     report.unit = UnitKey::of(of_angles);
     let micro = report.unit.unit().shown(1.0);
     let level = |of: fn(&Compared) -> diagnose::Sizes| {
         let held_out = found.held_out.as_ref().map(of);
         let own = of(&found.used);
-        Sizes {
+        ReadingSizes {
             rms_um: micro * own.rms,
             rms_95_um: own.interval.map(|end| micro * end),
             max_um: micro * own.max,
@@ -435,7 +440,7 @@ fn tell_all(found: &Found, scene: &Scene<'_>, (sets, used): (&[DataSet], usize),
         if !rows.is_empty() {
             let times = FAR_OUT;
             report.data_faults.push(DataFault {
-                kind: "outlier".into(),
+                kind: DefectKind::Outlier,
                 name: set.name.clone(),
                 what: "far from all others".to_owned(),
                 evidence: format!(
@@ -451,7 +456,7 @@ fn tell_all(found: &Found, scene: &Scene<'_>, (sets, used): (&[DataSet], usize),
     }
 }
 
-fn cause(found: &diagnose::Finding, scene: &Scene<'_>, used: usize, (micro, alone): (f64, f64)) -> Cause {
+fn cause(found: &diagnose::AcceptedCause, scene: &Scene<'_>, used: usize, (micro, alone): (f64, f64)) -> CauseReport {
     let one = &found.candidate;
     // Causes of the same effect have one name.
     let mut class: Vec<String> = Vec::new();
@@ -461,7 +466,7 @@ fn cause(found: &diagnose::Finding, scene: &Scene<'_>, used: usize, (micro, alon
             class.push(name);
         }
     }
-    Cause {
+    CauseReport {
         effect: one.cause.effect.to_string(),
         parameter: one.parameter.clone(),
         drivers: one.drivers.clone(),
@@ -490,14 +495,14 @@ fn cause(found: &diagnose::Finding, scene: &Scene<'_>, used: usize, (micro, alon
         // If columns represent positions, the single value is not meaningful.
         shape: if one.points.is_empty() { Vec::new() } else { shape::shape(found, scene, used) }
             .into_iter()
-            .map(|(at, value_um)| Place { at, value_um })
+            .map(|(at, value_um)| ShapePlace { at, value_um })
             .collect(),
         shape_unit: UnitKey::of(diagnose::is_angle(&found.candidate)),
     }
 }
 
-fn by_file(parts: &[diagnose::Part], size: &diagnose::Size, scene: &Scene<'_>) -> Vec<InFile> {
-    let of = |part: &diagnose::Part| InFile {
+fn by_file(parts: &[diagnose::FileShare], size: &diagnose::Size, scene: &Scene<'_>) -> Vec<InFile> {
+    let of = |part: &diagnose::FileShare| InFile {
         file: scene.sets.get(part.set).map_or_else(String::new, |set| set.name.clone()),
         value: part.share * size.value,
         unit: size.unit.into(),
@@ -506,8 +511,8 @@ fn by_file(parts: &[diagnose::Part], size: &diagnose::Size, scene: &Scene<'_>) -
     parts.iter().map(of).collect()
 }
 
-fn rejected(found: &diagnose::Rejected, scene: &Scene<'_>) -> Rejected {
-    Rejected {
+fn rejected(found: &diagnose::Rejected, scene: &Scene<'_>) -> RejectedReport {
+    RejectedReport {
         effect: found.candidate.cause.effect.to_string(),
         parameter: found.candidate.parameter.clone(),
         drivers: found.candidate.drivers.clone(),

@@ -1,17 +1,17 @@
 //! The machine file with the findings of a diagnosis: the old text, new entries, and a joint fit of all parameters.
 
 use super::not_told;
-use crate::calibrate::{Fit, Options, Parameter, fit};
+use crate::calibrate::{Fit, FitOptions, Parameter, fit};
 use crate::diagnose::extend::{Anchor, Change, again, cleaned, note};
-use crate::diagnose::{Diagnosis, Scene, levels};
+use crate::diagnose::{DiagnosedCauses, Scene, levels};
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::edit::Edit;
-use ncfix_model::motion::Function;
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::name::ErrorKind;
-use ncfix_model::parameter::Term;
+use ncfix_model::parameter::ComponentTerm;
 use ncfix_model::{ErrorModel, ModelRegisters, ParameterName, file, write};
 
 const MACHINE: FileId = FileId(0);
@@ -20,14 +20,14 @@ const DIGITS: f64 = 1e-9;
 const SECTIONS: &str = "write location and motion as sections of their own";
 
 /// The content to be written.
-pub(super) struct Job<'a> {
+pub(super) struct ExtensionJob<'a> {
     pub(super) machine: &'a Machine,
     /// Error types of its file.
     pub(super) registers: ModelRegisters,
     pub(super) scene: &'a Scene<'a>,
     /// Number of used measurements; those after them were held out.
     pub(super) used: usize,
-    pub(super) found: &'a Diagnosis,
+    pub(super) found: &'a DiagnosedCauses,
     /// For every finding its changes, or the reason why there are none.
     pub(super) extension: Vec<Result<Vec<Change>, String>>,
 }
@@ -58,7 +58,7 @@ struct Grown {
     anchors: Vec<Result<Vec<Anchor>, String>>,
 }
 
-impl Job<'_> {
+impl ExtensionJob<'_> {
     /// Creates the extended machine file, written or not: errors that it cannot contain are not called correctable either. `None` if it is not text.
     pub(super) fn make(&self, old: &Source, findings: &mut Vec<Diagnostic>) -> Option<Extended> {
         let text = std::str::from_utf8(old.bytes()).ok()?;
@@ -165,7 +165,7 @@ impl Job<'_> {
 
     /// A fit as good as the result of the search; least squares without noise autocorrelation fail if terms are similar.
     fn fit(&self, read: &ErrorModel, parameters: &[Parameter], data: &[DataSet]) -> Result<Fit, String> {
-        let found = fit(self.machine, read, parameters, data, Options { robust: true });
+        let found = fit(self.machine, read, parameters, data, FitOptions { robust: true });
         let found = found.map_err(not_told::words)?;
         let (level, of_search) = (self.level(&found.errors), self.level(read));
         if level[0] > LOST * of_search[0] {
@@ -263,10 +263,10 @@ fn place_of(name: &ParameterName, errors: &ErrorModel) -> Anchor {
     if name.component.kind == ErrorKind::Location {
         return Anchor::Key("location", name.component.to_string());
     }
-    let own = |function: &Function| match name.term {
-        Term::Backlash => matches!(function, Function::Backlash(_)),
-        Term::Knot { .. } => matches!(function, Function::Piecewise(_)),
-        _ => matches!(function, Function::Polynomial(_) | Function::Piecewise(_)),
+    let own = |function: &EntryFunction| match name.term {
+        ComponentTerm::Backlash => matches!(function, EntryFunction::Backlash(_)),
+        ComponentTerm::Knot { .. } => matches!(function, EntryFunction::Piecewise(_)),
+        _ => matches!(function, EntryFunction::Polynomial(_) | EntryFunction::Piecewise(_)),
     };
     let index = errors.motion.iter().position(|error| error.name == name.component && own(&error.function));
     Anchor::Entry("motion", index.unwrap_or(0))

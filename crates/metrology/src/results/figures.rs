@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::measure::data::DataSet;
-use crate::measure::iso230::figures::{self as iso230, Figures, Found, Path, RUNS};
+use crate::measure::iso230::figures::{self as iso230, CirclePath, Figures, MeasuredFigures, RUNS};
 use crate::measure::iso230::positioning::OneWay;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::units::{Unit, um_from_mm, urad_from_rad};
@@ -12,19 +12,19 @@ use ncfix_machine::machine::Machine;
 /// The figures of a measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Measurement {
+pub struct MeasurementFigures {
     /// Its name.
     pub name: String,
     /// Its kind.
     pub kind: &'static str,
     /// Its figures.
-    pub figures: Vec<Group>,
+    pub figures: Vec<FigureGroup>,
 }
 
 /// A group of figures: of a component, of circles in a plane, of a sphere.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Group {
+pub struct FigureGroup {
     /// Label of the set-up.
     pub setup: String,
     /// Their subject: `EXX`, `XY`, `sphere`.
@@ -34,7 +34,7 @@ pub struct Group {
     /// The unit of all.
     pub unit: Unit,
     /// The figures in the order of the standard.
-    pub values: Vec<Value>,
+    pub values: Vec<FigureValue>,
     /// Their conditions: runs, radius, feed, start.
     pub conditions: Vec<String>,
     /// Reason why there are none; `null` otherwise.
@@ -76,7 +76,7 @@ impl Standard {
 /// A figure.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Value {
+pub struct FigureValue {
     /// `A`, `R+`, `G(ccw)` …
     pub name: &'static str,
     /// Its value.
@@ -85,14 +85,17 @@ pub struct Value {
 
 /// The figures of a measurement.
 #[must_use]
-pub fn of(data: &DataSet, machine: &Machine) -> Measurement {
+pub fn of(data: &DataSet, machine: &Machine) -> MeasurementFigures {
     let figures = iso230::figures(data, machine).iter().map(group).collect();
-    Measurement { name: data.name.clone(), kind: data.kind.name, figures }
+    MeasurementFigures { name: data.name.clone(), kind: data.kind.name, figures }
 }
 
 /// The figures of measurements; a diagnostic for each that has none.
 #[must_use]
-pub fn of_all(all: &[super::measurement::Measurement], machine: &Machine) -> (Vec<Measurement>, Vec<Diagnostic>) {
+pub fn of_all(
+    all: &[super::measurement::Measurement],
+    machine: &Machine,
+) -> (Vec<MeasurementFigures>, Vec<Diagnostic>) {
     let mut found = Vec::new();
     let mut measurements = Vec::new();
     for one in all {
@@ -107,8 +110,9 @@ pub fn of_all(all: &[super::measurement::Measurement], machine: &Machine) -> (Ve
     (measurements, found)
 }
 
-fn group(found: &Found) -> Group {
-    let mut group = Group { setup: found.setup.clone(), of: found.of.clone(), unit: Unit::Um, ..Group::default() };
+fn group(found: &MeasuredFigures) -> FigureGroup {
+    let mut group =
+        FigureGroup { setup: found.setup.clone(), of: found.of.clone(), unit: Unit::Um, ..FigureGroup::default() };
     match &found.figures {
         Ok(figures) => fill(&mut group, figures),
         Err(reason) => group.reason = Some(reason.clone()),
@@ -116,9 +120,9 @@ fn group(found: &Found) -> Group {
     group
 }
 
-fn fill(group: &mut Group, figures: &Figures) {
+fn fill(group: &mut FigureGroup, figures: &Figures) {
     let mut put = |name: &'static str, value: Option<f64>, factor: f64| {
-        group.values.extend(value.map(|value| Value { name, value: value * factor }));
+        group.values.extend(value.map(|value| FigureValue { name, value: value * factor }));
     };
     let um = um_from_mm(1.0);
     match figures {
@@ -179,7 +183,7 @@ fn fill(group: &mut Group, figures: &Figures) {
     }
 }
 
-fn shown(name: &str, path: &Path) -> String {
+fn shown(name: &str, path: &CirclePath) -> String {
     let feed = path.feed.map_or(String::new(), |feed| format!(" F {feed:.0} mm/min"));
     let start = path.start.to_degrees();
     format!("{name} {:.0}° from {start:.1}°{feed}, {} readings", path.arc.to_degrees(), path.points)

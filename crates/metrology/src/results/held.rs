@@ -1,16 +1,17 @@
 //! Comparison data of a measurement: statistics by direction and component, readings and circles for pictures.
 
 use super::calibrated::Data;
-use super::compared::{Circle, Part, Point, Readings};
-use crate::calibrate::{Compared, Fit, Quality};
+use super::compared::{Circle, MeasurementPart, ReadingPoint, ReadingSeries};
+use crate::calibrate::{ComparedReading, Fit, Quality};
 use crate::measure::circles::{self, circles};
 use crate::measure::data::{DataSet, Observation};
+use crate::measure::kind::Measurand;
 use ncfix_base::geometry::Axis;
 use ncfix_base::units::Unit;
 use ncfix_machine::machine::Machine;
 
 /// Comparison data of a measurement.
-pub(super) struct Held<'a> {
+pub(super) struct ComparedMeasurement<'a> {
     /// The measurement.
     pub(super) data: &'a DataSet,
     /// Comparison of its readings with the model.
@@ -28,18 +29,18 @@ pub(super) fn weights(fit: &Fit, set: usize) -> Vec<f64> {
     fit.residuals.iter().filter(|(of, ..)| *of == set).map(|&(.., weight)| weight).collect()
 }
 
-impl Held<'_> {
+impl ComparedMeasurement<'_> {
     /// The comparison of the measurement with the result, lengths and angles separately; with its readings if pictures are requested.
     pub(super) fn shown(&self, machine: &Machine, with_readings: bool) -> Vec<Data> {
         [false, true].into_iter().filter_map(|angles| self.in_unit(angles, machine, with_readings)).collect()
     }
 
-    fn row(&self, line: &Compared) -> Option<&Observation> {
+    fn row(&self, line: &ComparedReading) -> Option<&Observation> {
         self.data.observations.get(line.row)
     }
 
     fn in_unit(&self, angles: bool, machine: &Machine, with_readings: bool) -> Option<Data> {
-        let is_of_unit = |line: &Compared| self.row(line).is_some_and(Observation::is_angle) == angles;
+        let is_of_unit = |line: &ComparedReading| self.row(line).is_some_and(Observation::is_angle) == angles;
         let whole = self.quality.part(self.quality.name.clone(), is_of_unit);
         if whole.readings == 0 {
             return None;
@@ -47,13 +48,13 @@ impl Held<'_> {
         let unit = Unit::of(angles);
         let shown = |value: f64| unit.shown(value);
         let names = self.part_names(&whole.lines);
-        let part_of = |line: &Compared| {
+        let part_of = |line: &ComparedReading| {
             let name = self.part_name(line);
             names.iter().position(|known| *known == name)
         };
         let parts = names.iter().enumerate().map(|(number, name)| {
             let part = whole.part(name.clone(), |line| part_of(line) == Some(number));
-            Part {
+            MeasurementPart {
                 name: part.name,
                 readings: part.readings,
                 unit,
@@ -65,10 +66,10 @@ impl Held<'_> {
                 efficiency: part.efficiency,
             }
         });
-        let parts: Vec<Part> = parts.collect();
+        let parts: Vec<MeasurementPart> = parts.collect();
         let shown_readings = if with_readings {
             let points = self.quality.lines.iter().enumerate().filter(|(_, line)| is_of_unit(line));
-            let points = points.map(|(number, line)| Point {
+            let points = points.map(|(number, line)| ReadingPoint {
                 row: line.row + 1,
                 part: part_of(line).unwrap_or(0),
                 setup: self.row(line).map_or(0, |row| row.setup),
@@ -76,15 +77,15 @@ impl Held<'_> {
                 left: shown(line.left),
                 weight: self.weights.get(number).copied().unwrap_or(1.0),
             });
-            let points: Vec<Point> = points.collect();
-            Readings {
+            let points: Vec<ReadingPoint> = points.collect();
+            ReadingSeries {
                 setups: self.data.setups.iter().map(|setup| setup.label.clone()).collect(),
                 axes: self.axes(machine, &whole.lines),
                 circles: self.circles(machine, &points),
                 points,
             }
         } else {
-            Readings::default()
+            ReadingSeries::default()
         };
         Some(Data {
             name: whole.name,
@@ -105,7 +106,7 @@ impl Held<'_> {
     }
 
     /// The direction or component of a reading.
-    fn part_name(&self, line: &Compared) -> String {
+    fn part_name(&self, line: &ComparedReading) -> String {
         let Some(row) = self.row(line) else { return String::new() };
         if let Some(component) = row.component {
             return component.to_string();
@@ -120,7 +121,7 @@ impl Held<'_> {
     }
 
     /// Directions and components in the order of their first occurrence.
-    fn part_names(&self, lines: &[Compared]) -> Vec<String> {
+    fn part_names(&self, lines: &[ComparedReading]) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         for line in lines {
             let name = self.part_name(line);
@@ -132,10 +133,11 @@ impl Held<'_> {
     }
 
     /// Time, if known, and positions of the moving axes.
-    fn axes(&self, machine: &Machine, lines: &[Compared]) -> Vec<(String, Vec<f64>)> {
+    fn axes(&self, machine: &Machine, lines: &[ComparedReading]) -> Vec<(String, Vec<f64>)> {
         let of = |axis: Axis| -> Vec<f64> {
             let factor = if axis.is_rotary() { 1.0_f64.to_degrees() } else { 1.0 };
-            let place = |line: &Compared| self.row(line).map_or(f64::NAN, |row| row.reading.position[axis] * factor);
+            let place =
+                |line: &ComparedReading| self.row(line).map_or(f64::NAN, |row| row.reading.position[axis] * factor);
             lines.iter().map(place).collect()
         };
         let moved = |values: &[f64]| values.iter().any(|value| Some(value) != values.first());
@@ -147,8 +149,8 @@ impl Held<'_> {
         all.filter(|(_, values)| moved(values)).collect()
     }
 
-    fn circles(&self, machine: &Machine, points: &[Point]) -> Vec<Circle> {
-        if self.data.kind.name != "ballbar" {
+    fn circles(&self, machine: &Machine, points: &[ReadingPoint]) -> Vec<Circle> {
+        if self.data.kind.measurand != Measurand::BallDistance {
             return Vec::new();
         }
         // Readings of a ball-bar are one per row, in order.

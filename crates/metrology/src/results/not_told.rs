@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::measurement::{Measurement, data_of, first_line};
 use crate::calibrate::words::listed;
-use crate::calibrate::{Confused, Estimate, Fault, Fit, Lost, Parameter, Unsettled, reduce};
+use crate::calibrate::{Confused, Estimate, Fit, FitError, Lost, Parameter, Unsettled, reduce};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::number::{micrometers, significant};
 use ncfix_base::units::um_from_mm;
@@ -29,16 +29,16 @@ const CONTRADICTS: f64 = 5.0;
 const RUNS_AWAY: f64 = 1e6;
 
 /// Adds diagnostics for an impossible fit; `of` names the fitted parameters.
-pub(super) fn refuse(fault: Fault, of: &str, all: &[Measurement], findings: &mut Vec<Diagnostic>) {
+pub(super) fn refuse(fault: FitError, of: &str, all: &[Measurement], findings: &mut Vec<Diagnostic>) {
     let described = |set: usize| all.get(set).or(all.first()).map(|one| first_line(&one.sources[1]));
     let refused = refusals(fault, of).into_iter();
     findings.extend(refused.map(|(set, found)| Diagnostic { place: described(set.unwrap_or(0)), ..found }));
 }
 
 /// Diagnostics, each with the index of its measurement.
-fn refusals(fault: Fault, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
+fn refusals(fault: FitError, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
     match fault {
-        Fault::TooFew { equations, unknowns, lost } => {
+        FitError::TooFew { equations, unknowns, lost } => {
             let message = format!("{of}{equations} readings cannot tell {unknowns} unknowns");
             let help =
                 "measure more, describe what is known of the set-ups, choose a smaller model, or let --reduce do it";
@@ -46,13 +46,13 @@ fn refusals(fault: Fault, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
             out.extend(not_told(*lost, of));
             out
         }
-        Fault::NotTold(lost) => not_told(*lost, of),
-        Fault::NotSettled(why) => vec![not_settled(why, of)],
+        FitError::NotTold(lost) => not_told(*lost, of),
+        FitError::NotSettled(why) => vec![not_settled(why, of)],
     }
 }
 
 /// The first message of a failure, as a part of a sentence.
-pub(super) fn words(fault: Fault) -> String {
+pub(super) fn words(fault: FitError) -> String {
     refusals(fault, "").into_iter().next().map_or_else(|| "nothing can be told".to_owned(), |(_, found)| found.message)
 }
 
@@ -201,10 +201,10 @@ mod tests {
         lost.leave_out = named(&["EXX1", "EYY1"]);
         let strange = Unsettled { set: 1, times: 40.0, rejected: [3, 9] };
         let faults = [
-            Fault::TooFew { equations: 2, unknowns: 3, lost: Box::default() },
-            Fault::NotTold(Box::new(lost)),
-            Fault::NotSettled(None),
-            Fault::NotSettled(Some(strange)),
+            FitError::TooFew { equations: 2, unknowns: 3, lost: Box::default() },
+            FitError::NotTold(Box::new(lost)),
+            FitError::NotSettled(None),
+            FitError::NotSettled(Some(strange)),
         ];
         let found: Vec<(String, String)> = faults
             .into_iter()

@@ -4,9 +4,11 @@ use std::collections::HashMap;
 
 use super::compared::Circle;
 use super::held::{shown_circle, timed};
-use crate::diagnose::scene::Item;
-use crate::diagnose::{self, Diagnosis, Scene, shape};
+use crate::diagnose::scene::SceneReading;
+use crate::diagnose::{self, DiagnosedCauses, Scene, shape};
 use crate::measure::circles::circles;
+use crate::measure::data::TIME;
+use crate::measure::kind::Measurand;
 use ncfix_base::units::Unit;
 
 /// Page content in addition to the JSON object.
@@ -15,7 +17,7 @@ pub struct ShownReadings {
     /// Measurements, lengths and angles separately.
     pub sets: Vec<Set>,
     /// Tried candidates, by cause.
-    pub causes: Vec<Tried>,
+    pub causes: Vec<TriedCauseReport>,
 }
 
 /// Readings of a measurement in one unit; all lists of readings have the same length.
@@ -34,18 +36,18 @@ pub struct Set {
     /// Labels of the set-ups.
     pub setups: Vec<String>,
     /// The readings in the order of the table.
-    pub readings: Vec<Reading>,
+    pub readings: Vec<DiagnosisReading>,
     /// Contribution of each finding to every reading, in the order of the findings; empty if it was held out.
     pub doing: Vec<Vec<f64>>,
     /// Possible drivers.
-    pub drivers: Vec<Driver>,
+    pub drivers: Vec<DriverReadings>,
     /// Circles of a ball-bar.
     pub circles: Vec<Circle>,
 }
 
 /// One reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reading {
+pub struct DiagnosisReading {
     /// Row of the table, from 1.
     pub row: usize,
     /// Index in [`Set::parts`].
@@ -60,18 +62,20 @@ pub struct Reading {
 
 /// A possible driver of readings.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Driver {
+pub struct DriverReadings {
     /// Its name, as in findings.
     pub name: String,
     /// Its name with unit: `X in mm`.
     pub title: String,
+    /// Whether it is the time of the readings.
+    pub is_time: bool,
     /// Its value for each reading.
     pub values: Vec<f64>,
 }
 
 /// A cause of the catalogue.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tried {
+pub struct TriedCauseReport {
     /// Its name.
     pub cause: String,
     /// Kind of effect.
@@ -85,7 +89,7 @@ pub struct Tried {
 }
 
 /// Fills in the readings of a diagnosis; the first `used` measurements were used.
-pub(super) fn fill(found: &Diagnosis, scene: &Scene<'_>, used: usize, shown: &mut ShownReadings) {
+pub(super) fn fill(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize, shown: &mut ShownReadings) {
     let drivers = drivers(scene);
     for number in 0..scene.sets.len() {
         for of_angles in [false, true] {
@@ -95,8 +99,8 @@ pub(super) fn fill(found: &Diagnosis, scene: &Scene<'_>, used: usize, shown: &mu
     shown.causes = found.causes.iter().map(tried).collect();
 }
 
-fn tried(one: &diagnose::Tried) -> Tried {
-    Tried {
+fn tried(one: &diagnose::TriedCause) -> TriedCauseReport {
+    TriedCauseReport {
         cause: one.cause.name.to_owned(),
         effect: one.cause.effect.to_string(),
         shown_by: one.cause.shown_by.to_owned(),
@@ -108,7 +112,7 @@ fn tried(one: &diagnose::Tried) -> Tried {
 /// All drivers: time, axes and their directions, further columns.
 fn drivers(scene: &Scene<'_>) -> Vec<shape::Driver> {
     let axes: Vec<String> = scene.machine.axes.iter().flatten().map(|data| data.axis.to_string()).collect();
-    let mut names = vec!["t_s".to_owned()];
+    let mut names = vec![TIME.to_owned()];
     names.extend(axes.iter().cloned());
     names.extend(axes.iter().map(|axis| format!("{axis}_dir")));
     for driver in scene.sets.iter().flat_map(|set| &set.drivers) {
@@ -120,15 +124,16 @@ fn drivers(scene: &Scene<'_>) -> Vec<shape::Driver> {
 }
 
 fn set(
-    found: &Diagnosis,
+    found: &DiagnosedCauses,
     scene: &Scene<'_>,
     drivers: &[shape::Driver],
     (number, is_held_out): (usize, bool),
     of_angles: bool,
 ) -> Option<Set> {
     let data = scene.sets.get(number)?;
-    let is_own =
-        |item: &Item| item.is_angle == of_angles && scene.rows.get(item.row).is_some_and(|row| row.set == number);
+    let is_own = |item: &SceneReading| {
+        item.is_angle == of_angles && scene.rows.get(item.row).is_some_and(|row| row.set == number)
+    };
     let places: Vec<usize> =
         scene.items.iter().enumerate().filter(|(_, item)| is_own(item)).map(|(place, _)| place).collect();
     if places.is_empty() {
@@ -148,7 +153,7 @@ fn set(
             parts.len() - 1
         });
         let at = |values: &[f64]| values.get(place).map_or(f64::NAN, |value| micro * value);
-        out.push(Reading {
+        out.push(DiagnosisReading {
             row: row.number + 1,
             part,
             before: at(&found.account.before),
@@ -176,7 +181,7 @@ fn set(
 }
 
 /// A driver at the readings of some rows; `None` if it is constant there.
-fn along(driver: &shape::Driver, rows: &[usize]) -> Option<Driver> {
+fn along(driver: &shape::Driver, rows: &[usize]) -> Option<DriverReadings> {
     let values: Vec<f64> = rows.iter().map(|&row| driver.values.get(row).copied().unwrap_or(f64::NAN)).collect();
     let mut known = values.iter().copied().filter(|value| value.is_finite());
     let first = known.next()?;
@@ -184,21 +189,20 @@ fn along(driver: &shape::Driver, rows: &[usize]) -> Option<Driver> {
         return None;
     }
     let name = driver.name.clone();
-    if name == "t_s"
-        && let Some((title, values)) = timed(values.clone())
-    {
-        return Some(Driver { name, title, values });
+    let is_time = name == TIME;
+    if is_time && let Some((title, values)) = timed(values.clone()) {
+        return Some(DriverReadings { name, title, is_time, values });
     }
     let title = match name.strip_suffix("_dir") {
         Some(axis) => format!("sense of {axis}"),
         None if driver.unit.is_empty() => name.clone(),
         None => format!("{name} in {}", driver.unit),
     };
-    Some(Driver { name, title, values })
+    Some(DriverReadings { name, title, is_time, values })
 }
 
 /// The direction or component of a reading.
-fn part_name(scene: &Scene<'_>, item: &Item) -> String {
+fn part_name(scene: &Scene<'_>, item: &SceneReading) -> String {
     let Some(row) = scene.rows.get(item.row) else { return String::new() };
     if let Some(component) = row.component {
         return component.to_string();
@@ -210,8 +214,10 @@ fn part_name(scene: &Scene<'_>, item: &Item) -> String {
     }
 }
 
-fn shown_circles(scene: &Scene<'_>, number: usize, readings: &[Reading]) -> Vec<Circle> {
-    let Some(data) = scene.sets.get(number).filter(|data| data.kind.name == "ballbar") else { return Vec::new() };
+fn shown_circles(scene: &Scene<'_>, number: usize, readings: &[DiagnosisReading]) -> Vec<Circle> {
+    let Some(data) = scene.sets.get(number).filter(|data| data.kind.measurand == Measurand::BallDistance) else {
+        return Vec::new();
+    };
     let places: HashMap<usize, usize> =
         readings.iter().enumerate().map(|(place, reading)| (reading.row - 1, place)).collect();
     let found = circles(scene.machine, data);

@@ -5,7 +5,7 @@ use super::cells::unit_of;
 use super::measurement::{Measurement, data_of};
 use super::not_told;
 use crate::calibrate::words::listed;
-use crate::calibrate::{Fit, MonteCarlo, Options, Parameter, monte_carlo};
+use crate::calibrate::{Fit, FitOptions, MonteCarlo, Parameter, monte_carlo};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::number::significant;
 use ncfix_machine::machine::Machine;
@@ -17,7 +17,7 @@ const MOST_NAMES: usize = 6;
 pub(super) fn repeat(
     (machine, parameters): (&Machine, &[Parameter]),
     all: &[Measurement],
-    (fit, options): (&Fit, Options),
+    (fit, options): (&Fit, FitOptions),
     runs_and_seed: [u64; 2],
     progress: &mut dyn FnMut(f64),
     findings: &mut Vec<Diagnostic>,

@@ -23,13 +23,13 @@ pub struct Selection {
     /// Unidentifiable candidates, by themselves or in addition to the fixed parameters.
     pub not_told: Vec<String>,
     /// Steps of the last selection.
-    pub steps: Vec<Step>,
+    pub steps: Vec<SelectionStep>,
     /// Selected terms.
-    pub terms: Vec<Term>,
+    pub terms: Vec<SelectedTerm>,
     /// Autocorrelation of neighbouring readings, by measurement.
     pub correlation: Vec<Correlation>,
     /// Gain of all terms on holdout readings, with the selection repeated in every fold; `null` if nothing was selected.
-    pub held_out: Option<Gain>,
+    pub held_out: Option<HoldoutGain>,
     /// Number of alternations between selection and fit.
     pub passes: usize,
     /// True if the last selection equals the previous one.
@@ -39,7 +39,7 @@ pub struct Selection {
 /// A step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Step {
+pub struct SelectionStep {
     /// Kind of change.
     pub change: StepChange,
     /// The candidate.
@@ -91,7 +91,7 @@ impl StepChange {
 /// A selected term.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Term {
+pub struct SelectedTerm {
     /// The parameter.
     pub name: String,
     /// Its t value.
@@ -101,7 +101,7 @@ pub struct Term {
     /// p-value, times the number of candidates.
     pub p: f64,
     /// Gain on holdout readings, in addition to the other terms.
-    pub held_out: Gain,
+    pub held_out: HoldoutGain,
     /// Candidates that are not distinguishable from it.
     pub rivals: Vec<String>,
 }
@@ -109,7 +109,7 @@ pub struct Term {
 /// Residuals of holdout readings, in units of their uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Gain {
+pub struct HoldoutGain {
     /// Root mean square without it.
     pub before: f64,
     /// Root mean square with it.
@@ -147,13 +147,13 @@ pub(super) fn refuse(refusal: Refusal, all: &[Measurement], findings: &mut Vec<D
 pub(super) fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> Selection {
     let choice = &found.choice;
     let name = |number: usize| found.candidates.get(number).map_or_else(String::new, Parameter::to_string);
-    let gain = |gain: stepwise::Gain| Gain {
+    let gain = |gain: stepwise::Gain| HoldoutGain {
         before: gain.before,
         after: gain.after,
         gain: gain.share,
         error: gain.uncertainty,
     };
-    let steps = choice.steps.iter().map(|step| Step {
+    let steps = choice.steps.iter().map(|step| SelectionStep {
         change: match step.change {
             stepwise::Change::Entered | stepwise::Change::Replaced(_) => StepChange::In,
             stepwise::Change::Left => StepChange::Out,
@@ -170,7 +170,7 @@ pub(super) fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> Selection 
         p: step.p,
         correlation: step.correlation,
     });
-    let terms = choice.terms.iter().map(|term| Term {
+    let terms = choice.terms.iter().map(|term| SelectedTerm {
         name: name(term.candidate),
         t: term.t,
         freedom: term.freedom,

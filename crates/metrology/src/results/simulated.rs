@@ -6,7 +6,7 @@ use super::measurement::Measurement;
 use crate::measure::data::Observation;
 use crate::measure::noise::Noise;
 use crate::measure::reading::Readings;
-use crate::measure::simulate::{Read, Simulation};
+use crate::measure::simulate::{ReadValue, Simulation};
 use ncfix_base::csv::{DecimalSign, Row, Table, number_text};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisVector};
@@ -57,7 +57,7 @@ impl PlannedReadings<'_> {
         let mut rows = Vec::new();
         for row in &data.observations {
             match simulation.read(row) {
-                Ok(Read::Values(values)) => {
+                Ok(ReadValue::Values(values)) => {
                     let cells = values.iter().enumerate().filter_map(|(k, value)| {
                         let value = (*value)?;
                         let column = column_of(data.kind.columns, row, k);
@@ -70,7 +70,7 @@ impl PlannedReadings<'_> {
                     });
                     rows.push(cells.collect());
                 }
-                Ok(Read::Position(mut position)) => {
+                Ok(ReadValue::Position(mut position)) => {
                     LINEAR.iter().for_each(|&axis| position[axis] += next(sigma_mm));
                     self.check_travel(&position, row.place, findings);
                     rows.push(self.position_cells(row, &position));

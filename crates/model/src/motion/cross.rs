@@ -4,7 +4,7 @@
 //! carries the unit: aₖ in mm or rad per power, bₖ per power only.
 
 use super::polynomial::evaluate;
-use super::{Entry, Function};
+use super::{Entry, EntryFunction};
 use ncfix_base::geometry::Axis;
 
 /// Product of two polynomials.
@@ -31,11 +31,11 @@ pub(super) const EXAMPLE: &str = "component = \"EAY\"\nkind = \"cross\"\n\
     coefficients = [0, 1e-9]\nwith = \"X\"\nwith_coefficients = [0, 1.0]\n";
 
 /// Reads `coefficients`, `with` and `with_coefficients`.
-pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
+pub(super) fn read(entry: &mut Entry<'_>) -> Option<EntryFunction> {
     let coefficients = entry.coefficients("coefficients");
     let with_coefficients = entry.coefficients("with_coefficients");
     let with = entry.other_axis("with")?;
-    Some(Function::Cross(Cross { coefficients: coefficients?, with, with_coefficients: with_coefficients? }))
+    Some(EntryFunction::Cross(Cross { coefficients: coefficients?, with, with_coefficients: with_coefficients? }))
 }
 
 #[cfg(test)]

@@ -6,13 +6,13 @@
 
 use super::entry::position_key_of;
 use super::table::Cell;
-use super::{Entry, Function};
+use super::{Entry, EntryFunction};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 
 /// Points of a grid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
+pub struct ErrorGrid {
     /// Own commands, strictly increasing, mm or rad.
     pub positions: Vec<f64>,
     /// Other axis.
@@ -23,7 +23,7 @@ pub struct Grid {
     pub values: Vec<Vec<f64>>,
 }
 
-impl Grid {
+impl ErrorGrid {
     /// Returns the value at the own command and that of the other axis, mm or rad.
     #[must_use]
     pub fn value(&self, own: f64, other: f64) -> f64 {
@@ -44,7 +44,7 @@ pub(super) const EXAMPLE: &str = "component = \"EAY\"\nkind = \"grid\"\nposition
     with = \"X\"\nwith_positions_mm = [0, 700]\nvalues_urad = [[0, 2], [6, 3], [4, -1]]\n";
 
 /// Reads `positions_mm` or `positions_deg`, `with`, `with_positions_mm` or `with_positions_deg`, and the rows of `values_um` or `values_urad`.
-pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
+pub(super) fn read(entry: &mut Entry<'_>) -> Option<EntryFunction> {
     let values_key = entry.deviation_key("values");
     let positions = entry.positions("positions");
     let values = entry.deviation_rows("values");
@@ -71,7 +71,7 @@ pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     }
     entry.demand_increase(&entry.position_key("positions"), &positions)?;
     entry.demand_increase(&position_key_of("with_positions", Some(with)), &with_positions)?;
-    Some(Function::Grid(Grid { positions, with, with_positions, values }))
+    Some(EntryFunction::Grid(ErrorGrid { positions, with, with_positions, values }))
 }
 
 #[cfg(test)]
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn bilinear_inside_and_constant_outside() {
-        let grid = Grid {
+        let grid = ErrorGrid {
             positions: vec![0.0, 100.0, 300.0],
             with: Axis::X,
             with_positions: vec![-50.0, 50.0],
@@ -102,8 +102,12 @@ mod tests {
 
     #[test]
     fn one_row_depends_on_the_other_axis_alone() {
-        let grid =
-            Grid { positions: vec![7.0], with: Axis::Z, with_positions: vec![0.0, 10.0], values: vec![vec![0.0, 5.0]] };
+        let grid = ErrorGrid {
+            positions: vec![7.0],
+            with: Axis::Z,
+            with_positions: vec![0.0, 10.0],
+            values: vec![vec![0.0, 5.0]],
+        };
         assert_eq!([grid.value(-3.0, 2.0), grid.value(90.0, 2.0)], [1.0; 2]);
         assert_eq!(grid.knots(), [&[][..], &[0.0, 10.0]]);
     }

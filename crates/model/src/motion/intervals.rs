@@ -4,7 +4,7 @@
 //! The six components of a grid point are adjacent in memory, so an evaluation reads two neighboring rows, whatever the number of functions. Values that
 //! depend on the direction of the last motion are stored as mean and half difference, e = m(q) + s h(q) with s = −1, 0 or 1.
 
-use super::{Function, Functions};
+use super::{EntryFunction, Functions};
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::machine::State;
 
@@ -48,7 +48,7 @@ impl Intervals {
     }
 
     /// Adds a function if the table represents it well enough. Returns false if not; nothing is added then.
-    fn take(&mut self, axis: Axis, row: usize, function: &Function) -> bool {
+    fn take(&mut self, axis: Axis, row: usize, function: &EntryFunction) -> bool {
         let at = |command: f64, sense: i8| {
             let mut commands = AxisVector::ZERO;
             commands[axis] = command;
@@ -102,7 +102,7 @@ impl Functions {
         let degrees = self.polynomial.len();
         for row in (0..6).filter(|&row| self.polynomial.iter().any(|powers| powers[row] != 0.0)) {
             let coefficients = (0..degrees).map(|power| self.polynomial[degrees - 1 - power][row]).collect();
-            functions.push((row, Function::Polynomial(super::polynomial::Polynomial { coefficients })));
+            functions.push((row, EntryFunction::Polynomial(super::polynomial::Polynomial { coefficients })));
         }
         for (row, function) in functions {
             let is_own = function.with().is_none();
@@ -111,7 +111,7 @@ impl Functions {
                 continue;
             }
             match &function {
-                Function::Polynomial(polynomial) => rest.add_polynomial(row, &polynomial.coefficients),
+                EntryFunction::Polynomial(polynomial) => rest.add_polynomial(row, &polynomial.coefficients),
                 _ => rest.others.push((row, function)),
             }
         }
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
     use crate::name::{Direction, ErrorName};
 
-    fn functions(own: Vec<(Direction, Function)>) -> Functions {
+    fn functions(own: Vec<(Direction, EntryFunction)>) -> Functions {
         let errors: Vec<MotionError> = own
             .into_iter()
             .map(|(direction, function)| MotionError { name: ErrorName::motion(direction, Axis::X), function })
@@ -151,9 +151,9 @@ mod tests {
 
     #[test]
     fn linear_between_points_and_on_beyond_the_ends() {
-        let points = table::Table { positions: vec![-100.0, 100.0, 300.0], values: vec![0.0, 4e-3, 0.0] };
-        let reversal = Function::Backlash(backlash::Backlash::constant(6e-3));
-        let on_grid = functions(vec![(Direction::X, Function::Table(points)), (Direction::X, reversal)]);
+        let points = table::ErrorTable { positions: vec![-100.0, 100.0, 300.0], values: vec![0.0, 4e-3, 0.0] };
+        let reversal = EntryFunction::Backlash(backlash::Backlash::constant(6e-3));
+        let on_grid = functions(vec![(Direction::X, EntryFunction::Table(points)), (Direction::X, reversal)]);
         assert_eq!(on_grid.direct(), 0);
         for (command, sense, value) in
             [(-100.0, 0, 0.0), (1.0, 1, 2.02e-3 + 3e-3), (100.0, -1, 1e-3), (299.0, 0, 2e-5), (301.0, 0, -2e-5)]
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn what_the_grid_is_too_coarse_for_stays() {
         // Intervals of 2 mm: the chord deviation of a wave of 10 µm is 10 (2π/20)² 2²/8 = 0.49 µm for a period of 20 mm, and 0.0012 µm for 400 mm.
-        let wave = |period| Function::Periodic(periodic::Periodic { amplitude: 0.01, period, phase_rad: 0.3 });
+        let wave = |period| EntryFunction::Periodic(periodic::Periodic { amplitude: 0.01, period, phase_rad: 0.3 });
         let on_grid = functions(vec![(Direction::Y, wave(20.0)), (Direction::Z, wave(400.0))]);
         assert_eq!(on_grid.direct(), 1);
         let direct = functions(Vec::new());

@@ -32,17 +32,17 @@ pub struct MotionError {
     /// Component to which it adds.
     pub name: ErrorName,
     /// Function that gives its value.
-    pub function: Function,
+    pub function: EntryFunction,
 }
 
 /// Function of one kind.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Function {
+pub enum EntryFunction {
     /// See [`polynomial`].
     Polynomial(polynomial::Polynomial),
     /// See [`table`].
-    Table(table::Table),
+    Table(table::ErrorTable),
     /// See [`piecewise`].
     Piecewise(piecewise::Piecewise),
     /// See [`periodic`].
@@ -52,7 +52,7 @@ pub enum Function {
     /// See [`cross`].
     Cross(cross::Cross),
     /// See [`grid`].
-    Grid(grid::Grid),
+    Grid(grid::ErrorGrid),
     /// See [`dynamic`]; it has its own section.
     Dynamic(dynamic::Dynamic),
     /// Of a custom kind; see [`MotionFunction`].
@@ -69,7 +69,7 @@ pub trait MotionKind: Send + Sync {
 
     /// Reads the keys of the kind with the methods of the entry. These know the units that follow from the component and its axis, and report faults. `None`
     /// if the entry is not valid.
-    fn read(&self, entry: &mut Entry<'_>) -> Option<Function>;
+    fn read(&self, entry: &mut Entry<'_>) -> Option<EntryFunction>;
 
     /// Returns the lines of an example entry below its `[[motion]]`, for a machine with the axes X, Y and Z.
     fn example(&self) -> &str;
@@ -100,7 +100,7 @@ impl Registered for dyn MotionKind {
 #[derive(Clone, Copy)]
 struct BuiltIn {
     name: &'static str,
-    read: fn(&mut Entry<'_>) -> Option<Function>,
+    read: fn(&mut Entry<'_>) -> Option<EntryFunction>,
     example: &'static str,
 }
 
@@ -109,7 +109,7 @@ impl MotionKind for BuiltIn {
         self.name
     }
 
-    fn read(&self, entry: &mut Entry<'_>) -> Option<Function> {
+    fn read(&self, entry: &mut Entry<'_>) -> Option<EntryFunction> {
         (self.read)(entry)
     }
 
@@ -129,21 +129,21 @@ const BUILT_IN: &[BuiltIn] = &[
     BuiltIn { name: "grid", read: grid::read, example: grid::EXAMPLE },
 ];
 
-impl Function {
+impl EntryFunction {
     /// Returns the value of a function of `axis`, mm or rad.
     #[must_use]
     pub fn value(&self, axis: Axis, command: &AxisVector, state: &State) -> f64 {
         let own = command[axis];
         match self {
-            Function::Polynomial(polynomial) => polynomial.value(own),
-            Function::Table(table) => table.value(own),
-            Function::Piecewise(piecewise) => piecewise.value(own),
-            Function::Periodic(periodic) => periodic.value(own),
-            Function::Backlash(backlash) => backlash.value(own, state.direction(axis)),
-            Function::Cross(cross) => cross.value(own, command[cross.with]),
-            Function::Grid(grid) => grid.value(own, command[grid.with]),
-            Function::Dynamic(dynamic) => dynamic.value(axis, state),
-            Function::Own(own) => own.function().value(axis, command, state),
+            EntryFunction::Polynomial(polynomial) => polynomial.value(own),
+            EntryFunction::Table(table) => table.value(own),
+            EntryFunction::Piecewise(piecewise) => piecewise.value(own),
+            EntryFunction::Periodic(periodic) => periodic.value(own),
+            EntryFunction::Backlash(backlash) => backlash.value(own, state.direction(axis)),
+            EntryFunction::Cross(cross) => cross.value(own, command[cross.with]),
+            EntryFunction::Grid(grid) => grid.value(own, command[grid.with]),
+            EntryFunction::Dynamic(dynamic) => dynamic.value(axis, state),
+            EntryFunction::Own(own) => own.function().value(axis, command, state),
         }
     }
 
@@ -152,17 +152,17 @@ impl Function {
     pub fn is_zero(&self) -> bool {
         let all_zero = |values: &[f64]| values.iter().all(|&value| value == 0.0);
         match self {
-            Function::Polynomial(polynomial) => all_zero(&polynomial.coefficients),
-            Function::Table(table) => all_zero(&table.values),
-            Function::Piecewise(piecewise) => {
+            EntryFunction::Polynomial(polynomial) => all_zero(&polynomial.coefficients),
+            EntryFunction::Table(table) => all_zero(&table.values),
+            EntryFunction::Piecewise(piecewise) => {
                 all_zero(&piecewise.coefficients) && piecewise.knots.iter().all(|knot| all_zero(&knot.coefficients))
             }
-            Function::Periodic(periodic) => periodic.amplitude == 0.0,
-            Function::Backlash(backlash) => all_zero(&backlash.reversal.values),
-            Function::Cross(cross) => all_zero(&cross.coefficients) || all_zero(&cross.with_coefficients),
-            Function::Grid(grid) => grid.values.iter().all(|row| all_zero(row)),
-            Function::Dynamic(dynamic) => all_zero(&[dynamic.by_acceleration, dynamic.by_jerk]),
-            Function::Own(own) => own.is_zero(),
+            EntryFunction::Periodic(periodic) => periodic.amplitude == 0.0,
+            EntryFunction::Backlash(backlash) => all_zero(&backlash.reversal.values),
+            EntryFunction::Cross(cross) => all_zero(&cross.coefficients) || all_zero(&cross.with_coefficients),
+            EntryFunction::Grid(grid) => grid.values.iter().all(|row| all_zero(row)),
+            EntryFunction::Dynamic(dynamic) => all_zero(&[dynamic.by_acceleration, dynamic.by_jerk]),
+            EntryFunction::Own(own) => own.is_zero(),
         }
     }
 
@@ -174,26 +174,26 @@ impl Function {
             }
         };
         match self {
-            Function::Polynomial(polynomial) => list("coefficients", &mut polynomial.coefficients),
-            Function::Table(table) => list("values", &mut table.values),
-            Function::Piecewise(piecewise) => {
+            EntryFunction::Polynomial(polynomial) => list("coefficients", &mut polynomial.coefficients),
+            EntryFunction::Table(table) => list("values", &mut table.values),
+            EntryFunction::Piecewise(piecewise) => {
                 list("coefficients", &mut piecewise.coefficients);
                 for (index, knot) in piecewise.knots.iter_mut().enumerate() {
                     list(&format!("knots[{index}].coefficients"), &mut knot.coefficients);
                 }
             }
-            Function::Periodic(periodic) => visit("amplitude", &mut periodic.amplitude),
-            Function::Backlash(backlash) => match backlash.reversal.values.as_mut_slice() {
+            EntryFunction::Periodic(periodic) => visit("amplitude", &mut periodic.amplitude),
+            EntryFunction::Backlash(backlash) => match backlash.reversal.values.as_mut_slice() {
                 [value] => visit("value", value),
                 values => list("values", values),
             },
-            Function::Cross(cross) => list("coefficients", &mut cross.coefficients),
-            Function::Dynamic(dynamic) => {
+            EntryFunction::Cross(cross) => list("coefficients", &mut cross.coefficients),
+            EntryFunction::Dynamic(dynamic) => {
                 visit("by_acceleration", &mut dynamic.by_acceleration);
                 visit("by_jerk", &mut dynamic.by_jerk);
             }
-            Function::Own(own) => own.function_mut().visit_values(visit),
-            Function::Grid(grid) => {
+            EntryFunction::Own(own) => own.function_mut().visit_values(visit),
+            EntryFunction::Grid(grid) => {
                 for (index, row) in grid.values.iter_mut().enumerate() {
                     list(&format!("values[{index}]"), row);
                 }
@@ -205,16 +205,16 @@ impl Function {
     #[must_use]
     pub fn with(&self) -> Option<Axis> {
         match self {
-            Function::Cross(cross) => Some(cross.with),
-            Function::Grid(grid) => Some(grid.with),
-            Function::Own(own) => own.function().with(),
+            EntryFunction::Cross(cross) => Some(cross.with),
+            EntryFunction::Grid(grid) => Some(grid.with),
+            EntryFunction::Own(own) => own.function().with(),
             _ => None,
         }
     }
 
     /// Returns the function multiplied by a factor.
     #[must_use]
-    pub fn scaled(&self, factor: f64) -> Function {
+    pub fn scaled(&self, factor: f64) -> EntryFunction {
         let mut scaled = self.clone();
         scaled.visit_values(&mut |_, value| *value *= factor);
         scaled
@@ -226,30 +226,32 @@ impl Function {
         let travel = travels[axis.slot()];
         let own = &mut features[axis.slot()];
         match self {
-            Function::Polynomial(polynomial) => own.note_degree(polynomial::degree(&polynomial.coefficients), travel),
-            Function::Table(table) => own.note_knots(table.knots().iter().copied()),
-            Function::Piecewise(piecewise) => {
+            EntryFunction::Polynomial(polynomial) => {
+                own.note_degree(polynomial::degree(&polynomial.coefficients), travel)
+            }
+            EntryFunction::Table(table) => own.note_knots(table.knots().iter().copied()),
+            EntryFunction::Piecewise(piecewise) => {
                 own.note_degree(piecewise.degree(), travel);
                 own.note_knots(piecewise.knots.iter().map(|knot| knot.at));
             }
-            Function::Periodic(periodic) => own.note_length(periodic.period / 2.0),
-            Function::Backlash(backlash) => {
+            EntryFunction::Periodic(periodic) => own.note_length(periodic.period / 2.0),
+            EntryFunction::Backlash(backlash) => {
                 own.backlash = true;
                 own.note_knots(backlash.reversal.knots().iter().copied());
             }
-            Function::Cross(cross) => {
+            EntryFunction::Cross(cross) => {
                 own.note_degree(polynomial::degree(&cross.coefficients), travel);
                 let with = cross.with.slot();
                 features[with].note_degree(polynomial::degree(&cross.with_coefficients), travels[with]);
             }
-            Function::Grid(grid) => {
+            EntryFunction::Grid(grid) => {
                 let [along, across] = grid.knots();
                 own.note_knots(along.iter().copied());
                 features[grid.with.slot()].note_knots(across.iter().copied());
             }
             // It is constant over all positions.
-            Function::Dynamic(_) => {}
-            Function::Own(function) => {
+            EntryFunction::Dynamic(_) => {}
+            EntryFunction::Own(function) => {
                 let function = function.function();
                 for along in [Some(axis), function.with()].into_iter().flatten() {
                     let Sampling { length, knots, has_senses } = function.sampling(along, travels[along.slot()]);
@@ -268,7 +270,7 @@ impl Function {
 pub(super) struct Functions {
     /// Coefficients of the six components, highest degree first.
     polynomial: Vec<[f64; 6]>,
-    others: Vec<(usize, Function)>,
+    others: Vec<(usize, EntryFunction)>,
     /// Functions tabulated for a control.
     intervals: Option<intervals::Intervals>,
 }
@@ -281,11 +283,11 @@ impl Functions {
         for error in own {
             let row = error.name.direction.index();
             match &error.function {
-                Function::Polynomial(polynomial) => functions.add_polynomial(row, &polynomial.coefficients),
-                Function::Piecewise(piecewise) => {
+                EntryFunction::Polynomial(polynomial) => functions.add_polynomial(row, &polynomial.coefficients),
+                EntryFunction::Piecewise(piecewise) => {
                     functions.add_polynomial(row, &piecewise.coefficients);
                     let knots = piecewise.knots.clone();
-                    let rest = Function::Piecewise(piecewise::Piecewise { coefficients: Vec::new(), knots });
+                    let rest = EntryFunction::Piecewise(piecewise::Piecewise { coefficients: Vec::new(), knots });
                     functions.others.push((row, rest));
                 }
                 other => functions.others.push((row, other.clone())),
@@ -347,13 +349,14 @@ mod tests {
     fn entries_of_one_component_add_up() {
         let exx = ErrorName::motion(Direction::X, Axis::X);
         let eax = ErrorName::motion(Direction::A, Axis::X);
-        let polynomial =
-            |coefficients: &[f64]| Function::Polynomial(polynomial::Polynomial { coefficients: coefficients.to_vec() });
+        let polynomial = |coefficients: &[f64]| {
+            EntryFunction::Polynomial(polynomial::Polynomial { coefficients: coefficients.to_vec() })
+        };
         let errors = [
             MotionError { name: exx, function: polynomial(&[1.0, 2.0]) },
             MotionError { name: exx, function: polynomial(&[0.5, 0.0, 0.25, 0.125]) },
             MotionError { name: eax, function: polynomial(&[0.0, 1.0]) },
-            MotionError { name: exx, function: Function::Backlash(backlash::Backlash::constant(6.0)) },
+            MotionError { name: exx, function: EntryFunction::Backlash(backlash::Backlash::constant(6.0)) },
             MotionError { name: ErrorName::motion(Direction::X, Axis::Y), function: polynomial(&[100.0]) },
         ];
         let functions = Functions::of(Axis::X, &errors);
@@ -367,7 +370,7 @@ mod tests {
 
     #[test]
     fn a_function_of_zeros_is_left_out() {
-        let zero = Function::Polynomial(polynomial::Polynomial { coefficients: vec![0.0, 0.0] });
+        let zero = EntryFunction::Polynomial(polynomial::Polynomial { coefficients: vec![0.0, 0.0] });
         let errors = [MotionError { name: ErrorName::motion(Direction::X, Axis::X), function: zero }];
         assert!(Functions::of(Axis::X, &errors).is_empty());
     }

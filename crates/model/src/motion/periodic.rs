@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Entry, Function};
+use super::{Entry, EntryFunction};
 use ncfix_base::diagnostic::Code;
 
 /// Shortest period, mm or rad: a tenth of the shortest pitch of a scale. The blocks of a program could not follow a shorter one.
@@ -35,7 +35,7 @@ pub(super) const EXAMPLE: &str = "component = \"EXX\"\nkind = \"periodic\"\n\
     period_mm = 10.0\namplitude_um = 1.5\nphase_deg = 30.0\n";
 
 /// Reads `period_mm` or `period_deg`, `amplitude_um` or `amplitude_urad`, and the optional `phase_deg`.
-pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
+pub(super) fn read(entry: &mut Entry<'_>) -> Option<EntryFunction> {
     let period = entry.length("period");
     if period.is_some_and(|period| period < SHORTEST) {
         let key = entry.position_key("period");
@@ -46,7 +46,7 @@ pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     }
     let amplitude = entry.deviation("amplitude");
     let phase_rad = entry.section.number("phase_deg").map_or(0.0, f64::to_radians);
-    Some(Function::Periodic(Periodic { period: period?, amplitude: amplitude?, phase_rad }))
+    Some(EntryFunction::Periodic(Periodic { period: period?, amplitude: amplitude?, phase_rad }))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! smooth except for its highest derivative.
 
 use super::polynomial::{degree, evaluate};
-use super::{Entry, Function};
+use super::{Entry, EntryFunction};
 use ncfix_base::diagnostic::{Code, Place};
 
 /// Global polynomial with additions from each knot on.
@@ -47,7 +47,7 @@ pub(super) const EXAMPLE: &str = "component = \"EZY\"\nkind = \"piecewise\"\ndeg
     coefficients = [0.0, 1e-5, 2e-8]\nknots = [{ at_mm = 100, coefficients = [0, 0, 3e-8] }]\n";
 
 /// Reads `coefficients`, `knots` (`at_mm` or `at_deg` and `coefficients` each) and the optional `degree`, which they must not exceed.
-pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
+pub(super) fn read(entry: &mut Entry<'_>) -> Option<EntryFunction> {
     let highest = entry.section.integer("degree");
     let coefficients = entry.coefficients("coefficients");
     let mut knots = Vec::new();
@@ -71,7 +71,7 @@ pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     check_degree(entry, highest, &coefficients, place);
     let positions: Vec<f64> = knots.iter().map(|knot| knot.at).collect();
     entry.demand_increase("knots", &positions)?;
-    complete.then_some(Function::Piecewise(Piecewise { coefficients, knots }))
+    complete.then_some(EntryFunction::Piecewise(Piecewise { coefficients, knots }))
 }
 
 fn check_degree(entry: &mut Entry<'_>, highest: Option<u32>, coefficients: &[f64], place: Place) {

@@ -3,7 +3,7 @@
 //! This is the form in which the literature prints calibrated motion errors (Esmaeili 2021, eq. 3 and Tables 4-2, 4-3). Outside the measured travel it grows
 //! without bound, so a machine file should state the travel.
 
-use super::{Entry, Function};
+use super::{Entry, EntryFunction};
 
 /// Coefficients from degree 0, mm or rad per power of mm or rad.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,8 +35,8 @@ pub(super) const EXAMPLE: &str = "component = \"EXX\"\nkind = \"polynomial\"\n\
     coefficients = [0.0, -3.13e-4, 7.53e-8, 1.35e-10]\n";
 
 /// Reads `coefficients`.
-pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
-    Some(Function::Polynomial(Polynomial { coefficients: entry.coefficients("coefficients")? }))
+pub(super) fn read(entry: &mut Entry<'_>) -> Option<EntryFunction> {
+    Some(EntryFunction::Polynomial(Polynomial { coefficients: entry.coefficients("coefficients")? }))
 }
 
 #[cfg(test)]

@@ -2,19 +2,19 @@
 //!
 //! e(q) = eᵢ + (eᵢ₊₁ − eᵢ)(q − qᵢ)/(qᵢ₊₁ − qᵢ) for qᵢ ≤ q ≤ qᵢ₊₁ (Sinumerik `$AN_CEC`, ISO/TR 16907).
 
-use super::{Entry, Function};
+use super::{Entry, EntryFunction};
 use ncfix_base::diagnostic::Code;
 
 /// Points of a table.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct ErrorTable {
     /// Commands, strictly increasing, mm or rad.
     pub positions: Vec<f64>,
     /// Deviations at the positions, mm or rad.
     pub values: Vec<f64>,
 }
 
-impl Table {
+impl ErrorTable {
     /// Returns the value at a command, mm or rad.
     #[must_use]
     pub fn value(&self, command: f64) -> f64 {
@@ -62,12 +62,12 @@ pub(super) const EXAMPLE: &str = "component = \"EYX\"\nkind = \"table\"\n\
     positions_mm = [0, 350, 700]\nvalues_um = [0, 4, -1]\n";
 
 /// Reads `positions_mm` or `positions_deg` and `values_um` or `values_urad`.
-pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
-    read_points(entry).map(Function::Table)
+pub(super) fn read(entry: &mut Entry<'_>) -> Option<EntryFunction> {
+    read_points(entry).map(EntryFunction::Table)
 }
 
 /// Reads the points of a table.
-pub(super) fn read_points(entry: &mut Entry<'_>) -> Option<Table> {
+pub(super) fn read_points(entry: &mut Entry<'_>) -> Option<ErrorTable> {
     let positions_key = entry.position_key("positions");
     let values_key = entry.deviation_key("values");
     let positions = entry.positions("positions");
@@ -80,7 +80,7 @@ pub(super) fn read_points(entry: &mut Entry<'_>) -> Option<Table> {
         return None;
     }
     entry.demand_increase(&positions_key, &positions)?;
-    Some(Table { positions, values })
+    Some(ErrorTable { positions, values })
 }
 
 #[cfg(test)]
@@ -89,13 +89,13 @@ mod tests {
 
     #[test]
     fn linear_between_points_and_constant_outside() {
-        let table = Table { positions: vec![0.0, 350.0, 700.0], values: vec![0.0, 4e-3, -1e-3] };
+        let table = ErrorTable { positions: vec![0.0, 350.0, 700.0], values: vec![0.0, 4e-3, -1e-3] };
         for (command, value) in
             [(-5.0, 0.0), (0.0, 0.0), (87.5, 1e-3), (350.0, 4e-3), (490.0, 2e-3), (700.0, -1e-3), (800.0, -1e-3)]
         {
             assert!((table.value(command) - value).abs() < 1e-15, "{command}");
         }
-        let constant = Table { positions: vec![5.0], values: vec![2.0] };
+        let constant = ErrorTable { positions: vec![5.0], values: vec![2.0] };
         assert_eq!([constant.value(4.0), constant.value(5.0), constant.value(6.0)], [2.0; 3]);
     }
 }

@@ -23,7 +23,7 @@ use super::linked::{backlashes, positioning};
 use super::roles::{Linear, RotaryPair, along};
 use super::separable::{ReadingPlan, SetUp};
 use crate::name::{DIRECTIONS, Direction, ErrorName};
-use crate::parameter::{ParameterName, Term};
+use crate::parameter::{ComponentTerm, ParameterName};
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::Machine;
 
@@ -103,6 +103,9 @@ fn candidates(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitable> {
     // Some occur twice; the first place counts.
     let mut seen = std::collections::BTreeSet::new();
     all.retain(|parameter| seen.insert(*parameter));
-    debug_assert_eq!(all.iter().filter(|parameter| matches!(parameter.term, Term::Coefficient(_))).count(), 120);
+    debug_assert_eq!(
+        all.iter().filter(|parameter| matches!(parameter.term, ComponentTerm::Coefficient(_))).count(),
+        120
+    );
     Ok(all)
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::motion::Function;
-use crate::parameter::{ParameterName, Term};
+use crate::motion::EntryFunction;
+use crate::parameter::{ComponentTerm, ParameterName};
 use crate::{ErrorModel, ErrorName, MotionError};
 
 /// Error that is not among given parameters.
@@ -38,12 +38,12 @@ fn parts(error: &MotionError) -> Vec<Rest> {
         degrees.map(|degree| Rest::Parameter(ParameterName::coefficient(component, degree))).collect()
     };
     let kind = match &error.function {
-        Function::Polynomial(polynomial) => return global(&polynomial.coefficients),
-        Function::Backlash(backlash) if backlash.reversal.positions.len() == 1 => {
+        EntryFunction::Polynomial(polynomial) => return global(&polynomial.coefficients),
+        EntryFunction::Backlash(backlash) if backlash.reversal.positions.len() == 1 => {
             return vec![Rest::Parameter(ParameterName::backlash(component))];
         }
-        Function::Backlash(_) => "backlash along the axis",
-        Function::Piecewise(piecewise) => {
+        EntryFunction::Backlash(_) => "backlash along the axis",
+        EntryFunction::Piecewise(piecewise) => {
             let mut parts = global(&piecewise.coefficients);
             for knot in &piecewise.knots {
                 let is_rotary = component.axis().is_some_and(|axis| axis.is_rotary());
@@ -54,17 +54,17 @@ fn parts(error: &MotionError) -> Vec<Rest> {
                     continue;
                 }
                 let degrees = (0..=u8::MAX).take(knot.coefficients.len());
-                let term = |degree| Term::Knot { degree, at: at.round() as i32 };
+                let term = |degree| ComponentTerm::Knot { degree, at: at.round() as i32 };
                 parts.extend(degrees.map(|degree| Rest::Parameter(ParameterName { component, term: term(degree) })));
             }
             return parts;
         }
-        Function::Table(_) => "table",
-        Function::Periodic(_) => "periodic",
-        Function::Cross(_) => "cross",
-        Function::Grid(_) => "grid",
-        Function::Dynamic(_) => "dynamic",
-        Function::Own(own) => own.function().kind(),
+        EntryFunction::Table(_) => "table",
+        EntryFunction::Periodic(_) => "periodic",
+        EntryFunction::Cross(_) => "cross",
+        EntryFunction::Grid(_) => "grid",
+        EntryFunction::Dynamic(_) => "dynamic",
+        EntryFunction::Own(own) => own.function().kind(),
     };
     vec![Rest::Function(component, kind)]
 }

@@ -18,7 +18,7 @@
 use super::Unsuitable;
 use super::roles::{Linear, along};
 use crate::name::{DIRECTIONS, ErrorKind, ErrorName};
-use crate::parameter::{ParameterName, Term};
+use crate::parameter::{ComponentTerm, ParameterName};
 use ncfix_machine::machine::{AxisData, Lever, Machine};
 
 /// Distance of the knots, mm.
@@ -66,7 +66,7 @@ fn functions(axes: &[&AxisData; 3], also: &[ParameterName]) -> Vec<ParameterName
             let first = 1 + u8::from(is_straightness);
             parameters.extend(also.iter().filter(|parameter| parameter.component == component));
             parameters.extend((first..=2).map(|degree| ParameterName::coefficient(component, degree)));
-            let knots = knots(data).map(|at| ParameterName { component, term: Term::Knot { degree: 2, at } });
+            let knots = knots(data).map(|at| ParameterName { component, term: ComponentTerm::Knot { degree: 2, at } });
             parameters.extend(knots);
         }
     }

@@ -8,8 +8,8 @@
 
 use crate::ErrorModel;
 use crate::accumulator::Accumulator;
-use crate::motion::Function;
-use crate::motion::table::Table;
+use crate::motion::EntryFunction;
+use crate::motion::table::ErrorTable;
 use crate::name::{DIRECTIONS, Direction};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::{Axis, AxisSet, Vector, about};
@@ -17,7 +17,7 @@ use ncfix_base::units::{mm_from_um, um_from_mm};
 use ncfix_machine::machine::file::Section;
 use ncfix_machine::machine::{Condition, Lever, Machine};
 
-use super::{Effect, Parameter, Reading, SourceInfo, Written};
+use super::{Effect, MachineFileReading, Parameter, SourceInfo, WrittenAt};
 
 /// Name, title and sections of the source.
 pub(super) static SOURCE: SourceInfo = SourceInfo {
@@ -105,7 +105,7 @@ impl Effect for Drift {
         };
         let table = |values| {
             let positions = self.nodes.iter().map(|node| node.at).collect();
-            Function::Table(Table { positions, values })
+            EntryFunction::Table(ErrorTable { positions, values })
         };
         match machine.axis(over) {
             // The errors of a rotary axis rotate with its body: the displacement along the axis of F at each position, in the frame of the body.
@@ -138,11 +138,11 @@ impl Effect for Drift {
                 let number = if again > 0 { format!("~{}", again + 1) } else { String::new() };
                 let name = format!("drift.{place}.{}{number}", term.sensor);
                 let key = format!("sensors[{index}].um_per_K");
-                let written = Some(Written { entry, key: &key, factor: um_from_mm(1.0) });
+                let written = Some(WrittenAt { entry, key: &key, factor: um_from_mm(1.0) });
                 visit(&Parameter { name: &name, is_linear: true, written }, &mut term.mm_per_k);
                 if term.lag_s > 0.0 {
                     let key = format!("sensors[{index}].lag_s");
-                    let written = Some(Written { entry, key: &key, factor: 1.0 });
+                    let written = Some(WrittenAt { entry, key: &key, factor: 1.0 });
                     let name = format!("{name}.lag_s");
                     visit(&Parameter { name: &name, is_linear: false, written }, &mut term.lag_s);
                 }
@@ -159,7 +159,7 @@ impl Effect for Drift {
     }
 }
 
-pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorModel) {
     let (axes, machine) = (reading.axes, reading.machine);
     let sections = reading.root.sections("drift");
     let entries: Vec<Entry> = sections

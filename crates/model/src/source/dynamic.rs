@@ -3,11 +3,11 @@
 //! One `[[dynamic]]` for each component with a compliance: e = k·a + c·ȧ of the axis of the component ([`crate::motion::dynamic`]). It is zero if the
 //! acceleration of an axis is unknown, for positions measured at rest and for the correction of a program.
 
-use super::{Effect, Parameter, Reading, SourceInfo, Written};
+use super::{Effect, MachineFileReading, Parameter, SourceInfo, WrittenAt};
 use crate::ErrorModel;
 use crate::accumulator::Accumulator;
 use crate::file::known_component;
-use crate::motion::Function;
+use crate::motion::EntryFunction;
 use crate::motion::dynamic::Dynamic;
 use crate::name::{ErrorKind, ErrorName};
 use ncfix_base::diagnostic::Code;
@@ -56,7 +56,7 @@ impl Effect for Deflection {
     }
 
     fn contribute(&self, _: &Condition, sum: &mut Accumulator<'_>) {
-        sum.add_motion(self.name, &Function::Dynamic(self.function), 1.0);
+        sum.add_motion(self.name, &EntryFunction::Dynamic(self.function), 1.0);
     }
 
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
@@ -64,7 +64,7 @@ impl Effect for Deflection {
         let Dynamic { by_acceleration, by_jerk } = &mut self.function;
         for (order, value) in [(2, by_acceleration), (3, by_jerk)] {
             let key = key(name, order);
-            let written = Some(Written { entry, key: &key, factor: 1.0 / factor(name) });
+            let written = Some(WrittenAt { entry, key: &key, factor: 1.0 / factor(name) });
             visit(&Parameter { name: &format!("dynamic.{name}.{key}"), is_linear: true, written }, value);
         }
     }
@@ -89,7 +89,7 @@ fn is_rotary(name: ErrorName) -> bool {
     name.axis().is_some_and(|axis| axis.is_rotary())
 }
 
-pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorModel) {
     for (entry, mut section) in reading.root.sections("dynamic").into_iter().enumerate() {
         let one = read_entry(entry, &mut section, reading);
         section.finish(reading.findings);
@@ -97,7 +97,7 @@ pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     }
 }
 
-fn read_entry(entry: usize, section: &mut Section<'_>, reading: &Reading<'_, '_>) -> Option<Deflection> {
+fn read_entry(entry: usize, section: &mut Section<'_>, reading: &MachineFileReading<'_, '_>) -> Option<Deflection> {
     let text = section.required("component", "\"EXX\"", Section::text);
     let place = section.place_of("component");
     let help = "write E, a direction and the axis that accelerates, for example EXX or EAY";

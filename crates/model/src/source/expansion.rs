@@ -9,7 +9,7 @@
 //! 1). It is treated like the position-dependent errors of the geometry.
 
 use crate::accumulator::Accumulator;
-use crate::motion::Function;
+use crate::motion::EntryFunction;
 use crate::motion::polynomial::Polynomial;
 use crate::name::DIRECTIONS;
 use crate::{ErrorModel, ErrorName};
@@ -18,7 +18,7 @@ use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_machine::machine::file::Section;
 use ncfix_machine::machine::{Condition, Machine};
 
-use super::{Effect, Parameter, Reading, SourceInfo, Written};
+use super::{Effect, MachineFileReading, Parameter, SourceInfo, WrittenAt};
 
 /// Name, title and sections of the source.
 pub(super) static SOURCE: SourceInfo = SourceInfo {
@@ -100,7 +100,7 @@ impl Effect for Expansion {
             Body::Scale => self.per_k * rise,
             Body::Workpiece => -self.per_k * rise,
         };
-        let along = Function::Polynomial(Polynomial { coefficients: vec![-strain * self.fixed_mm, strain] });
+        let along = EntryFunction::Polynomial(Polynomial { coefficients: vec![-strain * self.fixed_mm, strain] });
         for (direction, &share) in DIRECTIONS.into_iter().zip(axis.direction.iter()) {
             sum.add_motion(ErrorName::motion(direction, self.axis), &along, share);
         }
@@ -109,7 +109,7 @@ impl Effect for Expansion {
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
         let name = format!("expansion.{}.{}", self.axis, self.body.key());
         let key = format!("{}.um_per_m_K", self.body.key());
-        let written = Some(Written { entry: self.entry, key: &key, factor: 1.0 / PER_UM_PER_M });
+        let written = Some(WrittenAt { entry: self.entry, key: &key, factor: 1.0 / PER_UM_PER_M });
         visit(&Parameter { name: &name, is_linear: true, written }, &mut self.per_k);
     }
 
@@ -118,7 +118,7 @@ impl Effect for Expansion {
     }
 }
 
-pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorModel) {
     let mut seen = AxisSet::EMPTY;
     for (entry, mut section) in reading.root.sections("expansion").into_iter().enumerate() {
         let axis = read_axis(&mut section, reading.axes, &mut seen);

@@ -2,10 +2,10 @@
 //!
 //! Sections `[location]` and `[[motion]]`; the sum of both is the volumetric error model of ISO 230-1 (Spaan 1995, ch. 2; Esmaeili 2021, ch. 2).
 
-use super::{Effect, Parameter, Reading, SourceInfo, coupling, reversal};
+use super::{Effect, MachineFileReading, Parameter, SourceInfo, coupling, reversal};
 use crate::accumulator::Accumulator;
 use crate::file;
-use crate::motion::Function;
+use crate::motion::EntryFunction;
 use crate::{ErrorModel, LocationError, MotionError};
 use ncfix_machine::machine::Condition;
 
@@ -29,7 +29,7 @@ values_urad = [0, 12, -8]
 ",
 };
 
-pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorModel) {
     if let Some(section) = reading.root.section("location") {
         errors.location.extend(file::read_location(section, reading.axes, reading.findings));
     }
@@ -59,8 +59,8 @@ impl Effect for LocationError {
 impl Effect for MotionError {
     fn source(&self) -> &'static SourceInfo {
         match self.function {
-            Function::Backlash(_) => &reversal::SOURCE,
-            Function::Cross(_) | Function::Grid(_) => &coupling::SOURCE,
+            EntryFunction::Backlash(_) => &reversal::SOURCE,
+            EntryFunction::Cross(_) | EntryFunction::Grid(_) => &coupling::SOURCE,
             _ => &SOURCE,
         }
     }

@@ -9,9 +9,9 @@
 //! e(x, F₀) is the effect of a load of F₀ on a motion error or on a location error (load at the center of the table; at p₀ for the second formula). F is the
 //! weight, and p its position from the center of the table along a direction of F. The effects of several loads add up.
 
-use super::{Effect, Parameter, Reading, SourceInfo, Written};
+use super::{Effect, MachineFileReading, Parameter, SourceInfo, WrittenAt};
 use crate::accumulator::Accumulator;
-use crate::motion::{Entry, Function, MotionKinds};
+use crate::motion::{Entry, EntryFunction, MotionKinds};
 use crate::name::{ErrorKind, ErrorName};
 use crate::{ErrorModel, file};
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -46,7 +46,7 @@ value_urad = -45
 /// Directions of a position on the table.
 const ALONG: [&str; 3] = ["X", "Y", "Z"];
 
-pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorModel) {
     for (entry, section) in reading.root.sections("load").into_iter().enumerate() {
         if let Some(effect) = read_effect(section, reading.axes, reading.kinds, reading.findings) {
             errors.effects.push(Box::new(LoadEffect { entry, ..effect }));
@@ -152,7 +152,7 @@ enum Amount {
     /// Change of a location error, mm or rad.
     Constant(f64),
     /// Change of a motion error.
-    Function(Function),
+    Function(EntryFunction),
 }
 
 /// Returns the key of a value of a function in the file, and the factor to the unit of the file: coefficients are in mm and rad, all other values have a
@@ -223,7 +223,7 @@ impl Effect for LoadEffect {
                     &Parameter {
                         name: &component,
                         is_linear: true,
-                        written: Some(Written { entry, key: &key, factor }),
+                        written: Some(WrittenAt { entry, key: &key, factor }),
                     },
                     value,
                 );
@@ -232,7 +232,7 @@ impl Effect for LoadEffect {
                 let (key, factor) = written_as(name, is_rotation);
                 let name = format!("{component}.{name}");
                 visit(
-                    &Parameter { name: &name, is_linear: true, written: Some(Written { entry, key: &key, factor }) },
+                    &Parameter { name: &name, is_linear: true, written: Some(WrittenAt { entry, key: &key, factor }) },
                     value,
                 );
             }),
@@ -242,7 +242,7 @@ impl Effect for LoadEffect {
             Lean::Arm { arm_mm, .. } => ("arm_mm", arm_mm),
             Lean::Moment { at_mm, .. } => ("at_mm", at_mm),
         };
-        let written = Some(Written { entry, key, factor: 1.0 });
+        let written = Some(WrittenAt { entry, key, factor: 1.0 });
         visit(&Parameter { name: &format!("{component}.{key}"), is_linear: false, written }, arm);
     }
 

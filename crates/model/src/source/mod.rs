@@ -31,7 +31,7 @@ pub struct SourceInfo {
     pub name: &'static str,
     /// Short description for people: `workpiece weight`.
     pub title: &'static str,
-    /// Top-level sections of the machine file that belong to it: `load` for `[[load]]` or `[load]`. The parameters of its effects ([`Written`]) are in the
+    /// Top-level sections of the machine file that belong to it: `load` for `[[load]]` or `[load]`. The parameters of its effects ([`WrittenAt`]) are in the
     /// first section.
     pub sections: &'static [&'static str],
     /// Example sections in the file of a machine with X, Y and Z, for help and tests.
@@ -46,10 +46,10 @@ pub trait ErrorSource: Send + Sync {
     /// Returns its description: always the same static, which its effects return, too.
     fn info(&self) -> &'static SourceInfo;
 
-    /// Reads its sections from [`Reading::root`] and pushes an [`Effect`] for each into [`ErrorModel::effects`], mm and rad. It is called once for every
+    /// Reads its sections from [`MachineFileReading::root`] and pushes an [`Effect`] for each into [`ErrorModel::effects`], mm and rad. It is called once for every
     /// machine file, with or without its sections, and does not fail. Faults are reported at their place ([`Section::report`], [`Section::finish`] for each
     /// section that was taken); an invalid entry is omitted.
-    fn read(&self, reading: &mut Reading<'_, '_>, errors: &mut ErrorModel);
+    fn read(&self, reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorModel);
 }
 
 impl<S: ErrorSource + 'static> From<S> for Box<dyn ErrorSource> {
@@ -84,7 +84,7 @@ impl Registered for dyn ErrorSource {
 #[derive(Clone, Copy)]
 struct BuiltIn {
     info: &'static SourceInfo,
-    read: fn(&mut Reading<'_, '_>, &mut ErrorModel),
+    read: fn(&mut MachineFileReading<'_, '_>, &mut ErrorModel),
 }
 
 impl ErrorSource for BuiltIn {
@@ -92,7 +92,7 @@ impl ErrorSource for BuiltIn {
         self.info
     }
 
-    fn read(&self, reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+    fn read(&self, reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorModel) {
         (self.read)(reading, errors);
     }
 }
@@ -127,7 +127,7 @@ pub trait Effect: BoxedEffect + Debug + Send + Sync {
 
     /// Adds its effect in a condition to the location and motion errors of the axes: mm and rad along and about the directions of F at the zero pose, as
     /// deviation of the body that the axis moves, also on the workpiece side. The effect depends only on the condition (loads, temperatures, time).
-    /// Dependence on the position of an axis or on its last motion is expressed by a [`Function`](crate::motion::Function). It is called whenever the
+    /// Dependence on the position of an axis or on its last motion is expressed by a [`Function`](crate::motion::EntryFunction). It is called whenever the
     /// condition changes, not for every position. If the condition lacks the required data, it adds nothing.
     fn contribute(&self, condition: &Condition, sum: &mut Accumulator<'_>);
 
@@ -184,12 +184,12 @@ pub struct Parameter<'a> {
     /// True if the error is proportional to it (together with all other linear parameters of the effect).
     pub is_linear: bool,
     /// Place in the machine file; `None` for location and motion errors, which have their own names there.
-    pub written: Option<Written<'a>>,
+    pub written: Option<WrittenAt<'a>>,
 }
 
 /// Place of a parameter in the machine file: in the first section of its source.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Written<'a> {
+pub struct WrittenAt<'a> {
     /// Index of the entry in the list `[[section]]`; 0 for a single `[section]`.
     pub entry: usize,
     /// Key in the entry: `knots[0].coefficients[2]`, `sensors[1].um_per_K`.
@@ -201,7 +201,7 @@ pub struct Written<'a> {
 /// Machine file while sources read their sections.
 #[derive(Debug)]
 #[non_exhaustive]
-pub struct Reading<'a, 'f> {
+pub struct MachineFileReading<'a, 'f> {
     /// All sections: a source takes its own with [`Section::section`] (`[name]`) or [`Section::sections`] (`[[name]]`).
     pub root: &'a mut Section<'f>,
     /// Axes that have a section, valid or not.

@@ -16,10 +16,10 @@
 //! errors, and thus zero-point drift and squareness. If an axis slides along the segment, they are motion errors of that axis: its scale, straightness and
 //! angles.
 
-use super::{Effect, Parameter, Reading, SourceInfo, Written};
+use super::{Effect, MachineFileReading, Parameter, SourceInfo, WrittenAt};
 use crate::ErrorModel;
 use crate::accumulator::Accumulator;
-use crate::motion::{Function, polynomial::Polynomial};
+use crate::motion::{EntryFunction, polynomial::Polynomial};
 use crate::name::{Carrier, DIRECTIONS, ErrorKind, ErrorName};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, Vector};
@@ -187,7 +187,7 @@ impl Effect for Segment {
                     let sense = machine.axis(axis).map_or(1.0, |data| data.direction.dot(&s).signum());
                     let coefficients = substituted(&of_length, slide_mm, sense);
                     let name = ErrorName::motion(direction, axis);
-                    sum.add_motion(name, &Function::Polynomial(Polynomial { coefficients }), 1.0);
+                    sum.add_motion(name, &EntryFunction::Polynomial(Polynomial { coefficients }), 1.0);
                 }
                 _ => {
                     let value = of_length.iter().rev().fold(0.0, |sum, part| sum * self.length_mm + part);
@@ -200,7 +200,7 @@ impl Effect for Segment {
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
         let (segment, entry) = (self.name.clone(), self.entry);
         let mut show = |name: &str, is_linear, key, factor, value: &mut f64| {
-            let written = Some(Written { entry, key, factor });
+            let written = Some(WrittenAt { entry, key, factor });
             visit(&Parameter { name: &format!("segment.{segment}.{name}"), is_linear, written }, value);
         };
         show("expansion", true, "um_per_m_K", 1e6, &mut self.expansion);
@@ -233,7 +233,7 @@ fn substituted(powers: &[f64; POWERS], offset: f64, sense: f64) -> Vec<f64> {
     result
 }
 
-pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+pub(super) fn read(reading: &mut MachineFileReading<'_, '_>, errors: &mut ErrorModel) {
     for (entry, mut section) in reading.root.sections("segment").into_iter().enumerate() {
         let segment = read_segment(&mut section, reading);
         section.finish(reading.findings);
@@ -241,7 +241,7 @@ pub(super) fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     }
 }
 
-fn read_segment(section: &mut Section<'_>, reading: &Reading<'_, '_>) -> Option<Segment> {
+fn read_segment(section: &mut Section<'_>, reading: &MachineFileReading<'_, '_>) -> Option<Segment> {
     let name = section.required("name", "\"column\"", Section::text);
     let before = section.required("before", "\"Z\"", Section::text);
     let along = section.text("along");
@@ -339,7 +339,7 @@ fn axis_of(carrier: Carrier) -> Option<Axis> {
 }
 
 /// Reads an axis of the machine, or S.
-fn carrier(section: &mut Section<'_>, key: &str, text: &str, reading: &Reading<'_, '_>) -> Option<Carrier> {
+fn carrier(section: &mut Section<'_>, key: &str, text: &str, reading: &MachineFileReading<'_, '_>) -> Option<Carrier> {
     let axis = match text.as_bytes() {
         [b'S'] => return Some(Carrier::Spindle),
         [letter @ b'A'..=b'Z'] => Axis::from_letter(*letter),

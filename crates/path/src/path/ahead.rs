@@ -21,7 +21,7 @@ const SAME_POSITION: f64 = 1e-9;
 
 /// The successor of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Next {
+pub(super) enum Upcoming {
     /// Another move, which begins where this one ends.
     Move(Move),
     /// A tool change, or axis motion by something other than a move.
@@ -30,10 +30,10 @@ pub(super) enum Next {
     Nothing,
 }
 
-impl Next {
+impl Upcoming {
     /// `true` if a cut begins at the end of the move.
     pub(super) fn is_cut(&self) -> bool {
-        matches!(self, Next::Move(motion) if !motion.rapid)
+        matches!(self, Upcoming::Move(motion) if !motion.rapid)
     }
 }
 
@@ -123,20 +123,20 @@ where
     }
 
     /// The successor of the last taken element.
-    pub(super) fn next(&mut self) -> Next {
+    pub(super) fn next(&mut self) -> Upcoming {
         for at in 0..MOST_HELD {
             if at == self.held.len() && (self.held_bytes > MOST_BYTES || !self.pull()) {
                 break;
             }
             let Some(Ok(element)) = self.held.get(at) else { continue };
             if let Kind::Move(motion) = &element.kind {
-                return Next::Move(*motion);
+                return Upcoming::Move(*motion);
             }
             if !lost_axes(element, self.machine).is_empty() {
-                return Next::Change;
+                return Upcoming::Change;
             }
         }
-        Next::Nothing
+        Upcoming::Nothing
     }
 
     /// Examines the rest of the operation, or as much of it as may be held.

@@ -24,9 +24,9 @@ use super::place::Placer;
 use super::poses::PoseSampler;
 use super::route::Route;
 use super::standing::PathState;
-use super::treatment::{Treatment, is_pushed_out};
+use super::treatment::{MoveTreatment, is_pushed_out};
 use super::trial::{SegmentFitter, Trial};
-use super::{Arcs, Increments, Options, Output, Piece, PoseSample, Prediction, Rotary, Subdivision};
+use super::{Arcs, CorrectionOptions, Increments, Output, Piece, PoseSample, Prediction, Rotary, Subdivision};
 use clamps::{Clamps, rotary_axes};
 
 /// Minimum length of a piece, mm.
@@ -37,7 +37,7 @@ const SHORTEST_MM: f64 = 0.01;
 pub struct Corrector<'a, I> {
     elements: Ahead<'a, I>,
     machine: &'a Machine,
-    options: Options,
+    options: CorrectionOptions,
     placer: Placer<'a>,
     sampler: Sampler,
     lead: Lead<'a>,
@@ -66,7 +66,7 @@ struct Active {
     motion: Move,
     /// Axes of the output that the program moves.
     moving: AxisSet,
-    treatment: Treatment,
+    treatment: MoveTreatment,
     route: Route,
     /// Number of samples of the whole route.
     samples: f64,
@@ -93,7 +93,7 @@ where
 {
     /// Starts a correction. The model must belong to the machine.
     #[must_use]
-    pub fn new(elements: I, machine: &'a Machine, model: &'a Model, options: Options) -> Self {
+    pub fn new(elements: I, machine: &'a Machine, model: &'a Model, options: CorrectionOptions) -> Self {
         let mut standing = PathState::default();
         if let Some(start) = options.start {
             // The start is the position in the control, uncorrected.
@@ -161,7 +161,7 @@ where
         if self.pace.counts_turns && self.placer.leaves_transform() && !motion.rapid {
             self.findings.feed_of_turns(&element.origin);
         }
-        let treatment = Treatment::of(motion.rapid, self.options.rapids, starts_at_known && is_placed);
+        let treatment = MoveTreatment::of(motion.rapid, self.options.rapids, starts_at_known && is_placed);
         let (treatment, moving) = if motion.rapid || motion.manner == Manner::Reference {
             let ends = [&standing.nominal, &motion.target];
             let moving = self.placer.moving(named, standing.known.intersection(known), ends);
@@ -229,34 +229,34 @@ where
             samples: active.samples,
             known: active.motion.known,
             tolerance_mm: self.options.tolerance_mm,
-            takes_up: active.treatment == Treatment::Way && active.motion.manner == Manner::Path,
-            limits_turns: active.treatment == Treatment::Way,
+            takes_up: active.treatment == MoveTreatment::Way && active.motion.manner == Manner::Path,
+            limits_turns: active.treatment == MoveTreatment::Way,
             settled: active.settled,
         };
         let (standing, scratch) = (&self.standing, &mut self.scratch);
         let from = active.parameter;
         match active.treatment {
-            Treatment::Programmed => return bench.as_programmed(standing, active.moving),
-            Treatment::Named => return bench.of_named(standing, active.moving),
-            Treatment::End | Treatment::Way => {}
+            MoveTreatment::Programmed => return bench.as_programmed(standing, active.moving),
+            MoveTreatment::Named => return bench.of_named(standing, active.moving),
+            MoveTreatment::End | MoveTreatment::Way => {}
         }
         // A move that a control may make in either direction has no defined path to cut.
         let is_whole = active.motion.manner != Manner::Path || active.motion.turns_either_way();
-        if is_whole && active.treatment == Treatment::Way {
+        if is_whole && active.treatment == MoveTreatment::Way {
             return bench.straight(standing, [from, 1.0], scratch);
         }
-        if active.treatment == Treatment::End || self.placer.model.is_empty() {
+        if active.treatment == MoveTreatment::End || self.placer.model.is_empty() {
             if route.arc().is_none() {
                 let trial = bench.unmeasured(standing, [from, 1.0]);
                 if active.motion.rapid && is_pushed_out(self.machine, &route.end, &trial.end.command) {
-                    active.treatment = Treatment::Programmed;
+                    active.treatment = MoveTreatment::Programmed;
                     return bench.as_programmed(standing, active.moving);
                 }
                 return trial;
             }
             // Without errors only rounding bends an arc: it rotates the bisector of a chord that is not much longer than an increment.
             let whole = match active.treatment {
-                Treatment::End => bench.unmeasured_arc(standing, [from, 1.0]),
+                MoveTreatment::End => bench.unmeasured_arc(standing, [from, 1.0]),
                 _ => bench.arc(standing, [from, 1.0], scratch).filter(Trial::fits),
             };
             if let Some(trial) = whole.filter(|_| !active.as_chords) {
@@ -345,7 +345,7 @@ where
         self.prediction.note_correction(&nominal, &trial.end.command);
         if active.treatment.leaves_others() {
             let error_mm = self.placer.tip_error_mm(&nominal, &trial.end.command, &trial.state());
-            self.prediction.note_as_programmed(error_mm, active.treatment == Treatment::Programmed);
+            self.prediction.note_as_programmed(error_mm, active.treatment == MoveTreatment::Programmed);
         } else if active.is_counted {
             let tool_mm = self.placer.setup.tool_mm;
             let (command, turning) = (trial.end.command, self.placer.turning());

@@ -13,7 +13,7 @@ use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Manner};
 use ncfix_model::{Model, Solve};
 
 use super::place::Placer;
-use super::{Increments, Options, Output, Piece, lost_axes};
+use super::{CorrectionOptions, Increments, Output, Piece, lost_axes};
 
 /// Input of [`Doses`] for a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +78,7 @@ pub struct Live<'a> {
 impl<'a> Live<'a> {
     /// Starts the second step for pieces that were corrected by `base` with the same options.
     #[must_use]
-    pub fn new(machine: &'a Machine, base: &'a Model, options: &Options) -> Self {
+    pub fn new(machine: &'a Machine, base: &'a Model, options: &CorrectionOptions) -> Self {
         let start = options.start;
         Live {
             machine,

@@ -41,8 +41,8 @@ mod volume;
 mod way;
 
 pub use compare::{
-    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Difference, Follow, Grouping, How, ON_THE_SPOT, Parting,
-    Promise, What, compare, compare_seeing,
+    ActSubject, CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Follow, Grouping, How, ON_THE_SPOT, Parting,
+    ProgramDifference, Promise, What, compare, compare_seeing,
 };
 pub use corrector::Corrector;
 pub use increment::Increments;
@@ -50,9 +50,9 @@ pub use live::{Allows, Applied, Asked, Doses, Live};
 pub use moves::Moves;
 pub use poses::PoseSample;
 pub use prediction::{Prediction, Spread};
-pub use reach::Reach;
+pub use reach::ReachScan;
 pub use remaining::{Remaining, remaining};
-pub use steps::{Answer, Line, SeriesRow, StepResidual, StepTrial, Steps};
+pub use steps::{ResidualSteps, SeriesRow, StepResidual, StepTrial, Steps, StraightLine};
 pub use tips::Tips;
 pub use volume::volume;
 
@@ -62,7 +62,7 @@ use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, Manner, Origin, W
 
 /// Options of a correction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Options {
+pub struct CorrectionOptions {
     /// Largest deviation of an emitted piece from the exactly corrected path, mm.
     pub tolerance_mm: f64,
     /// Subdivision of moves into pieces.
@@ -91,9 +91,9 @@ pub struct Options {
     pub start: Option<AxisVector>,
 }
 
-impl Default for Options {
+impl Default for CorrectionOptions {
     fn default() -> Self {
-        Options {
+        CorrectionOptions {
             tolerance_mm: 1e-3,
             subdivision: Subdivision::Adaptive,
             arcs: Arcs::Keep,

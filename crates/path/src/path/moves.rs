@@ -7,7 +7,7 @@ use ncfix_machine::snc::{Element, Kind, Manner, Move};
 use super::findings::placing_axes;
 use super::lost_axes;
 use super::route::Route;
-use super::steps::{Line, StepTrial};
+use super::steps::{StepTrial, StraightLine};
 
 /// Maximum number of kept moves, those with the largest bend: memory and time stay bounded for any program length.
 const MOST_KEPT: usize = 2000;
@@ -22,7 +22,7 @@ pub struct Moves<'a> {
     standing: AxisVector,
     known: AxisSet,
     tool_mm: Vector,
-    kept: Vec<(f64, Line)>,
+    kept: Vec<(f64, StraightLine)>,
     /// Straight moves with feed.
     pub lines: u64,
     /// Arcs with feed, which are cut by the tolerance and not examined.
@@ -82,7 +82,7 @@ impl<'a> Moves<'a> {
         }
         self.lines += 1;
         let route = Route::new(self.standing, motion.target, None);
-        let line = Line::new(route, self.fixed_tool_mm.unwrap_or(self.tool_mm), Some(element.origin));
+        let line = StraightLine::new(route, self.fixed_tool_mm.unwrap_or(self.tool_mm), Some(element.origin));
         let bend_mm = self.trial.bend_mm(&line);
         self.kept.push((bend_mm, line));
         if self.kept.len() >= 2 * MOST_KEPT {
@@ -98,7 +98,7 @@ impl<'a> Moves<'a> {
 
     /// The lines, largest bend first, and the trial for further use.
     #[must_use]
-    pub fn finish(mut self) -> (Vec<Line>, StepTrial<'a>) {
+    pub fn finish(mut self) -> (Vec<StraightLine>, StepTrial<'a>) {
         self.trim();
         (self.kept.into_iter().map(|(_, line)| line).collect(), self.trial)
     }

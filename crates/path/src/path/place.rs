@@ -16,7 +16,7 @@ use ncfix_model::{Model, NotConverged, Solve};
 use super::cut::MOST_FEED;
 use super::slope::Slope;
 use super::way::turned_deg;
-use super::{Centers, FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
+use super::{Centers, CorrectionOptions, FiveAxis, Increments, OutputFrame, Rotary, Turns};
 
 /// Resolution of axis feeds, parts of a mm/min.
 const FEED_PARTS: f64 = 1e3;
@@ -61,7 +61,7 @@ pub(super) struct Placer<'a> {
 }
 
 impl<'a> Placer<'a> {
-    pub(super) fn new(machine: &Machine, model: &'a Model, options: &Options) -> Placer<'a> {
+    pub(super) fn new(machine: &Machine, model: &'a Model, options: &CorrectionOptions) -> Placer<'a> {
         let axes = machine.axis_set();
         let has_rotary = axes.iter().any(Axis::is_rotary);
         Placer {

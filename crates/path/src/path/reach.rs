@@ -10,18 +10,18 @@ use ncfix_machine::snc::{Element, Kind, Manner, Move, Origin};
 
 /// Checks the moves of a program from its stream.
 #[derive(Debug)]
-pub struct Reach<'a> {
+pub struct ReachScan<'a> {
     machine: &'a Machine,
     findings: DiagnosticCollector<'a>,
     standing: AxisVector,
     known: AxisSet,
 }
 
-impl<'a> Reach<'a> {
+impl<'a> ReachScan<'a> {
     /// Starts a check; `start` is the known start position, if any (mm, rad).
     #[must_use]
-    pub fn new(machine: &'a Machine, start: Option<AxisVector>) -> Reach<'a> {
-        Reach {
+    pub fn new(machine: &'a Machine, start: Option<AxisVector>) -> ReachScan<'a> {
+        ReachScan {
             machine,
             findings: DiagnosticCollector::new(machine, f64::INFINITY),
             standing: start.unwrap_or(AxisVector::ZERO),

@@ -26,16 +26,16 @@ const MOST_PIECES: u32 = 2048;
 
 /// A straight path of the axes whose residual is examined.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub struct StraightLine {
     route: Route,
     tool_mm: Vector,
     /// The block of the program that it comes from, if any.
     pub origin: Option<Origin>,
 }
 
-impl Line {
-    pub(super) fn new(route: Route, tool_mm: Vector, origin: Option<Origin>) -> Line {
-        Line { route, tool_mm, origin }
+impl StraightLine {
+    pub(super) fn new(route: Route, tool_mm: Vector, origin: Option<Origin>) -> StraightLine {
+        StraightLine { route, tool_mm, origin }
     }
 
     /// Its start, mm and rad.
@@ -83,7 +83,7 @@ pub struct SeriesRow {
 
 /// Steps that keep the residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Answer {
+pub enum ResidualSteps {
     /// Every line may stay in one piece.
     Any,
     /// Steps up to this one, mm.
@@ -98,7 +98,7 @@ pub struct Steps {
     /// The series, steps increasing.
     pub rows: Vec<SeriesRow>,
     /// Admissible steps.
-    pub answer: Answer,
+    pub answer: ResidualSteps,
     /// The largest residual at the answer: at the largest step for [`Answer::Any`], at the smallest for [`Answer::None`].
     pub worst: StepResidual,
 }
@@ -120,8 +120,8 @@ impl<'a> StepTrial<'a> {
     }
 
     /// Finds the largest step whose residual stays within `limit_mm`. `note` receives the completed share (0 … 1) of the series.
-    pub fn search(&mut self, lines: &[Line], limit_mm: f64, mut note: impl FnMut(f64)) -> Steps {
-        let longest_mm = lines.iter().map(Line::leading_mm).fold(0.0, f64::max);
+    pub fn search(&mut self, lines: &[StraightLine], limit_mm: f64, mut note: impl FnMut(f64)) -> Steps {
+        let longest_mm = lines.iter().map(StraightLine::leading_mm).fold(0.0, f64::max);
         let series = series(longest_mm);
         // The effort of a step is proportional to its pieces.
         let total: f64 = series.iter().map(|step_mm| 1.0 / step_mm).sum();
@@ -152,16 +152,16 @@ impl<'a> StepTrial<'a> {
                         high = middle;
                     }
                 }
-                (Answer::UpTo(low), worst)
+                (ResidualSteps::UpTo(low), worst)
             }
-            None if good == 0 && !rows.is_empty() => (Answer::None, found_at(0)),
-            None => (Answer::Any, found_at(good.saturating_sub(1))),
+            None if good == 0 && !rows.is_empty() => (ResidualSteps::None, found_at(0)),
+            None => (ResidualSteps::Any, found_at(good.saturating_sub(1))),
         };
         Steps { rows, answer, worst }
     }
 
     /// The largest residual of a step on lines. `note` receives the completed share of the lines.
-    pub fn residual(&mut self, lines: &[Line], step_mm: f64, mut note: impl FnMut(f64)) -> StepResidual {
+    pub fn residual(&mut self, lines: &[StraightLine], step_mm: f64, mut note: impl FnMut(f64)) -> StepResidual {
         let mut worst = StepResidual::default();
         for (number, line) in lines.iter().enumerate() {
             self.cut(line, number, step_mm, &mut worst);
@@ -171,14 +171,14 @@ impl<'a> StepTrial<'a> {
     }
 
     /// The residual of a line in one piece, mm.
-    pub(super) fn bend_mm(&mut self, line: &Line) -> f64 {
+    pub(super) fn bend_mm(&mut self, line: &StraightLine) -> f64 {
         let mut worst = StepResidual::default();
         self.cut(line, 0, f64::INFINITY, &mut worst);
         worst.max_mm
     }
 
     /// Cuts a line and records the largest residual of its pieces.
-    fn cut(&mut self, line: &Line, number: usize, step_mm: f64, worst: &mut StepResidual) {
+    fn cut(&mut self, line: &StraightLine, number: usize, step_mm: f64, worst: &mut StepResidual) {
         let route = &line.route;
         let leading = route.leading_mm();
         if leading.is_nan() || leading <= 0.0 || self.model.is_empty() {
@@ -243,7 +243,7 @@ impl<'a> StepTrial<'a> {
 
 /// Progress on a line.
 struct Piece<'l> {
-    line: &'l Line,
+    line: &'l StraightLine,
     number: usize,
     /// Direction of motion along the line.
     state: State,
@@ -283,7 +283,7 @@ mod tests {
     #[test]
     fn each_line_is_told_when_it_is_done() {
         let machine = crate::path::tests::demo();
-        let lines: Vec<Line> = crate::path::volume(&machine, &Vector::zeros()).into_iter().take(4).collect();
+        let lines: Vec<StraightLine> = crate::path::volume(&machine, &Vector::zeros()).into_iter().take(4).collect();
         let model = Model::new(&machine, &ncfix_model::ErrorModel::default());
         let mut shares = Vec::new();
         StepTrial::new(&model, Rotary::Correct).residual(&lines, 100.0, |share| shares.push(share));

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::{FiveAxis, Increments, Options, Output, OutputFrame, Piece, PieceArc, lost_axes};
+use super::{CorrectionOptions, FiveAxis, Increments, Output, OutputFrame, Piece, PieceArc, lost_axes};
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine};
 use ncfix_machine::snc::{Kind, Setup};
@@ -31,7 +31,7 @@ pub struct Tips<'a> {
 impl<'a> Tips<'a> {
     /// Starts before the first output of a program that was corrected with these options.
     #[must_use]
-    pub fn new(machine: &'a Machine, options: &Options) -> Tips<'a> {
+    pub fn new(machine: &'a Machine, options: &CorrectionOptions) -> Tips<'a> {
         Tips {
             machine,
             kinematics: Kinematics::new(machine),

@@ -8,7 +8,7 @@ use super::findings::ON_LIMIT;
 
 /// The treatment of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Treatment {
+pub(super) enum MoveTreatment {
     /// The named axes go to their programmed positions, the others stay.
     Programmed,
     /// The axes named are corrected at its end, the others stay.
@@ -19,20 +19,20 @@ pub(super) enum Treatment {
     Way,
 }
 
-impl Treatment {
+impl MoveTreatment {
     /// Treatment of a cut or of the approach to one; `is_placed` if its start and all axes that place the tool are known.
-    pub(super) fn of(rapid: bool, rapids: Rapids, is_placed: bool) -> Treatment {
+    pub(super) fn of(rapid: bool, rapids: Rapids, is_placed: bool) -> MoveTreatment {
         match (rapid, rapids) {
-            (true, Rapids::None) => Treatment::Programmed,
-            (true, Rapids::Ends) => Treatment::End,
-            _ if is_placed => Treatment::Way,
-            _ => Treatment::End,
+            (true, Rapids::None) => MoveTreatment::Programmed,
+            (true, Rapids::Ends) => MoveTreatment::End,
+            _ if is_placed => MoveTreatment::Way,
+            _ => MoveTreatment::End,
         }
     }
 
     /// `true` if axes that the program does not move stay.
     pub(super) fn leaves_others(self) -> bool {
-        matches!(self, Treatment::Programmed | Treatment::Named)
+        matches!(self, MoveTreatment::Programmed | MoveTreatment::Named)
     }
 }
 

@@ -9,7 +9,7 @@ use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_machine::machine::{AxisData, Machine};
 
 use super::route::Route;
-use super::steps::Line;
+use super::steps::StraightLine;
 
 /// Maximum number of corners for lines along an axis, and of diagonals.
 const MOST_CORNERS: u64 = 16;
@@ -50,7 +50,7 @@ impl Range {
 
 /// Lines through the travel of all axes, for a tool vector. Linear axes without travel limits stay at 0; the result is empty if no axis has limits.
 #[must_use]
-pub fn volume(machine: &Machine, tool_mm: &Vector) -> Vec<Line> {
+pub fn volume(machine: &Machine, tool_mm: &Vector) -> Vec<StraightLine> {
     let ranges: Vec<Range> = machine.axes.iter().flatten().filter_map(Range::of).collect();
     let mut set = Set { ranges, tool_mm: *tool_mm, lines: Vec::new() };
     let mut random = Random(SEED);
@@ -84,7 +84,7 @@ pub fn volume(machine: &Machine, tool_mm: &Vector) -> Vec<Line> {
 struct Set {
     ranges: Vec<Range>,
     tool_mm: Vector,
-    lines: Vec<Line>,
+    lines: Vec<StraightLine>,
 }
 
 impl Set {
@@ -137,7 +137,7 @@ impl Set {
             position
         };
         let route = Route::new(place(start), place(&end), None);
-        self.lines.push(Line::new(route, self.tool_mm, None));
+        self.lines.push(StraightLine::new(route, self.tool_mm, None));
     }
 }
 
@@ -173,7 +173,7 @@ mod tests {
         let source =
             ncfix_base::source::Source::new(ncfix_base::source::FileId(0), "m.toml", text.as_bytes().to_vec()).unwrap();
         let machine = ncfix_model::file::load(&source).0.unwrap().0;
-        let ends = |line: &Line| {
+        let ends = |line: &StraightLine| {
             let mut both = [line.start(), line.end()]
                 .map(|at| [Axis::X, Axis::Y, Axis::Z, Axis::C].map(|axis| at[axis].round() as i64));
             both.sort_unstable();

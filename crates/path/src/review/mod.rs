@@ -12,7 +12,7 @@ pub mod words;
 
 pub use pairs::pairs;
 pub use summary::{AxisFigures, ReviewPlace, Summary, UncorrectedMoves};
-pub use trace::Trace;
+pub use trace::ReviewTrace;
 
 use crate::path::Follow;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis};
@@ -22,7 +22,7 @@ const NOTHING: f64 = 1e-8;
 
 /// A piece of the corrected program with its place in the original. Kept small, as there may be millions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct ReviewRow {
     /// Number of the file of the original.
     pub file: u16,
     /// Line of the original, from 1.
@@ -37,7 +37,7 @@ pub struct Row {
     flags: u8,
 }
 
-impl Row {
+impl ReviewRow {
     /// Rapid piece.
     const RAPID: u8 = 1;
     /// First piece of its move.
@@ -51,19 +51,19 @@ impl Row {
 
     /// Creates a row from a piece.
     #[must_use]
-    pub fn new(follow: &Follow<'_>) -> Row {
+    pub fn new(follow: &Follow<'_>) -> ReviewRow {
         let added = AXES.map(|axis| {
             let added = follow.written[axis] - follow.nominal[axis];
             if added.abs() < NOTHING { 0.0 } else { added as f32 }
         });
         let flags = [
-            (Row::RAPID, follow.rapid),
-            (Row::FIRST, follow.is_first),
-            (Row::SPOT, follow.on_the_spot),
-            (Row::UNSTATED, !follow.is_stated),
-            (Row::FEED, follow.feed_share.is_some_and(|share| (share - 1.0).abs() > 1e-6)),
+            (ReviewRow::RAPID, follow.rapid),
+            (ReviewRow::FIRST, follow.is_first),
+            (ReviewRow::SPOT, follow.on_the_spot),
+            (ReviewRow::UNSTATED, !follow.is_stated),
+            (ReviewRow::FEED, follow.feed_share.is_some_and(|share| (share - 1.0).abs() > 1e-6)),
         ];
-        Row {
+        ReviewRow {
             file: follow.original.file.0,
             line: follow.original.line,
             corrected_line: follow.corrected.line,
@@ -82,31 +82,31 @@ impl Row {
     /// `true` for a rapid piece, `false` for a piece with feed.
     #[must_use]
     pub fn is_rapid(&self) -> bool {
-        self.flags & Row::RAPID != 0
+        self.flags & ReviewRow::RAPID != 0
     }
 
     /// `true` for the first piece of its move.
     #[must_use]
     pub fn is_first(&self) -> bool {
-        self.flags & Row::FIRST != 0
+        self.flags & ReviewRow::FIRST != 0
     }
 
     /// `true` for a step on the spot.
     #[must_use]
     pub fn is_on_the_spot(&self) -> bool {
-        self.flags & Row::SPOT != 0
+        self.flags & ReviewRow::SPOT != 0
     }
 
     /// `true` if the program has stated the position of all axes that it moves.
     #[must_use]
     pub fn is_stated(&self) -> bool {
-        self.flags & Row::UNSTATED == 0
+        self.flags & ReviewRow::UNSTATED == 0
     }
 
     /// `true` if the feed differs from that of the original.
     #[must_use]
     pub fn has_other_feed(&self) -> bool {
-        self.flags & Row::FEED != 0
+        self.flags & ReviewRow::FEED != 0
     }
 
     /// Correction added to an axis, mm or rad.
@@ -135,6 +135,6 @@ fn size(axis: Axis, value: f64) -> f64 {
 }
 
 /// The rows of each move of the original.
-pub fn moves(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
+pub fn moves(rows: &[ReviewRow]) -> impl Iterator<Item = &[ReviewRow]> {
     rows.chunk_by(|_, next| !next.is_first())
 }

@@ -1,11 +1,11 @@
 //! Pairs each line of a corrected program with a line of the original: by the executed moves, and between these by the text.
 
-use super::Row;
+use super::ReviewRow;
 
 /// For each line of the corrected program, the line of the main original program, from 1; 0 if it has none.
 #[must_use]
 pub fn pairs<'t>(
-    rows: &[Row],
+    rows: &[ReviewRow],
     original: impl Iterator<Item = &'t str>,
     corrected: impl Iterator<Item = &'t str>,
 ) -> Vec<u32> {
@@ -70,11 +70,11 @@ mod tests {
     use super::*;
     use ncfix_base::geometry::AXIS_COUNT;
 
-    fn row(line: u32, corrected_line: u32) -> Row {
-        Row { file: 0, line, corrected_line, added: [0.0; AXIS_COUNT], error_mm: 0.0, flags: 0 }
+    fn row(line: u32, corrected_line: u32) -> ReviewRow {
+        ReviewRow { file: 0, line, corrected_line, added: [0.0; AXIS_COUNT], error_mm: 0.0, flags: 0 }
     }
 
-    fn paired(rows: &[Row], original: &str, corrected: &str) -> Vec<u32> {
+    fn paired(rows: &[ReviewRow], original: &str, corrected: &str) -> Vec<u32> {
         pairs(rows, original.lines(), corrected.lines())
     }
 

@@ -1,6 +1,6 @@
 //! The summary of all rows.
 
-use super::{Row, moves, size, without_noise};
+use super::{ReviewRow, moves, size, without_noise};
 use ncfix_base::geometry::{AXES, Axis};
 
 /// A place in both programs.
@@ -12,8 +12,8 @@ pub struct ReviewPlace {
     pub corrected: u32,
 }
 
-impl From<&Row> for ReviewPlace {
-    fn from(row: &Row) -> ReviewPlace {
+impl From<&ReviewRow> for ReviewPlace {
+    fn from(row: &ReviewRow) -> ReviewPlace {
         ReviewPlace { original: (row.file, row.line), corrected: row.corrected_line }
     }
 }
@@ -72,9 +72,9 @@ pub struct Summary {
 impl Summary {
     /// Summarizes rows. Changes up to the tolerances, mm and rad, count as equal; `increment_mm` is the finest increment of the control.
     #[must_use]
-    pub fn of(rows: &[Row], axes: &[Axis], tolerance: [f64; 2], increment_mm: f64) -> Summary {
+    pub fn of(rows: &[ReviewRow], axes: &[Axis], tolerance: [f64; 2], increment_mm: f64) -> Summary {
         let is_changed =
-            |row: &Row| axes.iter().any(|&axis| row.added(axis).abs() > tolerance[usize::from(axis.is_rotary())]);
+            |row: &ReviewRow| axes.iter().any(|&axis| row.added(axis).abs() > tolerance[usize::from(axis.is_rotary())]);
         let mut out = Summary { pieces: rows.len() as u64, ..Summary::default() };
         for own in moves(rows) {
             out.moves += 1;
@@ -89,7 +89,7 @@ impl Summary {
                 &mut left.no_error
             } else if own.iter().any(|row| !row.is_stated()) {
                 &mut left.unstated
-            } else if own.iter().all(Row::is_rapid) {
+            } else if own.iter().all(ReviewRow::is_rapid) {
                 &mut left.rapid
             } else {
                 &mut left.other
@@ -110,9 +110,9 @@ impl Summary {
 }
 
 /// The statistics of an axis; `None` if nothing was added to it.
-fn figures(rows: &[Row], axis: Axis) -> Option<AxisFigures> {
+fn figures(rows: &[ReviewRow], axis: Axis) -> Option<AxisFigures> {
     // The first of equal maxima.
-    let size = |row: &Row| row.added(axis).abs();
+    let size = |row: &ReviewRow| row.added(axis).abs();
     let most = rows.iter().reduce(|most, row| if size(row) > size(most) { row } else { most })?;
     let max = most.added(axis);
     if max == 0.0 {
@@ -137,11 +137,11 @@ mod tests {
     use super::*;
     use ncfix_base::geometry::AXIS_COUNT;
 
-    fn row(line: u32, first: bool, x_um: f32) -> Row {
+    fn row(line: u32, first: bool, x_um: f32) -> ReviewRow {
         let mut added = [0.0; AXIS_COUNT];
         added[Axis::X.slot()] = x_um / 1e3;
-        let flags = if first { Row::FIRST } else { 0 };
-        Row { file: 0, line, corrected_line: 10 * line, added, error_mm: 0.02, flags }
+        let flags = if first { ReviewRow::FIRST } else { 0 };
+        ReviewRow { file: 0, line, corrected_line: 10 * line, added, error_mm: 0.02, flags }
     }
 
     #[test]
@@ -158,7 +158,7 @@ mod tests {
         let (step, at) = found.largest_step.unwrap();
         assert!((step - 8e-3).abs() < 1e-8 && at.original.1 == 2);
         // Of 200 values, 1 to 200 µm, 198 values are at most 198 µm.
-        let many: Vec<Row> = (1_u8..=200).map(|k| row(u32::from(k), true, f32::from(k))).collect();
+        let many: Vec<ReviewRow> = (1_u8..=200).map(|k| row(u32::from(k), true, f32::from(k))).collect();
         let found = Summary::of(&many, &[Axis::X], [0.0; 2], 1e-3);
         assert!((found.axes[0].p99 - 0.198).abs() < 1e-7);
         // With a tolerance of 10 µm the first ten count as equal.

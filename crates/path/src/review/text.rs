@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use similar::{Algorithm, DiffOp, capture_diff_slices_deadline};
 
-use super::words::{Word, words};
+use super::words::{LineWord, words};
 
 /// Time limit; after it the alignment reached so far is used.
 const LONGEST: Duration = Duration::from_secs(5);
@@ -22,7 +22,7 @@ pub enum Pairing {
     /// Equal text: lines of both programs, from 1.
     Same([u32; 2]),
     /// Equal but for numbers.
-    Changed([u32; 2], Vec<Change>),
+    Changed([u32; 2], Vec<ChangedNumber>),
     /// Present in the first program only.
     Gone(u32),
     /// Present in the second program only.
@@ -31,7 +31,7 @@ pub enum Pairing {
 
 /// A word with another number.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Change {
+pub struct ChangedNumber {
     /// Its address.
     pub address: String,
     /// Its text in both programs.
@@ -103,26 +103,26 @@ const MODAL: [&str; 10] = ["X", "Y", "Z", "A", "B", "C", "U", "V", "W", "F"];
 /// Index of the feed in [`MODAL`].
 const FEED: usize = MODAL.len() - 1;
 
-fn modal(word: &Word<'_>) -> Option<usize> {
+fn modal(word: &LineWord<'_>) -> Option<usize> {
     MODAL.iter().position(|address| word.address.eq_ignore_ascii_case(address))
 }
 
 /// `true` for G0 to G3.
-fn is_motion(word: &Word<'_>) -> bool {
+fn is_motion(word: &LineWord<'_>) -> bool {
     word.address.eq_ignore_ascii_case("G") && word.number.is_some_and(|number| (0.0..=3.0).contains(&number))
 }
 
 /// The words of two lines whose numbers differ by more than the tolerance.
-fn changes([one, other]: [&Line; 2], texts: [&str; 2], tolerance: f64) -> Vec<Change> {
+fn changes([one, other]: [&Line; 2], texts: [&str; 2], tolerance: f64) -> Vec<ChangedNumber> {
     let [of_one, of_other] = texts.map(words);
     // Codes of aligned lines are equal.
-    let counts = |word: &&Word<'_>| !CODES.iter().any(|code| word.address.eq_ignore_ascii_case(code));
+    let counts = |word: &&LineWord<'_>| !CODES.iter().any(|code| word.address.eq_ignore_ascii_case(code));
     let mut out = Vec::new();
     let mut note = |address: &str, texts: [&str; 2], numbers: [Option<f64>; 2]| {
         let [Some(before), Some(after)] = numbers else { return };
         let added = after - before;
         if added.abs() > tolerance {
-            out.push(Change { address: address.to_ascii_uppercase(), texts: texts.map(str::to_owned), added });
+            out.push(ChangedNumber { address: address.to_ascii_uppercase(), texts: texts.map(str::to_owned), added });
         }
     };
     // If a line does not repeat a modal word, the active value is compared.

@@ -1,6 +1,6 @@
 //! Data of the pieces that a comparison keeps.
 
-use super::Row;
+use super::ReviewRow;
 use crate::path::Follow;
 use ncfix_machine::snc::WordValue;
 
@@ -15,9 +15,9 @@ const SAME_FEED: f64 = 1e-6;
 
 /// Rows, and additional data for a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trace {
+pub struct ReviewTrace {
     /// The rows.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ReviewRow>,
     /// Nominal X, Y, Z at the end of each row, mm, in program coordinates; empty if not requested.
     pub at_mm: Vec<[f32; 3]>,
     /// Intermediate places of a row that is an arc: the row, and X, Y, Z as above.
@@ -30,13 +30,13 @@ pub struct Trace {
     tool: Option<WordValue>,
 }
 
-impl Trace {
+impl ReviewTrace {
     /// An empty trace with capacity for `rows` rows; `has_places` for pictures.
     #[must_use]
-    pub fn new(rows: usize, has_places: bool) -> Trace {
+    pub fn new(rows: usize, has_places: bool) -> ReviewTrace {
         // Memory is not used until it is written.
         let at_mm = Vec::with_capacity(if has_places { rows } else { 0 });
-        Trace { rows: Vec::with_capacity(rows), at_mm, ..Trace::default() }
+        ReviewTrace { rows: Vec::with_capacity(rows), at_mm, ..ReviewTrace::default() }
     }
 
     /// Adds a piece.
@@ -58,7 +58,7 @@ impl Trace {
             let [least, most] = self.feeds.unwrap_or([share; 2]);
             self.feeds = Some([least.min(share), most.max(share)]);
         }
-        self.rows.push(Row::new(follow));
+        self.rows.push(ReviewRow::new(follow));
     }
 }
 

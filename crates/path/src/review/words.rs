@@ -4,7 +4,7 @@
 
 /// A word of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Word<'a> {
+pub struct LineWord<'a> {
     /// Its address: `X`, `POS[X]`, `R1`.
     pub address: &'a str,
     /// The text after the address.
@@ -24,7 +24,7 @@ pub fn block_number(line: &str) -> Option<&str> {
 
 /// The words of a line. Comments are left out: `;` to the end, and parentheses that are not an argument.
 #[must_use]
-pub fn words(line: &str) -> Vec<Word<'_>> {
+pub fn words(line: &str) -> Vec<LineWord<'_>> {
     let mut out = Vec::new();
     let mut rest = line.trim_start().trim_start_matches('/').trim_start();
     if let Some(number) = block_number(rest) {
@@ -50,7 +50,7 @@ pub fn words(line: &str) -> Vec<Word<'_>> {
         let value_at = after_equals.unwrap_or(behind);
         let length = value_length(value_at);
         let value = &value_at[..length];
-        out.push(Word { address: name, value, number: number(value) });
+        out.push(LineWord { address: name, value, number: number(value) });
         rest = &value_at[length..];
     }
 }

@@ -1,7 +1,7 @@
 //! A machine that executes moves one after the other.
 
 use super::chord::{Cutter, ServoMove};
-use super::follow::{AxisFollower, Moment};
+use super::follow::{AxisFollower, CycleState};
 use super::plan::LookAhead;
 use super::smoothing::Smoothing;
 use ncfix_base::geometry::{AxisVector, Vector};
@@ -37,7 +37,7 @@ impl<'a> Drive<'a> {
     }
 
     /// Executes a move. The first move only sets the start position.
-    pub fn go(&mut self, motion: &ServoMove, see: &mut dyn FnMut(&Moment)) {
+    pub fn go(&mut self, motion: &ServoMove, see: &mut dyn FnMut(&CycleState)) {
         let Some(standing) = self.standing else {
             self.jump(&motion.target, see);
             return;
@@ -49,7 +49,7 @@ impl<'a> Drive<'a> {
     }
 
     /// Stops at the end of the last move and waits until the axes have arrived.
-    pub fn stop(&mut self, see: &mut dyn FnMut(&Moment)) {
+    pub fn stop(&mut self, see: &mut dyn FnMut(&CycleState)) {
         if !self.plan.is_empty() {
             self.pass_all(see);
             self.follow.arrive(see);
@@ -57,26 +57,26 @@ impl<'a> Drive<'a> {
     }
 
     /// Executes all moves of the look-ahead, with a stop at the end.
-    fn pass_all(&mut self, see: &mut dyn FnMut(&Moment)) {
+    fn pass_all(&mut self, see: &mut dyn FnMut(&CycleState)) {
         let follow = &mut self.follow;
         self.plan.stop(&mut |chord, profile| follow.pass(chord, profile, see));
     }
 
     /// Stops and dwells, s.
-    pub fn wait(&mut self, duration_s: f64, see: &mut dyn FnMut(&Moment)) {
+    pub fn wait(&mut self, duration_s: f64, see: &mut dyn FnMut(&CycleState)) {
         self.stop(see);
         self.follow.wait(duration_s, see);
     }
 
     /// Sets a new position; the transition is unknown and takes no time.
-    pub fn jump(&mut self, position: &AxisVector, see: &mut dyn FnMut(&Moment)) {
+    pub fn jump(&mut self, position: &AxisVector, see: &mut dyn FnMut(&CycleState)) {
         self.stop(see);
         self.follow.jump(position);
         self.standing = Some(*position);
     }
 
     /// Sets the tool vector from the spindle gauge point to the tip, mm.
-    pub fn change_tool(&mut self, tool_mm: &Vector, see: &mut dyn FnMut(&Moment)) {
+    pub fn change_tool(&mut self, tool_mm: &Vector, see: &mut dyn FnMut(&CycleState)) {
         if *tool_mm != self.tool_mm {
             self.stop(see);
             self.tool_mm = *tool_mm;
@@ -85,7 +85,7 @@ impl<'a> Drive<'a> {
     }
 
     /// Stops and waits until the axes have come to rest.
-    pub fn finish(&mut self, see: &mut dyn FnMut(&Moment)) {
+    pub fn finish(&mut self, see: &mut dyn FnMut(&CycleState)) {
         self.pass_all(see);
         self.follow.settle(see);
     }

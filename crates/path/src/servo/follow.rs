@@ -17,7 +17,7 @@ const LONGEST_S: f64 = 3600.0;
 
 /// The machine at the end of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct CycleState {
     /// Since the start of the program, s.
     pub time_s: f64,
     /// Set-points after the smoothing.
@@ -132,7 +132,7 @@ impl<'a> AxisFollower<'a> {
     }
 
     /// Executes a chord.
-    pub(super) fn pass(&mut self, chord: &Chord, profile: &SpeedProfile, see: &mut dyn FnMut(&Moment)) {
+    pub(super) fn pass(&mut self, chord: &Chord, profile: &SpeedProfile, see: &mut dyn FnMut(&CycleState)) {
         let duration_s = profile.duration_s();
         if duration_s.is_nan() || duration_s > LONGEST_S {
             self.has_left_out = true;
@@ -153,7 +153,7 @@ impl<'a> AxisFollower<'a> {
     }
 
     /// Dwells for a time.
-    pub(super) fn wait(&mut self, duration_s: f64, see: &mut dyn FnMut(&Moment)) {
+    pub(super) fn wait(&mut self, duration_s: f64, see: &mut dyn FnMut(&CycleState)) {
         // A longer dwell brings no new state.
         let seen_s = duration_s.min(self.settling_s);
         let tag = Tag { feed_mm_min: 0.0, block: self.tags[self.at].block };
@@ -167,7 +167,7 @@ impl<'a> AxisFollower<'a> {
     }
 
     /// Waits until the set-points reach the end and the axes are within the exact-stop windows.
-    pub(super) fn arrive(&mut self, see: &mut dyn FnMut(&Moment)) {
+    pub(super) fn arrive(&mut self, see: &mut dyn FnMut(&CycleState)) {
         self.wait(self.smoothing_s, see);
         let mut left_s = self.settling_s;
         while left_s > 0.0 && !self.has_arrived() {
@@ -182,13 +182,13 @@ impl<'a> AxisFollower<'a> {
     }
 
     /// Continues until the axes have come to rest; this does not count as program time.
-    pub(super) fn settle(&mut self, see: &mut dyn FnMut(&Moment)) {
+    pub(super) fn settle(&mut self, see: &mut dyn FnMut(&CycleState)) {
         let time_s = self.time_s;
         self.wait(self.settling_s, see);
         self.time_s = time_s;
     }
 
-    fn cycle(&mut self, position: &AxisVector, tag: Tag, now_s: f64, see: &mut dyn FnMut(&Moment)) {
+    fn cycle(&mut self, position: &AxisVector, tag: Tag, now_s: f64, see: &mut dyn FnMut(&CycleState)) {
         let next = self.smoothing.next(position);
         let Tag { feed_mm_min, block } = std::mem::replace(&mut self.tags[self.at], tag);
         self.at = (self.at + 1) % self.tags.len();
@@ -201,7 +201,7 @@ impl<'a> AxisFollower<'a> {
         (self.set_points, self.encoders) = ([set_point, next], [encoder, ahead]);
         let tip = self.kinematics.tip_mm(&encoder, &self.tool_mm) + self.deflection_mm(&encoder);
         let on_path = self.contour.nearest(&tip, now_s);
-        see(&Moment {
+        see(&CycleState {
             time_s: now_s,
             set_point,
             encoder,

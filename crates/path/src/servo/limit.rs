@@ -12,10 +12,10 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use super::follow::Moment;
+use super::follow::CycleState;
 use super::group::{PieceGroup, Waiting, WorstMoment};
 use super::run::{Run, Tally};
-use crate::path::{Options, Output};
+use crate::path::{CorrectionOptions, Output};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_machine::machine::{Machine, Servo};
 use ncfix_model::Model;
@@ -82,7 +82,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         machine: &Machine,
         servo: &Servo,
         model: &'a Model,
-        options: &Options,
+        options: &CorrectionOptions,
     ) -> Limiter<'a, I> {
         let run = Run::new(machine, servo, model, options);
         let slowest_s = servo.axes.iter().flatten().map(|axis| 1.0 / axis.velocity_gain_per_s).fold(0.0, f64::max);
@@ -214,7 +214,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         // Time at which the set-points entered the current group.
         let mut since = (None, 0.0);
         let memory_s = self.memory_s;
-        let mut see = |moment: &Moment| {
+        let mut see = |moment: &CycleState| {
             let now = moment.block.checked_sub(*first).and_then(|number| pieces.get_mut(number as usize));
             let now = now.map(|(group, cycles, _)| {
                 *cycles += 1;

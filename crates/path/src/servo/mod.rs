@@ -29,6 +29,6 @@ mod smoothing;
 pub use chord::{MoveSpeed, ServoMove, SpaceCircle};
 pub use contour::OnPath;
 pub use drive::Drive;
-pub use follow::Moment;
+pub use follow::CycleState;
 pub use limit::{Limited, Limiter};
 pub use run::{Run, Tally};

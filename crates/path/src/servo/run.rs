@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use super::chord::{MoveSpeed, ServoMove, SpaceCircle};
 use super::drive::Drive;
-use super::follow::Moment;
-use crate::path::{Increments, Options, Output, OutputFrame, Piece, PieceArc};
+use super::follow::CycleState;
+use crate::path::{CorrectionOptions, Increments, Output, OutputFrame, Piece, PieceArc};
 use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
 use ncfix_dialect::{BlockEnd, BlockEnds};
 use ncfix_machine::machine::{Machine, Servo};
@@ -52,7 +52,7 @@ struct Order {
 impl<'a> Run<'a> {
     /// A machine before the first block. `options` are those of the correction if pieces are to be executed.
     #[must_use]
-    pub fn new(machine: &Machine, servo: &Servo, model: &'a Model, options: &Options) -> Run<'a> {
+    pub fn new(machine: &Machine, servo: &Servo, model: &'a Model, options: &CorrectionOptions) -> Run<'a> {
         let mut drive = Drive::new(machine, servo, model);
         let mut known = AxisSet::EMPTY;
         if let Some(start) = options.start {
@@ -83,7 +83,7 @@ impl<'a> Run<'a> {
     }
 
     /// Executes an element of a program; `block` identifies it in the results.
-    pub fn element(&mut self, element: &Element, block: u64, see: &mut dyn FnMut(&Moment)) {
+    pub fn element(&mut self, element: &Element, block: u64, see: &mut dyn FnMut(&CycleState)) {
         let Kind::Move(motion) = &element.kind else {
             self.other(&element.kind, see);
             return;
@@ -103,7 +103,7 @@ impl<'a> Run<'a> {
     }
 
     /// Executes a piece of a corrected program, or an element between pieces.
-    pub fn output(&mut self, output: &Output, block: u64, see: &mut dyn FnMut(&Moment)) {
+    pub fn output(&mut self, output: &Output, block: u64, see: &mut dyn FnMut(&CycleState)) {
         match output {
             Output::Element(element) => self.element(element, block, see),
             Output::Piece(piece) => {
@@ -114,7 +114,7 @@ impl<'a> Run<'a> {
     }
 
     /// Ends the program.
-    pub fn finish(&mut self, see: &mut dyn FnMut(&Moment)) {
+    pub fn finish(&mut self, see: &mut dyn FnMut(&CycleState)) {
         self.drive.finish(see);
     }
 
@@ -173,7 +173,7 @@ impl<'a> Run<'a> {
         SpaceCircle { center: start.xyz() + center, normal, extra_turns: arc.extra_turns }
     }
 
-    fn order(&mut self, order: &Order, block: u64, see: &mut dyn FnMut(&Moment)) {
+    fn order(&mut self, order: &Order, block: u64, see: &mut dyn FnMut(&CycleState)) {
         let starts_at_known = order.named.difference(self.known).is_empty();
         self.known = self.known.union(order.known);
         self.unit = order.unit;
@@ -221,7 +221,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn other(&mut self, kind: &Kind, see: &mut dyn FnMut(&Moment)) {
+    fn other(&mut self, kind: &Kind, see: &mut dyn FnMut(&CycleState)) {
         match kind {
             Kind::Setup(setup) => {
                 self.drive.change_tool(&setup.tool_mm, see);
@@ -283,7 +283,7 @@ pub struct Tally {
 
 impl Tally {
     /// Adds a moment.
-    pub fn note(&mut self, moment: &Moment) {
+    pub fn note(&mut self, moment: &CycleState) {
         let Some(on_path) = moment.on_path.filter(|on_path| !on_path.is_rapid) else { return };
         let off_mm = on_path.off_mm.norm();
         self.cycles += 1;

@@ -6,7 +6,7 @@ use super::DiagnosisReport;
 use crate::number::{grouped, significant};
 use ncfix_metrology::diagnose::Gate;
 use ncfix_metrology::diagnose::cause::Correctable;
-use ncfix_metrology::results::diagnosis::{Cause, InFile, NoiseFrom, Place};
+use ncfix_metrology::results::diagnosis::{CauseReport, InFile, NoiseFrom, ShapePlace};
 
 /// Maximum number of equivalent explanations that are named.
 const RIVALS: usize = 4;
@@ -222,7 +222,7 @@ impl DiagnosisReport {
         }
     }
 
-    fn cause(&self, rank: usize, one: &Cause, out: &mut String) {
+    fn cause(&self, rank: usize, one: &CauseReport, out: &mut String) {
         let _ = writeln!(out, "\n{rank}. {}: {} (95 %)", one.name(), one.size());
         let _ = writeln!(
             out,
@@ -276,7 +276,7 @@ pub(crate) trait CauseText {
     fn remedy(&self) -> &'static str;
 }
 
-impl CauseText for Cause {
+impl CauseText for CauseReport {
     fn name(&self) -> String {
         name(&self.effect, &self.parameter)
     }
@@ -345,7 +345,7 @@ pub(crate) fn chance(p: f64) -> String {
 }
 
 /// Appends the shape over one driver as a line, over two as a small table.
-fn shape(one: &Cause, out: &mut String) {
+fn shape(one: &CauseReport, out: &mut String) {
     let unit = one.shape_unit.unit();
     let along = |k: usize| -> Vec<f64> {
         let mut values: Vec<f64> = one.shape.iter().filter_map(|place| place.at.get(k).copied()).collect();
@@ -366,7 +366,7 @@ fn shape(one: &Cause, out: &mut String) {
         values
     };
     let at = |wanted: &[f64]| {
-        let is_there = |place: &&Place| {
+        let is_there = |place: &&ShapePlace| {
             place.at.iter().map(|value| value.to_bits()).eq(wanted.iter().map(|value| value.to_bits()))
         };
         one.shape.iter().find(is_there).map_or("–".to_owned(), |place| significant(place.value_um))

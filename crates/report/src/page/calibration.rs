@@ -3,14 +3,14 @@
 mod pictures;
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
-use super::{Row, columns, figure, page, pictures as side_by_side, strip, table};
+use super::{PageRow, columns, figure, page, pictures as side_by_side, strip, table};
 use crate::calibration::{CalibrationReport, cells};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Bar, Bars};
 use ncfix_base::diagnostic::Severity;
 use ncfix_base::units::Unit;
-use ncfix_metrology::results::calibration::{CalibrationResult, Data, Estimate};
+use ncfix_metrology::results::calibration::{CalibrationResult, Data, EstimateReport};
 
 /// Returns the page.
 #[must_use]
@@ -99,14 +99,14 @@ fn results(out: &mut Markup, data: &[Data]) {
         if let [only] = one.parts.as_slice() {
             cells[7] = only.left_sigma.map_or_else(dash, significant);
         }
-        rows.push(Row { class: "whole", cells });
+        rows.push(PageRow { class: "whole", cells });
         for part in one.parts.iter().filter(|_| one.parts.len() > 1) {
             let sizes = [part.measured_rms, part.measured_max, part.left_rms, part.left_max].map(significant);
             let mut cells = vec![part.name.clone(), String::new(), grouped(part.readings as u64)];
             cells.extend(sizes);
             cells.push(part.left_sigma.map_or_else(dash, significant));
             cells.extend([String::new(), percent(part.efficiency), part.unit.to_string()]);
-            rows.push(Row { class: "part", cells });
+            rows.push(PageRow { class: "part", cells });
         }
     }
     let heads = columns([
@@ -130,7 +130,7 @@ fn results(out: &mut Markup, data: &[Data]) {
 
 fn estimates(out: &mut Markup, found: &CalibrationResult) {
     let heads = columns(["name", "#value", "#± 1σ", "unit", "#start", "#effect µm", "#variance inflation"]);
-    let row = |one: &Estimate| {
+    let row = |one: &EstimateReport| {
         let [value, sigma, effect, inflation] = cells(one);
         let told = |text: String, number: f64| if number.is_finite() { text } else { "not told".into() };
         let start = if one.effect_um.is_some() { significant(one.start + 0.0) } else { String::new() };
@@ -143,17 +143,17 @@ fn estimates(out: &mut Markup, found: &CalibrationResult) {
             effect,
             told(inflation, one.inflation),
         ];
-        Row { class: "", cells }
+        PageRow { class: "", cells }
     };
     if !found.parameters.is_empty() {
         out.leaf("h2", &[], "Parameters");
         let caption = "Effect: by how much the parameter moves the tip, root of the mean square over the readings. Variance inflation: how much \
                        the variance grows because the other numbers are unknown too; 1 where it stands alone.";
-        let rows: Vec<Row> = found.parameters.iter().map(row).collect();
+        let rows: Vec<PageRow> = found.parameters.iter().map(row).collect();
         table(out, &heads, &rows, caption, MOST_ROWS);
         side_by_side(out, |out| {
-            let share = |one: &Estimate| if one.value == 0.0 { 0.0 } else { (one.sigma / one.value).abs() };
-            let effect = |one: &Estimate| one.effect_um.unwrap_or(f64::NAN);
+            let share = |one: &EstimateReport| if one.value == 0.0 { 0.0 } else { (one.sigma / one.value).abs() };
+            let effect = |one: &EstimateReport| one.effect_um.unwrap_or(f64::NAN);
             let effects = found.parameters.iter().map(|one| Bar {
                 label: one.name.clone(),
                 value: effect(one),
@@ -179,7 +179,7 @@ fn estimates(out: &mut Markup, found: &CalibrationResult) {
     }
     if !found.unknowns.is_empty() {
         out.leaf("h2", &[], "Unknowns of the set-ups");
-        let rows: Vec<Row> = found
+        let rows: Vec<PageRow> = found
             .unknowns
             .iter()
             .map(|one| {
@@ -198,14 +198,14 @@ fn weighted_down(out: &mut Markup, found: &CalibrationResult) {
         return;
     }
     out.leaf("h2", &[], "Rows that do not fit");
-    let rows: Vec<Row> = found
+    let rows: Vec<PageRow> = found
         .weighted_down
         .iter()
         .map(|row| {
             let place = format!("{}:{}", row.file, row.line);
             let cells =
                 vec![place, significant(row.residual), row.unit.to_string(), format!("{:.0} %", row.weight * 100.0)];
-            Row { class: "", cells }
+            PageRow { class: "", cells }
         })
         .collect();
     table(

@@ -1,13 +1,15 @@
 //! Page of a decomposition: shares by feed, tables, and the course along the path at the slowest and the fastest feed.
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
-use super::{Row, columns, figure, page, pictures, strip, table};
+use super::{PageRow, columns, figure, page, pictures, strip, table};
 use crate::decomposition::DecompositionReport;
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
-use crate::plot::{Chart, Series, Shape};
+use crate::plot::{Chart, PlotSeries, Shape};
 use ncfix_metrology::decompose::SOURCES;
-use ncfix_metrology::results::decomposition::{Along, Compliance, DIRECTIONS, Decomposition, Link, Loop, Run};
+use ncfix_metrology::results::decomposition::{
+    Along, ComplianceReport, DIRECTIONS, DecompositionResult, LinkReport, Loop, RunReport,
+};
 
 /// Returns the page.
 #[must_use]
@@ -31,7 +33,7 @@ pub fn decomposition(report: &DecompositionReport) -> String {
     })
 }
 
-fn summary(out: &mut Markup, found: &Decomposition) {
+fn summary(out: &mut Markup, found: &DecompositionResult) {
     let delay = |ms: f64, by: f64| format!("{ms:.3} ± {by:.3} ms");
     let mut entries = vec![
         ("runs", found.runs.len().to_string()),
@@ -45,56 +47,57 @@ fn summary(out: &mut Markup, found: &Decomposition) {
     strip(out, &entries);
 }
 
-fn feed_of(run: &Run) -> String {
+fn feed_of(run: &RunReport) -> String {
     run.feed_mm_min.map_or_else(|| run.run.clone(), |feed| grouped(feed.round() as u64))
 }
 
 /// Writes tables 1 to 4 and the pictures over the feed.
-fn feeds(out: &mut Markup, found: &Decomposition) {
+fn feeds(out: &mut Markup, found: &DecompositionResult) {
     out.leaf("h2", &[], "By feed");
     if found.is_measured() {
-        let row = |run: &Run| {
+        let row = |run: &RunReport| {
             let mut cells = vec![feed_of(run)];
             cells.extend(run.share_percent.list().map(|share| format!("{share:.1}")));
-            Row { class: "", cells }
+            PageRow { class: "", cells }
         };
         let heads = columns(["F, mm/min", "#contouring", "#link", "#motion", "#thermal", "#dynamic"]);
-        let rows: Vec<Row> = found.runs.iter().map(row).collect();
+        let rows: Vec<PageRow> = found.runs.iter().map(row).collect();
         let note =
             "Mean share of each source in the sum of the norms of all, %, over the samples in which the machine moves.";
         table(out, &heads, &rows, note, MOST_ROWS);
     }
-    let over = |title: &str, up: &str, of: &dyn Fn(&Run, usize) -> f64, names: &[&str], logarithmic: bool| -> Chart {
-        let series = names.iter().enumerate().map(|(k, name)| {
-            let point = |run: &Run| {
-                let [x, y] = [run.feed_mm_min?, of(run, k)];
-                Some(if logarithmic { (x.log10(), y.log10()) } else { (x, y) })
-            };
-            let points = found.runs.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
-            Series { label: (*name).to_owned(), points, shape: Shape::Line, ..Series::default() }
-        });
-        let across = if logarithmic { "log10 of F in mm/min" } else { "F, mm/min" };
-        Chart {
-            title: title.to_owned(),
-            across: across.into(),
-            up: up.to_owned(),
-            series: series.collect(),
-            ..Chart::default()
-        }
-    };
+    let over =
+        |title: &str, up: &str, of: &dyn Fn(&RunReport, usize) -> f64, names: &[&str], logarithmic: bool| -> Chart {
+            let series = names.iter().enumerate().map(|(k, name)| {
+                let point = |run: &RunReport| {
+                    let [x, y] = [run.feed_mm_min?, of(run, k)];
+                    Some(if logarithmic { (x.log10(), y.log10()) } else { (x, y) })
+                };
+                let points = found.runs.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
+                PlotSeries { label: (*name).to_owned(), points, shape: Shape::Line, ..PlotSeries::default() }
+            });
+            let across = if logarithmic { "log10 of F in mm/min" } else { "F, mm/min" };
+            Chart {
+                title: title.to_owned(),
+                across: across.into(),
+                up: up.to_owned(),
+                series: series.collect(),
+                ..Chart::default()
+            }
+        };
     pictures(out, |out| {
         if found.is_measured() {
-            let share = |run: &Run, k: usize| run.share_percent.list()[k];
+            let share = |run: &RunReport, k: usize| run.share_percent.list()[k];
             figure(out, &over("Share of each source", "share, %", &share, &SOURCES, false), "");
         }
-        let contouring = |run: &Run, k: usize| run.rms_um.contouring[k];
+        let contouring = |run: &RunReport, k: usize| run.rms_um.contouring[k];
         figure(
             out,
             &over("RMS of contouring", "log10 of µm", &contouring, &DIRECTIONS, true),
             "A straight line is a power law.",
         );
         if found.is_measured() {
-            let dynamic = |run: &Run, k: usize| run.rms_um.dynamic[k];
+            let dynamic = |run: &RunReport, k: usize| run.rms_um.dynamic[k];
             figure(
                 out,
                 &over("RMS of dynamic errors", "log10 of µm", &dynamic, &DIRECTIONS, true),
@@ -106,7 +109,7 @@ fn feeds(out: &mut Markup, found: &Decomposition) {
     laws(out, found);
 }
 
-fn sizes(out: &mut Markup, found: &Decomposition) {
+fn sizes(out: &mut Markup, found: &DecompositionResult) {
     for (title, is_max) in [("Largest", true), ("RMS", false)] {
         let mut rows = Vec::new();
         for run in &found.runs {
@@ -115,13 +118,13 @@ fn sizes(out: &mut Markup, found: &Decomposition) {
             for (name, of) in SOURCES.iter().zip(all).take(measured) {
                 let mut cells = vec![feed_of(run), (*name).to_owned()];
                 cells.extend(of.map(significant));
-                rows.push(Row { class: "", cells });
+                rows.push(PageRow { class: "", cells });
             }
         }
         out.leaf("h3", &[], format_args!("{title} along the directions of the machine"));
         table(out, &columns(["F, mm/min", "source", "#X, µm", "#Y, µm", "#Z, µm"]), &rows, "", MOST_ROWS);
     }
-    let row = |run: &Run| {
+    let row = |run: &RunReport| {
         let [max, rms] = run.contouring_error_um;
         let cells = vec![
             feed_of(run),
@@ -130,7 +133,7 @@ fn sizes(out: &mut Markup, found: &Decomposition) {
             significant(run.path_in_workpiece_mm),
             format!("{:.2}", run.moving_s),
         ];
-        Row { class: "", cells }
+        PageRow { class: "", cells }
     };
     out.leaf("h3", &[], "Contouring error proper");
     let heads = columns(["F, mm/min", "#largest, µm", "#RMS, µm", "#path in the workpiece, mm", "#time, s"]);
@@ -139,15 +142,15 @@ fn sizes(out: &mut Markup, found: &Decomposition) {
     table(out, &heads, &found.runs.iter().map(row).collect::<Vec<_>>(), note, MOST_ROWS);
 }
 
-fn laws(out: &mut Markup, found: &Decomposition) {
+fn laws(out: &mut Markup, found: &DecompositionResult) {
     if found.power_laws.is_empty() {
         return;
     }
     out.leaf("h3", &[], "Power laws");
-    let rows: Vec<Row> = found
+    let rows: Vec<PageRow> = found
         .power_laws
         .iter()
-        .map(|law| Row {
+        .map(|law| PageRow {
             class: "",
             cells: vec![
                 format!("{} {}", law.source.words(), law.direction),
@@ -165,18 +168,18 @@ fn laws(out: &mut Markup, found: &Decomposition) {
 }
 
 /// Draws the slowest and the fastest run.
-fn along(out: &mut Markup, found: &Decomposition) {
-    let mut shown: Vec<&Run> = found.runs.first().into_iter().chain(found.runs.last()).collect();
+fn along(out: &mut Markup, found: &DecompositionResult) {
+    let mut shown: Vec<&RunReport> = found.runs.first().into_iter().chain(found.runs.last()).collect();
     shown.dedup_by(|a, b| a == b);
     for run in shown {
         out.leaf("h2", &[], format_args!("Along the path at {} mm/min", feed_of(run)));
         pictures(out, |out| {
             for (k, direction) in DIRECTIONS.iter().enumerate() {
-                let series = |label: &str, of: &dyn Fn(&Along) -> f64| Series {
+                let series = |label: &str, of: &dyn Fn(&Along) -> f64| PlotSeries {
                     label: label.to_owned(),
                     points: run.along.iter().map(|one| (one.t_s, of(one))).collect(),
                     shape: Shape::Line,
-                    ..Series::default()
+                    ..PlotSeries::default()
                 };
                 let mut all = vec![series("contouring", &|one| one.parts_um[0][k])];
                 if found.is_measured() {
@@ -194,11 +197,11 @@ fn along(out: &mut Markup, found: &Decomposition) {
             }
             if !found.compliances.is_empty() {
                 for (k, direction) in DIRECTIONS.iter().enumerate() {
-                    let series = |label: &str, of: &dyn Fn(&Along) -> f64| Series {
+                    let series = |label: &str, of: &dyn Fn(&Along) -> f64| PlotSeries {
                         label: label.to_owned(),
                         points: run.along.iter().map(|one| (one.t_s, of(one))).collect(),
                         shape: Shape::Line,
-                        ..Series::default()
+                        ..PlotSeries::default()
                     };
                     let chart = Chart {
                         title: format!("{direction}: dynamic part and what explains it"),
@@ -219,7 +222,7 @@ fn along(out: &mut Markup, found: &Decomposition) {
         return;
     }
     out.leaf("h2", &[], "What gives way");
-    let row = |one: &Compliance| Row {
+    let row = |one: &ComplianceReport| PageRow {
         class: "",
         cells: vec![
             one.component.clone(),
@@ -233,15 +236,15 @@ fn along(out: &mut Markup, found: &Decomposition) {
     let heads = columns(["component", "with the", "#value", "#±", "unit", "#gain"]);
     let note = "Gain: by how much the RMS of feeds that it was not fitted to falls when it is added.";
     table(out, &heads, &found.compliances.iter().map(row).collect::<Vec<_>>(), note, MOST_ROWS);
-    let held = |run: &Run| {
+    let held = |run: &RunReport| {
         let [before, after] = run.held_out_um?.map(significant);
-        Some(Row { class: "", cells: vec![feed_of(run), before, after] })
+        Some(PageRow { class: "", cells: vec![feed_of(run), before, after] })
     };
     let heads = columns(["F, mm/min", "#dynamic part, RMS µm", "#left by the compliances of the other feeds"]);
     table(out, &heads, &found.runs.iter().filter_map(held).collect::<Vec<_>>(), "", MOST_ROWS);
 }
 
-fn loops(out: &mut Markup, found: &Decomposition) {
+fn loops(out: &mut Markup, found: &DecompositionResult) {
     out.leaf("h2", &[], "Servo loops");
     let row = |one: &Loop| {
         let cells = vec![
@@ -251,7 +254,7 @@ fn loops(out: &mut Markup, found: &Decomposition) {
             format!("{:.3}", one.lag_ms),
             format!("{} {}", significant(one.rms), one.unit.unit().sign()),
         ];
-        Row { class: "", cells }
+        PageRow { class: "", cells }
     };
     let heads = columns(["axis", "#velocity gain, 1/s", "#feed-forward", "#lag, ms", "#left, RMS"]);
     let note =
@@ -259,14 +262,14 @@ fn loops(out: &mut Markup, found: &Decomposition) {
     table(out, &heads, &found.servo.iter().map(row).collect::<Vec<_>>(), note, MOST_ROWS);
 }
 
-fn links(out: &mut Markup, found: &Decomposition) {
+fn links(out: &mut Markup, found: &DecompositionResult) {
     if found.links.is_empty() {
         return;
     }
     out.leaf("h2", &[], "Link errors");
-    let row = |one: &Link| {
+    let row = |one: &LinkReport| {
         let told = if one.is_told { "" } else { "not told by this path" };
-        Row {
+        PageRow {
             class: "",
             cells: vec![one.parameter.clone(), format!("{:.2}", one.value), one.unit.unit().sign().into(), told.into()],
         }

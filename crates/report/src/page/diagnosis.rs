@@ -5,23 +5,23 @@ mod pictures;
 mod polar;
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
-use super::{Row, columns, figure, page, pictures as side_by_side, strip, table};
-use crate::diagnosis::{CauseText as _, DiagnosisReport, Shown, chance};
+use super::{PageRow, columns, figure, page, pictures as side_by_side, strip, table};
+use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, chance};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
 use crate::plot::{Bar, Bars};
 use ncfix_base::units::UnitKey;
 use ncfix_metrology::diagnose::Gate;
 use ncfix_metrology::diagnose::cause::Correctable;
-use ncfix_metrology::results::diagnosis::{Cause, DataFault, Rejected, Sizes};
-use ncfix_metrology::results::readings::Tried;
+use ncfix_metrology::results::diagnosis::{CauseReport, DataFault, ReadingSizes, RejectedReport};
+use ncfix_metrology::results::readings::TriedCauseReport;
 
 /// Maximum number of table rows that are named individually.
 const MOST_NAMED: usize = 12;
 
 /// Returns the page.
 #[must_use]
-pub fn diagnosis(report: &DiagnosisReport, shown: &Shown) -> String {
+pub fn diagnosis(report: &DiagnosisReport, shown: &PageReadings) -> String {
     let machine = if report.found.machine.is_empty() { "a machine" } else { &report.found.machine };
     page(&format!("Diagnosis of {machine}"), |out| {
         summary(out, report);
@@ -96,7 +96,7 @@ fn levels(out: &mut Markup, report: &DiagnosisReport) {
     };
     let or_dash = |value: Option<f64>| value.map_or("–".into(), significant);
     let is_held_out = report.found.before.holdout_rms_um.is_some();
-    let row = |(what, sizes): (&str, &Sizes)| {
+    let row = |(what, sizes): (&str, &ReadingSizes)| {
         let mut cells = vec![
             what.to_owned(),
             significant(sizes.rms_um),
@@ -112,7 +112,7 @@ fn levels(out: &mut Markup, report: &DiagnosisReport) {
                 sizes.holdout_efficiency.map_or("–".into(), percent),
             ]);
         }
-        Row { class: "", cells }
+        PageRow { class: "", cells }
     };
     let rows = [
         ("without a model", &report.found.without_model),
@@ -127,7 +127,7 @@ fn levels(out: &mut Markup, report: &DiagnosisReport) {
          model|.",
         report.unit_sign()
     );
-    let rows: Vec<Row> = rows.into_iter().map(row).collect();
+    let rows: Vec<PageRow> = rows.into_iter().map(row).collect();
     table(out, &heads, &rows, &caption, MOST_ROWS);
 }
 
@@ -141,7 +141,7 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
     let alone = |k: &usize| report.found.findings.get(*k).map_or(0.0, |one| one.alone_um);
     order.sort_by(|a, b| alone(b).total_cmp(&alone(a)));
     let ranked = || order.iter().filter_map(|&k| Some((k, report.found.findings.get(k)?)));
-    let row = |(k, one): (usize, &Cause)| Row {
+    let row = |(k, one): (usize, &CauseReport)| PageRow {
         class: "",
         cells: vec![
             (k + 1).to_string(),
@@ -161,8 +161,8 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
             .to_owned(),
         ],
     };
-    let mut rows: Vec<Row> = ranked().map(row).collect();
-    let sum = |of: fn(&Cause) -> f64| report.found.findings.iter().map(of).sum::<f64>();
+    let mut rows: Vec<PageRow> = ranked().map(row).collect();
+    let sum = |of: fn(&CauseReport) -> f64| report.found.findings.iter().map(of).sum::<f64>();
     let shares = sum(|one| one.share);
     let cells = |what: &str, alone: [String; 2], share: f64| {
         let mut cells = vec![String::new(), what.to_owned(), String::new()];
@@ -171,8 +171,8 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
         cells
     };
     let all = [significant(sum(|one| one.alone_um)), percent(sum(|one| one.alone_share))];
-    rows.push(Row { class: "whole", cells: cells("all findings", all, shares) });
-    rows.push(Row {
+    rows.push(PageRow { class: "whole", cells: cells("all findings", all, shares) });
+    rows.push(PageRow {
         class: "",
         cells: cells("noise and what has no name", [String::new(), String::new()], 1.0 - shares),
     });
@@ -193,7 +193,7 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
                    circularity). Fair share: its part of the squares that the model leaves (Shapley). Where it differs from what comes back without it, findings \
                    share what they explain. Gain on unseen: by how much less is left (RMS) of readings in which it was not looked for.";
     table(out, &heads, &rows, caption, MOST_ROWS);
-    let label = |k: usize, one: &Cause| format!("{} {}", k + 1, one.full_name());
+    let label = |k: usize, one: &CauseReport| format!("{} {}", k + 1, one.full_name());
     side_by_side(out, |out| {
         let picture = Bars {
             title: "Independent contribution".into(),
@@ -232,23 +232,23 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
         let excluded = if one.excluded.is_empty() { "these readings".to_owned() } else { one.excluded.clone() };
         let name = one.name.clone();
         let cells = vec![
-            one.kind.clone(),
+            one.kind.to_string(),
             name,
             one.what.clone(),
             named(one.is_range, &one.rows),
             one.evidence.clone(),
             excluded,
         ];
-        Row { class: "wrap", cells }
+        PageRow { class: "wrap", cells }
     };
-    let rows: Vec<Row> = all.iter().map(row).collect();
+    let rows: Vec<PageRow> = all.iter().map(row).collect();
     let heads = columns(["kind", "of", "what", "rows", "evidence", "left out"]);
     table(out, &heads, &rows, "Rows count from 1, without the head of the table.", MOST_ROWS);
 }
 
-fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &Shown) {
+fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
     out.leaf("h2", &[], "Tried and rejected");
-    let gate = |one: &Rejected| match one.why {
+    let gate = |one: &RejectedReport| match one.why {
         Gate::Chance => "chance would make as much, beside the number of all that were tried",
         Gate::Size => "does less than a quarter of the noise where it acts",
         Gate::HeldOut => "the data held out is not said better with it",
@@ -260,7 +260,7 @@ fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &Shown) {
             "Nothing came so far that a gate had to stop it: no further candidate was worth its number of unknowns.";
         out.leaf("p", &[], text);
     } else {
-        let row = |one: &Rejected| Row {
+        let row = |one: &RejectedReport| PageRow {
             class: "wrap",
             cells: vec![
                 format!("{} {}", one.effect, one.parameter).trim_end().to_owned(),
@@ -270,23 +270,23 @@ fn rejected(out: &mut Markup, report: &DiagnosisReport, shown: &Shown) {
                 one.gain.map_or("–".into(), percent),
             ],
         };
-        let rows: Vec<Row> = report.found.rejected.iter().map(row).collect();
+        let rows: Vec<PageRow> = report.found.rejected.iter().map(row).collect();
         let heads = columns(["candidate", "depends on", "why not", "#chance", "#gain on unseen"]);
         let caption = "Candidates that the search took and a gate stopped. Chance: of a gain like this where there is nothing, times all that were tried.";
         table(out, &heads, &rows, caption, MOST_ROWS);
     }
     out.element("details", &[], |out| {
         out.leaf("summary", &[], format_args!("All causes of the catalogue, and what each could still explain"));
-        let row = |one: &Tried| {
+        let row = |one: &TriedCauseReport| {
             let (best, share) = match &one.best {
                 Some((parameter, share)) => (parameter.clone(), percent(*share)),
                 None => ("–".into(), "–".into()),
             };
             let cells =
                 vec![one.cause.clone(), one.effect.clone(), one.shown_by.clone(), one.candidates.to_string(), best, share];
-            Row { class: "wrap", cells }
+            PageRow { class: "wrap", cells }
         };
-        let rows: Vec<Row> = shown.readings.causes.iter().map(row).collect();
+        let rows: Vec<PageRow> = shown.readings.causes.iter().map(row).collect();
         let listed: usize = shown.readings.causes.iter().map(|one| one.candidates).sum();
         let caption = format!(
             "Of the squares that are left with all findings, before either gate. Beside these {} candidates {} periods, chords and shapes without a name were \

@@ -95,7 +95,7 @@ pub fn columns<const N: usize>(titles: [&'static str; N]) -> [PageColumn; N] {
 
 /// Row of a table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Row {
+pub struct PageRow {
     /// Class: `whole`, `part`, `bad`, `wrap` for long texts, or empty.
     pub class: &'static str,
     /// Cells.
@@ -103,7 +103,7 @@ pub struct Row {
 }
 
 /// Writes a table with a caption below. Rows beyond `most` are counted, not written.
-pub fn table(out: &mut Markup, columns: &[PageColumn], rows: &[Row], caption: &str, most: usize) {
+pub fn table(out: &mut Markup, columns: &[PageColumn], rows: &[PageRow], caption: &str, most: usize) {
     let class = |column: Option<&PageColumn>| if column.is_some_and(|column| column.is_number) { "n" } else { "t" };
     out.element("div", &[("class", &"wide")], |out| {
         out.element("table", &[], |out| {

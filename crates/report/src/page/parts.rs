@@ -1,7 +1,7 @@
 //! Parts that pages share: diagnostics of the files, and the input files of a result.
 
-use super::{Row, columns, table};
-use crate::inputs::Input;
+use super::{PageRow, columns, table};
+use crate::inputs::InputFile;
 use crate::json::Finding;
 use crate::markup::Markup;
 
@@ -38,13 +38,13 @@ pub(super) fn diagnostics(out: &mut Markup, all: &[Finding]) {
 }
 
 /// Writes the input files of the result; `by` names what produced it.
-pub(super) fn origin(out: &mut Markup, inputs: &[Input], by: &str) {
+pub(super) fn origin(out: &mut Markup, inputs: &[InputFile], by: &str) {
     const NOTE: &str = "Hash: first 12 digits of the SHA-256 of the length of the file (8 bytes, the lowest first) and its bytes, as in the head of a \
                         machine file.";
     out.leaf("h2", &[], "Where this comes from");
-    let rows: Vec<Row> = inputs
+    let rows: Vec<PageRow> = inputs
         .iter()
-        .map(|input| Row { class: "", cells: vec![input.file.clone(), input.role.into(), input.hash.clone()] })
+        .map(|input| PageRow { class: "", cells: vec![input.file.clone(), input.role.into(), input.hash.clone()] })
         .collect();
     table(out, &columns(["file", "what", "hash"]), &rows, NOTE, MOST_ROWS);
     out.leaf("p", &[("class", &"soft")], by);

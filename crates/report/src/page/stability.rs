@@ -3,7 +3,7 @@
 
 use super::{figure, page, pictures};
 use crate::markup::Markup;
-use crate::plot::{Chart, Series, Shape};
+use crate::plot::{Chart, PlotSeries, Shape};
 use ncfix_tables::realtime::stability::{AxisTrace, RestCurve, StabilityResult};
 
 /// Returns the page.
@@ -51,11 +51,11 @@ fn draw(out: &mut Markup, data: &StabilityResult) {
 }
 
 fn over_time(out: &mut Markup, title: &str, traces: &[AxisTrace; 2]) {
-    let series = |trace: &AxisTrace| Series {
+    let series = |trace: &AxisTrace| PlotSeries {
         label: format!("step {} µm", trace.step_um),
         points: trace.points.clone(),
         shape: Shape::Line,
-        ..Series::default()
+        ..PlotSeries::default()
     };
     let chart = Chart {
         title: title.to_owned(),
@@ -69,10 +69,10 @@ fn over_time(out: &mut Markup, title: &str, traces: &[AxisTrace; 2]) {
 }
 
 fn over_set_point(out: &mut Markup, title: &str, rest: &RestCurve, caption: &str) {
-    let series = |label: &str, points: &[(f64, f64)]| Series {
+    let series = |label: &str, points: &[(f64, f64)]| PlotSeries {
         label: label.to_owned(),
         points: points.to_vec(),
-        ..Series::default()
+        ..PlotSeries::default()
     };
     let chart = Chart {
         title: format!("{title}, step {} µm", rest.step_um),

@@ -1,15 +1,15 @@
 //! Page about steps: permitted length of the pieces of a move, and the resulting residual.
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
-use super::{Row, columns, figure, page, pictures, strip, table};
-use crate::inputs::Input;
+use super::{PageRow, columns, figure, page, pictures, strip, table};
+use crate::inputs::InputFile;
 use crate::number::micrometers;
 use crate::residual::Residual;
 use crate::steps::{StepReport, three_digits};
 
 /// Returns the page with its input files.
 #[must_use]
-pub fn steps(report: &StepReport, inputs: &[Input]) -> String {
+pub fn steps(report: &StepReport, inputs: &[InputFile]) -> String {
     page(&format!("Steps on {}", report.machine), |out| {
         let entries = report.entries();
         out.leaf("p", &[("class", &"banner")], format_args!("Largest step: {}", report.answer_text()));
@@ -19,13 +19,13 @@ pub fn steps(report: &StepReport, inputs: &[Input]) -> String {
             let caption = "Dots: the largest residual of pieces of that length; line: of pieces that are no longer.";
             figure(out, &Residual(report), caption);
         });
-        let rows: Vec<Row> = report
+        let rows: Vec<PageRow> = report
             .steps
             .iter()
             .map(|row| {
                 let class = if row.largest_um > report.residual_limit_um { "bad" } else { "" };
                 let [residual, largest] = [row.residual_um, row.largest_um].map(micrometers);
-                Row { class, cells: vec![format!("{} mm", three_digits(row.step_mm)), residual, largest] }
+                PageRow { class, cells: vec![format!("{} mm", three_digits(row.step_mm)), residual, largest] }
             })
             .collect();
         let titles = columns(["#step", "#residual", "#of all smaller ones too"]);

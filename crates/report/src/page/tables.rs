@@ -1,8 +1,8 @@
 //! Page about compensation tables: their residual over the volume, and the contribution of each.
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
-use super::{Row, columns, figure, page, pictures, strip, table};
-use crate::inputs::Input;
+use super::{PageRow, columns, figure, page, pictures, strip, table};
+use crate::inputs::InputFile;
 use crate::markup::Markup;
 use crate::number::{grouped, micrometers, significant};
 use crate::plot::{Chart, Histogram};
@@ -11,7 +11,7 @@ use ncfix_tables::results::result::TablesCheck;
 
 /// Returns the page; `charts` are the pictures of the tables.
 #[must_use]
-pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[Input]) -> String {
+pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[InputFile]) -> String {
     let machine = if report.found.machine.is_empty() { "a control" } else { &report.found.machine };
     page(&format!("Compensation tables of {machine}"), |out| {
         let mut entries = vec![
@@ -51,11 +51,11 @@ pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[Input]) -> Stri
 fn left(out: &mut Markup, check: &TablesCheck) {
     out.leaf("h2", &[], "What is left over the volume");
     let kinds = [("without", check.before), ("with the tables", check.tables), ("corrected exactly", check.exact)];
-    let rows: Vec<Row> = kinds
+    let rows: Vec<PageRow> = kinds
         .iter()
         .map(|(name, one)| {
             let sizes = [one.mean_um, one.rms_um, one.max_um, one.tilt_rms_urad, one.tilt_max_urad].map(significant);
-            Row { class: "", cells: std::iter::once((*name).to_owned()).chain(sizes).collect() }
+            PageRow { class: "", cells: std::iter::once((*name).to_owned()).chain(sizes).collect() }
         })
         .collect();
     let [x, y, z] = check.tool_mm;
@@ -91,13 +91,13 @@ fn differences(out: &mut Markup, report: &TablesReport) {
         return;
     }
     out.leaf("h2", &[], "What the two add differs by");
-    let rows: Vec<Row> = report
+    let rows: Vec<PageRow> = report
         .found
         .difference
         .iter()
         .map(|one| {
             let [rms, max] = [one.rms, one.max].map(significant);
-            Row { class: "", cells: vec![one.axis.clone(), rms, max, key(one.unit).to_owned()] }
+            PageRow { class: "", cells: vec![one.axis.clone(), rms, max, key(one.unit).to_owned()] }
         })
         .collect();
     table(out, &columns(["axis", "#RMS", "#largest", "unit"]), &rows, "", MOST_ROWS);
@@ -108,7 +108,7 @@ fn listed(out: &mut Markup, report: &TablesReport) {
         return;
     }
     out.leaf("h2", &[], "Tables");
-    let rows: Vec<Row> = report
+    let rows: Vec<PageRow> = report
         .found
         .rows
         .iter()
@@ -128,7 +128,7 @@ fn listed(out: &mut Markup, report: &TablesReport) {
                 row.sense.word().to_owned(),
                 more.join(", "),
             ];
-            Row { class: "", cells }
+            PageRow { class: "", cells }
         })
         .collect();
     let titles = ["#no.", "corrects", "over", "#points", "#range", "#largest", "#times table", "sense", ""];
@@ -141,7 +141,7 @@ fn tried(out: &mut Markup, report: &TablesReport) {
     }
     out.leaf("h2", &[], "What was tried");
     let number = |value: Option<f64>| value.map_or(String::new(), significant);
-    let rows: Vec<Row> = report
+    let rows: Vec<PageRow> = report
         .found
         .tried
         .iter()
@@ -149,7 +149,7 @@ fn tried(out: &mut Markup, report: &TablesReport) {
             let tables = one.tables.map_or(String::new(), |tables| tables.to_string());
             let why = one.reason.clone().unwrap_or_default();
             let [rms, tilt] = [one.rms_um, one.tilt_rms_urad].map(number);
-            Row { class: "wrap", cells: vec![one.scheme.clone(), one.points.to_string(), tables, rms, tilt, why] }
+            PageRow { class: "wrap", cells: vec![one.scheme.clone(), one.points.to_string(), tables, rms, tilt, why] }
         })
         .collect();
     let aim = report.found.aim.as_ref().map_or(String::new(), |aim| format!("Aimed at {aim}."));

@@ -1,11 +1,11 @@
 //! Page of a verification: errors of a program before and after its correction, along the path.
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
-use super::{Row, columns, figure, page, pictures, strip, table};
+use super::{PageRow, columns, figure, page, pictures, strip, table};
 use crate::json::AtFeed;
 use crate::markup::Markup;
 use crate::number::{duration, grouped, micrometers};
-use crate::plot::{Chart, Histogram, Series, Shape};
+use crate::plot::{Chart, Histogram, PlotSeries, Shape};
 use crate::verification::Verification;
 
 /// Returns the page.
@@ -54,12 +54,12 @@ pub fn verification(found: &Verification) -> String {
         if let Some(pair) = &found.at_feed {
             at_feed(out, pair);
         }
-        let rows: Vec<Row> = found
+        let rows: Vec<PageRow> = found
             .largest
             .iter()
             .map(|(place, errors)| {
                 let [before, after] = errors.map(micrometers);
-                Row { class: "", cells: vec![place.clone(), before, after] }
+                PageRow { class: "", cells: vec![place.clone(), before, after] }
             })
             .collect();
         if !rows.is_empty() {
@@ -73,7 +73,7 @@ pub fn verification(found: &Verification) -> String {
 
 /// Writes the behavior of both programs at feed.
 fn at_feed(out: &mut Markup, pair: &[AtFeed; 2]) {
-    let rows: Vec<Row> = pair
+    let rows: Vec<PageRow> = pair
         .iter()
         .zip(["original", "corrected"])
         .map(|(one, name)| {
@@ -82,7 +82,7 @@ fn at_feed(out: &mut Markup, pair: &[AtFeed; 2]) {
                 _ => String::new(),
             };
             let [rms, max] = [one.contouring.rms_um, one.contouring.max_um].map(micrometers);
-            Row { class: "", cells: vec![name.to_owned(), rms, max, place, duration(one.time_s)] }
+            PageRow { class: "", cells: vec![name.to_owned(), rms, max, place, duration(one.time_s)] }
         })
         .collect();
     out.leaf("h2", &[], "At feed");
@@ -98,7 +98,7 @@ fn over_path(found: &Verification, which: &[usize], title: &str) -> Chart {
         let point =
             |piece: &crate::verification::Piece| Some((f64::from(piece.path_m), f64::from(*piece.errors_um.get(k)?)));
         let points = found.pieces.iter().filter_map(point).collect();
-        Some(Series { label: (*LABELS.get(k)?).to_owned(), points, shape: Shape::Line, ..Series::default() })
+        Some(PlotSeries { label: (*LABELS.get(k)?).to_owned(), points, shape: Shape::Line, ..PlotSeries::default() })
     });
     Chart {
         title: title.to_owned(),

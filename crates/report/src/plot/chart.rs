@@ -29,9 +29,9 @@ pub struct Chart {
     /// Title of the vertical axis, with its unit.
     pub up: String,
     /// Series.
-    pub series: Vec<Series>,
+    pub series: Vec<PlotSeries>,
     /// Horizontal lines across the whole picture.
-    pub levels: Vec<Line>,
+    pub levels: Vec<LevelLine>,
     /// True if 0 is in the middle of the vertical axis.
     pub is_balanced: bool,
     /// True if outliers are drawn at the edge, so that one wrong value does not hide the others.
@@ -42,7 +42,7 @@ pub struct Chart {
 
 /// Series of points.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Series {
+pub struct PlotSeries {
     /// Name; without one it is not in the legend.
     pub label: String,
     /// Horizontal and vertical values; points that are not numbers are omitted.
@@ -67,7 +67,7 @@ pub enum Shape {
 
 /// Horizontal line.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Line {
+pub struct LevelLine {
     /// Height.
     pub value: f64,
     /// Name.
@@ -102,7 +102,7 @@ impl Chart {
     }
 
     /// Returns the paths of a series: filled or stroked shapes, thin lines, and dots.
-    fn paths(&self, number: usize, series: &Series, frame: &PlotFrame, is_dense: bool) -> [String; 3] {
+    fn paths(&self, number: usize, series: &PlotSeries, frame: &PlotFrame, is_dense: bool) -> [String; 3] {
         let [mut shapes, mut lines, mut dots] = [String::new(), String::new(), String::new()];
         let points = || series.points.iter().copied().filter(|point| point.0.is_finite() && point.1.is_finite());
         if is_dense {

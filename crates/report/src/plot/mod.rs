@@ -14,10 +14,10 @@ mod polar;
 mod ticks;
 
 pub use bars::{Bar, Bars};
-pub use chart::{Chart, Line, Series, Shape};
+pub use chart::{Chart, LevelLine, PlotSeries, Shape};
 pub use decimate::{PixelSpan, spans};
 pub use histogram::Histogram;
-pub use polar::{Polar, Trace};
+pub use polar::{Polar, PolarTrace};
 pub use ticks::{Scale, round_step};
 
 use super::markup::Markup;

@@ -32,12 +32,12 @@ pub struct Polar {
     /// Nominal radius, mm, for the magnification.
     pub radius_mm: f64,
     /// Traces.
-    pub traces: Vec<Trace>,
+    pub traces: Vec<PolarTrace>,
 }
 
 /// Trace.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trace {
+pub struct PolarTrace {
     /// Name.
     pub label: String,
     /// Angles, rad, and deviations of the radius, µm, in order of time.

@@ -4,7 +4,7 @@ use super::{ErrorTables, Multiplication, Tables};
 use ncfix_base::geometry::{Axis, AxisVector, LINEAR_AXES, Vector};
 use ncfix_machine::machine::{ActiveCompensation, ActiveTables, Machine, State};
 use ncfix_model::location::LocationError;
-use ncfix_model::motion::{Function, MotionError, table};
+use ncfix_model::motion::{EntryFunction, MotionError, table};
 use ncfix_model::name::DIRECTIONS;
 use ncfix_model::{ErrorModel, ErrorName, Model, Solve};
 
@@ -113,7 +113,7 @@ fn error_model(errors: &ErrorTables) -> ErrorModel {
         for (index, direction) in DIRECTIONS.into_iter().enumerate() {
             let values: Vec<f64> = one.values.iter().map(|row| row[index]).collect();
             if values.iter().any(|&value| value != 0.0) {
-                let function = Function::Table(table::Table { positions: positions.clone(), values });
+                let function = EntryFunction::Table(table::ErrorTable { positions: positions.clone(), values });
                 motion.push(MotionError { name: ErrorName::motion(direction, one.axis), function });
             }
         }

@@ -13,8 +13,8 @@ use ncfix_machine::machine::file::Section;
 
 use super::super::config::seconds;
 use super::super::lines::{LONGEST_LINE, LineReader};
-use super::super::outlet::Outlet;
-use super::{Items, Kind, Opened, Plan, Polled, Wanted, items, polled};
+use super::super::outlet::ReadingOutlet;
+use super::{Items, Kind, OpenedSource, Polled, SourcePlan, Wanted, items, polled};
 
 /// Interval at which a running command is checked.
 const LOOK: Duration = Duration::from_millis(20);
@@ -30,7 +30,7 @@ struct Settings {
     items: Items,
 }
 
-fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
     let command = section.required("command", "[\"./read-sensors\", \"--all\"]", Section::texts)?;
     if command.first().is_none_or(String::is_empty) {
         let help = "write the program and each of its arguments as a text of its own";
@@ -41,8 +41,8 @@ fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn 
     Some(Arc::new(Settings { command, timeout, has_times, items: items(wanted) }))
 }
 
-impl Plan for Settings {
-    fn open(&self, base: &Path, poll: Duration) -> Result<Opened, String> {
+impl SourcePlan for Settings {
+    fn open(&self, base: &Path, poll: Duration) -> Result<OpenedSource, String> {
         // The operating system looks up a bare name; a path is relative to the folder like all others.
         let (program, arguments) = self.command.split_first().ok_or("the command has no program")?;
         let is_path = program.contains('/') || program.contains('\\');
@@ -70,7 +70,7 @@ struct Run {
 }
 
 impl Polled for Run {
-    fn poll(&mut self, outlet: &Outlet) -> Result<(), String> {
+    fn poll(&mut self, outlet: &ReadingOutlet) -> Result<(), String> {
         if let Some(held) = self.held.take()
             && matches!(held.recv_timeout(Duration::ZERO), Err(RecvTimeoutError::Timeout))
         {
@@ -128,7 +128,7 @@ impl Run {
     }
 
     /// Waits for the command up to the timeout, then ends it.
-    fn finish(&self, child: &mut Child, outlet: &Outlet) -> Result<ExitStatus, String> {
+    fn finish(&self, child: &mut Child, outlet: &ReadingOutlet) -> Result<ExitStatus, String> {
         let until = Instant::now() + self.settings.timeout;
         loop {
             match child.try_wait() {

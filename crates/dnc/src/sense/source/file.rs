@@ -14,9 +14,9 @@ use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::file::Section;
 
 use super::super::lines::{LONGEST_LINE, LineReader, Splitter};
-use super::super::monitor::Told;
-use super::super::outlet::Outlet;
-use super::{Items, Kind, Opened, Plan, Polled, Wanted, items, polled};
+use super::super::monitor::SourceReport;
+use super::super::outlet::ReadingOutlet;
+use super::{Items, Kind, OpenedSource, Polled, SourcePlan, Wanted, items, polled};
 
 /// Number of bytes at the end of an existing file that are searched for its last row.
 const LAST: u64 = 1 << 16;
@@ -39,7 +39,7 @@ struct Settings {
     items: Items,
 }
 
-fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
     let path = section.required("path", "\"cabinet.csv\"", Section::text)?.to_owned();
     let is_value = match section.text("mode") {
         None | Some("tail") => false,
@@ -54,8 +54,8 @@ fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn 
     Some(Arc::new(Settings { path, is_value, has_times, items: items(wanted) }))
 }
 
-impl Plan for Settings {
-    fn open(&self, base: &Path, poll: Duration) -> Result<Opened, String> {
+impl SourcePlan for Settings {
+    fn open(&self, base: &Path, poll: Duration) -> Result<OpenedSource, String> {
         let (path, lines) = (base.join(&self.path), LineReader::new(&self.items, self.has_times));
         Ok(if self.is_value {
             polled(Whole { path, lines }, poll)
@@ -79,7 +79,7 @@ struct Whole {
 }
 
 impl Polled for Whole {
-    fn poll(&mut self, outlet: &Outlet) -> Result<(), String> {
+    fn poll(&mut self, outlet: &ReadingOutlet) -> Result<(), String> {
         let mut bytes = Vec::new();
         let file = File::open(&self.path).map_err(|error| fault(&self.path, &error))?;
         // Files of the kernel are created on reading; the age of any other file follows from its modification time.
@@ -125,7 +125,7 @@ fn identity(data: &Metadata) -> Identity {
 }
 
 impl Polled for Tail {
-    fn poll(&mut self, outlet: &Outlet) -> Result<(), String> {
+    fn poll(&mut self, outlet: &ReadingOutlet) -> Result<(), String> {
         let path = self.path.clone();
         let no = |error: io::Error| fault(&path, &error);
         // Bytes that were written to a file before it was replaced belong to its rows.
@@ -145,7 +145,7 @@ impl Polled for Tail {
 
 impl Tail {
     /// Reads added bytes.
-    fn grow(&mut self, outlet: &Outlet) -> io::Result<()> {
+    fn grow(&mut self, outlet: &ReadingOutlet) -> io::Result<()> {
         let Some((file, _, done)) = &mut self.open else { return Ok(()) };
         if file.metadata()?.len() < *done {
             // It was truncated and is read again from the beginning.
@@ -169,7 +169,7 @@ impl Tail {
     }
 
     /// Opens a file; of its existing rows the last one of each channel counts.
-    fn begin(&mut self, outlet: &Outlet) -> io::Result<()> {
+    fn begin(&mut self, outlet: &ReadingOutlet) -> io::Result<()> {
         self.open = None;
         self.splitter.clear();
         self.lines.forget_header();
@@ -178,9 +178,9 @@ impl Tail {
         if data.is_dir() {
             return Err(io::ErrorKind::IsADirectory.into());
         }
-        let mut last: BTreeMap<usize, (Told, Option<SystemTime>)> = BTreeMap::new();
+        let mut last: BTreeMap<usize, (SourceReport, Option<SystemTime>)> = BTreeMap::new();
         let lines = &mut self.lines;
-        let mut tell = |channel: usize, told: Told, stamp: Option<SystemTime>| {
+        let mut tell = |channel: usize, told: SourceReport, stamp: Option<SystemTime>| {
             last.insert(channel, (told, stamp));
         };
         let mut done = 0;

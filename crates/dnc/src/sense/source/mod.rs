@@ -58,8 +58,8 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::register::{Register, Registered};
 use ncfix_machine::machine::file::Section;
 
-use super::monitor::{Fault, Told};
-use super::outlet::Outlet;
+use super::monitor::{ChannelFault, SourceReport};
+use super::outlet::ReadingOutlet;
 
 /// Kind of source of readings.
 pub trait SensorSource: Send + Sync {
@@ -81,7 +81,7 @@ pub trait SensorSource: Send + Sync {
 
     /// Reads the keys of `[source.NAME]` and the keys of its channels that belong to the source; faults are reported in the sections. `kind`, `poll_s` and
     /// the plausibility limits of a channel have been read already. `None` if the section is not valid.
-    fn read(&self, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>>;
+    fn read(&self, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>>;
 }
 
 impl fmt::Debug for dyn SensorSource {
@@ -112,7 +112,7 @@ impl Registered for dyn SensorSource {
 }
 
 /// Reads the section of a source and the keys of its channels; diagnostics go into the sections.
-type Read = fn(&mut Section<'_>, &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>>;
+type Read = fn(&mut Section<'_>, &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>>;
 
 /// Built-in kind of source.
 #[derive(Clone, Copy)]
@@ -141,7 +141,7 @@ impl SensorSource for Kind {
         self.is_standard_input
     }
 
-    fn read(&self, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+    fn read(&self, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
         (self.read)(section, wanted)
     }
 }
@@ -162,18 +162,18 @@ pub struct Wanted<'a> {
 }
 
 /// Settings of a source as read from the file.
-pub trait Plan: fmt::Debug + Send + Sync {
+pub trait SourcePlan: fmt::Debug + Send + Sync {
     /// Prepares the source for running; paths are relative to `base`.
     ///
     /// # Errors
     /// A sentence if it can never run.
-    fn open(&self, base: &Path, poll: Duration) -> Result<Opened, String>;
+    fn open(&self, base: &Path, poll: Duration) -> Result<OpenedSource, String>;
 }
 
 /// Source that is ready to run.
-pub enum Opened {
+pub enum OpenedSource {
     /// Runs in a separate thread until its outlet is over.
-    Thread(Box<dyn FnOnce(Outlet) + Send>),
+    Thread(Box<dyn FnOnce(ReadingOutlet) + Send>),
     /// Has all its readings in advance and is driven by the clock of the job.
     Clocked(Box<dyn Clocked>),
 }
@@ -181,7 +181,7 @@ pub enum Opened {
 /// Source that has all its readings in advance.
 pub trait Clocked: Send {
     /// Reports everything that was read until `now`: channel, report, time.
-    fn until(&mut self, now: Duration, hear: &mut dyn FnMut(usize, &Told, Duration));
+    fn until(&mut self, now: Duration, hear: &mut dyn FnMut(usize, &SourceReport, Duration));
 }
 
 /// Source that is polled.
@@ -190,16 +190,16 @@ pub trait Polled: Send + 'static {
     ///
     /// # Errors
     /// A sentence if it cannot be reached.
-    fn poll(&mut self, outlet: &Outlet) -> Result<(), String>;
+    fn poll(&mut self, outlet: &ReadingOutlet) -> Result<(), String>;
 }
 
 /// Runs a polled source.
 #[must_use]
-pub fn polled(mut source: impl Polled, every: Duration) -> Opened {
-    Opened::Thread(Box::new(move |outlet| {
+pub fn polled(mut source: impl Polled, every: Duration) -> OpenedSource {
+    OpenedSource::Thread(Box::new(move |outlet| {
         loop {
             if let Err(why) = source.poll(&outlet) {
-                outlet.fail(Fault::Disconnected, &why);
+                outlet.fail(ChannelFault::Disconnected, &why);
             }
             if !outlet.wait(every) {
                 return;

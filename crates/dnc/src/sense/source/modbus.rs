@@ -14,9 +14,9 @@ use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::file::Section;
 
 use super::super::config::seconds;
-use super::super::monitor::{Fault, Told};
-use super::super::outlet::Outlet;
-use super::{Kind, Opened, Plan, Polled, Wanted, host_and_port, polled};
+use super::super::monitor::{ChannelFault, SourceReport};
+use super::super::outlet::ReadingOutlet;
+use super::{Kind, OpenedSource, Polled, SourcePlan, Wanted, host_and_port, polled};
 
 /// Standard port.
 const PORT: u16 = 502;
@@ -65,7 +65,7 @@ struct Settings {
     registers: Vec<Register>,
 }
 
-fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
     let host = host_and_port(section, PORT);
     let is_byte = |value: f64| value.fract() == 0.0 && (0.0..=255.0).contains(&value);
     let unit = section.number_where("unit", "a whole number from 0 to 255", is_byte).unwrap_or(1.0) as u8;
@@ -97,8 +97,8 @@ fn read_register(channel: usize, section: &mut Section<'_>) -> Option<Register> 
     Some(Register { channel, function, address: address? as u16, kind, is_low_first, has_sentinels })
 }
 
-impl Plan for Settings {
-    fn open(&self, _: &Path, poll: Duration) -> Result<Opened, String> {
+impl SourcePlan for Settings {
+    fn open(&self, _: &Path, poll: Duration) -> Result<OpenedSource, String> {
         Ok(polled(Client { settings: self.clone(), stream: None, transaction: 0 }, poll))
     }
 }
@@ -110,7 +110,7 @@ struct Client {
 }
 
 impl Polled for Client {
-    fn poll(&mut self, outlet: &Outlet) -> Result<(), String> {
+    fn poll(&mut self, outlet: &ReadingOutlet) -> Result<(), String> {
         let mut stream = match self.stream.take() {
             Some(stream) => stream,
             None => connect(&self.settings.host, self.settings.timeout)?,
@@ -148,7 +148,7 @@ fn connect(host: &str, timeout: Duration) -> Result<TcpStream, String> {
 }
 
 impl Client {
-    fn ask(&mut self, stream: &mut TcpStream, register: &Register) -> io::Result<Told> {
+    fn ask(&mut self, stream: &mut TcpStream, register: &Register) -> io::Result<SourceReport> {
         let bad = |what: &'static str| io::Error::new(io::ErrorKind::InvalidData, what);
         self.transaction = self.transaction.wrapping_add(1);
         let words: u16 = if matches!(register.kind, Type::I16 | Type::U16) { 1 } else { 2 };
@@ -178,7 +178,7 @@ impl Client {
         match answer.as_slice() {
             [_, function, code] if *function == register.function | 0x80 => {
                 let why = format!("the device refuses register {}: {}", register.address, exception(*code));
-                Ok(Told::Nothing(Fault::Invalid, why))
+                Ok(SourceReport::Nothing(ChannelFault::Invalid, why))
             }
             [unit, function, count, data @ ..]
                 if *unit == self.settings.unit
@@ -194,7 +194,7 @@ impl Client {
 }
 
 /// Returns the number in the bytes of its registers.
-fn value(register: &Register, data: &[u8]) -> Option<Told> {
+fn value(register: &Register, data: &[u8]) -> Option<SourceReport> {
     let (number, sentinels): (f64, &[f64]) = match (register.kind, data) {
         (Type::I16, &[high, low]) => (i16::from_be_bytes([high, low]).into(), &[-32_768.0, 32_767.0]),
         (Type::U16, &[high, low]) => (u16::from_be_bytes([high, low]).into(), &[32_767.0, 32_768.0, 65_535.0]),
@@ -211,9 +211,9 @@ fn value(register: &Register, data: &[u8]) -> Option<Told> {
     };
     if register.has_sentinels && sentinels.contains(&number) {
         let why = format!("register {} has {number}: the device has no value", register.address);
-        return Some(Told::Nothing(Fault::Invalid, why));
+        return Some(SourceReport::Nothing(ChannelFault::Invalid, why));
     }
-    Some(Told::Value(number))
+    Some(SourceReport::Value(number))
 }
 
 /// Exceptions of the specification, section 7.

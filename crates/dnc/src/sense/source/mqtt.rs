@@ -16,10 +16,10 @@ use ncfix_base::diagnostic::Code;
 use ncfix_machine::machine::file::Section;
 
 use super::super::lines::{LONGEST_LINE, inside, plain, told};
-use super::super::monitor::{Fault, Told};
-use super::super::outlet::Outlet;
+use super::super::monitor::{ChannelFault, SourceReport};
+use super::super::outlet::ReadingOutlet;
 use super::super::stamp::stamp;
-use super::{Kind, Opened, Plan, Wanted, host_and_port};
+use super::{Kind, OpenedSource, SourcePlan, Wanted, host_and_port};
 
 /// Standard port.
 const PORT: u16 = 1883;
@@ -50,7 +50,7 @@ struct Settings {
     topics: Vec<Topic>,
 }
 
-fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
     let address = host_and_port(section, PORT);
     let username = section.text("username").map(str::to_owned);
     let password_file = section.text("password_file").map(str::to_owned);
@@ -74,16 +74,16 @@ fn read_topic(channel: usize, section: &mut Section<'_>) -> Option<Topic> {
     Some(Topic { channel, topic, key })
 }
 
-impl Plan for Settings {
-    fn open(&self, base: &Path, _: Duration) -> Result<Opened, String> {
+impl SourcePlan for Settings {
+    fn open(&self, base: &Path, _: Duration) -> Result<OpenedSource, String> {
         let settings = self.clone();
         let password_file = self.password_file.as_ref().map(|path| base.join(path));
-        Ok(Opened::Thread(Box::new(move |outlet| settings.run(password_file.as_ref(), &outlet))))
+        Ok(OpenedSource::Thread(Box::new(move |outlet| settings.run(password_file.as_ref(), &outlet))))
     }
 }
 
 impl Settings {
-    fn run(&self, password_file: Option<&PathBuf>, outlet: &Outlet) {
+    fn run(&self, password_file: Option<&PathBuf>, outlet: &ReadingOutlet) {
         // Two clients with the same name disconnect each other.
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let started = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().subsec_nanos();
@@ -93,7 +93,7 @@ impl Settings {
         if let Some(username) = &self.username {
             let password = match password_file.map(fs::read_to_string).transpose() {
                 Ok(password) => password.unwrap_or_default(),
-                Err(error) => return outlet.fail(Fault::Disconnected, &format!("the password file: {error}")),
+                Err(error) => return outlet.fail(ChannelFault::Disconnected, &format!("the password file: {error}")),
             };
             options.set_credentials(username, password.trim_end());
         }
@@ -107,21 +107,21 @@ impl Settings {
                     let filters =
                         self.topics.iter().map(|one| SubscribeFilter::new(one.topic.clone(), QoS::AtMostOnce));
                     if client.try_subscribe_many(filters).is_err() {
-                        outlet.fail(Fault::Disconnected, "the topics cannot be asked for");
+                        outlet.fail(ChannelFault::Disconnected, "the topics cannot be asked for");
                     }
                 }
                 Ok(Ok(Event::Incoming(Packet::SubAck(answer)))) => {
                     for (topic, code) in self.topics.iter().zip(&answer.return_codes) {
                         if *code == SubscribeReasonCode::Failure {
                             let why = format!("the broker refuses the topic {}", topic.topic);
-                            outlet.tell(topic.channel, Told::Nothing(Fault::Disconnected, why), None);
+                            outlet.tell(topic.channel, SourceReport::Nothing(ChannelFault::Disconnected, why), None);
                         }
                     }
                 }
                 Ok(Ok(Event::Incoming(Packet::Publish(message)))) => self.hear(&message, outlet),
                 Ok(Ok(_)) => {}
                 Ok(Err(error)) => {
-                    outlet.fail(Fault::Disconnected, &format!("{}:{}: {error}", self.host, self.port));
+                    outlet.fail(ChannelFault::Disconnected, &format!("{}:{}: {error}", self.host, self.port));
                     if !outlet.wait(pause) {
                         break;
                     }
@@ -132,7 +132,7 @@ impl Settings {
         }
     }
 
-    fn hear(&self, message: &Publish, outlet: &Outlet) {
+    fn hear(&self, message: &Publish, outlet: &ReadingOutlet) {
         let text = String::from_utf8_lossy(&message.payload);
         let object = serde_json::from_str::<Value>(&text).ok().filter(Value::is_object);
         let time =
@@ -145,13 +145,14 @@ impl Settings {
                 (None, Some(_)) => None,
             };
             let told = match value {
-                _ if message.retain && stamp.is_none() => {
-                    Told::Nothing(Fault::Retained, "the broker has kept it, and nothing says when it was read".into())
-                }
+                _ if message.retain && stamp.is_none() => SourceReport::Nothing(
+                    ChannelFault::Retained,
+                    "the broker has kept it, and nothing says when it was read".into(),
+                ),
                 Some(value) => told(&value),
                 None => {
                     let key = topic.key.as_deref().unwrap_or("value");
-                    Told::Nothing(Fault::Invalid, format!("the message has no {key}"))
+                    SourceReport::Nothing(ChannelFault::Invalid, format!("the message has no {key}"))
                 }
             };
             outlet.tell(topic.channel, told, stamp);

@@ -17,10 +17,10 @@ use ncfix_machine::machine::file::Section;
 
 use super::super::config::seconds;
 use super::super::lines::{shortened, told};
-use super::super::monitor::{Fault, Told};
-use super::super::outlet::Outlet;
+use super::super::monitor::{ChannelFault, SourceReport};
+use super::super::outlet::ReadingOutlet;
 use super::super::stamp::stamp;
-use super::{Items, Kind, Opened, Plan, Polled, Wanted, items, polled};
+use super::{Items, Kind, OpenedSource, Polled, SourcePlan, Wanted, items, polled};
 
 /// Maximum length of an answer, bytes.
 const MOST_BYTES: u64 = 8 << 20;
@@ -36,7 +36,7 @@ struct Settings {
     items: Items,
 }
 
-fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
     let address = section.required("address", "\"http://192.168.0.5:5000\"", Section::text)?;
     if !address.starts_with("http://") || address.len() < 8 {
         let message = format!("'{address}' is no address of an agent");
@@ -64,8 +64,8 @@ fn encoded(text: &str) -> String {
         .collect()
 }
 
-impl Plan for Settings {
-    fn open(&self, _: &Path, poll: Duration) -> Result<Opened, String> {
+impl SourcePlan for Settings {
+    fn open(&self, _: &Path, poll: Duration) -> Result<OpenedSource, String> {
         let config = ureq::Agent::config_builder()
             .timeout_global(Some(self.timeout))
             .http_status_as_error(false)
@@ -84,7 +84,7 @@ struct Client {
 }
 
 impl Polled for Client {
-    fn poll(&mut self, outlet: &Outlet) -> Result<(), String> {
+    fn poll(&mut self, outlet: &ReadingOutlet) -> Result<(), String> {
         let no = |error: ureq::Error| format!("{}: {error}", self.settings.url);
         let mut response = self.agent.get(&self.settings.url).call().map_err(no)?;
         let status = response.status();
@@ -113,8 +113,8 @@ impl Polled for Client {
     }
 }
 
-fn nothing(why: String) -> Told {
-    Told::Nothing(Fault::Invalid, why)
+fn nothing(why: String) -> SourceReport {
+    SourceReport::Nothing(ChannelFault::Invalid, why)
 }
 
 /// Answer of an agent.

@@ -11,8 +11,8 @@ use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::condition::log;
 use ncfix_machine::machine::file::Section;
 
-use super::super::monitor::{Fault, Told};
-use super::{Clocked, Items, Kind, Opened, Plan, Wanted, items};
+use super::super::monitor::{ChannelFault, SourceReport};
+use super::{Clocked, Items, Kind, OpenedSource, SourcePlan, Wanted, items};
 
 /// Maximum length of a log, bytes.
 const MOST_BYTES: u64 = 256 << 20;
@@ -32,15 +32,15 @@ struct Settings {
     items: Items,
 }
 
-fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
     let path = section.required("path", "\"warm.csv\"", Section::text)?.to_owned();
     let is_speed = |value: f64| value > 0.0 && value <= 1e6;
     let speed = section.number_where("speed", "a number above 0", is_speed).unwrap_or(1.0);
     Some(Arc::new(Settings { path, speed, items: items(wanted) }))
 }
 
-impl Plan for Settings {
-    fn open(&self, base: &Path, _: Duration) -> Result<Opened, String> {
+impl SourcePlan for Settings {
+    fn open(&self, base: &Path, _: Duration) -> Result<OpenedSource, String> {
         let path = base.join(&self.path);
         let name = path.display().to_string();
         let mut bytes = Vec::new();
@@ -68,7 +68,7 @@ impl Plan for Settings {
         points.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
         let mut channels: Vec<usize> = self.items.iter().map(|(_, channel)| *channel).collect();
         channels.dedup();
-        Ok(Opened::Clocked(Box::new(Player { points, next: 0, channels, is_told: false })))
+        Ok(OpenedSource::Clocked(Box::new(Player { points, next: 0, channels, is_told: false })))
     }
 }
 
@@ -88,11 +88,11 @@ struct Player {
 }
 
 impl Clocked for Player {
-    fn until(&mut self, now: Duration, hear: &mut dyn FnMut(usize, &Told, Duration)) {
+    fn until(&mut self, now: Duration, hear: &mut dyn FnMut(usize, &SourceReport, Duration)) {
         let now_s = now.as_secs_f64();
         while let Some(&(at_s, channel, value_c)) = self.points.get(self.next).filter(|(at_s, ..)| *at_s <= now_s) {
             self.next += 1;
-            hear(channel, &Told::Value(value_c), Duration::try_from_secs_f64(at_s).unwrap_or_default());
+            hear(channel, &SourceReport::Value(value_c), Duration::try_from_secs_f64(at_s).unwrap_or_default());
         }
         // The last reading stays good for as long as the interval to the one before it.
         let is_over = self.next == self.points.len();
@@ -102,7 +102,7 @@ impl Clocked for Player {
         if is_over && !self.is_told && now_s > over_s {
             self.is_told = true;
             let at = Duration::try_from_secs_f64(over_s).unwrap_or_default();
-            let told = Told::Nothing(Fault::Disconnected, "the log is over".into());
+            let told = SourceReport::Nothing(ChannelFault::Disconnected, "the log is over".into());
             self.channels.iter().for_each(|&channel| hear(channel, &told, at));
         }
     }

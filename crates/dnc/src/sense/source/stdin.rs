@@ -8,7 +8,7 @@ use std::time::Duration;
 use ncfix_machine::machine::file::Section;
 
 use super::super::lines::{LineReader, Splitter};
-use super::{Items, Kind, Opened, Plan, Wanted, items};
+use super::{Items, Kind, OpenedSource, SourcePlan, Wanted, items};
 
 pub(super) const KIND: Kind =
     Kind { name: "stdin", title: "lines on standard input", is_record: false, is_standard_input: true, read };
@@ -19,15 +19,15 @@ struct Settings {
     items: Items,
 }
 
-fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
     let has_times = section.boolean("use_time").unwrap_or(true);
     Some(Arc::new(Settings { has_times, items: items(wanted) }))
 }
 
-impl Plan for Settings {
-    fn open(&self, _: &Path, _: Duration) -> Result<Opened, String> {
+impl SourcePlan for Settings {
+    fn open(&self, _: &Path, _: Duration) -> Result<OpenedSource, String> {
         let mut lines = LineReader::new(&self.items, self.has_times);
-        Ok(Opened::Thread(Box::new(move |outlet| {
+        Ok(OpenedSource::Thread(Box::new(move |outlet| {
             let (mut input, mut bytes, mut splitter) = (io::stdin(), [0; 1 << 12], Splitter::default());
             // A waiting read cannot be aborted; the thread ends with the next line, or with the program.
             while let Ok(count) = input.read(&mut bytes) {

@@ -10,7 +10,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Plane};
 use ncfix_base::source::Span;
 use ncfix_dialect::CodeTable;
-use ncfix_dialect::{CodeEntry, Effect};
+use ncfix_dialect::{CodeEffect, CodeEntry};
 use ncfix_machine::snc::{FeedUnit, Kind};
 
 /// Modal codes without motion that the control needs.
@@ -26,7 +26,8 @@ pub(super) fn passed_codes(
     let mut at = 0;
     while let Some(&code) = gathered.codes.get(at) {
         let is_passed = |entry: &&CodeEntry| {
-            matches!(entry.effect, Effect::Display | Effect::Keep) && KEPT.iter().all(|kept| kept.0 != code.number)
+            matches!(entry.effect, CodeEffect::Display | CodeEffect::Keep)
+                && KEPT.iter().all(|kept| kept.0 != code.number)
         };
         let Some(entry) = codes.g(usize::from(code.number)).filter(is_passed) else {
             at += 1;
@@ -40,7 +41,7 @@ pub(super) fn passed_codes(
         for item in gathered.take_used_by(entry) {
             text.push_str(&format!(" {}{}", name(item.letter, item.index), item.value));
         }
-        if entry.effect == Effect::Keep {
+        if entry.effect == CodeEffect::Keep {
             outlet.push(Kind::Verbatim(text.into_bytes()));
         }
     }

@@ -18,7 +18,7 @@ use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
-use ncfix_dialect::Effect;
+use ncfix_dialect::CodeEffect;
 use ncfix_machine::snc::{Kind, Word, WordValue};
 
 /// Letters that M codes of LinuxCNC take: number, letters.
@@ -71,7 +71,7 @@ fn word(number: u32) -> Word {
 /// through.
 fn refused(number: u32, span: Span) -> Result<(), Fault> {
     let codes = ncfix_dialect::find("fanuc").map(ncfix_dialect::Dialect::codes);
-    match codes.and_then(|codes| codes.m(number as usize)).filter(|entry| entry.effect == Effect::Refuse) {
+    match codes.and_then(|codes| codes.m(number as usize)).filter(|entry| entry.effect == CodeEffect::Refuse) {
         Some(entry) => {
             let message = format!("{} ({}) is not supported", entry.name, entry.meaning);
             Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"))

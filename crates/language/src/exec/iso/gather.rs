@@ -9,7 +9,7 @@ use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::syntax::words::{Address, Value, Word};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
-use ncfix_dialect::{Effect, Language};
+use ncfix_dialect::{CodeEffect, Language};
 
 /// Largest accepted value of a word.
 const MAX_VALUE: f64 = 1e9;
@@ -86,7 +86,7 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
         return Err(bad_value(span, format!("G{value} is no G code"), "write a G code of this control"));
     }
     let (tenths, dialect) = (rounded as u16, scope.program.dialect);
-    if let Some(entry) = dialect.codes().g_tenths(tenths.into()).filter(|entry| entry.effect == Effect::Refuse) {
+    if let Some(entry) = dialect.codes().g_tenths(tenths.into()).filter(|entry| entry.effect == CodeEffect::Refuse) {
         let message = format!("{} ({}) is not supported", entry.name, entry.meaning);
         return Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"));
     }
@@ -115,12 +115,12 @@ fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> 
     }
     let name = name_of(tenths);
     match dialect.codes().g_tenths(usize::from(tenths)) {
-        Some(entry) if entry.effect == Effect::Display => Ok(()),
-        Some(entry) if entry.effect == Effect::Keep && entry.words == "-" => {
+        Some(entry) if entry.effect == CodeEffect::Display => Ok(()),
+        Some(entry) if entry.effect == CodeEffect::Keep && entry.words == "-" => {
             out.keep.push(entry.name);
             Ok(())
         }
-        Some(entry) if entry.effect == Effect::Keep => {
+        Some(entry) if entry.effect == CodeEffect::Keep => {
             if out.passed.replace(entry).is_some() {
                 double(span)?;
             }

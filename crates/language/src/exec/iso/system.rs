@@ -178,7 +178,6 @@ pub(super) fn work_frame(modal: &Modal) -> Frame {
 
 /// The G code of a group, or the value of an address.
 fn modal_value(modal: &Modal, modal_calls: &[Call], place: u32) -> Option<f64> {
-    let modal = modal;
     let either = |is_first: bool, first: u16, second: u16| f64::from(if is_first { first } else { second });
     Some(match place {
         1 if modal.modes.motion <= 330 => f64::from(modal.modes.motion) / 10.0,

@@ -16,7 +16,7 @@ use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction,
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Axis;
 use ncfix_base::source::Span;
-use ncfix_dialect::{CodeEntry, Effect};
+use ncfix_dialect::{CodeEffect, CodeEntry};
 use ncfix_machine::snc::{FrameKind, Word as AuxWord, WordValue};
 
 /// Largest accepted feed and speed.
@@ -211,52 +211,52 @@ impl Gatherer<'_> {
     pub(super) fn code(&self, entry: &'static CodeEntry, span: Span, out: &mut Gathered) -> Result<(), Fault> {
         self.group(entry.group, span, out)?;
         match entry.effect {
-            Effect::Motion => out.motion = MotionKind::of(entry.name).map(|kind| (kind, span)),
-            Effect::Dwell => out.dwell = Some(span),
-            Effect::Plane => {
+            CodeEffect::Motion => out.motion = MotionKind::of(entry.name).map(|kind| (kind, span)),
+            CodeEffect::Dwell => out.dwell = Some(span),
+            CodeEffect::Plane => {
                 out.plane = entry.name[1..].parse().ok();
                 out.keep.push(entry.name);
             }
             // The output is metric and absolute; the corresponding word replaces the original one.
-            Effect::Unit => {
+            CodeEffect::Unit => {
                 let with_feed = entry.name.len() == 4;
                 out.inch = Some((entry.name.starts_with("G70"), with_feed));
                 out.keep.push(if with_feed { "G710" } else { "G71" });
             }
-            Effect::Dimension => {
+            CodeEffect::Dimension => {
                 out.incremental = Some(entry.name == "G91");
                 out.keep.push("G90");
             }
-            Effect::Offset => out.offset = Some((entry.name.to_owned(), span)),
-            Effect::Suppress => {
+            CodeEffect::Offset => out.offset = Some((entry.name.to_owned(), span)),
+            CodeEffect::Suppress => {
                 out.suppress = Some(entry.name);
                 out.keep.push(entry.name);
             }
-            Effect::Frame => out.frame = FrameKind::of(entry.name).map(|(kind, additive)| (kind, additive, span)),
-            Effect::Pole => out.pole = PoleBase::of(entry.name).map(|base| (base, span)),
-            Effect::Keep => out.keep.push(entry.name),
-            Effect::FeedMode => {
+            CodeEffect::Frame => out.frame = FrameKind::of(entry.name).map(|(kind, additive)| (kind, additive, span)),
+            CodeEffect::Pole => out.pole = PoleBase::of(entry.name).map(|base| (base, span)),
+            CodeEffect::Keep => out.keep.push(entry.name),
+            CodeEffect::FeedMode => {
                 out.feed_mode = Some(entry.name);
                 out.keep.push(entry.name);
             }
-            Effect::Transform => out.transform.switch = Some((entry.name, span)),
-            Effect::Orientation => {
+            CodeEffect::Transform => out.transform.switch = Some((entry.name, span)),
+            CodeEffect::Orientation => {
                 // The output states the resulting directions.
                 out.keep.push(if entry.name == "ORIPATH" { "ORIVECT" } else { entry.name });
                 out.transform.codes.push(entry.name);
             }
-            Effect::Contour => gather_word(entry.name, out),
-            Effect::Spline => out.curve.ends.extend(End::of(entry.name)),
-            Effect::Display => {}
-            Effect::Limits => out.limits = Some(span),
-            Effect::Tap => out.taps = true,
-            Effect::Reference => out.is_reference = true,
+            CodeEffect::Contour => gather_word(entry.name, out),
+            CodeEffect::Spline => out.curve.ends.extend(End::of(entry.name)),
+            CodeEffect::Display => {}
+            CodeEffect::Limits => out.limits = Some(span),
+            CodeEffect::Tap => out.taps = true,
+            CodeEffect::Reference => out.is_reference = true,
             // The output is in radii; the transverse axis is not moved while diameters are active.
-            Effect::Diameter => {
+            CodeEffect::Diameter => {
                 out.diameter = Some((entry.name != "DIAMOF", span));
                 out.keep.push("DIAMOF");
             }
-            Effect::Execute | Effect::Refuse => {
+            CodeEffect::Execute | CodeEffect::Refuse => {
                 let message = format!("{} ({}) is not supported yet", entry.name, entry.meaning);
                 return Err(fault(Code::NOT_SUPPORTED, span, message, "the program cannot be corrected with it"));
             }
@@ -288,17 +288,17 @@ impl Gatherer<'_> {
     fn name(&self, name: NameId, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
         let text = self.scope.program.names.text(name);
         match (self.meanings[name.index()], word.value) {
-            (Meaning::Code(entry), Value::Arguments(_)) if entry.effect == Effect::Display => Ok(()),
+            (Meaning::Code(entry), Value::Arguments(_)) if entry.effect == CodeEffect::Display => Ok(()),
             (Meaning::Code(entry), Value::None) => self.code(entry, word.span, out),
             (Meaning::Code(entry), Value::Arguments(range))
-                if entry.effect == Effect::Keep && range == ArgumentRange::default() =>
+                if entry.effect == CodeEffect::Keep && range == ArgumentRange::default() =>
             {
                 self.code(entry, word.span, out)
             }
-            (Meaning::Code(entry), Value::Arguments(range)) if entry.effect == Effect::Transform => {
+            (Meaning::Code(entry), Value::Arguments(range)) if entry.effect == CodeEffect::Transform => {
                 self.transformation(entry, range, word, out)
             }
-            (Meaning::Code(entry), _) if entry.effect == Effect::Refuse => self.code(entry, word.span, out),
+            (Meaning::Code(entry), _) if entry.effect == CodeEffect::Refuse => self.code(entry, word.span, out),
             (Meaning::Address(address), Value::Expr(_) | Value::Dimension(..)) => self.address(address, word, out),
             (Meaning::Message, Value::Arguments(range)) => {
                 let text = match self.scope.program.arguments_of(range) {

@@ -39,7 +39,6 @@ pub(super) fn orient(
         let message = format!("a direction of the tool and a position of {axis} in one block");
         return Err(fault(Code::DOUBLE_WORD, span, message, "keep one of them"));
     }
-    let modal = modal;
     let mut direction = match number {
         3 => values,
         _ => {

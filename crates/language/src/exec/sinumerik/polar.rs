@@ -88,7 +88,6 @@ pub(super) fn set_pole(
         let message = "a pole shares its block with nothing but its position";
         return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other words to another block"));
     }
-    let modal = modal;
     let [abscissa, ordinate, _] = modal.modes.plane.axes();
     let mut pole = match base {
         PoleBase::Zero => [0.0; 2],

@@ -9,7 +9,7 @@ use super::names::Meaning;
 use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{Address, Block, Value, Word};
 use ncfix_base::geometry::{Axis, AxisSet};
-use ncfix_dialect::{CodeEntry, Effect, ValueUnit};
+use ncfix_dialect::{CodeEffect, CodeEntry, ValueUnit};
 
 /// The number of the fixed point.
 const POINT: &str = "FP";
@@ -24,7 +24,7 @@ impl Gatherer<'_> {
         let (Address::Letter(b'G'), Value::Number(number, _)) = (word.address, word.value) else { return None };
         let is_whole = number.fract() == 0.0 && (0.0..=999.0).contains(&number);
         let entry = self.codes.g(is_whole.then_some(number as usize)?)?;
-        (entry.effect == Effect::Reference).then_some(entry)
+        (entry.effect == CodeEffect::Reference).then_some(entry)
     }
 
     /// Reads a block with G74 or G75 from its beginning.

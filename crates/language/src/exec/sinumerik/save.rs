@@ -13,15 +13,15 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::Frame;
 use ncfix_base::geometry::{AxisSet, AxisVector, Plane};
 use ncfix_base::source::Span;
+use ncfix_dialect::CodeEffect;
 use ncfix_dialect::CodeTable;
-use ncfix_dialect::Effect;
 use ncfix_machine::snc::{FrameKind, FrameStatement, FrameWords, Kind};
 
 /// Records the codes that are active at the start according to the machine file.
 pub(super) fn note_initial_codes(settings: &RunSettings<'_>, codes: &'static CodeTable, modal: &mut Modal) {
     let machine = settings.machine;
     let rows = machine.control.initial_codes.iter().filter_map(|word| codes.word(&word.to_ascii_uppercase()));
-    for row in rows.filter(|row| row.effect == Effect::Keep && !NOT_MODAL.contains(&row.group)) {
+    for row in rows.filter(|row| row.effect == CodeEffect::Keep && !NOT_MODAL.contains(&row.group)) {
         modal.stated.codes.set(row.group, row.name);
     }
 }

@@ -118,7 +118,6 @@ fn switch(modal: &mut Modal, standing: &InForce, outlet: &mut Outlet<'_>, is_on:
         return;
     }
     let Some(kinematics) = &outlet.kinematics else { return };
-    let modal = modal;
     let tool_mm = standing.setup.tool_mm;
     modal.position.command = if is_on {
         kinematics.on_workpiece(&modal.position.command, &tool_mm)

@@ -15,7 +15,7 @@ use super::file::PLAUSIBLE_C;
 
 /// Meaning of a column.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Column {
+pub enum ConditionColumn {
     /// Time, s.
     Time,
     /// Temperature of a sensor, °C.
@@ -28,27 +28,27 @@ pub enum Column {
     Other,
 }
 
-impl Column {
+impl ConditionColumn {
     /// Returns the meaning of a column by its name.
     #[must_use]
-    pub fn of(name: &str) -> Column {
+    pub fn of(name: &str) -> ConditionColumn {
         match name {
-            "t_s" => Column::Time,
-            "load_N" => Column::Force,
-            "load_x_mm" => Column::LoadPlace(0),
-            "load_y_mm" => Column::LoadPlace(1),
-            "load_z_mm" => Column::LoadPlace(2),
+            "t_s" => ConditionColumn::Time,
+            "load_N" => ConditionColumn::Force,
+            "load_x_mm" => ConditionColumn::LoadPlace(0),
+            "load_y_mm" => ConditionColumn::LoadPlace(1),
+            "load_z_mm" => ConditionColumn::LoadPlace(2),
             other => match other.strip_suffix("_C") {
-                Some(sensor) if !sensor.is_empty() => Column::Sensor(sensor.to_owned()),
-                _ => Column::Other,
+                Some(sensor) if !sensor.is_empty() => ConditionColumn::Sensor(sensor.to_owned()),
+                _ => ConditionColumn::Other,
             },
         }
     }
 
     /// Returns the meanings of all columns of a table.
     #[must_use]
-    pub fn all(table: &Table) -> Vec<Column> {
-        table.names().iter().map(|name| Column::of(name)).collect()
+    pub fn all(table: &Table) -> Vec<ConditionColumn> {
+        table.names().iter().map(|name| ConditionColumn::of(name)).collect()
     }
 }
 
@@ -56,8 +56,10 @@ impl Column {
 pub const NO_LOAD: Load = Load { force_n: 0.0, position_mm: Vector::new(0.0, 0.0, 0.0) };
 
 /// Reports a table that has the position of a load but not its weight.
-pub fn check_load(table: &Table, columns: &[Column], findings: &mut Vec<Diagnostic>) {
-    if !columns.contains(&Column::Force) && columns.iter().any(|column| matches!(column, Column::LoadPlace(_))) {
+pub fn check_load(table: &Table, columns: &[ConditionColumn], findings: &mut Vec<Diagnostic>) {
+    if !columns.contains(&ConditionColumn::Force)
+        && columns.iter().any(|column| matches!(column, ConditionColumn::LoadPlace(_)))
+    {
         let help = "add a column load_N with the weight, or remove the place";
         let message = "the table has the place of a load but not load_N";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(None), message, help));
@@ -80,28 +82,28 @@ pub enum OfDead {
 pub fn read_cell(
     row: &Row<'_>,
     index: usize,
-    column: &Column,
+    column: &ConditionColumn,
     sign: DecimalSign,
     load: &mut Load,
     of_dead: OfDead,
 ) -> Result<Option<f64>, Diagnostic> {
-    if matches!(column, Column::Time | Column::Other) || row.text(index).is_empty() {
+    if matches!(column, ConditionColumn::Time | ConditionColumn::Other) || row.text(index).is_empty() {
         return Ok(None);
     }
     let value = row.number(index, sign)?;
     let fault = |message: String, help: &str| Err(Diagnostic::at(Code::DATA_CELL, row.place(index), message, help));
     let [low, high] = PLAUSIBLE_C;
     match column {
-        Column::Sensor(_) if !(low..=high).contains(&value) && of_dead == OfDead::Empty => return Ok(None),
-        Column::Sensor(_) if !(low..=high).contains(&value) => {
+        ConditionColumn::Sensor(_) if !(low..=high).contains(&value) && of_dead == OfDead::Empty => return Ok(None),
+        ConditionColumn::Sensor(_) if !(low..=high).contains(&value) => {
             let help = "leave the cell empty where a sensor has no reading; temperatures are -30 to 150 °C";
             return fault(format!("{value} °C is no temperature of a machine"), help);
         }
-        Column::Force if value < 0.0 => {
+        ConditionColumn::Force if value < 0.0 => {
             return fault(format!("{value} N is no weight"), "write the weight in N, 0 for an empty table");
         }
-        Column::Force => load.force_n = value,
-        Column::LoadPlace(axis) => load.position_mm[*axis] = value,
+        ConditionColumn::Force => load.force_n = value,
+        ConditionColumn::LoadPlace(axis) => load.position_mm[*axis] = value,
         _ => {}
     }
     Ok(Some(value))

@@ -16,7 +16,7 @@ use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::Source;
 
-use super::columns::{Column, NO_LOAD, OfDead, check_load, read_cell};
+use super::columns::{ConditionColumn, NO_LOAD, OfDead, check_load, read_cell};
 use super::{Condition, ConditionLog, Load};
 
 /// Maximum number of diagnostics; more are of no use.
@@ -50,10 +50,10 @@ pub fn load_with_dead(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
 fn load_as(source: &Source, of_dead: OfDead) -> (Option<Condition>, Vec<Diagnostic>) {
     let (table, mut findings) = Table::read(source);
     let Some(table) = table else { return (None, findings) };
-    let columns = Column::all(&table);
+    let columns = ConditionColumn::all(&table);
     check_columns(&table, &columns, &mut findings);
     let numbers: Vec<usize> =
-        (0..columns.len()).filter(|&column| columns.get(column) != Some(&Column::Other)).collect();
+        (0..columns.len()).filter(|&column| columns.get(column) != Some(&ConditionColumn::Other)).collect();
     let sign = match table.decimal_sign(&numbers) {
         Ok(sign) => sign,
         Err(finding) => {
@@ -77,14 +77,16 @@ fn load_as(source: &Source, of_dead: OfDead) -> (Option<Condition>, Vec<Diagnost
     (sound.then(|| readings.condition()), findings)
 }
 
-fn check_columns(table: &Table, columns: &[Column], findings: &mut Vec<Diagnostic>) {
+fn check_columns(table: &Table, columns: &[ConditionColumn], findings: &mut Vec<Diagnostic>) {
     let mut report = |message: &str, help: &str| {
         findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(None), message, help));
     };
-    if !columns.contains(&Column::Time) {
+    if !columns.contains(&ConditionColumn::Time) {
         report("the log has no column t_s", "add a column t_s with the time of each row in s");
     }
-    let says_something = |column: &Column| matches!(column, Column::Sensor(_) | Column::Force | Column::LoadPlace(_));
+    let says_something = |column: &ConditionColumn| {
+        matches!(column, ConditionColumn::Sensor(_) | ConditionColumn::Force | ConditionColumn::LoadPlace(_))
+    };
     if !columns.iter().any(says_something) {
         let help = "name the columns of temperatures like their sensors with _C behind, T_head_C for the sensor T_head";
         report("the log has no column of a temperature or a load", help);
@@ -94,7 +96,7 @@ fn check_columns(table: &Table, columns: &[Column], findings: &mut Vec<Diagnosti
 
 /// Readings so far.
 struct Readings {
-    columns: Vec<Column>,
+    columns: Vec<ConditionColumn>,
     sign: DecimalSign,
     /// Readings by column.
     traces: Vec<ConditionLog>,
@@ -108,7 +110,7 @@ struct Readings {
 }
 
 impl Readings {
-    fn new(columns: Vec<Column>, sign: DecimalSign, of_dead: OfDead) -> Readings {
+    fn new(columns: Vec<ConditionColumn>, sign: DecimalSign, of_dead: OfDead) -> Readings {
         let traces = vec![ConditionLog::default(); columns.len()];
         let dead = BTreeMap::new();
         Readings { columns, sign, traces, time_s: None, load: NO_LOAD, loads: Vec::new(), of_dead, dead }
@@ -117,7 +119,7 @@ impl Readings {
     /// Reports the dead sensors.
     fn tell_dead(&self, findings: &mut Vec<Diagnostic>) {
         for (column, (place, value, rows)) in &self.dead {
-            let Some(Column::Sensor(sensor)) = self.columns.get(*column) else { continue };
+            let Some(ConditionColumn::Sensor(sensor)) = self.columns.get(*column) else { continue };
             let message = format!("{sensor} is dead: {value} °C is no temperature of a machine; so in {rows} rows");
             let help = "these rows say nothing of it; check its plug and cable";
             findings.push(Diagnostic::at(Code::FAULTY_DATA, *place, message, help));
@@ -132,8 +134,8 @@ impl Readings {
         let last = self.load;
         for (index, (column, trace)) in self.columns.iter().zip(&mut self.traces).enumerate() {
             match read_cell(row, index, column, self.sign, &mut self.load, self.of_dead) {
-                Ok(Some(value)) if matches!(column, Column::Sensor(_)) => trace.add(time_s, value),
-                Ok(None) if matches!(column, Column::Sensor(_)) && !row.text(index).is_empty() => {
+                Ok(Some(value)) if matches!(column, ConditionColumn::Sensor(_)) => trace.add(time_s, value),
+                Ok(None) if matches!(column, ConditionColumn::Sensor(_)) && !row.text(index).is_empty() => {
                     let value = String::from_utf8_lossy(row.text(index)).into_owned();
                     let dead = self.dead.entry(index).or_insert((row.place(index), value, 0));
                     dead.2 += 1;
@@ -149,7 +151,7 @@ impl Readings {
 
     /// Reads the time of a row, which must not be earlier than the last one.
     fn read_time(&mut self, row: &Row<'_>) -> Result<f64, Option<Diagnostic>> {
-        let column = self.columns.iter().position(|column| *column == Column::Time).ok_or(None)?;
+        let column = self.columns.iter().position(|column| *column == ConditionColumn::Time).ok_or(None)?;
         let time_s = row.number(column, self.sign)?;
         if let Some(last_s) = self.time_s.filter(|&last_s| time_s < last_s) {
             let message = format!("the time goes back from {last_s} s to {time_s} s");
@@ -163,7 +165,7 @@ impl Readings {
     fn condition(self) -> Condition {
         let mut condition = Condition::default();
         for (column, trace) in self.columns.iter().zip(self.traces) {
-            if let Column::Sensor(sensor) = column
+            if let ConditionColumn::Sensor(sensor) = column
                 && !trace.points().is_empty()
             {
                 condition.set_trace(sensor, trace);

@@ -10,7 +10,7 @@ fn unsettled(residual: f64, weight: impl Fn(usize) -> f64) -> Option<Unsettled> 
     let data = [bench::table(&machine, &rows, "[measurement]\nkind = \"direct\"\nsigma_um = 1\n")];
     let design = Design::new(&machine, &data, &[] as &[Parameter]);
     let judged = judge(&machine, &ErrorModel::default(), &[], &data).unwrap();
-    let mut rounds = Rounds::new(&design, &data, Options { robust: true }, &judged);
+    let mut rounds = Rounds::new(&design, &data, FitOptions { robust: true }, &judged);
     let line = |row| ReadingEquation { residual, set: 0, origin: EquationOrigin::Row(row), is_angle: false };
     rounds.lines = (0..10).map(line).collect();
     rounds.weights = (0..10).map(weight).collect();

@@ -1,6 +1,6 @@
 //! Play: the carriage lags behind at a turn, along the axis (backlash), across it or turned (lateral play).
 
-use super::{Candidate, Cause, Correctable, Effect, Weight, own};
+use super::{Candidate, Cause, Correctable, EffectKind, Weight, own};
 use crate::diagnose::scene::{Scene, Through};
 use ncfix_base::geometry::Axis;
 use ncfix_model::ParameterName;
@@ -8,7 +8,7 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 pub(super) const BACKLASH: Cause = Cause {
     name: "backlash",
-    effect: Effect::Backlash,
+    effect: EffectKind::Backlash,
     made_by: "play of nut, preload or gear; wind-up of the screw",
     shown_by: "ball-bar: steps at the turns of the axis, of opposite sign in the two senses; laser forth and back",
     separate_by: "a second feed: lag grows with it, backlash does not",
@@ -18,7 +18,7 @@ pub(super) const BACKLASH: Cause = Cause {
 
 pub(super) const LATERAL_PLAY: Cause = Cause {
     name: "lateral play",
-    effect: Effect::LateralPlay,
+    effect: EffectKind::LateralPlay,
     made_by: "clearance of the guideway",
     shown_by: "ball-bar: the traces of the two senses split across the axis, without steps",
     separate_by: "both senses of the ball-bar; forth and back along the axis with an indicator across it",
@@ -32,7 +32,7 @@ const WAY: f64 = 0.5;
 /// Wind-up grows with the length of the screw between bearing and nut.
 pub(super) const WIND_UP: Cause = Cause {
     name: "backlash that depends on the position",
-    effect: Effect::Backlash,
+    effect: EffectKind::Backlash,
     made_by: "a screw that winds up, worn where it is used most",
     shown_by: "laser forth and back over the whole travel: the two lines are not parallel",
     separate_by: "forth and back at three places at least",
@@ -72,7 +72,7 @@ fn wind_up(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     for axis in super::axes(scene).filter(|axis| both_ways(scene, *axis, WAY)) {
         let Some([low, high]) = super::range(scene, axis) else { continue };
         let through = Through::Component(own(axis));
-        let share = move |row: &crate::diagnose::row::Row| (row.position[axis] - low) / (high - low);
+        let share = move |row: &crate::diagnose::row::SceneRow| (row.position[axis] - low) / (high - low);
         let columns = [0, 1].map(|power| Weight::new(move |row| row.sense_of(axis) * share(row).powi(power)));
         let mut one = Candidate::one(&WIND_UP, own(axis), through, Weight::new(|_| 0.0));
         one.columns = columns.into_iter().map(|weight| vec![(through, weight)]).collect();

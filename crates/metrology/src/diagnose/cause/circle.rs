@@ -4,12 +4,13 @@ use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_4, TAU};
 use std::sync::Arc;
 
-use super::{Candidate, Cause, Correctable, Effect, Values, Weight};
+use super::{Candidate, Cause, Correctable, EffectKind, Values, Weight};
 use crate::diagnose::scene::{Scene, Through};
+use crate::measure::kind::Measurand;
 
 pub(super) const CHORDS: Cause = Cause {
     name: "chords in place of the circle",
-    effect: Effect::Program,
+    effect: EffectKind::Program,
     made_by: "a program of straight blocks",
     shown_by: "ball-bar: equal arcs inwards between corners that lie on the circle, at all feeds",
     separate_by: "the same circle as one block",
@@ -19,7 +20,7 @@ pub(super) const CHORDS: Cause = Cause {
 
 pub(super) const OCTANTS: Cause = Cause {
     name: "change of the leading axis",
-    effect: Effect::Dynamic,
+    effect: EffectKind::Dynamic,
     made_by: "an interpolator that lets one axis lead and the other follow",
     shown_by: "ball-bar: steps at 45°, 135°, 225° and 315°",
     separate_by: "the circle in another plane; lines at 40° and 50°",
@@ -29,7 +30,7 @@ pub(super) const OCTANTS: Cause = Cause {
 
 pub(super) const CUP: Cause = Cause {
     name: "ball that rolls in its cup",
-    effect: Effect::Setup,
+    effect: EffectKind::Setup,
     made_by: "a cup that is worn or dirty",
     shown_by: "ball-bar: three lobes that are never the same twice",
     separate_by: "repeat the run",
@@ -39,7 +40,7 @@ pub(super) const CUP: Cause = Cause {
 
 pub(super) const LOBES: Cause = Cause {
     name: "lobes over the angle of a circle",
-    effect: Effect::Unknown,
+    effect: EffectKind::Unknown,
     made_by: "a ball or a cup out of round, or nothing that is known",
     shown_by: "ball-bar: as many lobes in both senses and at all feeds",
     separate_by: "turn the bar end for end and the ball in its cup: lobes of the instrument turn with it",
@@ -72,7 +73,9 @@ pub(in crate::diagnose) fn places(scene: &Scene<'_>) -> Option<Places> {
     // Circles of several planes may have one set-up.
     let mut by_run: HashMap<(usize, usize), Vec<Placed>> = HashMap::new();
     for row in &scene.rows {
-        let Some(set) = scene.sets.get(row.set).filter(|set| set.kind.name == "ballbar") else { continue };
+        let Some(set) = scene.sets.get(row.set).filter(|set| set.kind.measurand == Measurand::BallDistance) else {
+            continue;
+        };
         let Some(setup) = set.setups.get(row.setup) else { continue };
         let at = [0, 1, 2].map(|k| {
             let axis = super::linear(scene).find(|axis| axis.dimension() == k);

@@ -1,12 +1,12 @@
 //! An error of one axis that depends on where another one stands: stacked axes and finite stiffness (Spaan 1995, ch. 2: EAY that grows with X).
 
-use super::{Candidate, Cause, Correctable, Effect, Weight};
+use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 pub(super) const CAUSE: Cause = Cause {
     name: "cross-coupled error",
-    effect: Effect::Cross,
+    effect: EffectKind::Cross,
     made_by: "stacked axes, weight that moves, a frame that gives way",
     shown_by: "lines measured at several places of the other axes",
     separate_by: "a grid of lines: three places of the other axis",

@@ -1,11 +1,11 @@
 //! Displacement with time, of no known temperature: creeping, and a door that was opened.
 
-use super::{Candidate, Cause, Correctable, Effect, Weight, tip};
+use super::{Candidate, Cause, Correctable, EffectKind, Weight, tip};
 use crate::diagnose::scene::{Scene, Through};
 
 pub(super) const CAUSE: Cause = Cause {
     name: "drift with time",
-    effect: Effect::Drift,
+    effect: EffectKind::Drift,
     made_by: "warming up, a set-up that creeps",
     shown_by: "readings of the same pose at different times",
     separate_by: "sensors of temperature; the poses in another order",
@@ -15,7 +15,7 @@ pub(super) const CAUSE: Cause = Cause {
 
 pub(super) const EVENT: Cause = Cause {
     name: "drift behind an event",
-    effect: Effect::Drift,
+    effect: EffectKind::Drift,
     made_by: "coolant, an opened door, a cold workpiece",
     shown_by: "a step in the readings of one pose that fades",
     separate_by: "a log of what happened when; the same again",

@@ -1,13 +1,13 @@
 //! Weight on the table: guideways and bearings give way, more where it stands off the middle (Spaan 1995, ch. 4).
 
-use super::{Candidate, Cause, Correctable, Effect, Values, Weight, column};
-use crate::diagnose::row::Row;
+use super::{Candidate, Cause, Correctable, EffectKind, Values, Weight, column};
+use crate::diagnose::row::SceneRow;
 use crate::diagnose::scene::{Scene, Through};
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 pub(super) const GUIDE: Cause = Cause {
     name: "guideway under load",
-    effect: Effect::Load,
+    effect: EffectKind::Load,
     made_by: "the weight of the workpiece on a guideway",
     shown_by: "level or plate with weights at several places: roll or pitch along the axis that grows with the weight",
     separate_by: "the same line without the weight",
@@ -17,7 +17,7 @@ pub(super) const GUIDE: Cause = Cause {
 
 pub(super) const TABLE: Cause = Cause {
     name: "table under load",
-    effect: Effect::Load,
+    effect: EffectKind::Load,
     made_by: "bearings of the table that give way",
     shown_by: "a tilt that grows with the weight and with how far off the middle it stands",
     separate_by: "lines along the axis: a guideway that gives way changes along it",
@@ -30,7 +30,7 @@ const PLACES: [&str; 3] = ["load_x_mm", "load_y_mm", "load_z_mm"];
 /// A weight and an arm that make numbers near one.
 const UNIT: [f64; 2] = [1000.0, 100.0];
 
-fn value(values: &Values, row: &Row) -> f64 {
+fn value(values: &Values, row: &SceneRow) -> f64 {
     values.get(row.set).and_then(|own| own.get(row.number)).copied().filter(|value| value.is_finite()).unwrap_or(0.0)
 }
 
@@ -46,7 +46,7 @@ fn weights(scene: &Scene<'_>) -> Vec<(String, Values, Option<Values>)> {
     out
 }
 
-fn moment(load: &Values, place: Option<&Values>, row: &Row) -> f64 {
+fn moment(load: &Values, place: Option<&Values>, row: &SceneRow) -> f64 {
     value(load, row) / UNIT[0] * place.map_or(1.0, |place| value(place, row) / UNIT[1])
 }
 

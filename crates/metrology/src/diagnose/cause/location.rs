@@ -1,13 +1,13 @@
 //! Errors of the location of axes: squareness, offsets and tilts of rotary axes, of the spindle (ISO 230-1, ISO 230-7).
 
-use super::{Candidate, Cause, Correctable, Effect, Weight};
+use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};
 use ncfix_model::ParameterName;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 pub(super) const CAUSE: Cause = Cause {
     name: "location of an axis",
-    effect: Effect::Location,
+    effect: EffectKind::Location,
     made_by: "assembly, a collision, a foundation that moved",
     shown_by: "ball-bar: an oval at 45° that is the same in both senses; chase-the-ball: readings that turn with the axis",
     separate_by: "turn the artefact by 90°, or index the rotary axis at three more angles",

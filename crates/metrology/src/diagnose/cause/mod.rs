@@ -29,7 +29,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::extend::Change;
-use super::row::Row;
+use super::row::SceneRow;
 use super::scene::{Scene, Through};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::Axis;
@@ -41,7 +41,7 @@ pub(in crate::diagnose) use unnamed::CAUSE as UNNAMED;
 /// What kind of effect it is, as programs read it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
-pub enum Effect {
+pub enum EffectKind {
     /// An error of the location of an axis.
     Location,
     /// An error of the motion of an axis: scale, straightness, angle.
@@ -110,7 +110,7 @@ pub struct Cause {
     /// Its name. No other cause of a register has it.
     pub name: &'static str,
     /// Which effect it makes.
-    pub effect: Effect,
+    pub effect: EffectKind,
     /// What makes it: a sentence for people.
     pub made_by: &'static str,
     /// What shows it.
@@ -206,11 +206,11 @@ const USUAL: [&str; 3] = ["EC0Y", "EB0Z", "EA0Z"];
 
 /// What a row has of a driver: the factor of a deviation. Amounts are well told where it is near one.
 #[derive(Clone)]
-pub struct Weight(Arc<dyn Fn(&Row) -> f64 + Send + Sync>);
+pub struct Weight(Arc<dyn Fn(&SceneRow) -> f64 + Send + Sync>);
 
 impl Weight {
     /// By a function of the row.
-    pub fn new(of: impl Fn(&Row) -> f64 + Send + Sync + 'static) -> Weight {
+    pub fn new(of: impl Fn(&SceneRow) -> f64 + Send + Sync + 'static) -> Weight {
         Weight(Arc::new(of))
     }
 
@@ -226,7 +226,7 @@ impl Weight {
 
     /// Its value; 0 where it is not finite: a row that does not say is no evidence.
     #[must_use]
-    pub fn of(&self, row: &Row) -> f64 {
+    pub fn of(&self, row: &SceneRow) -> f64 {
         let value = (self.0)(row);
         if value.is_finite() { value } else { 0.0 }
     }
@@ -332,26 +332,28 @@ impl Candidate {
     #[must_use]
     pub fn far_fetched(&self) -> u32 {
         let of_effect = match self.cause.effect {
-            Effect::Location => 0,
-            Effect::Backlash => 2,
-            Effect::ServoMismatch => 4,
+            EffectKind::Location => 0,
+            EffectKind::Backlash => 2,
+            EffectKind::ServoMismatch => 4,
             // Who adds a cause has a reason to look for it.
-            Effect::Own(_) => 6,
-            Effect::Motion => 10,
-            Effect::LateralPlay => 12,
-            Effect::Periodic => 14,
-            Effect::Load => 15,
-            Effect::ThermalDrift => 15,
-            Effect::ThermalExpansion => 16,
-            Effect::ThermalSquareness => 18,
-            Effect::ReversalSpike => 20,
-            Effect::Following => 22,
-            Effect::Drift => 24,
-            Effect::Dynamic => 26,
-            Effect::Delay => 28,
-            Effect::Setup | Effect::Probe | Effect::Sensor | Effect::Outlier | Effect::Program => 30,
-            Effect::Cross => 40,
-            Effect::Unknown => 50,
+            EffectKind::Own(_) => 6,
+            EffectKind::Motion => 10,
+            EffectKind::LateralPlay => 12,
+            EffectKind::Periodic => 14,
+            EffectKind::Load => 15,
+            EffectKind::ThermalDrift => 15,
+            EffectKind::ThermalExpansion => 16,
+            EffectKind::ThermalSquareness => 18,
+            EffectKind::ReversalSpike => 20,
+            EffectKind::Following => 22,
+            EffectKind::Drift => 24,
+            EffectKind::Dynamic => 26,
+            EffectKind::Delay => 28,
+            EffectKind::Setup | EffectKind::Probe | EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program => {
+                30
+            }
+            EffectKind::Cross => 40,
+            EffectKind::Unknown => 50,
         };
         let component = match self.columns.first().and_then(|parts| parts.first()) {
             Some((Through::Component(name), _)) => Some(*name),
@@ -387,32 +389,32 @@ impl Candidate {
     }
 }
 
-impl fmt::Display for Effect {
+impl fmt::Display for EffectKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Effect::Location => "location",
-            Effect::Motion => "motion",
-            Effect::Periodic => "periodic",
-            Effect::Backlash => "backlash",
-            Effect::LateralPlay => "lateral-play",
-            Effect::ReversalSpike => "reversal-spike",
-            Effect::Cross => "cross",
-            Effect::ServoMismatch => "servo-mismatch",
-            Effect::Following => "following",
-            Effect::Dynamic => "dynamic",
-            Effect::Delay => "delay",
-            Effect::ThermalDrift => "thermal-drift",
-            Effect::ThermalExpansion => "thermal-expansion",
-            Effect::ThermalSquareness => "thermal-squareness",
-            Effect::Drift => "drift",
-            Effect::Load => "load",
-            Effect::Setup => "setup",
-            Effect::Probe => "probe",
-            Effect::Sensor => "sensor",
-            Effect::Outlier => "outlier",
-            Effect::Program => "program",
-            Effect::Unknown => "unknown",
-            Effect::Own(name) => name,
+            EffectKind::Location => "location",
+            EffectKind::Motion => "motion",
+            EffectKind::Periodic => "periodic",
+            EffectKind::Backlash => "backlash",
+            EffectKind::LateralPlay => "lateral-play",
+            EffectKind::ReversalSpike => "reversal-spike",
+            EffectKind::Cross => "cross",
+            EffectKind::ServoMismatch => "servo-mismatch",
+            EffectKind::Following => "following",
+            EffectKind::Dynamic => "dynamic",
+            EffectKind::Delay => "delay",
+            EffectKind::ThermalDrift => "thermal-drift",
+            EffectKind::ThermalExpansion => "thermal-expansion",
+            EffectKind::ThermalSquareness => "thermal-squareness",
+            EffectKind::Drift => "drift",
+            EffectKind::Load => "load",
+            EffectKind::Setup => "setup",
+            EffectKind::Probe => "probe",
+            EffectKind::Sensor => "sensor",
+            EffectKind::Outlier => "outlier",
+            EffectKind::Program => "program",
+            EffectKind::Unknown => "unknown",
+            EffectKind::Own(name) => name,
         })
     }
 }
@@ -455,7 +457,7 @@ fn tip(direction: usize) -> &'static str {
 /// Values by measurement and row.
 pub type Values = Arc<Vec<Vec<f64>>>;
 
-/// The values of a column of numbers at the rows of a scene, as [`Row`]s number them; `None` where no measurement has it.
+/// The values of a column of numbers at the rows of a scene, as [`SceneRow`]s number them; `None` where no measurement has it.
 #[must_use]
 pub fn column(sets: &[DataSet], name: &str) -> Option<Values> {
     let values: Vec<Vec<f64>> = sets

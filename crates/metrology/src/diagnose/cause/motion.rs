@@ -1,14 +1,14 @@
 //! Errors of the motion of axes that are smooth in the position: scale, straightness, roll, pitch and yaw (ISO 230-1).
 
-use super::{Candidate, Cause, Correctable, Effect, Weight};
+use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};
 use ncfix_model::ParameterName;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
-use ncfix_model::parameter::Term;
+use ncfix_model::parameter::ComponentTerm;
 
 pub(super) const CAUSE: Cause = Cause {
     name: "motion of an axis",
-    effect: Effect::Motion,
+    effect: EffectKind::Motion,
     made_by: "guideways, ball screw, scale",
     shown_by: "laser, level, hole plate; ball-bar: lobes that are the same in both senses and at all feeds",
     separate_by: "a second tool length or plate height tells angles from straightness, two radii a scale from the length of the bar",
@@ -22,7 +22,7 @@ const DEGREES: [u8; 5] = [1, 2, 3, 4, 5];
 const KNOTS: [&[f64]; 2] = [&[0.33, 0.67], &[0.2, 0.4, 0.6, 0.8]];
 
 /// Columns of one axis: weights with what they are called.
-type Shape = Vec<(Weight, Term)>;
+type Shape = Vec<(Weight, ComponentTerm)>;
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     for axis in super::axes(scene) {
@@ -30,7 +30,7 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let powers: Shape = DEGREES
             .into_iter()
             .map(|degree| {
-                (Weight::new(move |row| row.position[axis].powi(i32::from(degree))), Term::Coefficient(degree))
+                (Weight::new(move |row| row.position[axis].powi(i32::from(degree))), ComponentTerm::Coefficient(degree))
             })
             .collect();
         let mut shapes: Vec<Shape> =
@@ -40,12 +40,12 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             for share in knots {
                 let at = (low + share * (high - low)).round();
                 let weight = Weight::new(move |row| (row.position[axis] - at).max(0.0).powi(2));
-                shape.push((weight, Term::Knot { degree: 2, at: at as i32 }));
+                shape.push((weight, ComponentTerm::Knot { degree: 2, at: at as i32 }));
             }
             shapes.push(shape);
         }
         // An angle has a value where the axis is at zero, too, which levers show.
-        let always = (Weight::new(|_| 1.0), Term::Coefficient(0));
+        let always = (Weight::new(|_| 1.0), ComponentTerm::Coefficient(0));
         let tilted: Vec<Shape> =
             (1..=2).map(|most| powers.iter().take(most).chain([&always]).cloned().collect()).collect();
         for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
@@ -103,9 +103,9 @@ mod tests {
 
     fn knotted(knots: [i32; 2]) -> super::super::Term {
         let component = ErrorName::motion(DIRECTIONS[1], ncfix_base::geometry::Axis::X);
-        let terms = [Term::Coefficient(1), Term::Coefficient(2)]
+        let terms = [ComponentTerm::Coefficient(1), ComponentTerm::Coefficient(2)]
             .into_iter()
-            .chain(knots.map(|at| Term::Knot { degree: 2, at }));
+            .chain(knots.map(|at| ComponentTerm::Knot { degree: 2, at }));
         super::super::Term::Parameters(terms.map(|term| ParameterName { component, term }).collect())
     }
 

@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use super::{Candidate, Cause, Correctable, Effect, Weight};
+use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};
 use ncfix_base::geometry::Axis;
 use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 pub(in crate::diagnose) const CAUSE: Cause = Cause {
     name: "periodic error",
-    effect: Effect::Periodic,
+    effect: EffectKind::Periodic,
     made_by: "pitch of the screw, interpolation of the scale, an eccentric encoder",
     shown_by: "fine steps along the axis; ball-bar: ripples that stay at their places at another feed",
     separate_by: "another feed: what vibrates moves along the path, what is periodic in position stays",

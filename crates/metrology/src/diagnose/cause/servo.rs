@@ -2,13 +2,13 @@
 //!
 //! An axis that lags by τ is at −τ v from its command; two of them with one lag make no error of the path but along it.
 
-use super::{Candidate, Cause, Correctable, Effect, Weight};
+use super::{Candidate, Cause, Correctable, EffectKind, Weight};
 use crate::diagnose::scene::{Scene, Through};
 use ncfix_base::geometry::{Axis, AxisVector};
 
 pub(super) const MISMATCH: Cause = Cause {
     name: "servo mismatch",
-    effect: Effect::ServoMismatch,
+    effect: EffectKind::ServoMismatch,
     made_by: "velocity gains that differ",
     shown_by: "ball-bar: an oval at 45° that turns over with the sense and grows with the feed",
     separate_by: "the other sense of the same circle",
@@ -18,7 +18,7 @@ pub(super) const MISMATCH: Cause = Cause {
 
 pub(super) const FOLLOWING: Cause = Cause {
     name: "following error",
-    effect: Effect::Following,
+    effect: EffectKind::Following,
     made_by: "velocity gain without feed-forward",
     shown_by: "traces: set point less encoder grows with the velocity; ball-bar: circles shrink with the square of the feed",
     separate_by: "two feeds tell it from the length of the bar",
@@ -28,7 +28,7 @@ pub(super) const FOLLOWING: Cause = Cause {
 
 pub(super) const DYNAMIC: Cause = Cause {
     name: "deflection by acceleration",
-    effect: Effect::Dynamic,
+    effect: EffectKind::Dynamic,
     made_by: "inertia and a frame that gives way",
     shown_by: "errors at corners and small circles that grow with the acceleration",
     separate_by: "encoders: a lag shows in them, a deflection does not",
@@ -38,7 +38,7 @@ pub(super) const DYNAMIC: Cause = Cause {
 
 pub(super) const DELAY: Cause = Cause {
     name: "delay between readings and positions",
-    effect: Effect::Delay,
+    effect: EffectKind::Delay,
     made_by: "two recorders, clocks that run apart",
     shown_by: "readings of moving axes: forth and back differ by what grows with the feed, alike on all axes",
     separate_by: "an external clock, two feeds: a lag of one axis is not that of the others",
@@ -48,7 +48,7 @@ pub(super) const DELAY: Cause = Cause {
 
 pub(super) const STICK_SLIP: Cause = Cause {
     name: "stick-slip",
-    effect: Effect::Dynamic,
+    effect: EffectKind::Dynamic,
     made_by: "friction that falls with the speed, at low feeds",
     shown_by: "saw-teeth where an axis is slow; rougher traces at low feed",
     separate_by: "the same at a higher feed: it goes away",
@@ -57,7 +57,7 @@ pub(super) const STICK_SLIP: Cause = Cause {
 };
 
 /// Linear axes of which it is known how fast they go.
-fn moving(scene: &Scene<'_>, of: fn(&crate::diagnose::row::Row) -> Option<AxisVector>) -> Vec<Axis> {
+fn moving(scene: &Scene<'_>, of: fn(&crate::diagnose::row::SceneRow) -> Option<AxisVector>) -> Vec<Axis> {
     let axes = scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary());
     axes.filter(|&axis| scene.rows.iter().any(|row| of(row).is_some_and(|value| value[axis] != 0.0))).collect()
 }
@@ -85,7 +85,7 @@ fn pair(axes: &[Axis], axis: Axis) -> String {
 /// Only axes that move together can be at odds.
 fn mismatch(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let axes = moving(scene, |row| row.velocity);
-    let moves = |row: &crate::diagnose::row::Row, axis: Axis| row.velocity.is_some_and(|v| v[axis].abs() > 1e-3);
+    let moves = |row: &crate::diagnose::row::SceneRow, axis: Axis| row.velocity.is_some_and(|v| v[axis].abs() > 1e-3);
     let together = |one: Axis, other: Axis| scene.rows.iter().any(|row| moves(row, one) && moves(row, other));
     for &one in &axes {
         let mut others = 0;
@@ -179,7 +179,7 @@ const TEETH: [f64; 12] = [0.12, 0.135, 0.15, 0.17, 0.19, 0.215, 0.24, 0.27, 0.3,
 const SLOW: [f64; 2] = [2.5, 6.0];
 
 fn stick_slip(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let is_slow = |row: &crate::diagnose::row::Row, axis: Axis| {
+    let is_slow = |row: &crate::diagnose::row::SceneRow, axis: Axis| {
         row.velocity.is_some_and(|velocity| velocity[axis].abs() < SLOW[1] && row.since_turn[axis].is_finite())
     };
     for axis in moving(scene, |row| row.velocity) {

@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use super::{Candidate, Cause, Correctable, Effect, Values, Weight, column, tip};
-use crate::diagnose::row::Row;
+use super::{Candidate, Cause, Correctable, EffectKind, Values, Weight, column, tip};
+use crate::diagnose::row::SceneRow;
 use crate::diagnose::scene::{Scene, Through};
 use crate::measure::data::Free;
+use crate::measure::kind::Measurand;
 
 pub(super) const PLACE: Cause = Cause {
     name: "place of the artefact",
-    effect: Effect::Setup,
+    effect: EffectKind::Setup,
     made_by: "a ball or an artefact that is not where the description has it",
     shown_by: "ball-bar: a circle off its centre; the same in both senses, another one in the next set-up",
     separate_by: "mount it again",
@@ -19,7 +20,7 @@ pub(super) const PLACE: Cause = Cause {
 
 pub(super) const TOOL: Cause = Cause {
     name: "length and offset of the tool",
-    effect: Effect::Setup,
+    effect: EffectKind::Setup,
     made_by: "a tool or a stylus that was measured wrongly",
     shown_by: "readings that turn with the spindle, or differ from tool to tool",
     separate_by: "index the spindle; another tool length",
@@ -29,7 +30,7 @@ pub(super) const TOOL: Cause = Cause {
 
 pub(super) const SCALE: Cause = Cause {
     name: "scale of the instrument",
-    effect: Effect::Setup,
+    effect: EffectKind::Setup,
     made_by: "a beam that is not along the axis, air or artefact at another temperature than is allowed for",
     shown_by: "lengths that are wrong in one set-up, or as the temperature of air or artefact",
     separate_by: "mount it again; an artefact of another material",
@@ -39,7 +40,7 @@ pub(super) const SCALE: Cause = Cause {
 
 pub(super) const PROBE: Cause = Cause {
     name: "delay and lobes of the probe",
-    effect: Effect::Probe,
+    effect: EffectKind::Probe,
     made_by: "a trigger that comes late, a seat on three points",
     shown_by: "probing at two feeds; a sphere touched from nine directions",
     separate_by: "a second feed, the probe turned by 60°",
@@ -53,12 +54,12 @@ const MOST: usize = 40;
 const OWN: [&str; 6] = ["T_plate_C", "T_air_C", "T_artefact_C", "T_artifact_C", "T_bar_C", "T_workpiece_C"];
 
 /// A part of a column: where, and a function of the row.
-fn part(through: Through, of: impl Fn(&Row) -> f64 + Send + Sync + 'static) -> (Through, Weight) {
+fn part(through: Through, of: impl Fn(&SceneRow) -> f64 + Send + Sync + 'static) -> (Through, Weight) {
     (through, Weight::new(of))
 }
 
 /// The point of the tool as the description has it.
-fn point(row: &Row, scene: &Scene<'_>) -> [f64; 3] {
+fn point(row: &SceneRow, scene: &Scene<'_>) -> [f64; 3] {
     [0, 1, 2].map(|k| {
         let axis = super::linear(scene).find(|axis| axis.dimension() == k);
         axis.map_or(0.0, |axis| row.position[axis]) + row.tool_mm[k]
@@ -66,9 +67,12 @@ fn point(row: &Row, scene: &Scene<'_>) -> [f64; 3] {
 }
 
 /// Set-ups of measurements of which something is not free.
-fn setups(scene: &Scene<'_>, kinds: &[&str], free: Free) -> Vec<(usize, usize)> {
-    let sets =
-        scene.sets.iter().enumerate().filter(|(_, set)| kinds.contains(&set.kind.name) && !set.free.contains(&free));
+fn setups(scene: &Scene<'_>, measurands: &[Measurand], free: Free) -> Vec<(usize, usize)> {
+    let sets = scene
+        .sets
+        .iter()
+        .enumerate()
+        .filter(|(_, set)| measurands.contains(&set.kind.measurand) && !set.free.contains(&free));
     let all: Vec<_> = sets.flat_map(|(set, data)| (0..data.setups.len()).map(move |setup| (set, setup))).collect();
     if all.len() > MOST { Vec::new() } else { all }
 }
@@ -88,12 +92,12 @@ fn push(
 }
 
 fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let of = |own: (usize, usize)| move |row: &Row| f64::from(u8::from((row.set, row.setup) == own));
-    let centres = setups(scene, &["ballbar"], Free::Centre);
+    let of = |own: (usize, usize)| move |row: &SceneRow| f64::from(u8::from((row.set, row.setup) == own));
+    let centres = setups(scene, &[Measurand::BallDistance], Free::Centre);
     let columns = centres.iter().flat_map(|&own| (0..3).map(move |k| vec![part(Through::Tip(k), of(own))])).collect();
     push(out, &PLACE, "centre", columns, &["setup"]);
     let mut lengths: BTreeMap<u64, Vec<(usize, usize)>> = BTreeMap::new();
-    for own in setups(scene, &["ballbar"], Free::Length) {
+    for own in setups(scene, &[Measurand::BallDistance], Free::Length) {
         let length = scene.sets.get(own.0).and_then(|set| set.setups.get(own.1)).map_or(0.0, |setup| setup.length_mm);
         lengths.entry((length * 1e3).round() as u64).or_default().push(own);
     }
@@ -101,13 +105,13 @@ fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let columns = lengths
         .into_values()
         .map(|all| {
-            let weight = move |row: &Row| f64::from(u8::from(all.contains(&(row.set, row.setup))));
+            let weight = move |row: &SceneRow| f64::from(u8::from(all.contains(&(row.set, row.setup))));
             vec![part(Through::Reading(false), weight)]
         })
         .collect();
     push(out, &PLACE, "length", columns, &["setup"]);
     let mut columns = Vec::new();
-    for own in setups(scene, &["displacement"], Free::Rotation) {
+    for own in setups(scene, &[Measurand::Displacement], Free::Rotation) {
         let rows = scene.rows.iter().filter(|row| (row.set, row.setup) == own);
         let points: Vec<[f64; 3]> = rows.map(|row| point(row, scene)).collect();
         let middle = [0, 1, 2].map(|k| points.iter().map(|at| at[k]).sum::<f64>() / points.len().max(1) as f64);
@@ -116,7 +120,7 @@ fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             // e × p has these two components.
             let [one, other] = [(about + 1) % 3, (about + 2) % 3];
             let at = move |k: usize| {
-                move |row: &Row| {
+                move |row: &SceneRow| {
                     if (row.set, row.setup) == own {
                         dimensions[k].map_or(0.0, |axis| row.position[axis]) + row.tool_mm[k] - middle[k]
                     } else {
@@ -132,11 +136,11 @@ fn place(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
 }
 
 fn tool(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let all = setups(scene, &["probe", "displacement", "ballbar"], Free::Tool);
+    let all = setups(scene, &[Measurand::BallPlace, Measurand::Displacement, Measurand::BallDistance], Free::Tool);
     if all.is_empty() {
         return;
     }
-    let of = |own: (usize, usize)| move |row: &Row| f64::from(u8::from((row.set, row.setup) == own));
+    let of = |own: (usize, usize)| move |row: &SceneRow| f64::from(u8::from((row.set, row.setup) == own));
     if all.len() > 1 {
         let columns = all.iter().map(|&own| vec![part(Through::Tip(2), of(own))]).collect();
         push(out, &TOOL, "tool_z", columns, &["setup"]);
@@ -144,7 +148,7 @@ fn tool(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     if scene.rows.iter().any(|row| row.spindle_rad != 0.0) {
         let turned = |sine: f64, cosine: f64| {
             let all = all.clone();
-            move |row: &Row| {
+            move |row: &SceneRow| {
                 let own = f64::from(u8::from(all.contains(&(row.set, row.setup))));
                 own * (sine * row.spindle_rad.sin() + cosine * row.spindle_rad.cos())
             }
@@ -159,12 +163,12 @@ fn tool(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
 
 fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let reference = scene.machine.reference_temperature_c;
-    let own_length = |row: &Row| {
+    let own_length = |row: &SceneRow| {
         let name = row.component?;
         let axis = name.axis()?;
         (name == super::own(axis) && !axis.is_rotary()).then(|| row.position[axis])
     };
-    let is_direct = |set: usize| scene.sets.get(set).is_some_and(|set| set.kind.name == "direct");
+    let is_direct = |set: usize| scene.sets.get(set).is_some_and(|set| set.kind.measurand == Measurand::Component);
     // One set-up of a laser is wrong.
     let mut all: Vec<(usize, usize)> = scene
         .rows
@@ -176,30 +180,31 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     all.dedup();
     if (2..=MOST).contains(&all.len()) {
         for own in all {
-            let of = move |row: &Row| if (row.set, row.setup) == own { own_length(row).unwrap_or(0.0) } else { 0.0 };
+            let of =
+                move |row: &SceneRow| if (row.set, row.setup) == own { own_length(row).unwrap_or(0.0) } else { 0.0 };
             push(out, &SCALE, "scale", vec![vec![part(Through::Reading(false), of)]], &["setup"]);
         }
     }
     for name in OWN {
         let Some(values) = column(scene.sets, name) else { continue };
-        let warm = move |values: &Values, row: &Row| {
+        let warm = move |values: &Values, row: &SceneRow| {
             let value = values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);
             value - reference
         };
         let directs: Vec<bool> = (0..scene.sets.len()).map(is_direct).collect();
         let own = values.clone();
-        let of_direct = move |row: &Row| {
+        let of_direct = move |row: &SceneRow| {
             let length = own_length(row).filter(|_| directs.get(row.set) == Some(&true));
             length.map_or(0.0, |length| length * warm(&own, row))
         };
         push(out, &SCALE, "scale", vec![vec![part(Through::Reading(false), of_direct)]], &[name]);
-        let plates: Vec<bool> = scene.sets.iter().map(|set| set.kind.name == "displacement").collect();
+        let plates: Vec<bool> = scene.sets.iter().map(|set| set.kind.measurand == Measurand::Displacement).collect();
         let mut parts = Vec::new();
         for axis in super::linear(scene) {
             let k = axis.dimension();
             let Some([low, high]) = super::range(scene, axis) else { continue };
             let (values, plates) = (values.clone(), plates.clone());
-            let of = move |row: &Row| {
+            let of = move |row: &SceneRow| {
                 if plates.get(row.set) == Some(&true) {
                     (row.position[axis] + row.tool_mm[k] - f64::midpoint(low, high)) * warm(&values, row)
                 } else {
@@ -217,7 +222,7 @@ fn scale(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
 
 fn probe(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     if let Some(feed) = column(scene.sets, "feed_mm_min") {
-        let is_probe: Vec<bool> = scene.sets.iter().map(|set| set.kind.name == "probe").collect();
+        let is_probe: Vec<bool> = scene.sets.iter().map(|set| set.kind.measurand == Measurand::BallPlace).collect();
         if is_probe.contains(&true) {
             let weight = Weight::new(move |row| {
                 let feed = feed.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(0.0);
@@ -233,8 +238,8 @@ fn probe(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let [Some(first), Some(second)] = [0, 1].map(|k| super::linear(scene).find(|axis| axis.dimension() == k)) else {
         return;
     };
-    let touches = |row: &Row| {
-        scene.sets.get(row.set).is_some_and(|set| set.kind.name == "probe")
+    let touches = |row: &SceneRow| {
+        scene.sets.get(row.set).is_some_and(|set| set.kind.measurand == Measurand::BallPlace)
             && row.sense_of(first) != 0.0
             && row.sense_of(second) != 0.0
     };

@@ -1,11 +1,11 @@
 //! A peak behind the turn of an axis: it sticks until the controller has built up the force, and follows late.
 
-use super::{Candidate, Cause, Correctable, Effect, Weight, own};
+use super::{Candidate, Cause, Correctable, EffectKind, Weight, own};
 use crate::diagnose::scene::{Scene, Through};
 
 pub(super) const CAUSE: Cause = Cause {
     name: "reversal spike",
-    effect: Effect::ReversalSpike,
+    effect: EffectKind::ReversalSpike,
     made_by: "friction and a loop that takes its time",
     shown_by: "ball-bar: short peaks outwards behind each turn, higher at higher feed",
     separate_by: "repeat it: a spike comes again at its place, a false reading does not",

@@ -8,8 +8,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Candidate, Cause, Correctable, Effect, Values, Weight, own, tip};
-use crate::diagnose::row::Row;
+use super::{Candidate, Cause, Correctable, EffectKind, Values, Weight, own, tip};
+use crate::diagnose::row::SceneRow;
 use crate::diagnose::scene::{Scene, Through};
 use crate::measure::data::DataSet;
 use ncfix_machine::machine::Condition;
@@ -17,7 +17,7 @@ use ncfix_model::name::{DIRECTIONS, ErrorName};
 
 pub(super) const DRIFT: Cause = Cause {
     name: "drift with a temperature",
-    effect: Effect::ThermalDrift,
+    effect: EffectKind::ThermalDrift,
     made_by: "spindle, head and column that grow",
     shown_by: "readings of one pose while the spindle runs, with temperatures",
     separate_by: "a cooling run with the spindle off, or a random spectrum of speeds",
@@ -27,7 +27,7 @@ pub(super) const DRIFT: Cause = Cause {
 
 pub(in crate::diagnose) const ON: Cause = Cause {
     name: "drift with a temperature that goes on from run to run",
-    effect: Effect::ThermalDrift,
+    effect: EffectKind::ThermalDrift,
     made_by: "spindle, head and column that grow, with an instrument that was not set to zero for each run",
     shown_by: "readings of one pose in several runs that begin at other temperatures",
     separate_by: "the instrument set to zero at the beginning of each run",
@@ -37,7 +37,7 @@ pub(in crate::diagnose) const ON: Cause = Cause {
 
 pub(super) const EXPANSION: Cause = Cause {
     name: "growth of a scale",
-    effect: Effect::ThermalExpansion,
+    effect: EffectKind::ThermalExpansion,
     made_by: "scale, screw, table and workpiece that grow with their temperature",
     shown_by: "a line measured at two temperatures",
     separate_by: "the same line at another temperature",
@@ -47,7 +47,7 @@ pub(super) const EXPANSION: Cause = Cause {
 
 pub(super) const SQUARENESS: Cause = Cause {
     name: "squareness with a temperature",
-    effect: Effect::ThermalSquareness,
+    effect: EffectKind::ThermalSquareness,
     made_by: "a frame that is warmer on one side",
     shown_by: "a plate measured at two temperatures",
     separate_by: "sensors on both sides of the frame",
@@ -70,13 +70,13 @@ struct Sensor {
     since_zero: Values,
 }
 
-fn weight(values: &Values, of: impl Fn(&Row) -> f64 + Send + Sync + 'static) -> Weight {
+fn weight(values: &Values, of: impl Fn(&SceneRow) -> f64 + Send + Sync + 'static) -> Weight {
     let values = Arc::clone(values);
     Weight::new(move |row| values.get(row.set).and_then(|own| own.get(row.number)).map_or(0.0, |value| value * of(row)))
 }
 
 impl Sensor {
-    fn weight(&self, of: impl Fn(&Row) -> f64 + Send + Sync + 'static) -> Weight {
+    fn weight(&self, of: impl Fn(&SceneRow) -> f64 + Send + Sync + 'static) -> Weight {
         weight(&self.rise, of)
     }
 }
@@ -148,10 +148,10 @@ pub(in crate::diagnose) fn with_lag(scene: &Scene<'_>, one: &Candidate, lag_s: f
     let (through, _) = one.columns.first()?.first()?;
     let even = || sensor.weight(|_| 1.0);
     let weights = match (one.cause.effect, through) {
-        (Effect::ThermalDrift, _) if one.cause.name == ON.name => vec![even()],
-        (Effect::ThermalDrift, _) => vec![weight(&sensor.since_zero, |_| 1.0)],
-        (Effect::ThermalSquareness, _) if one.drivers.len() == 1 => vec![even()],
-        (Effect::ThermalExpansion, Through::Component(name)) => {
+        (EffectKind::ThermalDrift, _) if one.cause.name == ON.name => vec![even()],
+        (EffectKind::ThermalDrift, _) => vec![weight(&sensor.since_zero, |_| 1.0)],
+        (EffectKind::ThermalSquareness, _) if one.drivers.len() == 1 => vec![even()],
+        (EffectKind::ThermalExpansion, Through::Component(name)) => {
             let axis = name.axis()?;
             vec![sensor.weight(move |row| row.position[axis]), even()]
         }
@@ -225,8 +225,9 @@ fn squareness(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     for (place, one) in plain.iter().enumerate() {
         for other in plain.iter().skip(place + 1) {
             let values = Arc::clone(&other.rise);
-            let at =
-                move |row: &Row| values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);
+            let at = move |row: &SceneRow| {
+                values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
+            };
             let values = Arc::clone(&one.rise);
             let weight = Weight::new(move |row| {
                 let own = values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);

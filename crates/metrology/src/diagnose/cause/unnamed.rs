@@ -1,10 +1,10 @@
 //! What has no name: only on what it depends is known, and its shape.
 
-use super::{Cause, Correctable, Effect};
+use super::{Cause, Correctable, EffectKind};
 
 pub(in crate::diagnose) const CAUSE: Cause = Cause {
     name: "unknown cause",
-    effect: Effect::Unknown,
+    effect: EffectKind::Unknown,
     made_by: "nothing that is known: it depends on what is listed, with the shape that is attached",
     shown_by: "structure that no known cause explains as well",
     separate_by: "vary the listed drivers one at a time",

@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use super::{Candidate, Cause, Correctable, Effect, Weight, tip};
+use super::{Candidate, Cause, Correctable, EffectKind, Weight, tip};
 use crate::diagnose::scene::Through;
 
 pub(super) const CAUSE: Cause = Cause {
     name: "forced vibration",
-    effect: Effect::Dynamic,
+    effect: EffectKind::Dynamic,
     made_by: "a fan, a pump, the spindle",
     shown_by: "ripples that move along the path at another feed: a line in the spectrum over time",
     separate_by: "another feed: what is periodic in position stays at its places",

@@ -99,7 +99,7 @@ impl Empirical {
         let mut drivers = Vec::new();
         let axes: Vec<Axis> = scene.machine.axes.iter().flatten().map(|data| data.axis).collect();
         for &axis in &axes {
-            let of = |row: &super::row::Row| {
+            let of = |row: &super::row::SceneRow| {
                 if axis.is_rotary() { row.position[axis].rem_euclid(std::f64::consts::TAU) } else { row.position[axis] }
             };
             // A rotary axis that does not go round has no seam.
@@ -113,7 +113,7 @@ impl Empirical {
         }
         // Where tools differ, a place in the workpiece is not a position of an axis.
         for &axis in axes.iter().filter(|axis| !axis.is_rotary()) {
-            let tool = |row: &super::row::Row| row.tool_mm.get(axis.dimension()).copied().unwrap_or(0.0);
+            let tool = |row: &super::row::SceneRow| row.tool_mm.get(axis.dimension()).copied().unwrap_or(0.0);
             let first = scene.rows.first().map_or(0.0, tool);
             if scene.rows.iter().any(|row| (tool(row) - first).abs() > 1.0) {
                 let values = scene.rows.iter().map(|row| row.position[axis] + tool(row)).collect();
@@ -132,7 +132,7 @@ impl Empirical {
         names.sort_unstable();
         names.dedup();
         for name in names {
-            let at = |row: &super::row::Row| {
+            let at = |row: &super::row::SceneRow| {
                 let column = scene.sets.get(row.set)?.drivers.iter().find(|driver| driver.name == name)?;
                 column.values.get(row.number).copied()
             };
@@ -158,7 +158,7 @@ impl Empirical {
             count += set.observations.len();
         }
         let mut numbers: HashMap<(usize, usize), usize> = HashMap::new();
-        let mut number = |row: &super::row::Row| {
+        let mut number = |row: &super::row::SceneRow| {
             let next = numbers.len();
             *numbers.entry((row.set, row.setup)).or_insert(next)
         };

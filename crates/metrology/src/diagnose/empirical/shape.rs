@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Empirical, Form};
 use crate::diagnose::cause::{Candidate, UNNAMED, Weight};
-use crate::diagnose::row::{NOWHERE, Row};
+use crate::diagnose::row::{NOWHERE, SceneRow};
 use crate::diagnose::scene::Through;
 use ncfix_base::geometry::Axis;
 
@@ -159,7 +159,7 @@ fn between(levels: &[f64], edge: f64) -> f64 {
 type Column = Arc<dyn Fn(&dyn Fn(usize) -> f64) -> f64 + Send + Sync>;
 
 /// The value of a driver where nothing was measured: known of axes and senses only.
-fn value_at((axis, is_sense, [low, high]): &(Option<Axis>, bool, [f64; 2]), row: &Row) -> f64 {
+fn value_at((axis, is_sense, [low, high]): &(Option<Axis>, bool, [f64; 2]), row: &SceneRow) -> f64 {
     let Some(axis) = *axis else { return f64::NAN };
     let value = if *is_sense { row.sense_of(axis) } else { row.position[axis] };
     if axis.is_rotary() && !(*low..=*high).contains(&value) { value.rem_euclid(std::f64::consts::TAU) } else { value }

@@ -5,7 +5,7 @@ use ncfix_model::name::ErrorKind;
 
 use super::super::cause::{Candidate, thermal};
 use super::super::scene::{Scene, Through};
-use super::super::verdict::Finding;
+use super::super::verdict::AcceptedCause;
 use super::change::{Change, rounded};
 use super::component;
 
@@ -16,7 +16,7 @@ const ALONG: f64 = 1e-6;
 /// The weight and the arm with which columns of loads count, N and mm.
 const LOAD: [f64; 2] = [1000.0, 100.0];
 
-pub(super) fn periodic(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
+pub(super) fn periodic(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
     let ([sine, cosine], Some((period, _)), Some(name)) =
         (one.amounts.values.as_slice(), one.candidate.constant, component(&one.candidate))
     else {
@@ -41,7 +41,7 @@ fn lag_of(candidate: &Candidate) -> f64 {
     }
 }
 
-pub(super) fn expansion(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
+pub(super) fn expansion(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
     let candidate = &one.candidate;
     let axis = component(candidate).filter(|name| name.kind == ErrorKind::Motion).and_then(|name| name.axis());
     let data = axis.and_then(|axis| scene.machine.axis(axis));
@@ -67,7 +67,7 @@ pub(super) fn expansion(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>,
     }])
 }
 
-pub(super) fn drift(one: &Finding) -> Result<Vec<Change>, String> {
+pub(super) fn drift(one: &AcceptedCause) -> Result<Vec<Change>, String> {
     let candidate = &one.candidate;
     if candidate.cause.name == thermal::ON.name {
         return Err("a drift counts from the first row of each set-up in each run, and this one goes on from run to run: give the runs between which the \
@@ -90,7 +90,7 @@ pub(super) fn drift(one: &Finding) -> Result<Vec<Change>, String> {
 }
 
 /// Columns are weight/1000 N · share of the travel to a power, and the same times place/100 mm.
-pub(super) fn load(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
+pub(super) fn load(one: &AcceptedCause, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
     const NO: &str = "it is no weight on one component of the error";
     let candidate = &one.candidate;
     let name = component(candidate).ok_or(NO)?;

@@ -3,10 +3,10 @@
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
 
-use super::super::row::{NOWHERE, Row};
+use super::super::row::{NOWHERE, SceneRow};
 use super::super::scene::{Scene, Through};
 use super::super::size::{EXPANDED, weights_at};
-use super::super::verdict::Finding;
+use super::super::verdict::AcceptedCause;
 use super::change::{Change, rounded};
 use super::unit_of;
 
@@ -25,7 +25,7 @@ struct Drivers {
     senses: Vec<Axis>,
 }
 
-fn drivers(one: &Finding) -> Result<Drivers, String> {
+fn drivers(one: &AcceptedCause) -> Result<Drivers, String> {
     let mut out = Drivers { places: Vec::new(), senses: Vec::new() };
     for driver in &one.candidate.drivers {
         let axis = |name: &str| AXES.into_iter().find(|axis| axis.to_string() == name);
@@ -43,7 +43,7 @@ fn drivers(one: &Finding) -> Result<Drivers, String> {
 }
 
 /// The component that a law acts on, and the factor of the component in what it says.
-fn component_of(one: &Finding, scene: &Scene<'_>, drivers: &Drivers) -> Result<(ErrorName, f64), String> {
+fn component_of(one: &AcceptedCause, scene: &Scene<'_>, drivers: &Drivers) -> Result<(ErrorName, f64), String> {
     let mut all = one.candidate.columns.iter().flatten().map(|(through, _)| *through);
     let first = all.next().ok_or("it has no shape")?;
     if one.candidate.columns.iter().any(|parts| parts.len() != 1) || all.any(|own| own != first) {
@@ -70,8 +70,8 @@ fn component_of(one: &Finding, scene: &Scene<'_>, drivers: &Drivers) -> Result<(
 
 /// A law where it was measured.
 struct Law<'a> {
-    one: &'a Finding,
-    row: Row,
+    one: &'a AcceptedCause,
+    row: SceneRow,
     low: ncfix_base::geometry::AxisVector,
     high: ncfix_base::geometry::AxisVector,
     factor: f64,
@@ -145,7 +145,7 @@ fn coarse(values: impl Iterator<Item = f64>) -> Vec<f64> {
 }
 
 /// A table over one axis, a grid over two, or play that changes along the axis.
-pub(super) fn law(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Change, String> {
+pub(super) fn law(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Change, String> {
     let drivers = drivers(one)?;
     let (name, sign) = component_of(one, scene, &drivers)?;
     let own = name.axis().ok_or("it is no error of an axis")?;
@@ -159,7 +159,7 @@ pub(super) fn law(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Chang
         }
     }
     let (factor, _) = unit_of(name);
-    let row = Row { number: NOWHERE, ..first.clone() };
+    let row = SceneRow { number: NOWHERE, ..first.clone() };
     let mut law = Law { one, row, low, high, factor: factor * sign, zero: Vec::new() };
     if drivers.places.iter().chain([&own]).any(|&axis| high[axis] < low[axis] || !(high[axis] - low[axis]).is_finite())
     {
@@ -244,7 +244,7 @@ fn grid(law: &Law<'_>, name: ErrorName, own: Axis, (other, has_own): (Axis, bool
 mod tests {
     use super::*;
     use crate::diagnose::bench;
-    use crate::diagnose::cause::Effect;
+    use crate::diagnose::cause::EffectKind;
     use crate::diagnose::size::Amounts;
 
     #[test]
@@ -270,8 +270,8 @@ mod tests {
         let component: ErrorName = "EXX".parse().unwrap();
         let of = |shift: f64| {
             let mut one = super::super::tests::finding(5.0, 1e-3);
-            let weight = move |row: &Row| row.sense_of(Axis::X) + shift;
-            one.candidate = bench::candidate(Effect::Backlash, Through::Component(component), weight);
+            let weight = move |row: &SceneRow| row.sense_of(Axis::X) + shift;
+            one.candidate = bench::candidate(EffectKind::Backlash, Through::Component(component), weight);
             one.amounts = Amounts { values: vec![2.0], covariance: vec![vec![0.01]] };
             let machine = bench::machine();
             let row = bench::scene(&machine, &[bench::reads_along_x(&machine, &[0.0; 3])]).rows[0].clone();

@@ -15,15 +15,15 @@ use crate::measure::data::DataSet;
 use ncfix_base::numeric::sums::dot;
 use ncfix_base::units::{um_from_mm, urad_from_rad};
 use ncfix_model::name::ErrorName;
-use ncfix_model::parameter::Term as Part;
+use ncfix_model::parameter::ComponentTerm;
 use ncfix_model::{ErrorModel, ParameterName};
 
-use super::cause::{Candidate, Correctable, Effect, Term};
-use super::doubt::Doubt;
-use super::row::{NOWHERE, Row};
+use super::cause::{Candidate, Correctable, EffectKind, Term};
+use super::doubt::ExtrapolationRisk;
+use super::row::{NOWHERE, SceneRow};
 use super::scene::{NO_ROW, Scene, Through};
 use super::size::weights_at;
-use super::verdict::{Diagnosis, Finding};
+use super::verdict::{AcceptedCause, DiagnosedCauses};
 pub use change::{Anchor, Change};
 
 /// µrad in a rad.
@@ -44,9 +44,9 @@ const AGAINST: f64 = 0.3;
 
 /// The changes for every finding of a diagnosis, or why the machine file cannot hold it. The first measurements of the scene were `used`.
 #[must_use]
-pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Result<Vec<Change>, String>> {
+pub fn extension(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize) -> Vec<Result<Vec<Change>, String>> {
     let left = found.used.before.rms;
-    let sound = |one: &Finding| is_sound(one, left).and_then(|()| changes(one, scene, used));
+    let sound = |one: &AcceptedCause| is_sound(one, left).and_then(|()| changes(one, scene, used));
     let mut out: Vec<Result<Vec<Change>, String>> = found.findings.iter().map(sound).collect();
     while let Some(number) = leaning(found, scene, &out) {
         if let Some(one) = out.get_mut(number) {
@@ -57,7 +57,7 @@ pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Resul
 }
 
 /// Of the findings that would be written the one without which what is written would say the readings better.
-fn leaning(found: &Diagnosis, scene: &Scene<'_>, written: &[Result<Vec<Change>, String>]) -> Option<usize> {
+fn leaning(found: &DiagnosedCauses, scene: &Scene<'_>, written: &[Result<Vec<Change>, String>]) -> Option<usize> {
     let is_written = |number: &usize| written.get(*number).is_some_and(Result::is_ok);
     let numbers: Vec<usize> = (0..found.findings.len()).filter(is_written).collect();
     if numbers.len() == found.findings.len() {
@@ -96,7 +96,7 @@ fn leaning(found: &Diagnosis, scene: &Scene<'_>, written: &[Result<Vec<Change>, 
 ///
 /// # Errors
 /// Why it must not.
-fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
+fn is_sound(one: &AcceptedCause, left: f64) -> Result<(), String> {
     if largest(one.size.unit).is_some_and(|most| one.size.value.abs() > most) || one.rms > MOST_MM {
         return Err(
             "no machine errs so much: the columns, their units or the description say something else than was measured"
@@ -110,7 +110,7 @@ fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
         ));
     }
     if !one.aliases.is_empty() {
-        let what = if one.candidate.cause.effect == Effect::Periodic {
+        let what = if one.candidate.cause.effect == EffectKind::Periodic {
             "it may as well have other periods"
         } else {
             "a short wave of other periods does the same at the places that were measured, as the class has it"
@@ -135,7 +135,7 @@ fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
 }
 
 /// Why what is in doubt is not corrected.
-fn doubtful(doubt: &Doubt) -> String {
+fn doubtful(doubt: &ExtrapolationRisk) -> String {
     if doubt.rivals.is_empty() {
         return format!("over the whole travel it is less sure than it is large; measure {}", doubt.separate_by);
     }
@@ -156,14 +156,14 @@ fn largest(unit: &str) -> Option<f64> {
     }
 }
 
-fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>, String> {
+fn changes(one: &AcceptedCause, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>, String> {
     let candidate = &one.candidate;
     if let Term::Parameters(names) = &candidate.term {
         let all = names.iter().zip(&one.amounts.values).enumerate();
         // What depends on the others is 0 and stays so. A constant that set-ups take up as well is as large as it likes.
         let sizes = one.size.u95 / MICRO;
         let is_told = |&(k, (name, amount)): &(usize, (&ParameterName, &f64))| {
-            let is_constant = names.len() > 1 && name.term == Part::Coefficient(0);
+            let is_constant = names.len() > 1 && name.term == ComponentTerm::Coefficient(0);
             *amount != 0.0 && !(is_constant && one.amounts.u95(k) > VAGUE * sizes)
         };
         if reaches_out(candidate, &one.amounts.values, scene, used) {
@@ -183,32 +183,32 @@ fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>,
         return term.changes(&one.amounts.values);
     }
     match candidate.cause.effect {
-        Effect::Periodic => entry::periodic(one, scene),
-        Effect::ThermalExpansion => entry::expansion(one, scene),
-        Effect::ThermalDrift => entry::drift(one),
-        Effect::Load => entry::load(one, scene),
-        Effect::Backlash | Effect::LateralPlay | Effect::Cross | Effect::Unknown | Effect::Motion => {
+        EffectKind::Periodic => entry::periodic(one, scene),
+        EffectKind::ThermalExpansion => entry::expansion(one, scene),
+        EffectKind::ThermalDrift => entry::drift(one),
+        EffectKind::Load => entry::load(one, scene),
+        EffectKind::Backlash | EffectKind::LateralPlay | EffectKind::Cross | EffectKind::Unknown | EffectKind::Motion => {
             law::law(one, scene, used).map(|change| vec![change])
         }
-        Effect::ThermalSquareness => Err("the machine file has no angle between axes that goes with a temperature: a drift ends where the zero \
+        EffectKind::ThermalSquareness => Err("the machine file has no angle between axes that goes with a temperature: a drift ends where the zero \
              point is set, and an angle stays; beams ([[segment]]) tilt axes where the structure and its sensors are known"
             .into()),
-        Effect::Drift => {
+        EffectKind::Drift => {
             Err("it goes with time, and nobody knows when a program will run; log temperatures: one that it \
                               goes with has an entry ([[drift]])"
                 .into())
         }
-        Effect::Setup | Effect::Probe => Err("it belongs to the instrument and its set-up, not to the machine".into()),
-        Effect::Sensor | Effect::Outlier | Effect::Program => Err("it belongs to the data, not to the machine".into()),
-        Effect::Dynamic => Err("it goes with the acceleration, which no position tells: ncfix decompose fits it to traces and writes [[dynamic]], and a lower feed \
+        EffectKind::Setup | EffectKind::Probe => Err("it belongs to the instrument and its set-up, not to the machine".into()),
+        EffectKind::Sensor | EffectKind::Outlier | EffectKind::Program => Err("it belongs to the data, not to the machine".into()),
+        EffectKind::Dynamic => Err("it goes with the acceleration, which no position tells: ncfix decompose fits it to traces and writes [[dynamic]], and a lower feed \
              makes it smaller"
             .into()),
-        Effect::ServoMismatch | Effect::Following | Effect::Delay | Effect::ReversalSpike => Err(
+        EffectKind::ServoMismatch | EffectKind::Following | EffectKind::Delay | EffectKind::ReversalSpike => Err(
             "it goes with the speed or with what was before, and errors of the machine file with positions: tune the \
                  drive, or compensate it in the control"
                 .into(),
         ),
-        Effect::Location | Effect::Own(_) => Err("it has no parameter of the error model".into()),
+        EffectKind::Location | EffectKind::Own(_) => Err("it has no parameter of the error model".into()),
     }
 }
 
@@ -217,8 +217,9 @@ fn reaches_out(candidate: &Candidate, amounts: &[f64], scene: &Scene<'_>, used: 
     let Some(axis) = component(candidate).and_then(|name| name.axis()).filter(|axis| !axis.is_rotary()) else {
         return false;
     };
-    let is_straight =
-        |name: &ParameterName| matches!(name.term, Part::Coefficient(0 | 1) | Part::Whole | Part::Backlash);
+    let is_straight = |name: &ParameterName| {
+        matches!(name.term, ComponentTerm::Coefficient(0 | 1) | ComponentTerm::Whole | ComponentTerm::Backlash)
+    };
     if !matches!(&candidate.term, Term::Parameters(names) if !names.iter().all(is_straight)) {
         return false;
     }
@@ -226,7 +227,7 @@ fn reaches_out(candidate: &Candidate, amounts: &[f64], scene: &Scene<'_>, used: 
     let travel = scene.machine.axis(axis).and_then(|data| data.travel);
     let (Some(first), Some([low, high])) = (rows().next(), travel) else { return false };
     let value = |place: f64| {
-        let mut row = Row { number: NOWHERE, ..first.clone() };
+        let mut row = SceneRow { number: NOWHERE, ..first.clone() };
         row.position[axis] = place;
         weights_at(candidate, &row).iter().zip(amounts).map(|(weight, amount)| weight * amount).sum::<f64>()
     };
@@ -253,7 +254,7 @@ fn unit_of(name: ErrorName) -> (f64, &'static str) {
 }
 
 /// What a finding does to every reading of a scene, mm or rad.
-fn doing(one: &Finding, scene: &Scene<'_>) -> Vec<f64> {
+fn doing(one: &AcceptedCause, scene: &Scene<'_>) -> Vec<f64> {
     let mut out = vec![0.0; scene.items.len()];
     for (parts, amount) in one.candidate.columns.iter().zip(&one.amounts.values) {
         for (through, weight) in parts {
@@ -270,7 +271,7 @@ fn doing(one: &Finding, scene: &Scene<'_>) -> Vec<f64> {
 /// The measurements that were used, without readings that did not count and without what findings do that the file does not hold: what the
 /// terms that it holds are fitted to again. `None` where these findings cannot be taken out of the readings.
 #[must_use]
-pub fn cleaned(found: &Diagnosis, scene: &Scene<'_>, used: usize, holds: &[bool]) -> Option<Vec<DataSet>> {
+pub fn cleaned(found: &DiagnosedCauses, scene: &Scene<'_>, used: usize, holds: &[bool]) -> Option<Vec<DataSet>> {
     let mut sets: Vec<DataSet> = scene.sets.iter().take(used).cloned().collect();
     let mut away = vec![0.0; scene.items.len()];
     let mut is_less = false;
@@ -340,12 +341,12 @@ fn remedy(candidate: &Candidate) -> &'static str {
 mod tests {
     use super::*;
     use crate::diagnose::bench;
-    use crate::diagnose::share::Share;
+    use crate::diagnose::share::VarianceShare;
     use crate::diagnose::size::{Amounts, Size};
 
-    pub(super) fn finding(um: f64, rms: f64) -> Finding {
-        Finding {
-            candidate: bench::candidate(Effect::Motion, Through::Component("EXX".parse().unwrap()), |_| 1.0),
+    pub(super) fn finding(um: f64, rms: f64) -> AcceptedCause {
+        AcceptedCause {
+            candidate: bench::candidate(EffectKind::Motion, Through::Component("EXX".parse().unwrap()), |_| 1.0),
             amounts: Amounts::default(),
             size: Size { value: um, u95: 0.1, unit: "um" },
             rms,
@@ -353,7 +354,7 @@ mod tests {
             alone: 0.0,
             chance: 0.0,
             gain_unseen: 0.0,
-            share: Share::default(),
+            share: VarianceShare::default(),
             class: Vec::new(),
             aliases: Vec::new(),
             doubt: None,
@@ -385,7 +386,7 @@ mod tests {
         let scene = bench::scene(&machine, &sets);
         let mut found = crate::diagnose::diagnose(&scene, &scene, 1, &mut |_, _| {});
         (found.findings, found.outliers) = (vec![finding(5.0, 5e-3)], vec![(0, 3)]);
-        found.findings[0].candidate = bench::candidate(Effect::Unknown, Through::Tip(0), |_| 1.0);
+        found.findings[0].candidate = bench::candidate(EffectKind::Unknown, Through::Tip(0), |_| 1.0);
         found.findings[0].amounts = Amounts { values: vec![0.25e-3], covariance: vec![vec![0.0]] };
         let reads = |holds: bool| -> Vec<Vec<Option<f64>>> {
             let sets = cleaned(&found, &scene, 1, &[holds]).unwrap();

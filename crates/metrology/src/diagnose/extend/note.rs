@@ -1,7 +1,7 @@
 //! What is written beside terms that a diagnosis added: sizes, evidence, rivals, what it takes to correct them.
 
-use super::super::cause::{Correctable, Effect};
-use super::super::verdict::Finding;
+use super::super::cause::{Correctable, EffectKind};
+use super::super::verdict::AcceptedCause;
 use super::{Change, remedy};
 
 /// A line that says what a diagnosis added begins with this.
@@ -24,7 +24,7 @@ pub struct Files {
 }
 
 /// Size with uncertainty: `backlash EXX 3.01 ± 0.08 um (95 %)`.
-fn size(one: &Finding) -> String {
+fn size(one: &AcceptedCause) -> String {
     let digits = if one.size.u95 > 0.0 { (1.0 - one.size.u95.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 };
     let name = format!("{} {}", one.candidate.cause.effect, one.candidate.parameter);
     format!("{} {:.digits$} ± {:.digits$} {} (95 %)", name.trim_end(), one.size.value, one.size.u95, one.size.unit)
@@ -32,7 +32,12 @@ fn size(one: &Finding) -> String {
 
 /// The lines beside a term; `fitted` are parameters of it that were fitted again: name, value, standard uncertainty, unit.
 #[must_use]
-pub fn lines(one: &Finding, changes: &[Change], files: &Files, fitted: &[(String, f64, f64, String)]) -> Vec<String> {
+pub fn lines(
+    one: &AcceptedCause,
+    changes: &[Change],
+    files: &Files,
+    fitted: &[(String, f64, f64, String)],
+) -> Vec<String> {
     let mut out = vec![format!("{HEAD} {}; {}", size(one), remedy(&one.candidate))];
     let chance = if one.chance < LEAST_CHANCE { "next to none".to_owned() } else { format!("{:.0e}", one.chance) };
     let unseen = if files.held_out.is_empty() {
@@ -57,7 +62,7 @@ pub fn lines(one: &Finding, changes: &[Change], files: &Files, fitted: &[(String
         out.push(format!("  not told from {}{how}", rivals.join(", ")));
     }
     let needs = match one.candidate.cause.effect {
-        Effect::Load => {
+        EffectKind::Load => {
             Some("nothing is corrected without the weight on the table (--load, or a state file)".to_owned())
         }
         _ if one.candidate.cause.correctable == Correctable::Live => {
@@ -92,7 +97,7 @@ pub fn lines(one: &Finding, changes: &[Change], files: &Files, fitted: &[(String
 
 /// The line on a finding that the file does not hold.
 #[must_use]
-pub fn left_out(one: &Finding, why: &str) -> String {
+pub fn left_out(one: &AcceptedCause, why: &str) -> String {
     format!("{LEFT_OUT} {}: {}", size(one), why.trim()).replace(char::is_control, " ")
 }
 

@@ -8,11 +8,11 @@
 use super::exchanged_positions::{self, Turned};
 use super::readings::{Allowance, WeighedReadings};
 use super::single::{by_one_cause, left, thinned};
-use super::{Check, Fault, Then, View};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 use crate::measure::data::DataSet;
 use ncfix_base::units::um_from_mm;
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "exchanged or reversed axes",
     made_by: "cables or columns that are confused, an instrument that counts the other way",
     shown_by: "readings that fit the model to the noise when two columns are exchanged or one is reversed, and not as they are",
@@ -109,27 +109,27 @@ struct Told {
     beside: Allowance,
 }
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets() {
         let (Some(readings), Some(trail)) = (WeighedReadings::new(view.scene, set), view.trails.get(set)) else {
             continue;
         };
         let noise = trail.noise_ratio().unwrap_or(1.0).powi(2).max(1e-6);
-        let mut add = |name: String, what: String, evidence: String| {
+        let mut add = |kind: DefectKind, name: String, what: String, evidence: String| {
             let rows = [0, data.observations.len().saturating_sub(1)];
-            out.push(Fault { kind: "axes", set, name, what, rows, evidence, then: Then::Refuse });
+            out.push(DataDefect { kind, set, name, what, rows, evidence, then: Then::Refuse });
         };
         if data.observations.iter().any(|one| one.component.is_some()) {
             for (number, name) in data.targets.iter().enumerate() {
                 if let Some(told) = component(view, &readings, number, noise) {
-                    add(name.clone(), told.what.clone(), told.evidence(noise));
+                    add(DefectKind::Axes, name.clone(), told.what.clone(), told.evidence(noise));
                 }
             }
             continue;
         }
         if let Some(told) = columns(view, data, &readings, noise).filter(|told| !is_one_cause(view, data, told)) {
             let evidence = told.evidence(noise);
-            add(told.name, told.what, evidence);
+            add(DefectKind::Axes, told.name, told.what, evidence);
             continue;
         }
         // What grows with an axis may be metres of an instrument; the length of a ball-bar is known.
@@ -140,7 +140,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 "half of the readings are {:.0} µm or more from what they should be there; no machine errs so much",
                 um_from_mm(away)
             );
-            add(data.name.clone(), "not of these positions".into(), evidence);
+            add(DefectKind::Positions, data.name.clone(), "not of these positions".into(), evidence);
         }
     }
 }

@@ -4,21 +4,18 @@
 //! explains nearly as well: with other bodies the errors that are known predict all readings, with nothing that is fitted.
 
 use super::single::{MOST, by_one_cause, left, thinned};
-use super::{Check, Fault, Then, View, median};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View, median};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::{Machine, Topology};
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "another machine",
     made_by: "a machine file with another order of the axes than the machine, or of one like it",
     shown_by: "readings that the known errors predict to the noise when axes change places in the chain, and not as it is",
     source: "likelihood over permutations",
     look,
 };
-
-/// Its kind.
-pub(super) const KIND: &str = "topology";
 
 /// What is left in squares of the noise where readings fit.
 const FITS: f64 = 1.4;
@@ -31,7 +28,7 @@ const TIE: f64 = 12.0;
 /// Chains that are named.
 const NAMED: usize = 3;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     let scene = view.scene;
     let ratios: Vec<f64> =
         view.sets().filter_map(|(set, _)| view.trails.get(set)?.noise_ratio()).map(|ratio| ratio * ratio).collect();
@@ -74,8 +71,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         times(single)
     );
     let rows = view.scene.sets.get(first).map_or(0, |data| data.observations.len().saturating_sub(1));
-    out.push(Fault {
-        kind: KIND,
+    out.push(DataDefect {
+        kind: DefectKind::Topology,
         set: first,
         name: scene.machine.name.clone(),
         what: format!("another order of the axes: {}", names.join(" or ")),

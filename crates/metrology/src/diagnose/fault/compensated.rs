@@ -2,9 +2,9 @@
 
 use super::readings::WeighedReadings;
 use super::single::{MOST, by_one_cause, left, thinned};
-use super::{Check, Fault, Then, View};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "active compensation",
     made_by: "a table of the control that was active while measuring, or one with the wrong sign",
     shown_by: "nothing in the readings goes with the errors that the model knows, or twice as much as it should",
@@ -29,7 +29,7 @@ const SURELY: f64 = 24.0;
 /// A gain is within this.
 const NEAR: f64 = 0.1;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     let scene = view.scene;
     for (set, data) in view.sets() {
         let (Some(readings), Some(trail)) = (WeighedReadings::new(scene, set), view.trails.get(set)) else { continue };
@@ -58,8 +58,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 let is_sure = more > SURELY * noise;
                 let single =
                     if is_sure { "; no single cause explains as much" } else { "; a single cause does the same" };
-                out.push(Fault {
-                    kind: "compensated",
+                out.push(DataDefect {
+                    kind: DefectKind::Compensated,
                     set,
                     name: data.name.clone(),
                     what: what.into(),

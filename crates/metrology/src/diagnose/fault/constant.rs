@@ -1,9 +1,9 @@
 //! Readings that are the same number on and on while the machine goes elsewhere: a channel that is dead, a probe that hangs.
 
-use super::{Check, Fault, Then, View};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 use crate::measure::data::DataSet;
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "constant readings",
     made_by: "a channel without a signal, a probe that hangs, a logger that repeats its last value",
     shown_by: "the same number at many places, digit by digit, while others differ",
@@ -27,7 +27,7 @@ struct Run {
     count: usize,
 }
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets() {
         for (target, value) in columns(data) {
             let of = |row: &usize| {
@@ -49,8 +49,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             for run in long {
                 let excluded = rows.iter().filter(|row| (run.first..=run.last).contains(row));
                 let excluded = excluded.map(|&row| (row, value)).collect();
-                out.push(Fault {
-                    kind: "reading",
+                out.push(DataDefect {
+                    kind: DefectKind::Reading,
                     set,
                     name: target.and_then(|number| data.targets.get(number)).unwrap_or(&data.name).clone(),
                     what: "constant".into(),

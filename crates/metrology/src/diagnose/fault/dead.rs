@@ -1,9 +1,9 @@
 //! A sensor that is dead: −180 °C of an open circuit, exactly 0 of a logger without a signal, anything that no machine has.
 
-use super::{Check, Fault, Then, View};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 use ncfix_machine::machine::condition::file::PLAUSIBLE_C;
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "dead sensor",
     made_by: "an open circuit, a plug that is out, a logger without a signal",
     shown_by: "temperatures that no machine has, or exactly 0 °C while all others are warm",
@@ -18,7 +18,7 @@ const WARM_C: f64 = 5.0;
 /// So often exactly 0 is no chance.
 const ZEROS: usize = 3;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
         for sensor in sensors {
             let others = super::median(
@@ -34,8 +34,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             for piece in rows.chunk_by(|one, next| next - one <= ZEROS) {
                 let (Some(&first), Some(&last)) = (piece.first(), piece.last()) else { continue };
                 let value = sensor.values[first];
-                out.push(Fault {
-                    kind: "sensor",
+                out.push(DataDefect {
+                    kind: DefectKind::Sensor,
                     set,
                     name: sensor.name.clone(),
                     what: "dead".into(),

@@ -3,9 +3,9 @@
 //! Only the change shows it: two sensors that were exchanged from the beginning are two sensors with each other's names, which no reading contradicts.
 
 use super::cells::{Sensor, TableClock};
-use super::{Check, Fault, Then, View, spread};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View, spread};
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "exchanged sensors",
     made_by: "plugs that were confused when the logger was connected again",
     shown_by: "two sensors that jump in the same row, each to where the other one was",
@@ -32,14 +32,14 @@ struct Swap {
     left_k: f64,
 }
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
         let Some(data) = view.scene.sets.get(set) else { continue };
         let clock = TableClock::new(data);
         let Some(best) = best(sensors, &clock).or_else(|| over_rows(sensors, &clock)) else { continue };
         let names = best.pair.map(|number| sensors[number].name.clone());
-        out.push(Fault {
-            kind: "sensor",
+        out.push(DataDefect {
+            kind: DefectKind::Sensor,
             set,
             name: names.join(" "),
             what: "exchanged".into(),

@@ -1,9 +1,9 @@
 //! A sensor in degrees Fahrenheit in a column of degrees Celsius.
 
 use super::cells::Sensor;
-use super::{Check, Fault, Then, View};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "degrees Fahrenheit",
     made_by: "a logger that is set to another unit",
     shown_by: "a sensor far above all others throughout, that is amidst them when its readings are converted",
@@ -21,7 +21,7 @@ const ABOVE_K: f64 = 25.0;
 /// And is so near to the others when it is converted, K.
 const NEAR_K: f64 = 8.0;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
         let suspects: Vec<&Sensor> = sensors.iter().filter(|one| is_above(one, sensors)).collect();
         for sensor in suspects {
@@ -34,8 +34,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 .collect();
             let rest = super::median(lows);
             let [from, to] = [low, high].map(celsius);
-            out.push(Fault {
-                kind: "sensor",
+            out.push(DataDefect {
+                kind: DefectKind::Sensor,
                 set,
                 name: sensor.name.clone(),
                 what: "degrees Fahrenheit".into(),

@@ -3,10 +3,10 @@
 use super::sharp::{CHANCE, EACH};
 use super::step::{ChangePoint, change, evidence};
 use super::trail::Trail;
-use super::{Check, Fault, Then, View, spread};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View, spread};
 use crate::measure::data::DataSet;
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "first cycle",
     made_by: "seats and lubrication that settle, a machine that was not moved before",
     shown_by: "the first run shifted against all later ones of the same places, or a step soon after the beginning",
@@ -25,7 +25,7 @@ const NEXT: f64 = 0.4;
 /// In units of the noise at least.
 const SIZE: f64 = 1.5;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets() {
         let Some(trail) = view.trails.get(set).filter(|trail| trail.is_repeated && trail.has_sense) else { continue };
         let found = first_run(trail, data).or_else(|| {
@@ -33,8 +33,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             Some((change.row.checked_sub(1)?, evidence(&change)))
         });
         let Some((last, evidence)) = found else { continue };
-        out.push(Fault {
-            kind: "first-cycle",
+        out.push(DataDefect {
+            kind: DefectKind::FirstCycle,
             set,
             name: data.observations.first().and_then(|one| data.runs.get(one.run)).cloned().unwrap_or_default(),
             what: "first cycle".into(),

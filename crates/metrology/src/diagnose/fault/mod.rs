@@ -34,6 +34,9 @@ mod visits;
 
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
 
 use super::scene::{Scene, Through};
 use crate::measure::data::DataSet;
@@ -44,7 +47,7 @@ use trail::Trail;
 
 /// A kind of fault, and the function that looks for it.
 #[derive(Debug)]
-pub struct Check {
+pub struct DefectCheck {
     /// Its name.
     pub name: &'static str,
     /// What it is.
@@ -55,13 +58,13 @@ pub struct Check {
     pub source: &'static str,
     /// Looks for it and pushes what it finds, each with the rows and what follows. Faults of the checks before it are left out of what it sees
     /// ([`View::sets`]).
-    pub look: fn(&View<'_, '_>, &mut Vec<Fault>),
+    pub look: fn(&View<'_, '_>, &mut Vec<DataDefect>),
 }
 
 /// The kinds of faults that are looked for, in their order: [`Register::default`](ncfix_base::register::Register::default) are those that are built in.
-pub type Checks = Register<&'static Check>;
+pub type Checks = Register<&'static DefectCheck>;
 
-impl Registered for &'static Check {
+impl Registered for &'static DefectCheck {
     const KIND: &'static str = "kind of fault of the data";
 
     fn name(&self) -> &str {
@@ -74,7 +77,7 @@ impl Registered for &'static Check {
 }
 
 /// Those that are built in, in the order in which they are looked for: what one finds the next ones do without.
-pub const FAULTS: &[&Check] = &[
+pub const FAULTS: &[&DefectCheck] = &[
     &dead::CHECK,
     &stuck::CHECK,
     &fahrenheit::CHECK,
@@ -114,11 +117,80 @@ pub enum Then {
     MoreNoise(f64),
 }
 
+/// What is wrong with data. Results have it as its word ([`DefectKind::word`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum DefectKind {
+    /// Columns of positions are exchanged or reversed.
+    Axes,
+    /// Readings are of other positions than the file says.
+    Positions,
+    /// A table of the control was active.
+    Compensated,
+    /// The first cycle is not like the others.
+    FirstCycle,
+    /// Rows are in another order than they were taken in.
+    Order,
+    /// Single readings are far from the others.
+    #[default]
+    Outlier,
+    /// Rows of a short disturbance.
+    Pulse,
+    /// Readings in coarse steps.
+    Quantised,
+    /// A reading that stays.
+    Reading,
+    /// A sensor.
+    Sensor,
+    /// The zero moved.
+    Step,
+    /// The axes of the machine carry one another in another order than its file says.
+    Topology,
+    /// Readings are in another unit.
+    Unit,
+    /// A kind of a check that a caller brings: its word.
+    Own(&'static str),
+}
+
+impl DefectKind {
+    /// Its word in results.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            DefectKind::Axes | DefectKind::Positions => "axes",
+            DefectKind::Compensated => "compensated",
+            DefectKind::FirstCycle => "first-cycle",
+            DefectKind::Order => "order",
+            DefectKind::Outlier => "outlier",
+            DefectKind::Pulse => "pulse",
+            DefectKind::Quantised => "quantised",
+            DefectKind::Reading => "reading",
+            DefectKind::Sensor => "sensor",
+            DefectKind::Step => "step",
+            DefectKind::Topology => "topology",
+            DefectKind::Unit => "unit",
+            DefectKind::Own(word) => word,
+        }
+    }
+}
+
+impl fmt::Display for DefectKind {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.pad(self.word())
+    }
+}
+
+impl Serialize for DefectKind {
+    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        out.serialize_str(self.word())
+    }
+}
+
 /// A fault that was found.
 #[derive(Clone, Debug)]
-pub struct Fault {
-    /// `unit`, `axes`, `topology`, `compensated`, `sensor`, `pulse`, `first-cycle`, `step`, `outlier`, `quantised`, `order`.
-    pub kind: &'static str,
+pub struct DataDefect {
+    /// What kind of fault it is.
+    pub kind: DefectKind,
     /// Number of the measurement.
     pub set: usize,
     /// Column, sensor, component or measurement.
@@ -171,13 +243,13 @@ impl<'s, 'a> View<'s, 'a> {
 
 /// Finds faults.
 #[must_use]
-pub fn find(scene: &Scene<'_>) -> Vec<Fault> {
+pub fn find(scene: &Scene<'_>) -> Vec<DataDefect> {
     find_with(&Checks::default(), scene)
 }
 
 /// Finds faults of these kinds.
 #[must_use]
-pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<Fault> {
+pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<DataDefect> {
     let mut view = View::new(scene, scene.sets.iter().map(cells::sensors).collect());
     view.trails = (0..scene.sets.len()).map(|set| Trail::new(scene, set)).collect();
     let mut all = Vec::new();
@@ -187,7 +259,7 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<Fault> {
         for fault in &found {
             match &fault.then {
                 // Of another machine nothing else can be said.
-                Then::Refuse if fault.kind == chain::KIND => view.refused.extend(0..scene.sets.len()),
+                Then::Refuse if fault.kind == DefectKind::Topology => view.refused.extend(0..scene.sets.len()),
                 Then::Refuse => {
                     view.refused.insert(fault.set);
                 }
@@ -217,7 +289,7 @@ pub fn find_with(checks: &Checks, scene: &Scene<'_>) -> Vec<Fault> {
 }
 
 /// Takes the sensors out of measurements in which they are at fault, and converts those in °F.
-pub fn mend_sensors(sets: &mut [DataSet], faults: &[Fault]) {
+pub fn mend_sensors(sets: &mut [DataSet], faults: &[DataDefect]) {
     for fault in faults {
         let Some(set) = sets.get_mut(fault.set) else { continue };
         match &fault.then {
@@ -235,11 +307,11 @@ pub fn mend_sensors(sets: &mut [DataSet], faults: &[Fault]) {
 }
 
 /// Makes a scene do without the rows that are at fault.
-pub fn exclude(scene: &mut Scene<'_>, faults: &[Fault]) {
+pub fn exclude(scene: &mut Scene<'_>, faults: &[DataDefect]) {
     for fault in faults {
         let [first, last] = fault.rows;
         let rows = &scene.rows;
-        let at = |item: &super::scene::Item| {
+        let at = |item: &super::scene::SceneReading| {
             rows.get(item.row).filter(|row| row.set == fault.set).map_or(usize::MAX, |row| row.number)
         };
         match &fault.then {

@@ -1,10 +1,10 @@
 //! A sensor that reads some kelvin more or less from one row on: it came off and was fixed elsewhere, or its amplifier changed.
 
 use super::cells::TableClock;
-use super::{Check, Fault, Then, View, spread};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View, spread};
 use crate::measure::data::DataSet;
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "offset of a sensor",
     made_by: "a sensor that came off, an amplifier or plug that was exchanged",
     shown_by: "a jump between two rows that stays, much steeper than before and behind it, while no other sensor jumps",
@@ -19,7 +19,7 @@ const TIMES: f64 = 12.0;
 /// And of the next largest one.
 const LARGEST: f64 = 2.5;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
         let Some(data) = view.scene.sets.get(set) else { continue };
         let clock = TableClock::new(data);
@@ -50,8 +50,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             if jump.abs() < LEAST_K || jump.abs() < TIMES * usual || jump.abs() < LARGEST * next.max(with) {
                 continue;
             }
-            out.push(Fault {
-                kind: "sensor",
+            out.push(DataDefect {
+                kind: DefectKind::Sensor,
                 set,
                 name: sensor.name.clone(),
                 what: "offset".into(),

@@ -1,10 +1,10 @@
 //! Rows that do not stand in the order in which they were taken, where the senses of motion follow from it.
 
-use super::{Check, Fault, Then, View};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::AXES;
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "rows out of order",
     made_by: "a table that was sorted or shuffled, rows that were put together from several ones",
     shown_by: "no columns of senses, and from row to row axes move as far as between any two rows, or time goes back",
@@ -19,11 +19,11 @@ const PLACES: usize = 8;
 /// From row to row axes move less than this of the way between any two.
 const NEAR: f64 = 0.7;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets().filter(|(_, data)| !data.has_senses) {
         let Some(evidence) = out_of_order(data) else { continue };
-        out.push(Fault {
-            kind: "order",
+        out.push(DataDefect {
+            kind: DefectKind::Order,
             set,
             name: data.name.clone(),
             what: "rows in no order".into(),

@@ -1,9 +1,9 @@
 //! Single readings far from the one before, the one behind and their own repetitions. A spike behind a reversal comes again at the next visit and is none.
 
 use super::trail::ReadingTrail;
-use super::{Check, Fault, Then, View};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "single readings far out",
     made_by: "a chip under the probe, a beam that was broken, a cable that was touched",
     shown_by: "isolated in time, and not repeated at the same place",
@@ -14,14 +14,14 @@ pub(super) const CHECK: Check = Check {
 /// Far out is so many times the noise from both neighbours and from the repetitions.
 const FAR: f64 = 7.0;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets() {
         let Some(trail) = view.trails.get(set).filter(|trail| trail.is_repeated) else { continue };
         let mut readings: Vec<(usize, usize)> = trail.channels.iter().flat_map(far).collect();
         readings.sort_unstable();
         let (Some(first), Some(last)) = (readings.first(), readings.last()) else { continue };
-        out.push(Fault {
-            kind: "outlier",
+        out.push(DataDefect {
+            kind: DefectKind::Outlier,
             set,
             name: data.name.clone(),
             what: "far from neighbours and repetitions".into(),

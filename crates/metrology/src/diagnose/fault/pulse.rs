@@ -3,9 +3,9 @@
 
 use super::sharp::{CHANCE, EACH, END, sharpness};
 use super::trail::{ReadingTrail, Trail};
-use super::{Check, Fault, Then, View, spread, switched};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View, spread, switched};
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "isolated pulse",
     made_by: "lubrication, a door, somebody who leans on the machine",
     shown_by: "readings of one to five minutes shifted alike, sharp at both ends, not at other visits of the same places",
@@ -81,7 +81,7 @@ impl Contrast {
     }
 }
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets() {
         let Some(trail) = view.trails.get(set).filter(|trail| trail.is_repeated) else { continue };
         let times: Option<Vec<f64>> = data.observations.iter().map(|one| one.t_s).collect();
@@ -115,8 +115,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             continue;
         }
         for (window, evidence) in found.into_iter().filter(|(window, _)| !switched::is_on_in(data, window.rows)) {
-            out.push(Fault {
-                kind: "pulse",
+            out.push(DataDefect {
+                kind: DefectKind::Pulse,
                 set,
                 name: data.name.clone(),
                 what: "pulse".into(),

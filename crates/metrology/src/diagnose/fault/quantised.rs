@@ -1,8 +1,8 @@
 //! Readings in steps of a display that are wide beside the noise: no error of the machine, but more noise than the instrument has.
 
-use super::{Check, Fault, Then, View};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "steps of a display",
     made_by: "a display or file with few digits",
     shown_by: "all readings are multiples of a step that is wide beside their noise",
@@ -17,10 +17,11 @@ const WIDE: f64 = 0.8;
 /// Readings at least.
 const COUNT: usize = 20;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets() {
-        let own =
-            |item: &&crate::diagnose::scene::Item| view.scene.rows.get(item.row).is_some_and(|row| row.set == set);
+        let own = |item: &&crate::diagnose::scene::SceneReading| {
+            view.scene.rows.get(item.row).is_some_and(|row| row.set == set)
+        };
         let Some(first) = view.scene.items.iter().find(own) else { continue };
         // Lengths and angles in one file have steps of their own.
         if view.scene.items.iter().filter(own).any(|item| item.is_angle != first.is_angle) {
@@ -32,8 +33,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         let Some(step) = step(&values, finest).filter(|step| *step > WIDE * sigma) else { continue };
         let stated = if is_angle { data.sigma_rad } else { data.sigma }.is_some();
         let (micro, unit) = if is_angle { (1e6, "µrad") } else { (1e3, "µm") };
-        out.push(Fault {
-            kind: "quantised",
+        out.push(DataDefect {
+            kind: DefectKind::Quantised,
             set,
             name: data.name.clone(),
             what: "steps of the display".into(),

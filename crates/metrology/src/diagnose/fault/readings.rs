@@ -115,7 +115,7 @@ impl WeighedReadings {
         }
         let row = |item: usize| scene.items.get(item).and_then(|item| scene.rows.get(item.row));
         for tip in tips {
-            let own = |weight: &dyn Fn(&crate::diagnose::row::Row) -> f64| -> Vec<f64> {
+            let own = |weight: &dyn Fn(&crate::diagnose::row::SceneRow) -> f64| -> Vec<f64> {
                 let of = |item: usize| tip.get(item).zip(row(item)).map_or(0.0, |(tip, row)| tip * weight(row));
                 self.items.iter().map(|&item| of(item)).collect()
             };

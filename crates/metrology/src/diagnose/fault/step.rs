@@ -5,10 +5,10 @@
 use super::cells::TableClock;
 use super::sharp::{CHANCE, EACH, END, sharpness, usual};
 use super::trail::{ReadingTrail, Trail};
-use super::{Check, Fault, Then, View, drifting, switched};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View, drifting, switched};
 use crate::measure::data::DataSet;
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "step in time",
     made_by: "a crash, a new reference point, an instrument that was knocked",
     shown_by: "all readings from a row on shifted, against earlier visits of the same places, and flat before and behind",
@@ -64,7 +64,7 @@ pub(super) struct ChangePoint {
     pub(super) side: usize,
 }
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets() {
         let Some(trail) = view.trails.get(set).filter(|trail| trail.is_repeated) else { continue };
         let sensors = view.sensors.get(set).map(Vec::as_slice).unwrap_or_default();
@@ -72,8 +72,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         if super::first_cycle::is_early(trail, &change) {
             continue;
         }
-        out.push(Fault {
-            kind: "step",
+        out.push(DataDefect {
+            kind: DefectKind::Step,
             set,
             name: data.name.clone(),
             what: "step".into(),

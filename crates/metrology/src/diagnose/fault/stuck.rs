@@ -1,9 +1,9 @@
 //! A sensor that is stuck: the very same number in row after row, while it else changes from row to row or while the others go on.
 
 use super::cells::Sensor;
-use super::{Check, Fault, Then, View};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "stuck sensor",
     made_by: "a logger that repeats its last value, a bus that is down",
     shown_by: "no variance at all in rows in which noise should be",
@@ -20,7 +20,7 @@ const SPARED: usize = 3;
 /// Others go this far, K, while a sensor says one number throughout.
 const FAR_K: f64 = 1.0;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
         for sensor in sensors {
             let pieces = pieces(sensor);
@@ -55,8 +55,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             let of_run = if is_whole { None } else { rest_of_run(view, set, longest) };
             let spared: usize = out.iter().filter(|one| one.set == set).map(|one| one.rows[1] - one.rows[0] + 1).sum();
             let rows = of_run.filter(|&rows| SPARED * (spared + length(rows)) < sensor.values.len());
-            out.push(Fault {
-                kind: "sensor",
+            out.push(DataDefect {
+                kind: DefectKind::Sensor,
                 set,
                 name: sensor.name.clone(),
                 what: "stuck".into(),

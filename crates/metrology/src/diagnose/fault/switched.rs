@@ -2,7 +2,7 @@
 
 use super::step::ChangePoint;
 use super::trail::{ReadingTrail, Trail};
-use crate::measure::data::{DataSet, Driver};
+use crate::measure::data::{DataColumn, DataSet};
 
 /// Rows from a change within which a driver goes with it.
 const NEAR: usize = 2;
@@ -14,11 +14,11 @@ const AROUND: usize = 8;
 const WITH: f64 = 0.5;
 
 /// What is no temperature.
-fn switches(data: &DataSet) -> impl Iterator<Item = &Driver> {
+fn switches(data: &DataSet) -> impl Iterator<Item = &DataColumn> {
     data.drivers.iter().filter(|driver| !driver.name.starts_with("T_"))
 }
 
-fn value(driver: &Driver, row: usize) -> f64 {
+fn value(driver: &DataColumn, row: usize) -> f64 {
     driver.values.get(row).copied().unwrap_or(f64::NAN)
 }
 
@@ -38,7 +38,7 @@ pub(super) fn is_driven(trail: &Trail, change: &ChangePoint, data: &DataSet) -> 
     switches(data).any(|driver| goes_with(trail, change, driver))
 }
 
-fn goes_with(trail: &Trail, change: &ChangePoint, driver: &Driver) -> bool {
+fn goes_with(trail: &Trail, change: &ChangePoint, driver: &DataColumn) -> bool {
     let value = |row: usize| value(driver, row);
     let [before, behind] = [value(change.row.saturating_sub(NEAR)), value(change.row + NEAR)];
     if !(before != behind && before.is_finite() && behind.is_finite()) {
@@ -88,7 +88,7 @@ fn jump(channel: &ReadingTrail, change: &ChangePoint) -> f64 {
 }
 
 /// Whether little is left of a step between rows behind and before it in which the driver says the same: by the middle of its levels behind it.
-fn is_gone_at_levels(trail: &Trail, change: &ChangePoint, driver: &Driver, alike: f64) -> bool {
+fn is_gone_at_levels(trail: &Trail, change: &ChangePoint, driver: &DataColumn, alike: f64) -> bool {
     let levels = |rows: std::ops::Range<usize>| {
         let mut levels: Vec<f64> = rows.map(|row| value(driver, row)).filter(|level| level.is_finite()).collect();
         levels.sort_by(f64::total_cmp);

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 use super::{median, spread};
-use crate::diagnose::scene::{Item, NO_ROW, Scene};
+use crate::diagnose::scene::{NO_ROW, Scene, SceneReading};
 use crate::measure::data::DataSet;
 use ncfix_base::geometry::AXES;
 use ncfix_base::numeric::Upright;
@@ -71,7 +71,7 @@ pub(super) fn channels(data: &DataSet) -> Vec<usize> {
 impl Trail {
     pub(super) fn new(scene: &Scene<'_>, set: usize) -> Trail {
         let Some(data) = scene.sets.get(set) else { return Trail::default() };
-        let items: Vec<(&Item, usize)> = scene
+        let items: Vec<(&SceneReading, usize)> = scene
             .items
             .iter()
             .filter(|item| item.row != NO_ROW)
@@ -86,7 +86,7 @@ impl Trail {
             .filter(|driver| MANNER.contains(&driver.name.as_str()))
             .map(|driver| driver.values.as_slice())
             .collect();
-        let key = |(item, row): &(&Item, usize), channel: usize, with_sense: bool| -> Vec<i64> {
+        let key = |(item, row): &(&SceneReading, usize), channel: usize, with_sense: bool| -> Vec<i64> {
             let Some(one) = data.observations.get(*row) else { return Vec::new() };
             let fine = |value: f64| (value * 1e3).round() as i64;
             let mut key = vec![one.setup as i64, channel as i64, one.target.map_or(-1, |target| target as i64)];
@@ -335,7 +335,7 @@ fn blocks(mut spans: Vec<[usize; 2]>) -> Vec<[usize; 2]> {
 }
 
 /// What may go with the senses of the axes, alone and along each axis, by item: where every visit comes from another side.
-fn senses(scene: &Scene<'_>, items: &[(&Item, usize)], places: &[usize]) -> Vec<Vec<f64>> {
+fn senses(scene: &Scene<'_>, items: &[(&SceneReading, usize)], places: &[usize]) -> Vec<Vec<f64>> {
     let axes = || scene.machine.axes.iter().flatten().map(|data| data.axis);
     let row = |place: usize| scene.rows.get(items[place].0.row);
     let mut columns: Vec<Vec<f64>> = Vec::new();

@@ -1,9 +1,9 @@
 //! Readings by a factor: millimetres in a column of micrometres, micrometres in one of millimetres, inches.
 
 use super::readings::WeighedReadings;
-use super::{Check, Fault, Then, View};
+use super::{DataDefect, DefectCheck, DefectKind, Then, View};
 
-pub(super) const CHECK: Check = Check {
+pub(super) const CHECK: DefectCheck = DefectCheck {
     name: "factor of units",
     made_by: "a column in another unit than its name says",
     shown_by: "readings go with the model but for a factor, and their noise is as far from that of the instrument; without errors that the model knows, \
@@ -36,7 +36,7 @@ const NOISE_BOTH: f64 = 1.2;
 /// No instrument is so much better or worse than is said of it.
 const INCREDIBLE: f64 = 4.6;
 
-fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
     for (set, data) in view.sets() {
         let (Some(readings), Some(trail)) = (WeighedReadings::new(view.scene, set), view.trails.get(set)) else {
             continue;
@@ -87,8 +87,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                     if by_size { "; all are below 0.05 µm beside the set-ups, which no machine is" } else { "" };
                 format!("the model knows too little here to tell{of_noise}{tiny}")
             };
-            out.push(Fault {
-                kind: "unit",
+            out.push(DataDefect {
+                kind: DefectKind::Unit,
                 set,
                 name: data.name.clone(),
                 what: what.into(),

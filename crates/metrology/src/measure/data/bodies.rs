@@ -8,6 +8,7 @@ use ncfix_base::geometry::Vector;
 use ncfix_machine::machine::file::Section;
 use ncfix_machine::machine::{Kinematics, Machine};
 
+use super::super::kind::Measurand;
 use super::{DataSet, Free, Observation, Setup, number_of};
 
 /// Reference temperature of lengths, °C.
@@ -27,9 +28,9 @@ pub(super) fn implausible(celsius: Option<f64>) -> Option<String> {
 }
 
 /// Reads the rod or artefact data of a set-up; `rods` has all labels.
-pub(super) fn read_setup(section: &mut Section<'_>, kind: &str, setup: &mut Setup, rods: &mut Vec<String>) {
-    match kind {
-        "ballbar" => {
+pub(super) fn read_setup(section: &mut Section<'_>, measurand: Measurand, setup: &mut Setup, rods: &mut Vec<String>) {
+    match measurand {
+        Measurand::BallDistance => {
             // A set-up without a rod name has its own rod.
             let rod = section.text("rod").filter(|rod| !rod.is_empty());
             setup.rod = match rod {
@@ -45,7 +46,7 @@ pub(super) fn read_setup(section: &mut Section<'_>, kind: &str, setup: &mut Setu
                 lacks(section, "rod_temperature_C", "rod_expansion_per_K = 11.5e-6");
             }
         }
-        "displacement" => {
+        Measurand::Displacement => {
             setup.temperature_c = temperature(section, "artefact_temperature_C").or(setup.temperature_c);
             if setup.temperature_c.is_some() && setup.expansion_per_k <= 0.0 && section.has("artefact_temperature_C") {
                 lacks(section, "artefact_temperature_C", "expansion_per_K = 11.5e-6 in [artefact]");
@@ -107,7 +108,7 @@ pub(super) fn contradiction(data: &DataSet) -> Option<(&'static str, &'static st
         return Some(("a drift moves the zero of the instrument", "write free = [\"offset\", \"drift\"]"));
     }
     let lengths = |setup: &Setup| data.setups.iter().any(|other| other.rod == setup.rod && differs(other, setup));
-    if data.kind.name == "ballbar" && data.setups.iter().any(lengths) {
+    if data.kind.measurand == Measurand::BallDistance && data.setups.iter().any(lengths) {
         return Some((
             "set-ups with the same rod differ in length_mm or rod_expansion_per_K",
             "give them the same, or the rods names of their own",

@@ -11,13 +11,13 @@ use std::collections::HashMap;
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_machine::machine::condition::ConditionLog;
-use ncfix_machine::machine::condition::columns::{Column, NO_LOAD, OfDead, check_load, read_cell};
+use ncfix_machine::machine::condition::columns::{ConditionColumn, NO_LOAD, OfDead, check_load, read_cell};
 use ncfix_machine::machine::{Condition, Load};
 
 /// Reads the conditions of one table, row by row.
 #[derive(Debug)]
 pub(super) struct Conditions {
-    columns: Vec<Column>,
+    columns: Vec<ConditionColumn>,
     of_dead: OfDead,
     has_time: bool,
     has_temperatures: bool,
@@ -57,18 +57,18 @@ pub(super) fn begin(
     of_dead: OfDead,
     findings: &mut Vec<Diagnostic>,
 ) -> Option<Conditions> {
-    let mut columns = Column::all(table);
+    let mut columns = ConditionColumn::all(table);
     // The temperature of the instrument is not one of the machine.
     if let Some(own) = own.and_then(|own| columns.get_mut(table.column(own)?)) {
-        *own = Column::Other;
+        *own = ConditionColumn::Other;
     }
     check_load(table, &columns, findings);
-    let has_temperatures = columns.iter().any(|column| matches!(column, Column::Sensor(_)));
-    if !has_temperatures && !columns.contains(&Column::Force) {
+    let has_temperatures = columns.iter().any(|column| matches!(column, ConditionColumn::Sensor(_)));
+    if !has_temperatures && !columns.contains(&ConditionColumn::Force) {
         return None;
     }
-    if let Some(force) = columns.iter().position(|column| *column == Column::Force)
-        && !columns.iter().any(|column| matches!(column, Column::LoadPlace(_)))
+    if let Some(force) = columns.iter().position(|column| *column == ConditionColumn::Force)
+        && !columns.iter().any(|column| matches!(column, ConditionColumn::LoadPlace(_)))
     {
         let help =
             "add load_x_mm, load_y_mm, load_z_mm, any of them: mm from the center of the table, 0 for the center";
@@ -76,7 +76,7 @@ pub(super) fn begin(
         findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(Some(force)), message, help));
     }
     Some(Conditions {
-        has_time: columns.contains(&Column::Time),
+        has_time: columns.contains(&ConditionColumn::Time),
         columns,
         of_dead,
         has_temperatures,
@@ -105,7 +105,7 @@ impl Conditions {
         let mut temperatures = vec![None; self.columns.len()];
         for (index, (column, found)) in self.columns.iter().zip(&mut temperatures).enumerate() {
             match read_cell(row, index, column, sign, &mut self.load, self.of_dead) {
-                Ok(value) if matches!(column, Column::Sensor(_)) => {
+                Ok(value) if matches!(column, ConditionColumn::Sensor(_)) => {
                     *found = value;
                     if value.is_none() && !self.has_time && row.text(index).is_empty() {
                         let help = "write the temperature of this row, or add a column t_s: then it is taken from the rows around";
@@ -118,13 +118,13 @@ impl Conditions {
             }
         }
         if !self.load.is_plausible() {
-            let place = self.columns.iter().position(|column| *column == Column::Force);
+            let place = self.columns.iter().position(|column| *column == ConditionColumn::Force);
             let help = "give newtons and mm from the center of the table: at most 10000000 N, at most 100000 mm away";
             let message = "no machine tool carries this load";
             findings.push(Diagnostic::at(Code::DATA_CELL, row.place(place.unwrap_or(0)), message, help));
         }
         if self.has_time && self.has_temperatures && t_s.is_none() {
-            let column = self.columns.iter().position(|column| *column == Column::Time);
+            let column = self.columns.iter().position(|column| *column == ConditionColumn::Time);
             let help = "write the time of the row in s, or take the column out where temperatures did not change";
             let message = "there is a temperature but no time";
             findings.push(Diagnostic::at(Code::DATA_CELL, row.place(column.unwrap_or(0)), message, help));
@@ -135,7 +135,7 @@ impl Conditions {
         // Without temperatures there is no dependence on time.
         let time_s = t_s.filter(|_| self.has_temperatures).unwrap_or(0.0);
         let clock = self.clock(run, time_s).map_err(|message| {
-            let column = self.columns.iter().position(|column| *column == Column::Time);
+            let column = self.columns.iter().position(|column| *column == ConditionColumn::Time);
             let help = "sort the rows of each run by time; a column run tells runs apart that begin again";
             vec![Diagnostic::at(Code::DATA_CELL, row.place(column.unwrap_or(0)), message, help)]
         })?;
@@ -218,7 +218,7 @@ impl Conditions {
             .map(|clock| {
                 let mut condition = Condition::default();
                 for (column, trace) in self.columns.iter().zip(clock.traces) {
-                    if let Column::Sensor(sensor) = column
+                    if let ConditionColumn::Sensor(sensor) = column
                         && !trace.points().is_empty()
                     {
                         condition.set_trace(sensor, trace);

@@ -6,7 +6,7 @@ use ncfix_base::source::{Source, Span};
 use ncfix_base::units::{mm_from_um, rad_from_urad};
 use ncfix_machine::machine::file::{MachineFile, Section};
 
-use super::super::kind::{self, Instruments};
+use super::super::kind::{self, Instruments, Measurand};
 use super::{DataSet, KnownLength, Setup, bodies, number_of};
 
 /// Reads the description; the result is a measurement without rows, if its kind is known.
@@ -23,9 +23,9 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
         free_place = Some(section.place_of("free"));
         section.finish(&mut findings);
     }
-    let kind = data.as_ref().map_or("", |data: &DataSet| data.kind.name);
+    let measurand = data.as_ref().map_or(Measurand::Other, |data: &DataSet| data.kind.measurand);
     let mut artefact = Setup::default();
-    if let Some(mut section) = (kind == "displacement").then(|| root.section("artefact")).flatten() {
+    if let Some(mut section) = (measurand == Measurand::Displacement).then(|| root.section("artefact")).flatten() {
         artefact = bodies::read_artefact(&mut section);
         section.finish(&mut findings);
     }
@@ -37,7 +37,7 @@ pub(super) fn read(name: &str, source: &Source, instruments: &Instruments) -> (O
                 let centre_mm = one.vector("centre_mm").unwrap_or_default();
                 let length_mm = one.number_where("length_mm", "a length above 0", |mm| mm > 0.0).unwrap_or(0.0);
                 let mut setup = Setup { label: label.to_owned(), centre_mm, length_mm, ..artefact.clone() };
-                bodies::read_setup(&mut one, kind, &mut setup, &mut rods);
+                bodies::read_setup(&mut one, measurand, &mut setup, &mut rods);
                 setups.push(setup);
                 one.finish(&mut findings);
             }

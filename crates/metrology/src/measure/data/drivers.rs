@@ -7,18 +7,20 @@ use super::DataSet;
 
 /// A numeric column by name, one value per row; NaN for an empty cell.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Driver {
+pub struct DataColumn {
     /// The column name: `feed_mm_min`, `T_nose_C`, `humidity`.
     pub name: String,
     /// In the order of the rows.
     pub values: Vec<f64>,
 }
 
+/// The column with the time of a row, s.
+pub const TIME: &str = "t_s";
 /// Columns with a meaning of their own.
-const OWN: [&str; 8] = ["setup", "run", "t_s", "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
+const OWN: [&str; 8] = ["setup", "run", TIME, "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
 
 /// Reads all purely numeric columns.
-pub(super) fn read(table: &Table, machine: &Machine, sign: DecimalSign, data: &DataSet) -> Vec<Driver> {
+pub(super) fn read(table: &Table, machine: &Machine, sign: DecimalSign, data: &DataSet) -> Vec<DataColumn> {
     let is_axis = |name: &str| {
         let letter = name.strip_suffix("_dir").unwrap_or(name);
         machine.axes.iter().flatten().any(|data| data.axis.to_string() == letter)
@@ -33,7 +35,7 @@ pub(super) fn read(table: &Table, machine: &Machine, sign: DecimalSign, data: &D
         };
         let Some(values) = table.rows().map(number).collect::<Option<Vec<f64>>>() else { continue };
         if values.iter().any(|value| !value.is_nan()) {
-            drivers.push(Driver { name: name.clone(), values });
+            drivers.push(DataColumn { name: name.clone(), values });
         }
     }
     drivers

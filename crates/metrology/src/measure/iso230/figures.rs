@@ -12,6 +12,7 @@ use super::circle::{self, CirclePoint};
 use super::positioning::{self, ApproachReading};
 use super::{drift, sphere};
 use crate::measure::data::{DataSet, Free, Observation};
+use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine};
 
@@ -30,7 +31,7 @@ pub const RUNS: usize = 5;
 
 /// Figures of one component, of circles in one plane, or of a sphere.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct MeasuredFigures {
     /// Label of the set-up.
     pub setup: String,
     /// Its subject: `EXX`, `XY`, `sphere`.
@@ -58,7 +59,7 @@ pub enum Figures {
         /// Nominal radius, mm.
         radius_mm: f64,
         /// Counterclockwise and clockwise paths, as seen against the normal.
-        paths: [Path; 2],
+        paths: [CirclePath; 2],
     },
     /// Of a sphere.
     Sphere {
@@ -73,7 +74,7 @@ pub enum Figures {
 
 /// A path on a circle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Path {
+pub struct CirclePath {
     /// Number of readings.
     pub points: usize,
     /// Its start, rad from the first axis of the plane.
@@ -86,15 +87,15 @@ pub struct Path {
 
 /// All figures of a measurement.
 #[must_use]
-pub fn figures(data: &DataSet, machine: &Machine) -> Vec<Found> {
-    match data.kind.name {
-        "direct" => components(data),
-        "ballbar" => circles_and_spheres(data, machine),
+pub fn figures(data: &DataSet, machine: &Machine) -> Vec<MeasuredFigures> {
+    match data.kind.measurand {
+        Measurand::Component => components(data),
+        Measurand::BallDistance => circles_and_spheres(data, machine),
         _ => Vec::new(),
     }
 }
 
-fn components(data: &DataSet) -> Vec<Found> {
+fn components(data: &DataSet) -> Vec<MeasuredFigures> {
     let mut groups: Vec<(usize, usize)> =
         data.observations.iter().filter_map(|row| Some((row.setup, row.target?))).collect();
     groups.sort_unstable();
@@ -112,7 +113,7 @@ fn components(data: &DataSet) -> Vec<Found> {
             })
         });
         let figures = figures.map_err(|fault| fault.to_string());
-        Some(Found { setup: label(data, setup), of: of.clone(), figures })
+        Some(MeasuredFigures { setup: label(data, setup), of: of.clone(), figures })
     };
     groups.into_iter().filter_map(one).collect()
 }
@@ -132,7 +133,7 @@ struct Place {
     feed: Option<f64>,
 }
 
-fn circles_and_spheres(data: &DataSet, machine: &Machine) -> Vec<Found> {
+fn circles_and_spheres(data: &DataSet, machine: &Machine) -> Vec<MeasuredFigures> {
     let kinematics = Kinematics::new(machine);
     let mut setups: Vec<Vec<Place>> = Vec::new();
     setups.resize_with(data.setups.len(), Vec::new);
@@ -157,10 +158,10 @@ fn circles_and_spheres(data: &DataSet, machine: &Machine) -> Vec<Found> {
         let setup = label(data, number);
         out.extend(planes.iter().map(|(normal, own)| {
             let (name, axes) = directions(normal);
-            Found { setup: setup.clone(), of: name, figures: circle_of(own, axes) }
+            MeasuredFigures { setup: setup.clone(), of: name, figures: circle_of(own, axes) }
         }));
         if !is_flat {
-            out.push(Found { setup, of: "sphere".into(), figures: sphere_of(places) });
+            out.push(MeasuredFigures { setup, of: "sphere".into(), figures: sphere_of(places) });
         }
     }
     out
@@ -237,15 +238,20 @@ fn circle_of(places: &[&Place], axes: [Vector; 2]) -> Result<Figures, String> {
     Ok(Figures::Circle { figures, radius_mm, paths })
 }
 
-fn path(points: &[(CirclePoint, &Place)]) -> Path {
-    let Some((first, _)) = points.first() else { return Path::default() };
+fn path(points: &[(CirclePoint, &Place)]) -> CirclePath {
+    let Some((first, _)) = points.first() else { return CirclePath::default() };
     let mut angles: Vec<f64> = points.iter().map(|(point, _)| point.angle.rem_euclid(TAU)).collect();
     angles.sort_by(f64::total_cmp);
     let around = angles.first().zip(angles.last()).map_or(TAU, |(first, last)| first + TAU - last);
     let gap = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max);
     let arc = if gap <= CLOSED.max(1.5 * TAU / points.len() as f64) { TAU } else { TAU - gap };
     let given = points.iter().find_map(|(_, place)| place.feed);
-    Path { points: points.len(), start: first.angle.rem_euclid(TAU), arc, feed: given.or_else(|| timed_feed(points)) }
+    CirclePath {
+        points: points.len(),
+        start: first.angle.rem_euclid(TAU),
+        arc,
+        feed: given.or_else(|| timed_feed(points)),
+    }
 }
 
 /// The feed from the times of readings, mm/min: distance divided by time.

@@ -4,7 +4,9 @@
 //! c three, and L one for every set-up, or for every extension rod that set-ups share. L is the length at 20 °C. A rod of known expansion is longer
 //! when warmer, and its temperature may be unknown in place of the length. The table ball moves with the workpiece.
 
-use super::{Equation, Kind, Seen, Unknown, at, needed, no_expansion, no_ties, three, vector_at, zeros};
+use super::{
+    Equation, Instrument, Measurand, Seen, Unknown, at, needed, no_expansion, no_ties, three, vector_at, zeros,
+};
 use crate::measure::data::{DataSet, Free, Observation};
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -12,9 +14,10 @@ use ncfix_base::geometry::{AxisVector, Vector};
 use ncfix_base::units::mm_from_um;
 
 /// The kind.
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: Instrument = Instrument {
     name: "ballbar",
     title: "distance of two balls",
+    measurand: Measurand::BallDistance,
     free: &[Free::Centre, Free::Length, Free::Rod, Free::RodTemperature],
     read,
     check,

@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 
-use super::{Equation, Kind, Seen, Unknown, at, needed, no_ties, optional, zeros};
+use super::{Equation, Instrument, Measurand, Seen, Unknown, at, needed, no_ties, optional, zeros};
 use crate::measure::data::{DataSet, Free, Observation, number_of, text};
 use crate::measure::iso230::drift;
 use crate::measure::iso230::positioning::ApproachReading;
@@ -19,9 +19,10 @@ use ncfix_model::ErrorName;
 use ncfix_model::name::ErrorKind;
 
 /// The kind.
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: Instrument = Instrument {
     name: "direct",
     title: "one error component at a time",
+    measurand: Measurand::Component,
     free: &[Free::Offset, Free::Drift],
     read,
     check,

@@ -6,7 +6,7 @@
 
 use nalgebra::Rotation3;
 
-use super::{Equation, Kind, Seen, Unknown, no_expansion, no_ties, optional, three, vector_at, zeros};
+use super::{Equation, Instrument, Measurand, Seen, Unknown, no_expansion, no_ties, optional, three, vector_at, zeros};
 use crate::measure::data::{DataSet, Free, Observation};
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -16,9 +16,10 @@ use ncfix_base::units::mm_from_um;
 pub(super) const COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 
 /// The kind.
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: Instrument = Instrument {
     name: "displacement",
     title: "displacement of the tool from the workpiece",
+    measurand: Measurand::Displacement,
     free: &[Free::Offset, Free::Rotation],
     read,
     check,

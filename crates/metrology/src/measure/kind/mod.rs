@@ -1,8 +1,8 @@
 //! Kinds of measurement: one file each, and their register ([`Instruments`]), which a caller may extend.
 //!
-//! A kind reads its columns and predicts its readings: [`Kind::equations`] receives the tool pose from the error model – the one forward function –
+//! A kind reads its columns and predicts its readings: [`Instrument::equations`] receives the tool pose from the error model – the one forward function –
 //! and returns reading minus prediction, with the derivatives by the tool pose and by the unknowns of the set-up. To add one from another crate,
-//! write a static [`Kind`], pass it to [`Instruments::with`](ncfix_base::register::Register::with) and read the measurement with
+//! write a static [`Instrument`], pass it to [`Instruments::with`](ncfix_base::register::Register::with) and read the measurement with
 //! [`data::load_with`](super::data::load_with).
 
 mod ballbar;
@@ -23,11 +23,13 @@ use super::reading::Reading;
 
 /// A kind of measurement. Defaults exist for unused functions: [`zeros`], [`no_ties`].
 #[derive(Debug)]
-pub struct Kind {
+pub struct Instrument {
     /// Its name in the description: `kind = "ballbar"`. Unique in a register.
     pub name: &'static str,
     /// Its title.
     pub title: &'static str,
+    /// What its readings are of.
+    pub measurand: Measurand,
     /// Possible unknowns of its set-ups.
     pub free: &'static [Free],
     /// Reads its values of a row into the observation, mm or rad, and reports missing ones ([`needed`], [`optional`]). Axes, tool, set-up, run and
@@ -50,10 +52,30 @@ pub struct Kind {
     pub columns: &'static [&'static str],
 }
 
-/// The kinds of measurement for descriptions: [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
-pub type Instruments = Register<&'static Kind>;
+/// What the readings of a kind of measurement are of. Descriptions, plans, figures and causes decide by it, never by the name of the kind: one of a
+/// caller that says what it measures is treated like those that are built in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Measurand {
+    /// The change of the distance between a ball in the spindle and one on the table. A set-up has the place of that ball and the nominal distance; a row
+    /// has one value.
+    BallDistance,
+    /// The axis positions at which the tip is at a ball of unknown place, which is the target of the row.
+    BallPlace,
+    /// One error component, which the row names. Numbers of [`Unknown::Offset`] count set-ups and, within each, the components.
+    Component,
+    /// The displacement of the tool from the points of an artefact along F's directions.
+    Displacement,
+    /// That displacement while the machine moves, at samples of the encoders. A reading has the acceleration of the axes.
+    MovingDisplacement,
+    /// Something else.
+    Other,
+}
 
-impl Registered for &'static Kind {
+/// The kinds of measurement for descriptions: [`Register::default`](ncfix_base::register::Register::default) contains the built-in ones.
+pub type Instruments = Register<&'static Instrument>;
+
+impl Registered for &'static Instrument {
     const KIND: &'static str = "kind of measurement";
 
     fn name(&self) -> &str {
@@ -66,11 +88,11 @@ impl Registered for &'static Kind {
 }
 
 /// The built-in kinds.
-pub(in crate::measure) const BUILT_IN: &[&Kind] =
+pub(in crate::measure) const BUILT_IN: &[&Instrument] =
     &[&displacement::KIND, &ballbar::KIND, &probe::KIND, &direct::KIND, &TRACE];
 
 /// Traces, which [`crate::measure::trace`] reads.
-pub static TRACE: Kind = trace::KIND;
+pub static TRACE: Instrument = trace::KIND;
 
 /// An unknown of a measurement; lengths in mm, rotations in rad. Numbers are indices of set-ups and targets, directions 0 to 2 are X, Y, Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -153,7 +175,7 @@ pub struct Equation {
     pub by_tip: Vector,
     /// Derivative with respect to a rotation of the tool in the workpiece frame.
     pub by_turn: Vector,
-    /// Derivatives with respect to unknowns, with their indices in [`Kind::unknowns`].
+    /// Derivatives with respect to unknowns, with their indices in [`Instrument::unknowns`].
     pub by_unknown: Vec<(usize, f64)>,
     /// `true` if an angle was read.
     pub is_angle: bool,

@@ -5,7 +5,7 @@
 
 use nalgebra::{Rotation3, Unit};
 
-use super::{Equation, Kind, Seen, Unknown, needed, optional, three, vector_at};
+use super::{Equation, Instrument, Measurand, Seen, Unknown, needed, optional, three, vector_at};
 use crate::measure::data::{DataSet, Free, Observation, number_of, text};
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -13,9 +13,10 @@ use ncfix_base::geometry::{Matrix, Vector};
 use ncfix_model::Model;
 
 /// The kind.
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: Instrument = Instrument {
     name: "probe",
     title: "probing of balls of unknown place",
+    measurand: Measurand::BallPlace,
     free: &[Free::Tool],
     read,
     check,

@@ -4,13 +4,14 @@
 //! displacement at the encoder positions, with their accelerations. Every run is a separate set-up with an unknown offset: the machine drifts from
 //! run to run.
 
-use super::{Kind, displacement, no_ties, zeros};
+use super::{Instrument, Measurand, displacement, no_ties, zeros};
 use crate::measure::data::Free;
 
 /// The kind.
-pub(super) const KIND: Kind = Kind {
+pub(super) const KIND: Instrument = Instrument {
     name: "trace",
     title: "displacement of the tool from the workpiece while the machine moves",
+    measurand: Measurand::MovingDisplacement,
     free: &[Free::Offset],
     read: displacement::read,
     check: displacement::check,

@@ -5,7 +5,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::builder::{Builder, Extra, PlanReach};
-use super::{PlanKind, Refused, RowSpacing, Wishes, along_spindle, empty, kind, sphere};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, along_spindle, empty, kind, sphere};
 use crate::measure::data::{Free, Setup};
 use ncfix_base::geometry::{Arc, AxisVector, Plane, Vector};
 use ncfix_machine::machine::Machine;
@@ -46,7 +46,7 @@ impl Circle {
     }
 
     /// Sweeps an arc from the current position.
-    fn sweep(&self, plan: &mut Builder, from: f64, by: f64, feed: f64) -> Result<(), Refused> {
+    fn sweep(&self, plan: &mut Builder, from: f64, by: f64, feed: f64) -> Result<(), PlanRefused> {
         let [abscissa, ordinate, _] = self.plane.axes();
         let pieces = (by.abs() / MOST_SWEEP).ceil().max(1.0);
         let center_mm = [self.centre[abscissa], self.centre[ordinate]];
@@ -58,7 +58,7 @@ impl Circle {
     }
 
     /// Rows along an arc, each with the directions of the motion to it.
-    fn rows(&self, plan: &mut Builder, [from, by, every]: [f64; 3], feed: f64, run: &str) -> Result<(), Refused> {
+    fn rows(&self, plan: &mut Builder, [from, by, every]: [f64; 3], feed: f64, run: &str) -> Result<(), PlanRefused> {
         // A full circle does not repeat its start.
         let count = (by.abs() / every).floor() as u32;
         let count = if by.abs() > TAU - 1e-9 { count.max(1) - 1 } else { count };
@@ -74,7 +74,7 @@ impl Circle {
     }
 }
 
-fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let tool_mm = wishes.tool_mm();
     let centre_mm = wishes.centre_or_middle(machine, &tool_mm);
     let radius_mm = wishes.radius_mm.unwrap_or(100.0);

@@ -8,7 +8,7 @@ use ncfix_machine::machine::{Kinematics, Machine, State};
 use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Manner, Move, Way, Word, WordValue};
 use ncfix_model::ErrorName;
 
-use super::{MOST, Refused, Wishes};
+use super::{MOST, PlanRefused, Wishes};
 
 /// Margin of the travel limits, mm or rad.
 pub(super) const ROOM: f64 = 1e-9;
@@ -157,13 +157,13 @@ impl Builder {
         })
     }
 
-    fn check(&self, position: &AxisVector) -> Result<(), Refused> {
+    fn check(&self, position: &AxisVector) -> Result<(), PlanRefused> {
         if self.path.len() > MOST || self.extras.len() > MOST {
-            return Err(Refused(format!("the plan has more than {MOST} steps; take a wider step")));
+            return Err(PlanRefused(format!("the plan has more than {MOST} steps; take a wider step")));
         }
         let Some(axis) = self.outside(position) else { return Ok(()) };
         let Some(data) = self.machine.axis(axis) else {
-            return Err(Refused(format!("the plan moves {axis}, which the machine {} lacks", self.machine.name)));
+            return Err(PlanRefused(format!("the plan moves {axis}, which the machine {} lacks", self.machine.name)));
         };
         let show = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
         let unit = if axis.is_rotary() { "deg" } else { "mm" };
@@ -171,7 +171,7 @@ impl Builder {
         let place = format!("{axis} would go to {:.4} {unit}", show(position[axis]));
         let travel = format!("its travel of {} to {} {unit}", show(low), show(high));
         let help = "move the centre, or make the plan smaller";
-        Err(Refused(if (low..=high).contains(&position[axis]) {
+        Err(PlanRefused(if (low..=high).contains(&position[axis]) {
             let margin = self.margin_mm;
             format!("{place}, less than the margin of {margin} mm from an end of {travel}; {help}, or the --margin")
         } else {
@@ -186,13 +186,13 @@ impl Builder {
     }
 
     /// A straight move; at rapid without a feed.
-    pub(super) fn go(&mut self, to: &AxisVector, feed: Option<f64>) -> Result<(), Refused> {
+    pub(super) fn go(&mut self, to: &AxisVector, feed: Option<f64>) -> Result<(), PlanRefused> {
         let to = self.on_increments(to);
         self.push(to, None, feed)
     }
 
     /// An arc about a center, given in abscissa and ordinate of its plane.
-    pub(super) fn arc(&mut self, to: &AxisVector, arc: Arc, feed: f64) -> Result<(), Refused> {
+    pub(super) fn arc(&mut self, to: &AxisVector, arc: Arc, feed: f64) -> Result<(), PlanRefused> {
         let to = self.on_increments(to);
         if let Some(start) = self.last {
             for part in 1..ARC_PARTS {
@@ -202,7 +202,7 @@ impl Builder {
         self.push(to, Some(arc), Some(feed))
     }
 
-    fn push(&mut self, to: AxisVector, arc: Option<Arc>, feed: Option<f64>) -> Result<(), Refused> {
+    fn push(&mut self, to: AxisVector, arc: Option<Arc>, feed: Option<f64>) -> Result<(), PlanRefused> {
         self.push_named(to, arc, feed, self.machine.axis_set())
     }
 
@@ -212,7 +212,7 @@ impl Builder {
         arc: Option<Arc>,
         feed: Option<f64>,
         named: AxisSet,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), PlanRefused> {
         self.check(&to)?;
         if let Some(last) = &self.last {
             self.state.note_motion(last, &to);
@@ -248,7 +248,7 @@ impl Builder {
         tool_mm: Vector,
         setup: usize,
         extra: Extra,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), PlanRefused> {
         self.check(position)?;
         let extra = Extra { load: self.load, ..extra };
         let reading = Reading { position: *position, tool_mm, state: self.state };

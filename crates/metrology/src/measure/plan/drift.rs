@@ -7,7 +7,7 @@
 
 use super::builder::{Builder, Extra};
 use super::random::Random;
-use super::{PlanKind, Refused, RowSpacing, Wishes, empty, kind};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup};
 use ncfix_machine::machine::Machine;
 
@@ -36,30 +36,36 @@ const TIMES_MIN: [f64; 2] = [5.0, 45.0];
 /// Probability of a spindle stop.
 const STOPS: f64 = 0.2;
 
-/// Speeds and durations, in whole readings.
-fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, Refused> {
-    let most = wishes.speed.unwrap_or(6300.0);
-    let end_s = |hours: f64| (hours.clamp(0.1, 1000.0) * 3600.0).round() as u32;
-    match wishes.variant.as_deref() {
-        variant @ (None | Some("din" | "pseudo-din")) => {
-            let levels: &[u8] = if variant == Some("pseudo-din") { &PSEUDO_DIN } else { &DIN };
-            let mut left_s = wishes.hours.map_or(u32::MAX, end_s);
-            let mut out = Vec::new();
-            let once = wishes.hours.is_none();
-            let count = if once { levels.len() } else { usize::MAX };
-            for percent in levels.iter().cycle().take(count) {
-                if left_s == 0 {
-                    break;
-                }
-                let time_s = LEVEL_S.min(left_s);
-                left_s -= time_s;
-                out.push((most * f64::from(*percent) / 100.0, time_s));
-            }
-            Ok(out)
+/// Levels of a spectrum, percent of the highest speed: once, or again and again for as long as is asked for.
+fn levels(percents: &[u8], wishes: &Wishes, most: f64) -> Vec<(f64, u32)> {
+    let mut left_s = wishes.hours.map_or(u32::MAX, end_s);
+    let mut out = Vec::new();
+    let once = wishes.hours.is_none();
+    let count = if once { percents.len() } else { usize::MAX };
+    for percent in percents.iter().cycle().take(count) {
+        if left_s == 0 {
+            break;
         }
+        let time_s = LEVEL_S.min(left_s);
+        left_s -= time_s;
+        out.push((most * f64::from(*percent) / 100.0, time_s));
+    }
+    out
+}
+
+fn end_s(hours: f64) -> u32 {
+    (hours.clamp(0.1, 1000.0) * 3600.0).round() as u32
+}
+
+/// Speeds and durations, in whole readings.
+fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, PlanRefused> {
+    let most = wishes.speed.unwrap_or(6300.0);
+    match wishes.variant.as_deref() {
+        None | Some("din") => Ok(levels(&DIN, wishes, most)),
+        Some("pseudo-din") => Ok(levels(&PSEUDO_DIN, wishes, most)),
         Some("random") => {
             if most < LEAST_SPEED {
-                return Err(Refused(format!(
+                return Err(PlanRefused(format!(
                     "the random spectrum begins at {LEAST_SPEED} 1/min; give a higher --speed"
                 )));
             }
@@ -77,12 +83,12 @@ fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, Refused> {
             Ok(out)
         }
         Some(other) => {
-            Err(Refused(format!("there is no spectrum '{other}'; the variants are din, pseudo-din, random")))
+            Err(PlanRefused(format!("there is no spectrum '{other}'; the variants are din, pseudo-din, random")))
         }
     }
 }
 
-fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let tool_mm = wishes.tool_mm();
     let mut data = empty(kind("displacement")?, &[Free::Offset]);
     data.setups.push(Setup { label: "A".into(), ..Setup::default() });

@@ -5,7 +5,7 @@
 
 use super::builder::{Builder, Extra};
 use super::random::Random;
-use super::{PlanKind, Refused, RowSpacing, Wishes, empty, kind};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup, number_of};
 use ncfix_base::geometry::Axis;
 use ncfix_machine::machine::Machine;
@@ -25,24 +25,24 @@ pub(super) const PLAN: PlanKind = PlanKind {
 /// Range of r, as a share of a step.
 const SCATTER: f64 = 0.3;
 
-fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let axis = wishes.axis.unwrap_or(Axis::X);
-    let data = machine.axis(axis).ok_or_else(|| Refused(format!("{} has no axis {axis}", machine.name)))?;
+    let data = machine.axis(axis).ok_or_else(|| PlanRefused(format!("{} has no axis {axis}", machine.name)))?;
     let is_equal = match wishes.variant.as_deref() {
         None | Some("iso") => false,
         Some("equal") => true,
-        Some(other) => return Err(Refused(format!("there are no steps '{other}'; the variants are iso, equal"))),
+        Some(other) => return Err(PlanRefused(format!("there are no steps '{other}'; the variants are iso, equal"))),
     };
     let components = if wishes.components.is_empty() {
         let own = format!("E{axis}{axis}").parse::<ErrorName>();
-        vec![own.map_err(|_| Refused(format!("there is no positioning error of {axis}")))?]
+        vec![own.map_err(|_| PlanRefused(format!("there is no positioning error of {axis}")))?]
     } else {
         wishes.components.clone()
     };
     for component in &components {
         if component.kind != ErrorKind::Motion || component.carrier != Carrier::Axis(axis) {
             let message = format!("{component} is no motion error of {axis}; give such as E{axis}{axis} or EY{axis}");
-            return Err(Refused(message));
+            return Err(PlanRefused(message));
         }
     }
     let [low, high] = wishes
@@ -51,7 +51,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
             let margin = if axis.is_rotary() { 0.0 } else { wishes.margin_mm() };
             data.travel.map(|[low, high]| [low + margin, high - margin])
         })
-        .ok_or_else(|| Refused(format!("{axis} has no limits of travel; give --range FROM,TO")))?;
+        .ok_or_else(|| PlanRefused(format!("{axis} has no limits of travel; give --range FROM,TO")))?;
     let count = wishes.points.unwrap_or(11).clamp(2, 10_000);
     let runs = wishes.runs.unwrap_or(5).clamp(1, 1000);
     let length = high - low;
@@ -59,7 +59,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let turn = (length * 0.005).min(if axis.is_rotary() { 1_f64.to_radians() } else { 2.0 });
     let step = (length - 2.0 * turn) / (count - 1) as f64;
     if !(length > 0.0 && step > 0.0) {
-        return Err(Refused("the range is empty; give --range FROM,TO with TO beyond FROM".into()));
+        return Err(PlanRefused("the range is empty; give --range FROM,TO with TO beyond FROM".into()));
     }
     let mut random = Random(wishes.seed);
     let targets: Vec<f64> = (0..count)

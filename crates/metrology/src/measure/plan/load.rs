@@ -5,7 +5,7 @@
 
 use super::builder::{Builder, Extra};
 use super::plate::PlannedPlate;
-use super::{PlanKind, Refused, RowSpacing, Wishes, empty, kind};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, empty, kind};
 use crate::measure::data::{Free, Setup, number_of};
 use ncfix_base::geometry::{Axis, Vector};
 use ncfix_machine::machine::Machine;
@@ -41,9 +41,9 @@ pub(super) const PLAN: PlanKind = PlanKind {
 /// A weight, N, and its position, mm.
 type Load = (f64, Vector);
 
-fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     if wishes.forces_n.is_empty() {
-        return Err(Refused("the weights are missing; give --force N for each, such as --force 2000".into()));
+        return Err(PlanRefused("the weights are missing; give --force N for each, such as --force 2000".into()));
     }
     let places = if wishes.places_mm.is_empty() { vec![Vector::zeros()] } else { wishes.places_mm.clone() };
     let none: Load = (0.0, Vector::zeros());
@@ -53,7 +53,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         None | Some("level") => level(machine, wishes, &loads)?,
         Some("plate") => plate(machine, wishes, &loads)?,
         Some(other) => {
-            return Err(Refused(format!("there are no readings '{other}'; the variants are level, plate")));
+            return Err(PlanRefused(format!("there are no readings '{other}'; the variants are level, plate")));
         }
     };
     plan.is_geometric = false;
@@ -64,7 +64,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
 }
 
 /// Stops for placing the weight of a round. Returns its label.
-fn put(plan: &mut Builder, number: usize, (force_n, place_mm): Load) -> Result<String, Refused> {
+fn put(plan: &mut Builder, number: usize, (force_n, place_mm): Load) -> Result<String, PlanRefused> {
     plan.retract()?;
     plan.load = Some((force_n, place_mm));
     let [x, y, z] = [place_mm.x, place_mm.y, place_mm.z];
@@ -77,7 +77,7 @@ fn put(plan: &mut Builder, number: usize, (force_n, place_mm): Load) -> Result<S
     Ok(format!("L{number}"))
 }
 
-fn plate(machine: &Machine, wishes: &Wishes, loads: &[Load]) -> Result<Builder, Refused> {
+fn plate(machine: &Machine, wishes: &Wishes, loads: &[Load]) -> Result<Builder, PlanRefused> {
     let tool_mm = wishes.tool_mm();
     let centre_mm = wishes.centre_or_middle(machine, &tool_mm);
     let mut grid = PlannedPlate::new(machine, wishes)?;
@@ -89,22 +89,22 @@ fn plate(machine: &Machine, wishes: &Wishes, loads: &[Load]) -> Result<Builder, 
     Ok(grid.plan)
 }
 
-fn level(machine: &Machine, wishes: &Wishes, loads: &[Load]) -> Result<Builder, Refused> {
+fn level(machine: &Machine, wishes: &Wishes, loads: &[Load]) -> Result<Builder, PlanRefused> {
     let axis = wishes.axis.unwrap_or(Axis::X);
-    let data = machine.axis(axis).ok_or_else(|| Refused(format!("{} has no axis {axis}", machine.name)))?;
+    let data = machine.axis(axis).ok_or_else(|| PlanRefused(format!("{} has no axis {axis}", machine.name)))?;
     let components = if wishes.components.is_empty() { vec![roll(axis)?] } else { wishes.components.clone() };
     if let Some(other) = components
         .iter()
         .find(|component| component.kind != ErrorKind::Motion || component.carrier != Carrier::Axis(axis))
     {
-        return Err(Refused(format!("{other} is no motion error of {axis}; give such as EA{axis} or EB{axis}")));
+        return Err(PlanRefused(format!("{other} is no motion error of {axis}; give such as EA{axis} or EB{axis}")));
     }
     let margin = if axis.is_rotary() { 0.0 } else { wishes.margin_mm() };
     let [low, high] = wishes
         .range
         .or_else(|| data.travel.map(|[low, high]| [low + margin, high - margin]))
         .filter(|[low, high]| high > low)
-        .ok_or_else(|| Refused(format!("{axis} has no range to go along; give --range FROM,TO")))?;
+        .ok_or_else(|| PlanRefused(format!("{axis} has no range to go along; give --range FROM,TO")))?;
     let count = wishes.points.unwrap_or(8).clamp(2, 10_000);
     let tool_mm = wishes.tool_mm();
     let feed = wishes.feed.unwrap_or(1000.0);
@@ -142,7 +142,7 @@ fn level(machine: &Machine, wishes: &Wishes, loads: &[Load]) -> Result<Builder, 
 }
 
 /// The roll of an axis, which a level across a horizontal axis reads.
-fn roll(axis: Axis) -> Result<ErrorName, Refused> {
+fn roll(axis: Axis) -> Result<ErrorName, PlanRefused> {
     let letter = ["A", "B", "C"].get(axis.dimension()).copied().unwrap_or("A");
-    format!("E{letter}{axis}").parse().map_err(|_| Refused(format!("there is no roll of {axis}")))
+    format!("E{letter}{axis}").parse().map_err(|_| PlanRefused(format!("there is no roll of {axis}")))
 }

@@ -39,7 +39,7 @@ pub struct PlanKind {
     /// `true` if several tools and centres make several set-ups.
     pub has_setups: bool,
     /// Makes the plan.
-    pub build: fn(&Machine, &Wishes) -> Result<Builder, Refused>,
+    pub build: fn(&Machine, &Wishes) -> Result<Builder, PlanRefused>,
 }
 
 /// Meaning of the option `every`.
@@ -120,15 +120,15 @@ pub struct Wishes {
 
 /// Reason why there is no such plan: a sentence without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused(pub String);
+pub struct PlanRefused(pub String);
 
-impl fmt::Display for Refused {
+impl fmt::Display for PlanRefused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for PlanRefused {}
 
 /// Maximum number of rows and moves of a plan: a mistyped step must not fill the disk.
 const MOST: usize = 500_000;
@@ -141,16 +141,16 @@ impl PlanKind {
     ///
     /// # Errors
     /// The supported alternatives.
-    pub fn check(&self, wishes: &Wishes, is_seeded: bool, machine: &Machine) -> Result<(), Refused> {
+    pub fn check(&self, wishes: &Wishes, is_seeded: bool, machine: &Machine) -> Result<(), PlanRefused> {
         let mut given = wishes.given().into_iter().chain([("seed", is_seeded)]);
         if let Some((name, _)) = given.find(|(name, is_given)| *is_given && !self.wishes.contains(name)) {
             let known: Vec<String> = self.wishes.iter().map(|wish| format!("--{wish}")).collect();
             let known = known.join(", ");
-            return Err(Refused(format!("a plan {} has no --{name}; it has --tool, {known}", self.name)));
+            return Err(PlanRefused(format!("a plan {} has no --{name}; it has --tool, {known}", self.name)));
         }
         for (name, count) in [("tool", wishes.tools_mm.len()), ("centre", wishes.centres_mm.len())] {
             if count > 1 && !self.has_setups {
-                return Err(Refused(format!("a plan {} has one --{name}", self.name)));
+                return Err(PlanRefused(format!("a plan {} has one --{name}", self.name)));
             }
         }
         let is_turned = wishes.axis.is_some_and(Axis::is_rotary);
@@ -160,7 +160,7 @@ impl PlanKind {
             && feed > most
         {
             // The control would be slower than programmed, or the machine faster than permitted.
-            return Err(Refused(format!(
+            return Err(PlanRefused(format!(
                 "--feed {feed} mm/min is beyond the {most} mm/min that every linear axis of the machine {} has; give {most} or less",
                 machine.name
             )));
@@ -229,7 +229,7 @@ fn along_spindle(machine: &Machine) -> (usize, f64) {
 }
 
 /// A measurement of a kind without rows.
-fn empty(kind: &'static super::kind::Kind, free: &[super::data::Free]) -> DataSet {
+fn empty(kind: &'static super::kind::Instrument, free: &[super::data::Free]) -> DataSet {
     DataSet {
         sigma_rad: None,
         balls: Vec::new(),
@@ -254,10 +254,10 @@ fn empty(kind: &'static super::kind::Kind, free: &[super::data::Free]) -> DataSe
 }
 
 /// The kind with a name; all names in plans are registered.
-fn kind(name: &str) -> Result<&'static super::kind::Kind, Refused> {
+fn kind(name: &str) -> Result<&'static super::kind::Instrument, PlanRefused> {
     super::kind::BUILT_IN
         .iter()
         .copied()
         .find(|kind| kind.name == name)
-        .ok_or_else(|| Refused(format!("there is no kind of measurement {name}")))
+        .ok_or_else(|| PlanRefused(format!("there is no kind of measurement {name}")))
 }

@@ -1,7 +1,7 @@
 //! A plate with holes or balls in a square grid: every hole in alternating rows; one set-up for every tool and every position of the plate.
 
 use super::builder::{Builder, PlanReach, observation};
-use super::{PlanKind, Refused, RowSpacing, Wishes, along_spindle, empty, kind};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, along_spindle, empty, kind};
 use crate::measure::data::{Free, Observation, Setup};
 use crate::measure::reading::Reading;
 use ncfix_base::geometry::{Plane, Vector};
@@ -18,7 +18,7 @@ pub(super) const PLAN: PlanKind = PlanKind {
     build,
 };
 
-fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let mut grid = PlannedPlate::new(machine, wishes)?;
     let tools = if wishes.tools_mm.is_empty() { vec![wishes.tool_mm()] } else { wishes.tools_mm.clone() };
     for (number, tool_mm) in tools.iter().enumerate() {
@@ -49,10 +49,10 @@ pub(super) struct PlannedPlate {
 }
 
 impl PlannedPlate {
-    pub(super) fn new(machine: &Machine, wishes: &Wishes) -> Result<PlannedPlate, Refused> {
+    pub(super) fn new(machine: &Machine, wishes: &Wishes) -> Result<PlannedPlate, PlanRefused> {
         let planes = if wishes.planes.is_empty() { vec![Plane::XY] } else { wishes.planes.clone() };
         let &[plane] = planes.as_slice() else {
-            return Err(Refused(
+            return Err(PlanRefused(
                 "a plate lies in one plane; make a plan for each, and judge them together (--with)".into(),
             ));
         };
@@ -126,7 +126,7 @@ impl PlannedPlate {
         centre_mm: &Vector,
         tool_mm: &Vector,
         run: &str,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), PlanRefused> {
         for row in 0..self.side {
             for column in 0..self.side {
                 let column = if row.is_multiple_of(2) { column } else { self.side - 1 - column };

@@ -6,7 +6,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::builder::{Builder, PlanReach, observation};
-use super::{PlanKind, Refused, RowSpacing, Wishes, empty, kind, middle};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, empty, kind, middle};
 use crate::measure::data::{Free, Observation, Setup};
 use crate::measure::reading::Reading;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
@@ -86,24 +86,44 @@ const RUMBA_CHECK: [[i16; 2]; 60] = [
     [0, -180], [0, -300], [0, -240], [0, -90],
 ];
 
+/// A strategy of probing.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum ProbeStrategy {
+    Samba,
+    Rumba,
+    RumbaCheck,
+    /// Generated for any machine with rotary axes.
+    Indexed,
+}
+
+impl ProbeStrategy {
+    fn from_word(word: &str) -> Option<ProbeStrategy> {
+        Some(match word {
+            "samba" => ProbeStrategy::Samba,
+            "rumba" => ProbeStrategy::Rumba,
+            "rumba-check" => ProbeStrategy::RumbaCheck,
+            "indexed" => ProbeStrategy::Indexed,
+            _ => return None,
+        })
+    }
+}
+
 /// Rotary axes, spindle angle and ball of a probing.
 type Pose = (AxisVector, i16, usize);
 
-fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let tool_mm = wishes.tool_mm();
-    let variant = wishes.variant.as_deref().unwrap_or("indexed");
-    let (poses, balls_needed, free): (Vec<Pose>, usize, &[Free]) = match variant {
-        "samba" => (samba(machine)?, 6, &[]),
-        "rumba" => (rumba(machine, &RUMBA, 4)?, 4, &[Free::Tool]),
-        "rumba-check" => (rumba(machine, &RUMBA_CHECK, 1)?, 1, &[Free::Tool]),
-        "indexed" => {
+    let word = wishes.variant.as_deref().unwrap_or("indexed");
+    let strategy = ProbeStrategy::from_word(word).ok_or_else(|| {
+        PlanRefused(format!("there is no way of probing '{word}'; the variants are samba, rumba, rumba-check, indexed"))
+    })?;
+    let (poses, balls_needed, free): (Vec<Pose>, usize, &[Free]) = match strategy {
+        ProbeStrategy::Samba => (samba(machine)?, 6, &[]),
+        ProbeStrategy::Rumba => (rumba(machine, &RUMBA, 4)?, 4, &[Free::Tool]),
+        ProbeStrategy::RumbaCheck => (rumba(machine, &RUMBA_CHECK, 1)?, 1, &[Free::Tool]),
+        ProbeStrategy::Indexed => {
             let balls = if wishes.balls_mm.is_empty() { 4 } else { wishes.balls_mm.len() };
             (indexed(machine, wishes, balls)?, balls, &[Free::Tool])
-        }
-        other => {
-            let message =
-                format!("there is no way of probing '{other}'; the variants are samba, rumba, rumba-check, indexed");
-            return Err(Refused(message));
         }
     };
     let balls_mm = balls(machine, wishes, balls_needed)?;
@@ -122,9 +142,9 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
             stop.path
         }
     };
-    let row = |plan: &Builder, (rotary, _, ball): &Pose, setup: usize| -> Result<Observation, Refused> {
+    let row = |plan: &Builder, (rotary, _, ball): &Pose, setup: usize| -> Result<Observation, PlanRefused> {
         let place = balls_mm.get(*ball).copied().unwrap_or_else(Vector::zeros);
-        let missing = || Refused(format!("the linear axes of {} cannot place the tool", machine.name));
+        let missing = || PlanRefused(format!("the linear axes of {} cannot place the tool", machine.name));
         // The angles are commanded, the tip position is found.
         let rotary = plan.on_increments(rotary);
         let position = plan.kinematics.placed(&place, &rotary, &tool_mm).ok_or_else(missing)?;
@@ -136,7 +156,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let mut label = String::new();
     for pose in &poses {
         let (rotary, turned, ball) = pose;
-        if variant == "samba" && spindle != Some(*turned) {
+        if strategy == ProbeStrategy::Samba && spindle != Some(*turned) {
             spindle = Some(*turned);
             label = format!("S{turned}");
             plan.data.setups.push(Setup { label: label.clone(), ..Setup::default() });
@@ -147,7 +167,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         }
         let setup = plan.data.setups.len().saturating_sub(1);
         let row = row(&plan, pose, setup)?;
-        if variant == "indexed"
+        if strategy == ProbeStrategy::Indexed
             && !(is_reachable(&plan, &row, clearance_mm) && is_clear(&plan, &row, &balls_mm, clearance_mm))
         {
             left_out += 1;
@@ -175,11 +195,11 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         let shown: Vec<String> = shown.collect();
         plan.notes.push(format!("the balls are taken to be at {}; give --ball X,Y,Z for each", shown.join(" and ")));
     }
-    if variant == "samba" {
+    if strategy == ProbeStrategy::Samba {
         plan.notes.push("the stylus is taken as calibrated: angles of the spindle only repeat its pose".into());
     }
     if plan.data.observations.is_empty() {
-        return Err(Refused("no pose is within the travel; give --ball, --tool or a smaller --tilt".into()));
+        return Err(PlanRefused("no pose is within the travel; give --ball, --tool or a smaller --tilt".into()));
     }
     let more = indexed(machine, &Wishes { points: Some(60), ..wishes.clone() }, balls_needed)?;
     for (rotary, turned, ball) in more {
@@ -206,19 +226,19 @@ fn is_clear(plan: &Builder, row: &Observation, balls_mm: &[Vector], distance_mm:
 }
 
 /// Rejects a machine whose table has other axes.
-fn needs(machine: &Machine, axes: [Axis; 2], what: &str) -> Result<(), Refused> {
+fn needs(machine: &Machine, axes: [Axis; 2], what: &str) -> Result<(), PlanRefused> {
     let rotary: Vec<Axis> = machine.topology.workpiece.iter().copied().filter(|axis| axis.is_rotary()).collect();
     if rotary == axes && machine.topology.tool.iter().all(|axis| !axis.is_rotary()) {
         return Ok(());
     }
     let [tilt, turn] = axes;
-    Err(Refused(format!(
+    Err(PlanRefused(format!(
         "{what} is for a table {turn} on {tilt}, and {} is another machine; take the generated poses (variant indexed)",
         machine.name
     )))
 }
 
-fn samba(machine: &Machine) -> Result<Vec<Pose>, Refused> {
+fn samba(machine: &Machine) -> Result<Vec<Pose>, PlanRefused> {
     needs(machine, [Axis::B, Axis::C], "Table 4-1")?;
     let mut out = Vec::new();
     for ([spindle, b, c], balls) in SAMBA {
@@ -228,7 +248,7 @@ fn samba(machine: &Machine) -> Result<Vec<Pose>, Refused> {
     Ok(out)
 }
 
-fn rumba(machine: &Machine, angles: &'static [[i16; 2]], balls: usize) -> Result<Vec<Pose>, Refused> {
+fn rumba(machine: &Machine, angles: &'static [[i16; 2]], balls: usize) -> Result<Vec<Pose>, PlanRefused> {
     needs(machine, [Axis::A, Axis::C], if balls == 1 { "Table 5-4" } else { "Table 5-3" })?;
     let poses = |ball| angles.iter().map(move |&[a, c]| (rotary([(Axis::A, a), (Axis::C, c)]), 0, ball));
     Ok((0..balls).flat_map(poses).collect())
@@ -243,13 +263,13 @@ fn rotary(angles: [(Axis, i16); 2]) -> AxisVector {
 }
 
 /// Poses for every ball: the axes together along a path that fills their ranges evenly, then each axis alone with the others at zero.
-fn indexed(machine: &Machine, wishes: &Wishes, balls: usize) -> Result<Vec<Pose>, Refused> {
+fn indexed(machine: &Machine, wishes: &Wishes, balls: usize) -> Result<Vec<Pose>, PlanRefused> {
     let table = machine.topology.workpiece.iter().rev();
     let head = machine.topology.tool.iter().rev();
     let axes: Vec<Axis> = table.chain(head).copied().filter(|axis| axis.is_rotary()).collect();
     if axes.is_empty() {
         let message = format!("{} has no rotary axis; plan a sphere or a plate instead", machine.name);
-        return Err(Refused(message));
+        return Err(PlanRefused(message));
     }
     let tilt = wishes.tilt.unwrap_or(60_f64.to_radians()).abs();
     let count = wishes.points.unwrap_or(42).clamp(2, 2000);
@@ -290,11 +310,11 @@ fn indexed(machine: &Machine, wishes: &Wishes, balls: usize) -> Result<Vec<Pose>
 }
 
 /// Positions of balls: the given ones, otherwise on a circle about the table's axis, at two heights.
-fn balls(machine: &Machine, wishes: &Wishes, count: usize) -> Result<Vec<Vector>, Refused> {
+fn balls(machine: &Machine, wishes: &Wishes, count: usize) -> Result<Vec<Vector>, PlanRefused> {
     if !wishes.balls_mm.is_empty() {
         let given = wishes.balls_mm.len();
         let enough = given >= count;
-        let refused = || Refused(format!("{count} balls are needed, and {given} are given"));
+        let refused = || PlanRefused(format!("{count} balls are needed, and {given} are given"));
         return enough.then(|| wishes.balls_mm.clone()).ok_or_else(refused);
     }
     let radius_mm = wishes.radius_mm.unwrap_or(RADIUS_MM);

@@ -11,7 +11,7 @@
 use std::f64::consts::PI;
 
 use super::builder::{Builder, Extra, PlanReach, observation};
-use super::{PlanKind, Refused, RowSpacing, Wishes, along_spindle, empty, kind};
+use super::{PlanKind, PlanRefused, RowSpacing, Wishes, along_spindle, empty, kind};
 use crate::measure::data::{Free, Observation, Setup};
 use crate::measure::reading::Reading;
 use ncfix_base::geometry::{AxisVector, Vector};
@@ -43,6 +43,28 @@ const SPAAN: [(u32, f64, [f64; 3], f64); 8] = [
     (105, 300.0, [350.0, 210.0, 300.0], 245.0),
     (137, 300.0, [350.0, 210.0, 0.0], 245.0),
 ];
+
+/// The spheres, and how they are run.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum SphereVariant {
+    /// Every meridian once.
+    Meridians,
+    /// Each forth and back.
+    Esmaeili,
+    /// The eight of Table 3.1.
+    Spaan,
+}
+
+impl SphereVariant {
+    fn from_word(word: &str) -> Option<SphereVariant> {
+        Some(match word {
+            "meridians" => SphereVariant::Meridians,
+            "esmaeili" => SphereVariant::Esmaeili,
+            "spaan" => SphereVariant::Spaan,
+            _ => return None,
+        })
+    }
+}
 
 /// A sphere.
 struct Sphere {
@@ -115,10 +137,13 @@ fn forth_and_back() -> Vec<Leg> {
     (0..MERIDIANS).flat_map(of).collect()
 }
 
-fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
-    let variant = wishes.variant.as_deref().unwrap_or("meridians");
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
+    let word = wishes.variant.as_deref().unwrap_or("meridians");
+    let variant = SphereVariant::from_word(word).ok_or_else(|| {
+        PlanRefused(format!("there is no sphere '{word}'; the variants are meridians, esmaeili, spaan"))
+    })?;
     let spheres = match variant {
-        "meridians" | "esmaeili" => {
+        SphereVariant::Meridians | SphereVariant::Esmaeili => {
             let tool_mm = wishes.tool_mm();
             vec![Sphere {
                 label: "A".to_owned(),
@@ -127,7 +152,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
                 tool_mm,
             }]
         }
-        "spaan" => SPAAN
+        SphereVariant::Spaan => SPAAN
             .iter()
             .map(|&(number, radius_mm, [x, y, z], length_mm)| Sphere {
                 label: number.to_string(),
@@ -136,20 +161,16 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
                 tool_mm: machine.spindle.axis * -length_mm,
             })
             .collect(),
-        other => {
-            let message = format!("there is no sphere '{other}'; the variants are meridians, esmaeili, spaan");
-            return Err(Refused(message));
-        }
     };
     let feed = wishes.feed.unwrap_or(200.0);
     let chord = wishes.chord.unwrap_or(0.1_f64.to_radians()).clamp(1e-4, 0.2);
-    let is_partial = variant == "spaan";
+    let is_partial = variant == SphereVariant::Spaan;
     let manner = Manner {
         chord,
         every: wishes.every.unwrap_or(5_f64.to_radians()).max(chord),
         feed,
         pole: if is_partial { (1, 1.0) } else { along_spindle(machine) },
-        legs: if variant == "esmaeili" { forth_and_back() } else { once() },
+        legs: if variant == SphereVariant::Esmaeili { forth_and_back() } else { once() },
         is_partial,
     };
     let mut data = empty(kind("ballbar")?, &[Free::Centre, Free::Length]);
@@ -213,7 +234,7 @@ fn points(plan: &Builder, sphere: &Sphere, manner: &Manner) -> Vec<Point> {
 }
 
 /// The hemisphere of one set-up. Returns the number of rows that are left out.
-fn hemisphere(plan: &mut Builder, setup: usize, sphere: &Sphere, manner: &Manner) -> Result<usize, Refused> {
+fn hemisphere(plan: &mut Builder, setup: usize, sphere: &Sphere, manner: &Manner) -> Result<usize, PlanRefused> {
     let Sphere { label, centre_mm, tool_mm, .. } = sphere;
     let all = points(plan, sphere, manner);
     let is_out: Vec<bool> =
@@ -254,7 +275,7 @@ fn hemisphere(plan: &mut Builder, setup: usize, sphere: &Sphere, manner: &Manner
         }
     }
     if !is_on {
-        return Err(Refused(format!(
+        return Err(PlanRefused(format!(
             "no point of sphere {label} is within the travel; the machine is too small for it"
         )));
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::measure::kind;
+use crate::measure::kind::{self, Measurand};
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_model::name::Direction;
 
@@ -24,7 +24,7 @@ pub fn csv(plan: &Builder) -> String {
         has(|extra| extra.feed.is_some()),
         has(|extra| extra.load.is_some()),
     ];
-    let name = data.kind.name;
+    let measurand = data.kind.measurand;
     let mut header: Vec<String> = Vec::new();
     let mut named = |is_there: bool, column: &str| {
         if is_there {
@@ -33,8 +33,8 @@ pub fn csv(plan: &Builder) -> String {
     };
     named(run, "run");
     named(true, "setup");
-    named(name == "probe", "target");
-    named(name == "direct", "component");
+    named(measurand == Measurand::BallPlace, "target");
+    named(measurand == Measurand::Component, "component");
     named(time, "t_s");
     for axis in &axes {
         named(true, &axis.to_string());
@@ -62,10 +62,10 @@ pub fn csv(plan: &Builder) -> String {
             cells.push(extra.run.clone());
         }
         cells.push(data.setups.get(row.setup).map_or_else(String::new, |setup| setup.label.clone()));
-        if name == "probe" {
+        if measurand == Measurand::BallPlace {
             cells.push(row.target.and_then(|target| data.targets.get(target)).cloned().unwrap_or_default());
         }
-        if name == "direct" {
+        if measurand == Measurand::Component {
             cells.push(row.component.map_or_else(String::new, |component| component.to_string()));
         }
         if time {
@@ -102,13 +102,13 @@ fn readings(plan: &Builder) -> Vec<&'static str> {
         let components = plan.data.observations.iter().filter_map(|row| row.component);
         components.into_iter().any(|component| (component.direction >= Direction::A) == wanted)
     };
-    match plan.data.kind.name {
-        "ballbar" => vec!["dr_um"],
-        "displacement" => {
-            let columns = ["dx_um", "dy_um", "dz_um"].into_iter().zip(plan.reads);
+    match plan.data.kind.measurand {
+        Measurand::BallDistance => plan.data.kind.columns.to_vec(),
+        Measurand::Displacement => {
+            let columns = plan.data.kind.columns.iter().copied().zip(plan.reads);
             columns.filter(|(_, is_read)| *is_read).map(|(column, _)| column).collect()
         }
-        "direct" => {
+        Measurand::Component => {
             let columns = [("value_um", of(false)), ("value_urad", of(true))];
             columns.into_iter().filter(|(_, is_read)| *is_read).map(|(column, _)| column).collect()
         }
@@ -126,7 +126,7 @@ pub fn toml(plan: &Builder) -> String {
         // Writing into a String cannot fail.
         let _ = writeln!(out, "free = [{}]", free.join(", "));
     }
-    if data.kind.name == "ballbar" {
+    if data.kind.measurand == Measurand::BallDistance {
         for setup in &data.setups {
             let [x, y, z] = [setup.centre_mm.x, setup.centre_mm.y, setup.centre_mm.z].map(number);
             let length = number(setup.length_mm);

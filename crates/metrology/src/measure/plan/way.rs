@@ -1,8 +1,9 @@
 //! Paths of a plan: to further poses, from above them, away from the workpiece and on a sphere.
 
-use super::Refused;
+use super::PlanRefused;
 use super::builder::{Builder, Extra, PlanReach, ROOM};
 use crate::measure::data::Observation;
+use crate::measure::kind::Measurand;
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 
 /// Distance from the end of travel at which a path is bent that would leave it, mm.
@@ -20,7 +21,7 @@ impl Builder {
     ///
     /// # Errors
     /// A reason if the path leaves the travel.
-    pub fn visit(&mut self, candidate: &Observation, run: &str) -> Result<(), Refused> {
+    pub fn visit(&mut self, candidate: &Observation, run: &str) -> Result<(), PlanRefused> {
         let position = self.on_increments(&candidate.reading.position);
         let tool_mm = candidate.reading.tool_mm;
         let mut extra = Extra { run: run.to_owned(), ..Extra::default() };
@@ -30,7 +31,7 @@ impl Builder {
             self.stop(&format!("set-up {label}"));
         }
         match self.reach.clone() {
-            PlanReach::Never => return Err(Refused("the plan has no further poses".into())),
+            PlanReach::Never => return Err(PlanRefused("the plan has no further poses".into())),
             PlanReach::Sphere { chord, feed } => {
                 let setup = self.data.setups.get(candidate.setup);
                 let centre = setup.map_or_else(Vector::zeros, |setup| setup.centre_mm);
@@ -42,7 +43,7 @@ impl Builder {
             }
         }
         // A probed ball position is not commanded: the row is exact.
-        let exact = self.data.kind.name == "probe";
+        let exact = self.data.kind.measurand == Measurand::BallPlace;
         let row = if exact { candidate.reading.position } else { position };
         self.row(&row, tool_mm, candidate.setup, extra)?;
         self.of_last(candidate.target, candidate.component);
@@ -62,10 +63,15 @@ impl Builder {
     }
 
     /// The position whose tip is offset along the tool towards the spindle, or on the side from which poses are reached.
-    pub(super) fn raised(&self, position: &AxisVector, tool_mm: &Vector, by_mm: f64) -> Result<AxisVector, Refused> {
+    pub(super) fn raised(
+        &self,
+        position: &AxisVector,
+        tool_mm: &Vector,
+        by_mm: f64,
+    ) -> Result<AxisVector, PlanRefused> {
         let side = self.side.unwrap_or_else(|| self.kinematics.direction(position));
         let tip = self.kinematics.tip_mm(position, tool_mm) + side * by_mm;
-        let missing = || Refused(format!("the linear axes of {} cannot place the tool", self.machine.name));
+        let missing = || PlanRefused(format!("the linear axes of {} cannot place the tool", self.machine.name));
         self.kinematics.placed(&tip, position, tool_mm).ok_or_else(missing)
     }
 
@@ -77,7 +83,7 @@ impl Builder {
         [clearance_mm, above_mm]: [f64; 2],
         retract: bool,
         feed: f64,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), PlanRefused> {
         let high = self.raised(position, tool_mm, clearance_mm)?;
         let low = self.raised(position, tool_mm, above_mm)?;
         // The first path starts at an unknown position.
@@ -90,7 +96,7 @@ impl Builder {
     }
 
     /// Retracts the tool from the workpiece along the spindle.
-    pub(super) fn retract(&mut self) -> Result<(), Refused> {
+    pub(super) fn retract(&mut self) -> Result<(), PlanRefused> {
         if let (Some((axis, end)), Some(mut here)) = (self.away(), self.last) {
             here[axis] = end;
             let here = self.on_increments(&here);
@@ -101,7 +107,7 @@ impl Builder {
     }
 
     /// Moves to a position from anywhere: first away from the workpiece, then the other axes, last along the spindle.
-    pub(super) fn approach(&mut self, to: &AxisVector, feed: f64) -> Result<(), Refused> {
+    pub(super) fn approach(&mut self, to: &AxisVector, feed: f64) -> Result<(), PlanRefused> {
         if let Some((axis, end)) = self.away() {
             let mut over = *to;
             over[axis] = end;
@@ -155,7 +161,7 @@ impl Builder {
         to: &AxisVector,
         chord: f64,
         feed: f64,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), PlanRefused> {
         let centre = self.at_tip(centre_mm, tool_mm).xyz();
         let Some(from) = self.last.map(|last| last.xyz() - centre) else { return self.go(to, Some(feed)) };
         let target = to.xyz() - centre;

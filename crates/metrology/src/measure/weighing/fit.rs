@@ -13,7 +13,7 @@ const LEAST_TIME_S: f64 = 1e-3;
 
 /// One equation: a reading.
 #[derive(Clone, Debug)]
-pub(super) struct Line {
+pub(super) struct WeighingEquation {
     /// Its coefficients of the unknowns.
     pub(super) columns: [f64; UNKNOWNS],
     /// The reading.
@@ -28,7 +28,7 @@ pub(super) struct Line {
 
 /// A least-squares solution.
 #[derive(Clone, Debug)]
-pub(super) struct Fit {
+pub(super) struct WeighingFit {
     /// The unknowns; 0 beyond their number.
     pub(super) unknowns: Vector,
     /// (XᵀX)⁻¹; their covariance at unit noise.
@@ -62,11 +62,11 @@ struct Run {
 }
 
 impl Runs {
-    fn of(lines: &[Line]) -> Runs {
+    fn of(lines: &[WeighingEquation]) -> Runs {
         let number = lines.iter().map(|line| line.run + 1).max().unwrap_or_default();
         let mut runs = vec![Run::default(); number];
         let used = || lines.iter().filter(|line| line.is_used);
-        let time = |line: &Line| line.time_s.unwrap_or_default();
+        let time = |line: &WeighingEquation| line.time_s.unwrap_or_default();
         for line in used() {
             runs[line.run].count += 1.0;
             runs[line.run].mean_time_s += time(line);
@@ -79,7 +79,7 @@ impl Runs {
         for run in runs.iter_mut().filter(|run| run.time_squares < LEAST_TIME_S * LEAST_TIME_S) {
             run.time_squares = 0.0;
         }
-        let place = |line: &Line| line.is_used.then(|| (line.run, time(line) - runs[line.run].mean_time_s));
+        let place = |line: &WeighingEquation| line.is_used.then(|| (line.run, time(line) - runs[line.run].mean_time_s));
         let lines = lines.iter().map(place).collect();
         Runs { runs, lines }
     }
@@ -111,9 +111,9 @@ impl Runs {
     }
 }
 
-impl Fit {
+impl WeighingFit {
     /// Solves for the first `count` unknowns; `None` if the equations do not determine them.
-    pub(super) fn new(lines: &[Line], count: usize) -> Option<Fit> {
+    pub(super) fn new(lines: &[WeighingEquation], count: usize) -> Option<WeighingFit> {
         let runs = Runs::of(lines);
         let columns: Vec<Vec<f64>> =
             (0..count.min(UNKNOWNS)).map(|column| runs.project(|index| lines[index].columns[column], true)).collect();
@@ -142,7 +142,7 @@ impl Fit {
         let equations = runs.used().count();
         let freedom = equations.checked_sub(runs.unknowns() + columns.len())?;
         let (size, squares) = (squares(&values), squares(&residuals));
-        is_finite.then_some(Fit { unknowns, cofactors, squares, size, freedom, residuals, projected, runs })
+        is_finite.then_some(WeighingFit { unknowns, cofactors, squares, size, freedom, residuals, projected, runs })
     }
 
     /// An element of the hat matrix: the influence of the reading `other` on the fitted value of `one`.
@@ -160,7 +160,7 @@ impl Fit {
 }
 
 /// The share of a column's variation that offsets, drifts and the other columns cannot reproduce.
-pub(super) fn unlike_share(lines: &[Line], count: usize, column: usize) -> f64 {
+pub(super) fn unlike_share(lines: &[WeighingEquation], count: usize, column: usize) -> f64 {
     let runs = Runs::of(lines);
     let project = |column: usize, with_drift: bool| runs.project(|index| lines[index].columns[column], with_drift);
     let whole = squares(&project(column, false));
@@ -182,7 +182,7 @@ pub(super) fn unlike_share(lines: &[Line], count: usize, column: usize) -> f64 {
 }
 
 /// Regression coefficient of a column on the first column: Σ x₀ x / Σ x₀².
-pub(super) fn likeness(lines: &[Line], column: usize) -> f64 {
+pub(super) fn likeness(lines: &[WeighingEquation], column: usize) -> f64 {
     let runs = Runs::of(lines);
     let [first, other] = [0, column].map(|column| runs.project(|index| lines[index].columns[column], true));
     let whole = squares(&first);

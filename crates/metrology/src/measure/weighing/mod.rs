@@ -15,9 +15,9 @@ use ncfix_base::geometry::Vector;
 use ncfix_machine::machine::condition::file::load_text;
 use ncfix_machine::machine::{Load, StrainGauge};
 
-use super::strain::Reading;
-use fit::{Fit, Line};
-use outlier::Verdict;
+use super::strain::StrainReading;
+use fit::{WeighingEquation, WeighingFit};
+use outlier::OutlierVerdict;
 
 /// Minimum share of a signal that differs from all others: gauges are not known better than to one percent.
 const LEAST_UNLIKE: f64 = 0.01;
@@ -106,7 +106,7 @@ impl Weighing {
 /// Weighs. `known` are coordinates of the position that are not to be measured, mm. Without a weighing there is a diagnostic that is an error.
 #[must_use]
 pub fn weigh(
-    readings: &[Reading],
+    readings: &[StrainReading],
     gauge: &StrainGauge,
     known: [Option<f64>; 3],
 ) -> (Option<Weighing>, Vec<Diagnostic>) {
@@ -124,8 +124,8 @@ pub fn weigh(
 
 /// A weighing in progress.
 struct Weigher<'a> {
-    readings: &'a [Reading],
-    lines: Vec<Line>,
+    readings: &'a [StrainReading],
+    lines: Vec<WeighingEquation>,
     sigma_um_m: Option<f64>,
     /// Unknown coordinates in the order of the columns after that of the weight.
     moments: Vec<usize>,
@@ -133,11 +133,11 @@ struct Weigher<'a> {
 }
 
 impl<'a> Weigher<'a> {
-    fn new(readings: &'a [Reading], gauge: &'a StrainGauge, known: [Option<f64>; 3]) -> Weigher<'a> {
+    fn new(readings: &'a [StrainReading], gauge: &'a StrainGauge, known: [Option<f64>; 3]) -> Weigher<'a> {
         let position_mm = known.map(|value| value.map_or(Coordinate::Assumed, Coordinate::Known));
         let moments: Vec<usize> =
             (0..3).filter(|&i| known[i].is_none() && gauge.moments[i].is_some()).take(fit::UNKNOWNS - 1).collect();
-        let line = |reading: &Reading| {
+        let line = |reading: &StrainReading| {
             let signal = |values: &[f64]| gauge.signal(values, reading.position).unwrap_or_default();
             let moment = |i: usize| gauge.moments[i].as_deref().map_or(0.0, signal);
             let mut columns = [0.0; fit::UNKNOWNS];
@@ -146,7 +146,7 @@ impl<'a> Weigher<'a> {
             for (column, &i) in columns[1..].iter_mut().zip(&moments) {
                 *column = moment(i);
             }
-            Line {
+            WeighingEquation {
                 columns,
                 value: reading.strain_um_m - gauge.empty.as_deref().map_or(0.0, signal),
                 run: reading.run,
@@ -173,7 +173,8 @@ impl<'a> Weigher<'a> {
                 "repeat the run if there are several",
             ));
         }
-        let fit = Fit::new(&self.lines, self.moments.len() + 1).ok_or_else(|| self.refusal(NOT_TOLD, NOT_TOLD_HELP))?;
+        let fit = WeighingFit::new(&self.lines, self.moments.len() + 1)
+            .ok_or_else(|| self.refusal(NOT_TOLD, NOT_TOLD_HELP))?;
         if fit.freedom == 0 && self.sigma_um_m.is_none() {
             return Err(self.refusal(
                 "there are as many unknowns as readings, so nothing says how uncertain the load is",
@@ -198,9 +199,9 @@ impl<'a> Weigher<'a> {
     fn leave_out(&mut self) -> Result<Vec<Place>, Diagnostic> {
         let count = self.moments.len() + 1;
         let mut verdict = outlier::leave_out(&mut self.lines, count, self.sigma_um_m);
-        let is_rule = |verdict: &Verdict| match verdict {
-            Verdict::LeftOut(indices) => indices.len() > (self.readings.len() / MOST_LEFT_OUT).max(2),
-            Verdict::Rivals(_) => true,
+        let is_rule = |verdict: &OutlierVerdict| match verdict {
+            OutlierVerdict::LeftOut(indices) => indices.len() > (self.readings.len() / MOST_LEFT_OUT).max(2),
+            OutlierVerdict::Rivals(_) => true,
         };
         if self.sigma_um_m.is_some() && is_rule(&verdict) {
             // That many disturbed readings mean that the noise is larger than stated.
@@ -209,8 +210,8 @@ impl<'a> Weigher<'a> {
         }
         let place = |index: usize| self.readings.get(index).map(|reading| reading.place);
         match verdict {
-            Verdict::LeftOut(indices) => Ok(indices.into_iter().filter_map(place).collect()),
-            Verdict::Rivals(indices) => {
+            OutlierVerdict::LeftOut(indices) => Ok(indices.into_iter().filter_map(place).collect()),
+            OutlierVerdict::Rivals(indices) => {
                 let place = indices.iter().find_map(|&index| place(index));
                 let message = format!(
                     "{} readings contradict each other, this and others at its position or beside it; one or two of them are disturbed, as behind a \
@@ -258,7 +259,7 @@ impl<'a> Weigher<'a> {
     }
 
     /// Standard uncertainty of a reading.
-    fn noise(&self, fit: &Fit, findings: &mut Vec<Diagnostic>) -> f64 {
+    fn noise(&self, fit: &WeighingFit, findings: &mut Vec<Diagnostic>) -> f64 {
         let found = (fit.squares / fit.freedom.max(1) as f64).sqrt();
         let Some(sigma) = self.sigma_um_m else { return found };
         if fit.freedom == 0 || (found / sigma).powi(2) <= outlier::highest_ratio(fit.freedom) {
@@ -269,7 +270,13 @@ impl<'a> Weigher<'a> {
         found
     }
 
-    fn result(&self, fit: &Fit, noise_um_m: f64, left_out: Vec<Place>, findings: &mut Vec<Diagnostic>) -> Weighing {
+    fn result(
+        &self,
+        fit: &WeighingFit,
+        noise_um_m: f64,
+        left_out: Vec<Place>,
+        findings: &mut Vec<Diagnostic>,
+    ) -> Weighing {
         let covariance = fit.cofactors * (noise_um_m * noise_um_m);
         let force = Measured { value: fit.unknowns[0], sigma: covariance[(0, 0)].sqrt() };
         let mut position_mm = self.position_mm;

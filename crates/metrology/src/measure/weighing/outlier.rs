@@ -8,7 +8,7 @@
 //! Of two different readings at one position, either may be disturbed. If other candidates explain the readings almost as well (by their likelihood),
 //! none of them is left out: they are rivals. More readings are then needed, unless the contradiction is within the scatter of the residuals.
 
-use super::fit::{Fit, Line};
+use super::fit::{WeighingEquation, WeighingFit};
 
 /// Probability of leaving out any undisturbed reading in one step; also the likelihood relative to the best above which a candidate is a rival.
 const CHANCE: f64 = 0.01;
@@ -25,7 +25,7 @@ const NORMAL: usize = 1000;
 
 /// Treatment of contradictory readings.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Verdict {
+pub(super) enum OutlierVerdict {
     /// These are left out; possibly none.
     LeftOut(Vec<usize>),
     /// Some of these are disturbed, but they cannot be identified.
@@ -33,12 +33,12 @@ pub(super) enum Verdict {
 }
 
 /// Marks contradictory readings as unused.
-pub(super) fn leave_out(lines: &mut [Line], count: usize, sigma: Option<f64>) -> Verdict {
+pub(super) fn leave_out(lines: &mut [WeighingEquation], count: usize, sigma: Option<f64>) -> OutlierVerdict {
     let most = (lines.len() / 4).min(MOST);
     let mut found = Vec::new();
-    while let Some(fit) = Fit::new(lines, count) {
+    while let Some(fit) = WeighingFit::new(lines, count) {
         let next = match Search::new(lines, &fit, sigma).next() {
-            Verdict::LeftOut(next) => next,
+            OutlierVerdict::LeftOut(next) => next,
             rivals => return rivals,
         };
         if next.is_empty() || found.len() + next.len() > most {
@@ -48,7 +48,7 @@ pub(super) fn leave_out(lines: &mut [Line], count: usize, sigma: Option<f64>) ->
         found.extend(next);
     }
     found.sort_unstable();
-    Verdict::LeftOut(found)
+    OutlierVerdict::LeftOut(found)
 }
 
 /// Readings that may be left out together.
@@ -61,19 +61,19 @@ struct Candidate {
 
 /// One step.
 struct Search<'a> {
-    fit: &'a Fit,
+    fit: &'a WeighingFit,
     used: Vec<usize>,
     sigma: Option<f64>,
 }
 
 impl<'a> Search<'a> {
-    fn new(lines: &[Line], fit: &'a Fit, sigma: Option<f64>) -> Search<'a> {
+    fn new(lines: &[WeighingEquation], fit: &'a WeighingFit, sigma: Option<f64>) -> Search<'a> {
         let used = (0..lines.len()).filter(|&index| lines[index].is_used).collect();
         Search { fit, used, sigma }
     }
 
-    fn next(&self) -> Verdict {
-        let none = Verdict::LeftOut(Vec::new());
+    fn next(&self) -> OutlierVerdict {
+        let none = OutlierVerdict::LeftOut(Vec::new());
         let Some(left) = self.fit.freedom.checked_sub(1).filter(|&left| left > 0) else { return none };
         let singles = self.singles();
         let Some(single) = best(&singles) else { return none };
@@ -81,7 +81,7 @@ impl<'a> Search<'a> {
         let is_single = single_chance <= CHANCE;
         let single_rivals = if is_single { self.single_rivals(&singles, single, left) } else { Vec::new() };
         if is_single && single_rivals.is_empty() {
-            return Verdict::LeftOut(single.readings.clone());
+            return OutlierVerdict::LeftOut(single.readings.clone());
         }
         let pairs = self.pairs();
         if let (Some(pair), Some(left)) = (best(&pairs), left.checked_sub(1).filter(|&left| left > 0)) {
@@ -95,14 +95,14 @@ impl<'a> Search<'a> {
             if chance <= CHANCE {
                 let rivals = self.rivals(&pairs, pair, left);
                 if rivals.is_empty() {
-                    return Verdict::LeftOut(pair.readings.clone());
+                    return OutlierVerdict::LeftOut(pair.readings.clone());
                 }
                 if chance <= CERTAIN && !is_single {
-                    return Verdict::Rivals(rivals);
+                    return OutlierVerdict::Rivals(rivals);
                 }
             }
         }
-        if single_chance <= CERTAIN { Verdict::Rivals(single_rivals) } else { none }
+        if single_chance <= CERTAIN { OutlierVerdict::Rivals(single_rivals) } else { none }
     }
 
     fn singles(&self) -> Vec<Candidate> {

@@ -3,6 +3,7 @@
 //! Both programs are executed, so that values are evaluated and cycles, calls and loops are expanded. Words that only define the meaning of
 //! coordinates are excluded: their effect shows in the motion.
 
+use super::difference::ActSubject;
 use super::same_text::is_same_text;
 use ncfix_dialect::{BlockEnd, BlockEnds};
 use ncfix_machine::machine::Machine;
@@ -35,14 +36,14 @@ const ACTIVE_COMMENTS: [&str; 7] = ["MSG", "DEBUG", "PRINT", "LOG", "LOGOPEN", "
 pub(super) struct Act {
     pub(super) origin: Origin,
     /// Its subject.
-    pub(super) subject: &'static str,
+    pub(super) subject: ActSubject,
     /// Its text as written.
     pub(super) text: String,
     number: Option<f64>,
 }
 
 impl Act {
-    fn new(origin: Origin, subject: &'static str, text: String) -> Act {
+    fn new(origin: Origin, subject: ActSubject, text: String) -> Act {
         Act { origin, subject, text, number: None }
     }
 
@@ -54,8 +55,8 @@ impl Act {
         match (self.number, other.number) {
             (Some(one), Some(other)) => {
                 let same = match self.subject {
-                    "spindle speed" => SAME_SPEED,
-                    "dwell" => SAME_DWELL,
+                    ActSubject::SpindleSpeed => SAME_SPEED,
+                    ActSubject::Dwell => SAME_DWELL,
                     _ => SAME_NUMBER[1],
                 };
                 (one - other).abs() <= same.max(SAME_NUMBER[0] * one.abs())
@@ -86,20 +87,21 @@ impl Acts {
                     Dwell::Seconds(number) => (*number, format!("a dwell of {} s", shown(*number))),
                     Dwell::Turns(number) => (*number, format!("a dwell of {} turns of the spindle", shown(*number))),
                 };
-                let subject = if matches!(dwell, Dwell::Seconds(_)) { "dwell" } else { "dwell in turns" };
+                let subject =
+                    if matches!(dwell, Dwell::Seconds(_)) { ActSubject::Dwell } else { ActSubject::DwellInTurns };
                 self.0.push(Act { number: Some(number), ..Act::new(origin, subject, text) });
             }
             Kind::Keep(word) if is_of_coordinates(word, machine) || passing.is_word(word) => {}
-            Kind::Keep(word) => self.0.push(Act::new(origin, "mode", (*word).to_owned())),
+            Kind::Keep(word) => self.0.push(Act::new(origin, ActSubject::Mode, (*word).to_owned())),
             Kind::Verbatim(text) => {
                 let text = String::from_utf8_lossy(text).trim().to_owned();
                 if !passing.is_word(first_word(&text)) && !text.is_empty() {
-                    self.0.push(Act::new(origin, "statement", text));
+                    self.0.push(Act::new(origin, ActSubject::Statement, text));
                 }
             }
             Kind::Header(text) => {
                 if let Some(number) = program_number(text) {
-                    self.0.push(Act::new(origin, "program number", number));
+                    self.0.push(Act::new(origin, ActSubject::ProgramNumber, number));
                 }
             }
             Kind::Comment(text) if machine.controller.eq_ignore_ascii_case("rs274") => {
@@ -107,14 +109,16 @@ impl Acts {
                 let inner = text.strip_prefix('(').unwrap_or_default().trim_start().to_ascii_uppercase();
                 let word = inner.split([',', ')']).next().unwrap_or_default().trim_end();
                 if inner.contains(',') && ACTIVE_COMMENTS.contains(&word) {
-                    self.0.push(Act::new(origin, "message", text));
+                    self.0.push(Act::new(origin, ActSubject::Message, text));
                 }
             }
             Kind::Message(text) => {
                 let text = format!("MSG(\"{}\")", String::from_utf8_lossy(text));
-                self.0.push(Act::new(origin, "message", text));
+                self.0.push(Act::new(origin, ActSubject::Message, text));
             }
-            Kind::Frame(FrameWords::Settable(name)) => self.0.push(Act::new(origin, "work offset", name.clone())),
+            Kind::Frame(FrameWords::Settable(name)) => {
+                self.0.push(Act::new(origin, ActSubject::WorkOffset, name.clone()));
+            }
             Kind::Frame(FrameWords::Statement(one)) => {
                 let values = one.named.iter().map(|axis| {
                     let value = one.values[axis];
@@ -127,7 +131,7 @@ impl Acts {
                     if one.additive { " additive" } else { "" },
                     values.collect::<String>()
                 );
-                self.0.push(Act::new(origin, "frame", text));
+                self.0.push(Act::new(origin, ActSubject::Frame, text));
             }
             _ => {}
         }
@@ -170,7 +174,7 @@ impl Passing {
         match self.words.of(first_word(&text)) {
             Some(BlockEnd::Once) => self.stops_once = true,
             Some(BlockEnd::Exact | BlockEnd::Running) => {
-                self.mode = Some(std::sync::Arc::new(Act::new(element.origin, "passing of block ends", text)));
+                self.mode = Some(std::sync::Arc::new(Act::new(element.origin, ActSubject::Passing, text)));
             }
             None => {}
         }
@@ -269,7 +273,7 @@ fn rest<'a>(original: &'a [Act], corrected: &'a [Act]) -> [Vec<&'a Act>; 2] {
 /// `true` if one act may be a changed version of the other.
 fn is_about_the_same(one: &Act, other: &Act) -> bool {
     let first = |act: &'_ Act| first_word(&act.text).trim_end_matches(|sign: char| sign.is_ascii_digit()).to_owned();
-    one.subject == other.subject && (one.subject != "statement" || first(one) == first(other))
+    one.subject == other.subject && (one.subject != ActSubject::Statement || first(one) == first(other))
 }
 
 /// The act of an auxiliary word.
@@ -283,28 +287,28 @@ fn of_word(word: &Word, origin: Origin) -> Act {
         (WordValue::Name(name), _) => (format!("{letter}=\"{}\"", String::from_utf8_lossy(name)), None),
     };
     let subject = match (word.letter, number) {
-        (b'S', _) => "spindle speed",
-        (b'T', _) => "tool",
-        (b'D', _) => "tool offset",
-        (b'H', _) => "tool length or H function",
+        (b'S', _) => ActSubject::SpindleSpeed,
+        (b'T', _) => ActSubject::Tool,
+        (b'D', _) => ActSubject::ToolOffset,
+        (b'H', _) => ActSubject::ToolLength,
         (b'M', Some(number)) => of_function(number),
-        _ => "auxiliary function",
+        _ => ActSubject::Auxiliary,
     };
     // The number of a spindle and the letter belong to what it is.
-    let is_plain = word.extension.is_none() && subject != "auxiliary function";
+    let is_plain = word.extension.is_none() && subject != ActSubject::Auxiliary;
     Act { origin, subject, text, number: number.filter(|_| is_plain) }
 }
 
 /// Subject of an M function.
-fn of_function(number: f64) -> &'static str {
-    const OF: [(&[f64], &str); 5] = [
-        (&[3.0, 4.0, 5.0, 19.0, 70.0], "spindle"),
-        (&[7.0, 8.0, 9.0], "coolant"),
-        (&[0.0, 1.0, 60.0], "stop"),
-        (&[2.0, 17.0, 30.0, 99.0], "end of program"),
-        (&[6.0], "tool change"),
+fn of_function(number: f64) -> ActSubject {
+    const OF: [(&[f64], ActSubject); 5] = [
+        (&[3.0, 4.0, 5.0, 19.0, 70.0], ActSubject::Spindle),
+        (&[7.0, 8.0, 9.0], ActSubject::Coolant),
+        (&[0.0, 1.0, 60.0], ActSubject::Stop),
+        (&[2.0, 17.0, 30.0, 99.0], ActSubject::End),
+        (&[6.0], ActSubject::ToolChange),
     ];
-    OF.iter().find(|(numbers, _)| numbers.contains(&number)).map_or("M function", |(_, name)| name)
+    OF.iter().find(|(numbers, _)| numbers.contains(&number)).map_or(ActSubject::Function, |(_, subject)| *subject)
 }
 
 fn is_of_coordinates(word: &str, machine: &Machine) -> bool {

@@ -7,7 +7,7 @@ use ncfix_machine::snc::{Origin, Turning};
 use super::acts::{Act, ActPairing, differences};
 use super::course::Course;
 use super::detour::Detour;
-use super::difference::{Difference, What};
+use super::difference::{ActSubject, ProgramDifference, What};
 use super::group::MoveGroup;
 use super::manner;
 use super::promise::Promise;
@@ -51,7 +51,7 @@ pub(super) struct Judge<'d> {
     /// Permitted deviation of the tool, mm.
     limit_mm: f64,
     increments: Increments,
-    differ: &'d mut dyn FnMut(Difference),
+    differ: &'d mut dyn FnMut(ProgramDifference),
     /// The largest deviation of the move so far: value, limit, and piece.
     off: Option<(f64, f64, Origin)>,
     /// The largest tilt of the move so far: value, limit, and piece.
@@ -73,7 +73,11 @@ pub(super) struct Judge<'d> {
 }
 
 impl<'d> Judge<'d> {
-    pub(super) fn new(promise: Option<Promise>, machine: &Machine, differ: &'d mut dyn FnMut(Difference)) -> Judge<'d> {
+    pub(super) fn new(
+        promise: Option<Promise>,
+        machine: &Machine,
+        differ: &'d mut dyn FnMut(ProgramDifference),
+    ) -> Judge<'d> {
         let mut increments = Increments::new(&machine.control);
         if let Some(increment_mm) = promise.and_then(|promise| promise.increment_mm) {
             increments.linear_mm = increment_mm;
@@ -119,7 +123,7 @@ impl<'d> Judge<'d> {
     pub(super) fn part(&mut self, step: &ComparedMove) {
         (self.off, self.tilt, self.feed) = (None, None, None);
         if let Some((what, corrected)) = self.detour.broken() {
-            (self.differ)(Difference { original: step.origin, corrected, what });
+            (self.differ)(ProgramDifference { original: step.origin, corrected, what });
         }
     }
 
@@ -160,14 +164,14 @@ impl<'d> Judge<'d> {
     pub(super) fn end(&mut self, step: &ComparedMove) {
         let original = step.origin;
         if let Some((_, what, corrected)) = self.feed.take() {
-            (self.differ)(Difference { original, corrected, what });
+            (self.differ)(ProgramDifference { original, corrected, what });
         }
         if let Some((tilt_rad, limit_rad, corrected)) = self.tilt.take() {
-            (self.differ)(Difference { original, corrected, what: What::Tilted { tilt_rad, limit_rad } });
+            (self.differ)(ProgramDifference { original, corrected, what: What::Tilted { tilt_rad, limit_rad } });
         }
         if let Some((off_mm, limit_mm, corrected)) = self.off.take() {
             let what = What::Off { off_mm, limit_mm };
-            (self.differ)(Difference { original, corrected, what });
+            (self.differ)(ProgramDifference { original, corrected, what });
         }
     }
 
@@ -179,7 +183,7 @@ impl<'d> Judge<'d> {
             let linear_mm = self.increments.linear_mm;
             let beyond_mm = |axis, end: &AxisVector| group.lead.beyond_mm(axis, end, linear_mm) + linear_mm;
             if let Some((what, corrected)) = self.detour.end(course, beyond_mm) {
-                (self.differ)(Difference { original: step.origin, corrected, what });
+                (self.differ)(ProgramDifference { original: step.origin, corrected, what });
             }
         } else if step.rapid || step.is_uncut() || piece.rapid || !step.is_counted {
             self.detour.see(group, course, seen);
@@ -189,8 +193,8 @@ impl<'d> Judge<'d> {
     /// Compares the lead of a thread, or the type of a probing motion.
     fn manner(&mut self, step: &ComparedMove, piece: &ComparedMove) {
         if let Some([before, after]) = manner::difference(&step.manner, &piece.manner) {
-            let what = What::Act { subject: "thread", before: Some(before), after: Some(after) };
-            (self.differ)(Difference { original: step.origin, corrected: piece.origin, what });
+            let what = What::Act { subject: ActSubject::Thread, before: Some(before), after: Some(after) };
+            (self.differ)(ProgramDifference { original: step.origin, corrected: piece.origin, what });
         }
     }
 
@@ -229,14 +233,15 @@ impl<'d> Judge<'d> {
 
     fn differ<'a>(&mut self, pairs: impl IntoIterator<Item = ActPairing<'a>>) {
         for (before, after) in pairs {
+            let Some(subject) = before.or(after).map(|act| act.subject) else { continue };
             let [own, other] = [before, after].map(|act| act.map(|act| act.origin));
             let what = What::Act {
-                subject: before.or(after).map_or("", |act| act.subject),
+                subject,
                 before: before.map(|act| act.text.clone()),
                 after: after.map(|act| act.text.clone()),
             };
             let [original, corrected] = [own.unwrap_or(self.last[0]), other.unwrap_or(self.last[1])];
-            (self.differ)(Difference { original, corrected, what });
+            (self.differ)(ProgramDifference { original, corrected, what });
         }
     }
 
@@ -254,10 +259,10 @@ impl<'d> Judge<'d> {
         }
         self.passing = Some(both.clone());
         let [before, after] = both;
-        let what = What::Act { subject: "passing of block ends", before, after };
+        let what = What::Act { subject: ActSubject::Passing, before, after };
         let origin = |one: &ComparedMove| one.passing.mode.as_ref().map_or(one.origin, |mode| mode.origin);
         let corrected = if is_last { origin(piece) } else { piece.origin };
-        (self.differ)(Difference { original: origin(step), corrected, what });
+        (self.differ)(ProgramDifference { original: origin(step), corrected, what });
     }
 
     /// Compares the working plane and the transformation. A modal difference is reported once.
@@ -289,8 +294,8 @@ impl<'d> Judge<'d> {
         }
         self.setups = Some(both.clone());
         let [before, after] = both.map(Some);
-        let what = What::Act { subject: "plane and transformation", before, after };
-        (self.differ)(Difference { original: step.origin, corrected: piece.origin, what });
+        let what = What::Act { subject: ActSubject::Plane, before, after };
+        (self.differ)(ProgramDifference { original: step.origin, corrected: piece.origin, what });
     }
 
     fn feed(&mut self, step: &ComparedMove, piece: &ComparedMove, share: Option<f64>) {

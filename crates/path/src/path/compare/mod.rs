@@ -26,7 +26,7 @@ use ncfix_machine::snc::{Element, Origin, WordValue};
 use ncfix_model::Model;
 
 pub use course::Course;
-pub use difference::{Difference, What};
+pub use difference::{ActSubject, ProgramDifference, What};
 pub use parting::Parting;
 pub use promise::Promise;
 
@@ -42,7 +42,7 @@ use super::{Feeds, Prediction, Spread};
 /// Receives data along the moves.
 type See<'a> = &'a mut dyn FnMut(Follow<'_>);
 /// Receives the differences.
-type Differ<'a> = &'a mut dyn FnMut(Difference);
+type Differ<'a> = &'a mut dyn FnMut(ProgramDifference);
 
 /// Ends nearer to each other than this are equal, mm.
 const SAME_END_MM: f64 = 0.02;

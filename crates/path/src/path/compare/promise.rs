@@ -1,6 +1,6 @@
 //! The promise of a correction about the program that it writes, for comparisons with the source.
 
-use super::super::{FiveAxis, Options, Rapids, Rotary, Subdivision};
+use super::super::{CorrectionOptions, FiveAxis, Rapids, Rotary, Subdivision};
 
 /// The promise of a correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,14 +25,14 @@ pub struct Promise {
 
 impl Default for Promise {
     fn default() -> Self {
-        Promise::of(&Options::default())
+        Promise::of(&CorrectionOptions::default())
     }
 }
 
 impl Promise {
     /// The promise of a correction with these options.
     #[must_use]
-    pub fn of(options: &Options) -> Promise {
+    pub fn of(options: &CorrectionOptions) -> Promise {
         Promise {
             tolerance_mm: options.tolerance_mm,
             increment_mm: None,

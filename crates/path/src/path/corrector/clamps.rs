@@ -7,9 +7,9 @@ use ncfix_machine::snc::{Element, Manner, Move, Word, WordValue};
 
 use super::Corrector;
 use crate::path::Rotary;
-use crate::path::ahead::Next;
+use crate::path::ahead::Upcoming;
 use crate::path::place::SHORT_MM;
-use crate::path::treatment::Treatment;
+use crate::path::treatment::MoveTreatment;
 
 /// The clamps of the axes, and their states (closed or open).
 #[derive(Clone, Debug)]
@@ -57,17 +57,22 @@ where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
     /// Treatment of a rapid move that moves these output axes; `approach` is the treatment if it leads to a cut.
-    pub(super) fn treatment_of_rapid(&mut self, motion: &Move, approach: Treatment, moving: AxisSet) -> Treatment {
-        if motion.in_machine_frame || motion.manner == Manner::Reference || approach == Treatment::Programmed {
-            return Treatment::Programmed;
+    pub(super) fn treatment_of_rapid(
+        &mut self,
+        motion: &Move,
+        approach: MoveTreatment,
+        moving: AxisSet,
+    ) -> MoveTreatment {
+        if motion.in_machine_frame || motion.manner == Manner::Reference || approach == MoveTreatment::Programmed {
+            return MoveTreatment::Programmed;
         }
         let next = self.elements.next();
         let is_along_tool = || self.placer.is_along_tool(moving, [&self.standing.nominal, &motion.target]);
         match next {
             next if next.is_cut() => approach,
-            Next::Change => Treatment::Programmed,
-            _ if is_along_tool() => Treatment::Programmed,
-            _ => Treatment::Named,
+            Upcoming::Change => MoveTreatment::Programmed,
+            _ if is_along_tool() => MoveTreatment::Programmed,
+            _ => MoveTreatment::Named,
         }
     }
 

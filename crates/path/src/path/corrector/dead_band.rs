@@ -10,10 +10,10 @@ use ncfix_model::DeadBand;
 
 use super::{Active, Corrector};
 use crate::path::Rapids;
-use crate::path::ahead::Next;
+use crate::path::ahead::Upcoming;
 use crate::path::lead::Lead;
 use crate::path::route::Route;
-use crate::path::treatment::Treatment;
+use crate::path::treatment::MoveTreatment;
 use crate::path::trial::Trial;
 
 /// An axis that lifts the tool by more than `ALONG` of its path is along the tool, one below `ACROSS` is across it.
@@ -155,9 +155,9 @@ where
 
     /// Directions in which axes should reach the end of a rapid move, by slot; 0 if known already, or without room. `moving` are the axes that the
     /// move moves.
-    pub(super) fn settling(&mut self, motion: &Move, treatment: Treatment, moving: AxisSet) -> [i8; AXIS_COUNT] {
+    pub(super) fn settling(&mut self, motion: &Move, treatment: MoveTreatment, moving: AxisSet) -> [i8; AXIS_COUNT] {
         let mut settled = [0; AXIS_COUNT];
-        let is_end = matches!(treatment, Treatment::Named | Treatment::End);
+        let is_end = matches!(treatment, MoveTreatment::Named | MoveTreatment::End);
         let is_plain = motion.rapid && motion.manner == Manner::Path && self.options.rapids == Rapids::Ends;
         if self.sampler.backlash.is_empty() || !is_end || !is_plain || !self.placer.is_parallel() {
             return settled;
@@ -176,15 +176,15 @@ where
             .iter()
             .all(|axis| motion.known.contains(axis) || self.rise_of(axis, &motion.target).abs() < ACROSS);
         let goes_down = match self.elements.next() {
-            Next::Move(next) if !is_height_known || self.is_above_cuts(&motion.target) => {
+            Upcoming::Move(next) if !is_height_known || self.is_above_cuts(&motion.target) => {
                 (!is_height_known || self.placer.height_mm(&motion.target, &next.target) < 0.0) && {
                     let ends = [&motion.target, &next.target];
                     let moving = self.placer.moving(next.named, motion.known, ends);
                     self.placer.is_along_tool(moving, ends)
                 }
             }
-            Next::Move(_) => false,
-            Next::Change | Next::Nothing => return settled,
+            Upcoming::Move(_) => false,
+            Upcoming::Change | Upcoming::Nothing => return settled,
         };
         for axis in open.iter() {
             let height_mm = self.rise_of(axis, &motion.target);

@@ -10,7 +10,7 @@ use crate::path::Piece;
 use crate::path::place::Placed;
 use crate::path::prediction::{sample_count, sample_place};
 use crate::path::rotary_word;
-use crate::path::treatment::Treatment;
+use crate::path::treatment::MoveTreatment;
 use crate::path::trial::Trial;
 
 impl<I> Corrector<'_, I>
@@ -81,7 +81,7 @@ where
             command: placed.command,
             nominal: *nominal,
             known: motion.known,
-            is_corrected: active.treatment != Treatment::Programmed,
+            is_corrected: active.treatment != MoveTreatment::Programmed,
             others_stay,
         })
     }

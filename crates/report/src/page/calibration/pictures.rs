@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::compared::{DOES_NOT_FIT, Point};
+use crate::compared::{DOES_NOT_FIT, ReadingPoint};
 use crate::markup::Markup;
 use crate::page::{figure, pictures};
-use crate::plot::{Chart, Histogram, Line, Polar, Series, Trace};
+use crate::plot::{Chart, Histogram, LevelLine, PlotSeries, Polar, PolarTrace};
 use ncfix_metrology::results::calibration::Data;
 
 /// Maximum number of distinguishable series in a picture; the others share the last one.
@@ -21,8 +21,8 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
     pictures(out, |out| {
         let up = format!("left in {}", data.unit);
         let levels = levels(data);
-        let rows = |_: usize, point: &Point| point.row as f64;
-        let by_setup = |title: String, across: String, place: &dyn Fn(usize, &Point) -> f64| Chart {
+        let rows = |_: usize, point: &ReadingPoint| point.row as f64;
+        let by_setup = |title: String, across: String, place: &dyn Fn(usize, &ReadingPoint) -> f64| Chart {
             title,
             across,
             up: up.clone(),
@@ -48,7 +48,7 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
             figure(out, &chart, "");
         }
         for (axis, positions) in &data.shown.axes {
-            let place = |number: usize, _: &Point| positions.get(number).copied().unwrap_or(f64::NAN);
+            let place = |number: usize, _: &ReadingPoint| positions.get(number).copied().unwrap_or(f64::NAN);
             let letter = axis.split(' ').next().unwrap_or_default();
             figure(out, &by_setup(format!("Left over {letter}"), axis.clone(), &place), "");
         }
@@ -66,20 +66,20 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
 }
 
 /// Returns lines at twice the uncertainty of a reading, on either side.
-fn levels(data: &Data) -> Vec<Line> {
+fn levels(data: &Data) -> Vec<LevelLine> {
     let Some(sigma) = data.sigma.filter(|sigma| sigma.is_finite() && *sigma > 0.0) else { return Vec::new() };
-    [(2.0, "+2σ"), (-2.0, "−2σ")].map(|(times, label)| Line { value: times * sigma, label: label.into() }).to_vec()
+    [(2.0, "+2σ"), (-2.0, "−2σ")].map(|(times, label)| LevelLine { value: times * sigma, label: label.into() }).to_vec()
 }
 
 /// Returns the readings by set-up or direction (without a name if there is only one), then the outliers.
 fn series(
     data: &Data,
-    group: impl Fn(&Point) -> usize,
+    group: impl Fn(&ReadingPoint) -> usize,
     labels: &[String],
-    place: &dyn Fn(usize, &Point) -> f64,
-) -> Vec<Series> {
+    place: &dyn Fn(usize, &ReadingPoint) -> f64,
+) -> Vec<PlotSeries> {
     let count = labels.len().clamp(1, MOST_SERIES);
-    let mut out: Vec<Series> = (0..count)
+    let mut out: Vec<PlotSeries> = (0..count)
         .map(|k| {
             let own = labels.get(k).cloned().unwrap_or_default();
             let label = match labels.len() {
@@ -88,12 +88,12 @@ fn series(
                 _ if own.is_empty() => "(no label)".into(),
                 _ => own,
             };
-            Series { label, ..Series::default() }
+            PlotSeries { label, ..PlotSeries::default() }
         })
         .collect();
     if data.shown.points.iter().any(|point| point.weight < DOES_NOT_FIT) {
         let label = format!("counts less than {:.0} %", DOES_NOT_FIT * 100.0);
-        out.push(Series { label, ..Series::default() });
+        out.push(PlotSeries { label, ..PlotSeries::default() });
     }
     for (number, point) in data.shown.points.iter().enumerate() {
         let which = if point.weight < DOES_NOT_FIT { count } else { group(point).min(count - 1) };
@@ -117,7 +117,7 @@ fn circles(out: &mut Markup, data: &Data) {
             traces: Vec::new(),
         });
         let sense = if circle.is_counterclockwise { "ccw" } else { "cw" };
-        let trace = |name: &str, of: fn(&Point) -> f64| Trace {
+        let trace = |name: &str, of: fn(&ReadingPoint) -> f64| PolarTrace {
             label: format!("{name} {sense}"),
             points: circle
                 .angles

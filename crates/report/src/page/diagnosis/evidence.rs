@@ -1,13 +1,13 @@
 //! Evidence of one cause, with its equivalent explanations.
 
-use super::pictures::{driver_of, mean_lines, means, title_of};
+use super::pictures::{driver_of, mean_lines, means, time_of, title_of};
 use super::{figure, polar, side_by_side};
-use crate::diagnosis::{CauseText as _, DiagnosisReport, Shown, chance, differing};
+use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, chance, differing};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
-use crate::plot::{Chart, Series, Shape};
-use ncfix_metrology::results::diagnosis::Cause;
-use ncfix_metrology::results::readings::{Driver, Set};
+use crate::plot::{Chart, PlotSeries, Shape};
+use ncfix_metrology::results::diagnosis::CauseReport;
+use ncfix_metrology::results::readings::{DriverReadings, Set};
 
 /// Maximum number of equivalent explanations that are named.
 const MOST_RIVALS: usize = 24;
@@ -21,7 +21,12 @@ const GOES_WITH: f64 = 0.3;
 const DRIFTS: [&str; 4] = ["drift", "thermal-drift", "thermal-expansion", "thermal-squareness"];
 
 /// Draws a cause by its number.
-pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &Shown, (number, one): (usize, &Cause)) {
+pub(super) fn section(
+    out: &mut Markup,
+    report: &DiagnosisReport,
+    shown: &PageReadings,
+    (number, one): (usize, &CauseReport),
+) {
     out.element("h3", &[("id", &format_args!("finding-{}", number + 1))], |out| {
         out.leaf("span", &[("class", &"rank")], number + 1);
         out.text(format_args!("{}: {} (95 %)", one.name(), one.size()));
@@ -43,7 +48,7 @@ pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &Shown,
     });
 }
 
-fn words(out: &mut Markup, report: &DiagnosisReport, one: &Cause) {
+fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {
     let unit = report.unit_sign();
     let mut all: Vec<(&str, String)> = Vec::new();
     match &one.what {
@@ -105,7 +110,7 @@ fn words(out: &mut Markup, report: &DiagnosisReport, one: &Cause) {
 }
 
 /// Returns the measurement and the direction in which a cause has its largest effect.
-fn strongest(shown: &Shown, number: usize) -> Option<(&Set, usize)> {
+fn strongest(shown: &PageReadings, number: usize) -> Option<(&Set, usize)> {
     let mut best: Option<(f64, &Set, usize)> = None;
     for set in shown.readings.sets.iter().filter(|set| !set.is_held_out) {
         let Some(does) = set.doing.get(number) else { continue };
@@ -126,13 +131,13 @@ fn strongest(shown: &Shown, number: usize) -> Option<(&Set, usize)> {
 }
 
 /// Returns the drivers of a cause; if it names none, those that explain its effect.
-fn drivers<'a>(set: &'a Set, part: usize, one: &Cause, does: &[f64]) -> Vec<&'a Driver> {
-    let mut named: Vec<&Driver> = one.drivers.iter().filter_map(|name| driver_of(set, part, name)).collect();
+fn drivers<'a>(set: &'a Set, part: usize, one: &CauseReport, does: &[f64]) -> Vec<&'a DriverReadings> {
+    let mut named: Vec<&DriverReadings> = one.drivers.iter().filter_map(|name| driver_of(set, part, name)).collect();
     // A direction of motion alone says little about where it acts.
     if named.iter().all(|driver| driver.name.ends_with("_dir")) {
-        let place = |driver: &&Driver| !driver.name.starts_with("T_") && !driver.name.ends_with("_dir");
+        let place = |driver: &&DriverReadings| !driver.name.starts_with("T_") && !driver.name.ends_with("_dir");
         let others = set.drivers.iter().filter(place).filter_map(|driver| driver_of(set, part, &driver.name));
-        let mut others: Vec<(f64, &Driver)> = others
+        let mut others: Vec<(f64, &DriverReadings)> = others
             .map(|driver| (goes_with(set, part, driver, does), driver))
             .filter(|(share, _)| *share > GOES_WITH)
             .collect();
@@ -146,7 +151,7 @@ fn drivers<'a>(set: &'a Set, part: usize, one: &Cause, does: &[f64]) -> Vec<&'a 
 }
 
 /// Returns the share of the variance of a cause's effect that means along a driver explain.
-fn goes_with(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> f64 {
+fn goes_with(set: &Set, part: usize, driver: &DriverReadings, does: &[f64]) -> f64 {
     let points: Vec<(f64, f64)> = points(set, part, driver, |k| does.get(k).copied().unwrap_or(0.0)).collect();
     let count = points.len() as f64;
     let mean = points.iter().map(|point| point.1).sum::<f64>() / count.max(1.0);
@@ -159,14 +164,14 @@ fn goes_with(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> f64 {
 fn points<'a>(
     set: &'a Set,
     part: usize,
-    driver: &'a Driver,
+    driver: &'a DriverReadings,
     of: impl Fn(usize) -> f64 + 'a,
 ) -> impl Iterator<Item = (f64, f64)> + 'a {
     let own = set.readings.iter().enumerate().filter(move |(_, reading)| reading.part == part && reading.counts);
     own.map(move |(k, _)| (driver.values.get(k).copied().unwrap_or(f64::NAN), of(k)))
 }
 
-fn beside(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> Chart {
+fn beside(set: &Set, part: usize, driver: &DriverReadings, does: &[f64]) -> Chart {
     let effect = |k: usize| does.get(k).copied().unwrap_or(0.0);
     let left: Vec<(f64, f64)> =
         points(set, part, driver, |k| set.readings.get(k).map_or(f64::NAN, |one| one.after + effect(k))).collect();
@@ -176,11 +181,11 @@ fn beside(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> Chart {
         across: driver.title.clone(),
         up: format!("in {}", set.unit),
         series: [
-            Series { label: "left without it".into(), points: left, ..Series::default() },
-            Series {
+            PlotSeries { label: "left without it".into(), points: left, ..PlotSeries::default() },
+            PlotSeries {
                 label: "what it explains".into(),
                 points: points(set, part, driver, effect).collect(),
-                ..Series::default()
+                ..PlotSeries::default()
             },
         ]
         .into_iter()
@@ -193,21 +198,22 @@ fn beside(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> Chart {
 }
 
 /// Draws effects that change with time over time, with the corresponding temperature.
-fn times(out: &mut Markup, set: &Set, part: usize, one: &Cause, does: &[f64]) {
+fn times(out: &mut Markup, set: &Set, part: usize, one: &CauseReport, does: &[f64]) {
     if !(DRIFTS.contains(&one.effect.as_str()) || one.sensor.is_some()) {
         return;
     }
-    let rows = Driver {
+    let rows = DriverReadings {
         name: "row".into(),
         title: "row of the table".into(),
+        is_time: false,
         values: set.readings.iter().map(|reading| reading.row as f64).collect(),
     };
-    let time = driver_of(set, part, "t_s").unwrap_or(&rows);
+    let time = time_of(set, part).unwrap_or(&rows);
     let before: Vec<(f64, f64)> =
         points(set, part, time, |k| set.readings.get(k).map_or(f64::NAN, |one| one.before)).collect();
     let after: Vec<(f64, f64)> =
         points(set, part, time, |k| set.readings.get(k).map_or(f64::NAN, |one| one.after)).collect();
-    let series = |label: &str, points| Series { label: label.into(), points, ..Series::default() };
+    let series = |label: &str, points| PlotSeries { label: label.into(), points, ..PlotSeries::default() };
     let effect = points(set, part, time, |k| does.get(k).copied().unwrap_or(0.0)).collect();
     let chart = Chart {
         title: title_of(set, part, time, "Drift"),
@@ -226,7 +232,7 @@ fn times(out: &mut Markup, set: &Set, part: usize, one: &Cause, does: &[f64]) {
             title: format!("{} over {}", sensor.name, time.title.split(' ').next().unwrap_or_default()),
             across: time.title.clone(),
             up: sensor.title.clone(),
-            series: vec![Series { points, ..Series::default() }],
+            series: vec![PlotSeries { points, ..PlotSeries::default() }],
             is_sparing: true,
             ..Chart::default()
         };
@@ -240,11 +246,11 @@ fn times(out: &mut Markup, set: &Set, part: usize, one: &Cause, does: &[f64]) {
 }
 
 /// Draws the shape of a cause; over two drivers, one line for each position of one of them.
-fn shape(out: &mut Markup, one: &Cause, shown: &Shown) {
+fn shape(out: &mut Markup, one: &CauseReport, shown: &PageReadings) {
     let with_unit = |name: &String| {
         let mut all = shown.readings.sets.iter().flat_map(|set| &set.drivers);
         // Time has its own unit in pictures of readings.
-        let known = all.find(|driver| driver.name == *name).filter(|_| name != "t_s");
+        let known = all.find(|driver| driver.name == *name).filter(|driver| !driver.is_time);
         known.map_or(name.clone(), |driver| driver.title.clone())
     };
     let along = |k: usize| -> Vec<f64> {
@@ -266,7 +272,7 @@ fn shape(out: &mut Markup, one: &Cause, shown: &Shown) {
         _ if one.shape.is_empty() => {}
         [driver] => {
             let points = one.shape.iter().filter_map(|place| Some((*place.at.first()?, place.value_um))).collect();
-            let series = vec![Series { points, shape: Shape::Line, ..Series::default() }];
+            let series = vec![PlotSeries { points, shape: Shape::Line, ..PlotSeries::default() }];
             figure(out, &chart(format!("Shape over {driver}"), driver, series), "The deviation where it comes in.");
         }
         [first, second] => {
@@ -284,11 +290,11 @@ fn shape(out: &mut Markup, one: &Cause, shown: &Shown) {
                     .iter()
                     .filter(|place| place.at.get(other.0).is_some_and(|at| at.to_bits() == line.to_bits()));
                 let points = on.filter_map(|place| Some((*place.at.get(own.0)?, place.value_um))).collect();
-                Series {
+                PlotSeries {
                     label: format!("{} {}", other.1, significant(*line)),
                     points,
                     shape: Shape::Line,
-                    ..Series::default()
+                    ..PlotSeries::default()
                 }
             });
             let series = series.collect();

@@ -1,10 +1,10 @@
 //! Readings of every measurement before and after, along all possible drivers.
 
 use super::{figure, side_by_side};
-use crate::diagnosis::{DiagnosisReport, Shown};
+use crate::diagnosis::{DiagnosisReport, PageReadings};
 use crate::markup::Markup;
-use crate::plot::{Chart, Line, Series, Shape};
-use ncfix_metrology::results::readings::{Driver, Reading, Set};
+use crate::plot::{Chart, LevelLine, PlotSeries, Shape};
+use ncfix_metrology::results::readings::{DiagnosisReading, DriverReadings, Set};
 
 /// Maximum number of pictures of all measurements together.
 const MOST: usize = 80;
@@ -17,23 +17,24 @@ const GAP: f64 = 0.25;
 const FEW: usize = 3;
 
 /// Draws all measurements.
-pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &Shown) {
+pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &PageReadings) {
     let mut room = MOST;
     for set in &shown.readings.sets {
         let held = if set.is_held_out { ", held out" } else { "" };
         out.leaf("h2", &[], format_args!("{}: {}{held}, residual before and after", set.name, set.kind));
-        let rows = Driver {
+        let rows = DriverReadings {
             name: "row".into(),
             title: "row of the table".into(),
+            is_time: false,
             values: set.readings.iter().map(|reading| reading.row as f64).collect(),
         };
         // First the drivers of the causes and time, then the rest.
-        let is_named = |driver: &Driver| {
-            driver.name == "t_s"
+        let is_named = |driver: &DriverReadings| {
+            driver.is_time
                 || report.found.findings.iter().any(|one| one.drivers.contains(&driver.name))
                 || report.found.unexplained.with.iter().any(|one| one.driver == driver.name)
         };
-        let has_time = set.drivers.iter().any(|driver| driver.name == "t_s");
+        let has_time = set.drivers.iter().any(|driver| driver.is_time);
         let mut charts: [Vec<Chart>; 2] = [Vec::new(), Vec::new()];
         for (part, _) in set.parts.iter().enumerate() {
             if !has_time {
@@ -64,7 +65,7 @@ pub(super) fn section(out: &mut Markup, report: &DiagnosisReport, shown: &Shown)
 }
 
 /// True if a driver has so few positions that a picture shows hardly more than the mean of each.
-fn is_at_few_places(set: &Set, part: usize, driver: &Driver) -> bool {
+fn is_at_few_places(set: &Set, part: usize, driver: &DriverReadings) -> bool {
     let own = set.readings.iter().zip(&driver.values).filter(|(reading, _)| reading.part == part);
     let mut places: Vec<u64> = Vec::new();
     for (_, value) in own {
@@ -80,18 +81,18 @@ fn is_at_few_places(set: &Set, part: usize, driver: &Driver) -> bool {
 }
 
 /// True for positions of axes.
-fn is_place(driver: &Driver) -> bool {
+fn is_place(driver: &DriverReadings) -> bool {
     driver.name.chars().count() == 1
 }
 
-fn chart(report: &DiagnosisReport, set: &Set, part: usize, driver: &Driver) -> Chart {
-    let points = |of: fn(&Reading) -> f64, counts: bool| -> Vec<(f64, f64)> {
+fn chart(report: &DiagnosisReport, set: &Set, part: usize, driver: &DriverReadings) -> Chart {
+    let points = |of: fn(&DiagnosisReading) -> f64, counts: bool| -> Vec<(f64, f64)> {
         let own = set.readings.iter().enumerate().filter(|(_, one)| one.part == part && one.counts == counts);
         own.map(|(k, one)| (driver.values.get(k).copied().unwrap_or(f64::NAN), of(one))).collect()
     };
     let (before, after) = (points(|one| one.before, true), points(|one| one.after, true));
     let without = points(|one| one.before, false);
-    let series = |label: &str, points| Series { label: label.into(), points, ..Series::default() };
+    let series = |label: &str, points| PlotSeries { label: label.into(), points, ..PlotSeries::default() };
     let mut lines = Vec::new();
     let mut all = if report.found.findings.is_empty() {
         lines.extend(mean_lines(&after, 0));
@@ -107,7 +108,8 @@ fn chart(report: &DiagnosisReport, set: &Set, part: usize, driver: &Driver) -> C
     all.extend(lines);
     let is_of_unit = report.found.unit.unit() == set.unit;
     let noise = if is_of_unit && report.found.noise_um > 0.0 { report.found.noise_um } else { f64::NAN };
-    let levels = [(2.0, "+2σ"), (-2.0, "−2σ")].map(|(times, label)| Line { value: times * noise, label: label.into() });
+    let levels =
+        [(2.0, "+2σ"), (-2.0, "−2σ")].map(|(times, label)| LevelLine { value: times * noise, label: label.into() });
     Chart {
         title: title_of(set, part, driver, ""),
         across: driver.title.clone(),
@@ -121,7 +123,7 @@ fn chart(report: &DiagnosisReport, set: &Set, part: usize, driver: &Driver) -> C
 }
 
 /// Returns a title with the quantities that are drawn, and the direction if there are several.
-pub(super) fn title_of(set: &Set, part: usize, driver: &Driver, what: &str) -> String {
+pub(super) fn title_of(set: &Set, part: usize, driver: &DriverReadings, what: &str) -> String {
     let name = set.parts.get(part).map_or("", String::as_str);
     let of = if set.parts.len() > 1 { format!("{name} ") } else { String::new() };
     let over = match driver.name.as_str() {
@@ -137,8 +139,16 @@ pub(super) fn title_of(set: &Set, part: usize, driver: &Driver, what: &str) -> S
 }
 
 /// Returns a driver by its name if it varies in a direction.
-pub(super) fn driver_of<'a>(set: &'a Set, part: usize, name: &str) -> Option<&'a Driver> {
-    let driver = set.drivers.iter().find(|driver| driver.name == name)?;
+pub(super) fn driver_of<'a>(set: &'a Set, part: usize, name: &str) -> Option<&'a DriverReadings> {
+    varying(set, part, set.drivers.iter().find(|driver| driver.name == name)?)
+}
+
+/// The time of the readings of a part; `None` where it is not known or always the same.
+pub(super) fn time_of(set: &Set, part: usize) -> Option<&DriverReadings> {
+    varying(set, part, set.drivers.iter().find(|driver| driver.is_time)?)
+}
+
+fn varying<'a>(set: &'a Set, part: usize, driver: &'a DriverReadings) -> Option<&'a DriverReadings> {
     let own = set.readings.iter().zip(&driver.values).filter(|(reading, _)| reading.part == part);
     let mut values = own.map(|(_, value)| *value).filter(|value| value.is_finite());
     let first = values.next()?;
@@ -146,15 +156,15 @@ pub(super) fn driver_of<'a>(set: &'a Set, part: usize, name: &str) -> Option<&'a
 }
 
 /// Returns lines through means, interrupted where there are no readings.
-pub(super) fn mean_lines(points: &[(f64, f64)], like: usize) -> Vec<Series> {
+pub(super) fn mean_lines(points: &[(f64, f64)], like: usize) -> Vec<PlotSeries> {
     let means = means(points);
     let (first, last) = (means.first().map_or(0.0, |mean| mean.0), means.last().map_or(0.0, |mean| mean.0));
     let pieces = means.chunk_by(|one, next| next.0 - one.0 <= GAP * (last - first));
-    let line = |piece: &[(f64, f64, f64)]| Series {
+    let line = |piece: &[(f64, f64, f64)]| PlotSeries {
         points: piece.iter().map(|(at, mean, _)| (*at, *mean)).collect(),
         shape: Shape::Line,
         like: Some(like),
-        ..Series::default()
+        ..PlotSeries::default()
     };
     pieces.map(line).collect()
 }

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use super::{figure, side_by_side};
 use crate::compared::Circle;
-use crate::diagnosis::{CauseText as _, Shown};
+use crate::diagnosis::{CauseText as _, PageReadings};
 use crate::markup::Markup;
 use crate::number::significant;
-use crate::plot::{Polar, Trace};
-use ncfix_metrology::results::diagnosis::Cause;
+use crate::plot::{Polar, PolarTrace};
+use ncfix_metrology::results::diagnosis::CauseReport;
 use ncfix_metrology::results::readings::Set;
 
 /// Maximum number of circles of a measurement before and after, and for one cause.
@@ -21,7 +21,7 @@ const SEEN: f64 = 0.05;
 type Plane<'a> = ((usize, &'a str), Vec<&'a Circle>);
 
 /// Draws the circles of all ball-bar measurements that were used.
-pub(super) fn section(out: &mut Markup, shown: &Shown) {
+pub(super) fn section(out: &mut Markup, shown: &PageReadings) {
     for set in shown.readings.sets.iter().filter(|set| !set.is_held_out && !set.circles.is_empty()) {
         out.leaf("h2", &[], format_args!("{}: circles before and after", set.name));
         let planes = planes(set);
@@ -42,7 +42,7 @@ pub(super) fn section(out: &mut Markup, shown: &Shown) {
 }
 
 /// Draws the effect of a single cause on circles, magnified: one circle of every plane, where the effect is largest.
-pub(super) fn alone(out: &mut Markup, set: &Set, number: usize, one: &Cause) {
+pub(super) fn alone(out: &mut Markup, set: &Set, number: usize, one: &CauseReport) {
     let Some(does) = set.doing.get(number) else { return };
     let planes = planes(set);
     let mut known: Vec<&str> = Vec::new();
@@ -98,7 +98,7 @@ fn picture(set: &Set, plane: &Plane<'_>, what: &str, all: &[(&str, &[f64])]) -> 
     let sense = |circle: &Circle| if circle.is_counterclockwise { "ccw" } else { "cw" };
     let traces = circles.iter().flat_map(|circle| {
         all.iter()
-            .map(|(name, values)| Trace { label: format!("{name} {}", sense(circle)), points: of(circle, values) })
+            .map(|(name, values)| PolarTrace { label: format!("{name} {}", sense(circle)), points: of(circle, values) })
     });
     Polar {
         title: format!("{what}, {name}{}{label}", if label.is_empty() { "" } else { ", set-up " }),

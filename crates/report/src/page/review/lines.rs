@@ -34,19 +34,19 @@ pub(super) struct Texts {
 }
 
 /// Program as text.
-pub(super) struct Text<'a> {
+pub(super) struct PackedText<'a> {
     /// Decoded text: UTF-8 if valid, else Latin-1.
     text: std::borrow::Cow<'a, str>,
     end: char,
 }
 
-impl<'a> Text<'a> {
-    pub(super) fn new(bytes: &'a [u8], line_end: u8) -> Text<'a> {
+impl<'a> PackedText<'a> {
+    pub(super) fn new(bytes: &'a [u8], line_end: u8) -> PackedText<'a> {
         let text = match std::str::from_utf8(bytes) {
             Ok(text) => text.into(),
             Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect::<String>().into(),
         };
-        Text { text, end: char::from(line_end) }
+        PackedText { text, end: char::from(line_end) }
     }
 
     /// Returns the lines without their line ends; no empty line after the last line end.
@@ -59,7 +59,7 @@ impl<'a> Text<'a> {
 
 impl Texts {
     /// Notes the number of decimals of the numbers.
-    pub(super) fn learn(&mut self, text: &Text<'_>) {
+    pub(super) fn learn(&mut self, text: &PackedText<'_>) {
         let (mut template, mut numbers) = (String::new(), Vec::new());
         for line in text.lines() {
             take_apart(line, &mut template, &mut numbers);
@@ -75,8 +75,8 @@ impl Texts {
     pub(super) fn put(
         &mut self,
         name: &str,
-        text: &Text<'_>,
-        original: Option<(&Text<'_>, &[i64])>,
+        text: &PackedText<'_>,
+        original: Option<(&PackedText<'_>, &[i64])>,
         packed: &mut Packed,
     ) {
         let mut of_lines = Vec::new();
@@ -129,7 +129,7 @@ struct Base<'a> {
 }
 
 impl<'a> Base<'a> {
-    fn new(text: &'a Text<'_>) -> Base<'a> {
+    fn new(text: &'a PackedText<'_>) -> Base<'a> {
         let lines = Box::new(text.lines());
         Base { lines, line: 0, last: [0; LETTERS], template: String::new(), numbers: Vec::new() }
     }
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn lines_have_no_ends_and_bytes_that_are_no_utf_8_are_latin_1() {
-        let lines = |bytes: &[u8]| Text::new(bytes, b'\n').lines().map(str::to_owned).collect::<Vec<_>>();
+        let lines = |bytes: &[u8]| PackedText::new(bytes, b'\n').lines().map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(lines(b"a\r\n\nb"), ["a", "", "b"]);
         assert_eq!(lines(b"a\n"), ["a"]);
         assert_eq!(lines(b"\xfcber"), ["über"]);

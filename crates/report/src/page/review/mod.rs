@@ -10,7 +10,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Map, Value, json};
 
-use self::lines::{Text, Texts};
+use self::lines::{PackedText, Texts};
 use self::packed::Packed;
 use super::{PageColumn, columns, figure, page_with, pictures, strip, table};
 use crate::markup::{Attributes, Markup};
@@ -18,7 +18,8 @@ use crate::number::{grouped, micrometers, significant};
 use crate::plot::Histogram;
 use crate::review::{Review, place};
 use ncfix_base::geometry::{AXES, Axis};
-use ncfix_path::review::{Trace, pairs};
+use ncfix_base::units::UnitKey;
+use ncfix_path::review::{ReviewTrace, pairs};
 
 /// Plot library; the page includes its licence, which is in the file beside it.
 const UPLOT: &str = include_str!("uplot/uPlot.iife.min.js");
@@ -34,7 +35,7 @@ const PLACE_UNIT_MM: f64 = 1e-3;
 
 /// Program with its name.
 #[derive(Clone, Copy, Debug)]
-pub struct Program<'a> {
+pub struct ReviewedProgram<'a> {
     /// Name.
     pub name: &'a str,
     /// Text.
@@ -49,18 +50,18 @@ pub struct Subject<'a> {
     /// Result of the comparison.
     pub review: &'a Review,
     /// All pieces, with their places.
-    pub trace: &'a Trace,
+    pub trace: &'a ReviewTrace,
     /// Original program, and the files that it calls.
-    pub originals: &'a [Program<'a>],
+    pub originals: &'a [ReviewedProgram<'a>],
     /// Corrected program.
-    pub corrected: Program<'a>,
+    pub corrected: ReviewedProgram<'a>,
     /// Temperatures and corrections of a transfer, if the page is about one.
-    pub journal: Option<&'a Journal>,
+    pub journal: Option<&'a JournalTrace>,
 }
 
 /// Journal of a transfer: temperatures and corrections by time.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Journal {
+pub struct JournalTrace {
     /// Time since the first entry, s.
     pub times_s: Vec<f64>,
     /// Temperatures by sensor, °C; NaN while one is not known.
@@ -182,19 +183,19 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
     }
     strip(out, &entries);
     let titles: [PageColumn; 7] = columns(["axis", "#largest", "#at line", "#mean", "#RMS", "#99 %", "unit"]);
-    let rows: Vec<super::Row> = review
+    let rows: Vec<super::PageRow> = review
         .axes
         .iter()
         .map(|(axis, one)| {
             let signed = |value: f64| format!("{}{}", if value > 0.0 { "+" } else { "" }, significant(value));
-            let unit = if one.unit == "urad" { "µrad" } else { "µm" };
+            let unit = one.unit.sign();
             let [rms, p99] = [one.rms, one.p99].map(significant);
             let at = one
                 .max_file
                 .as_ref()
                 .map_or_else(|| one.max_line.to_string(), |file| format!("{file}:{}", one.max_line));
             let cells = vec![axis.clone(), signed(one.max), at, signed(one.mean), rms, p99, unit.into()];
-            super::Row { class: "", cells }
+            super::PageRow { class: "", cells }
         })
         .collect();
     table(
@@ -204,10 +205,10 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
         "What was added to the words of each axis; 99 % of all sizes are no larger than the last number.",
         usize::MAX,
     );
-    let left: Vec<super::Row> = review
+    let left: Vec<super::PageRow> = review
         .left
         .iter()
-        .map(|(why, count)| super::Row { class: "", cells: vec![(*why).to_owned(), grouped(*count)] })
+        .map(|(why, count)| super::PageRow { class: "", cells: vec![(*why).to_owned(), grouped(*count)] })
         .collect();
     if !left.is_empty() {
         table(out, &columns(["moves left as they were", "#count"]), &left, "", usize::MAX);
@@ -267,7 +268,7 @@ fn unit_of(axis: Axis) -> (&'static str, f64) {
 fn data(subject: &Subject<'_>) -> Result<String, std::io::Error> {
     let (trace, mut packed) = (subject.trace, Packed::default());
     let rows = &trace.rows;
-    let column = |of: &dyn Fn(&ncfix_path::review::Row) -> i64| rows.iter().map(of).collect::<Vec<i64>>();
+    let column = |of: &dyn Fn(&ncfix_path::review::ReviewRow) -> i64| rows.iter().map(of).collect::<Vec<i64>>();
     packed.put("row.file", &column(&|row| row.file.into()));
     packed.put("row.line", &column(&|row| row.line.into()));
     packed.put("row.corrected", &column(&|row| row.corrected_line.into()));
@@ -287,9 +288,10 @@ fn data(subject: &Subject<'_>) -> Result<String, std::io::Error> {
         let places = trace.via.iter().map(|(_, at)| (f64::from(at[k]) / PLACE_UNIT_MM).round() as i64);
         packed.put(format!("via.at.{k}"), &places.collect::<Vec<i64>>());
     }
-    let originals: Vec<Text<'_>> = subject.originals.iter().map(|one| Text::new(one.bytes, one.line_end)).collect();
-    let corrected = Text::new(subject.corrected.bytes, subject.corrected.line_end);
-    let empty = Text::new(b"", b'\n');
+    let originals: Vec<PackedText<'_>> =
+        subject.originals.iter().map(|one| PackedText::new(one.bytes, one.line_end)).collect();
+    let corrected = PackedText::new(subject.corrected.bytes, subject.corrected.line_end);
+    let empty = PackedText::new(b"", b'\n');
     let main = originals.first().unwrap_or(&empty);
     let pair: Vec<i64> = pairs(rows, main.lines(), corrected.lines()).into_iter().map(i64::from).collect();
     packed.put("pair", &pair);
@@ -308,13 +310,12 @@ fn data(subject: &Subject<'_>) -> Result<String, std::io::Error> {
     let mut header = Map::new();
     header.insert("version".into(), 1.into());
     header.insert("rows".into(), rows.len().into());
-    let axis = |axis: &Axis| {
-        let unit = if axis.is_rotary() { "urad" } else { "um" };
-        json!({ "name": axis.to_string(), "unit": unit, "scale": ADDED_UNIT })
-    };
+    let axis =
+        |axis: &Axis| json!({ "name": axis.to_string(), "unit": UnitKey::of(axis.is_rotary()), "scale": ADDED_UNIT });
     header.insert("axes".into(), axes.iter().map(axis).collect());
     header.insert("position_mm".into(), PLACE_UNIT_MM.into());
-    let file = |one: &Program<'_>, text: &Text<'_>| json!({ "name": one.name, "lines": text.lines().count() });
+    let file =
+        |one: &ReviewedProgram<'_>, text: &PackedText<'_>| json!({ "name": one.name, "lines": text.lines().count() });
     header
         .insert("files".into(), subject.originals.iter().zip(&originals).map(|(one, text)| file(one, text)).collect());
     header.insert("corrected".into(), file(&subject.corrected, &corrected));
@@ -328,7 +329,7 @@ fn data(subject: &Subject<'_>) -> Result<String, std::io::Error> {
 }
 
 /// Packs a journal; returns its header entries.
-fn journal(journal: &Journal, packed: &mut Packed) -> Value {
+fn journal(journal: &JournalTrace, packed: &mut Packed) -> Value {
     /// Marks an unknown temperature.
     const GAP: i64 = -(1 << 31);
     let whole = |values: &[f64], parts: f64| -> Vec<i64> {

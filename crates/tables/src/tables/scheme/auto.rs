@@ -61,8 +61,7 @@ pub fn choose_with(schemes: &Schemes, task: &Task<'_>) -> (Option<(&'static Sche
                 }
                 break;
             }
-            // A grid determines its own nodes; tables that do not fit do not fit with more points.
-            if is_hopeless || matches!(scheme.name, "grid" | "matrix") {
+            if is_hopeless || scheme.finds_nodes {
                 break;
             }
         }

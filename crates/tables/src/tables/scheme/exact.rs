@@ -22,13 +22,14 @@ use crate::tables::{Orientation, Tables};
 use ncfix_base::geometry::{AXES, Axis, AxisVector, LINEAR_AXES};
 use ncfix_machine::machine::State;
 use ncfix_model::ErrorName;
-use ncfix_model::motion::Function;
+use ncfix_model::motion::EntryFunction;
 
 pub(super) const SCHEME: Scheme = Scheme {
     name: "fik",
     title: "what the linear forward and inverse kinematics of the machine ask for, term by term",
     needs: &[Holds::Own, Holds::Cross, Holds::Products],
     home: Orientation::Smooth,
+    finds_nodes: false,
     fill: exact,
 };
 
@@ -79,7 +80,7 @@ struct Terms<'a> {
 
 impl<'a> Terms<'a> {
     /// Adds the correction of one entry of the error model.
-    fn add(&mut self, name: ErrorName, function: Option<&Function>, value: f64) -> Result<(), String> {
+    fn add(&mut self, name: ErrorName, function: Option<&EntryFunction>, value: f64) -> Result<(), String> {
         let (factor, drivers) = match (function, name.axis()) {
             (Some(function), Some(axis)) => self.drivers(function, axis)?,
             _ => (value, Vec::new()),
@@ -117,7 +118,7 @@ impl<'a> Terms<'a> {
     }
 
     /// The axes on which a motion error depends and its values at their nodes; their product times the factor is the error.
-    fn drivers(&self, function: &Function, axis: Axis) -> Result<(f64, Vec<Driver>), String> {
+    fn drivers(&self, function: &EntryFunction, axis: Axis) -> Result<(f64, Vec<Driver>), String> {
         let state = State::default();
         let mut pose = self.task.region.middle();
         let mut along = |axis_along: Axis, others: &AxisVector| -> Vec<f64> {
@@ -132,11 +133,13 @@ impl<'a> Terms<'a> {
         };
         let middle = self.task.region.middle();
         match function {
-            Function::Grid(_) => Err(format!("a motion error of {axis} is a grid over two axes; use another scheme")),
-            Function::Own(own) if own.function().with().is_some() => {
+            EntryFunction::Grid(_) => {
+                Err(format!("a motion error of {axis} is a grid over two axes; use another scheme"))
+            }
+            EntryFunction::Own(own) if own.function().with().is_some() => {
                 Err(format!("a motion error of {axis} depends on two axes; use another scheme"))
             }
-            Function::Cross(cross) => {
+            EntryFunction::Cross(cross) => {
                 // A product of two functions is determined by a line along each through a position where it is not zero.
                 let mut place = middle;
                 let lines = self.assembly.positions(axis);

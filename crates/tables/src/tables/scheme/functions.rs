@@ -9,7 +9,7 @@ use crate::tables::{AxisErrors, ErrorTables, Orientation, Tables};
 use ncfix_base::geometry::{Axis, AxisVector, Vector};
 use ncfix_machine::machine::{AxisData, Lever, State};
 use ncfix_model::ErrorName;
-use ncfix_model::motion::Function;
+use ncfix_model::motion::EntryFunction;
 use ncfix_model::name::{Carrier, ErrorKind};
 
 pub(super) const SCHEME: Scheme = Scheme {
@@ -17,13 +17,14 @@ pub(super) const SCHEME: Scheme = Scheme {
     title: "a table for each error function, for controls with kinematics of their own (18 on three axes)",
     needs: &[Holds::Errors],
     home: Orientation::Smooth,
+    finds_nodes: false,
     fill: functions,
 };
 
 fn functions(task: &Task<'_>) -> Result<Tables, String> {
     let parts = task.errors.parts();
     for (name, function, _) in &parts {
-        if let (Some(_), Some(axis)) = (function.and_then(Function::with), name.axis()) {
+        if let (Some(_), Some(axis)) = (function.and_then(EntryFunction::with), name.axis()) {
             return Err(format!(
                 "a motion error of {axis} depends on a second axis, and the control's functions on one"
             ));
@@ -71,7 +72,7 @@ fn add(row: &mut [f64; 6], error: &[f64; 6]) {
     row.iter_mut().zip(error).for_each(|(sum, value)| *sum += value);
 }
 
-fn add_motion(row: &mut [f64; 6], name: ErrorName, function: Option<&Function>, axis: Axis, at: f64) {
+fn add_motion(row: &mut [f64; 6], name: ErrorName, function: Option<&EntryFunction>, axis: Axis, at: f64) {
     let mut pose = AxisVector::default();
     pose[axis] = at;
     if let Some(function) = function {

@@ -14,6 +14,7 @@ pub(super) const SCHEME: Scheme = Scheme {
     title: "a matrix for scales and squareness of X, Y, Z",
     needs: &[Holds::Matrix],
     home: Orientation::Smooth,
+    finds_nodes: true,
     fill: matrix,
 };
 

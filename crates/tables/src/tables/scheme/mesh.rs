@@ -15,6 +15,7 @@ pub(super) const SCHEME: Scheme = Scheme {
     title: "corrections of X, Y, Z on the smallest grid of positions that reaches the tolerance; rotary axes at 0",
     needs: &[Holds::Grid],
     home: Orientation::Smooth,
+    finds_nodes: true,
     fill: grid,
 };
 

@@ -16,6 +16,7 @@ pub(super) const POLYNOMIALS: Scheme = Scheme {
     title: "a table for each pair of axes, cubic polynomials (25 on five axes)",
     needs: &[Holds::Own, Holds::Cross],
     home: Orientation::SixRows,
+    finds_nodes: false,
     fill: polynomials,
 };
 
@@ -24,6 +25,7 @@ pub(super) const FREE: Scheme = Scheme {
     title: "a table for each pair of axes, free at every point (25 on five axes)",
     needs: &[Holds::Own, Holds::Cross],
     home: Orientation::Smooth,
+    finds_nodes: false,
     fill: free,
 };
 
@@ -32,6 +34,7 @@ pub(super) const OWN: Scheme = Scheme {
     title: "a table for each axis over its own position, free at every point",
     needs: &[Holds::Own],
     home: Orientation::Smooth,
+    finds_nodes: false,
     fill: own,
 };
 

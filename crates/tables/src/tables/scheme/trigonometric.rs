@@ -14,6 +14,7 @@ pub(super) const SCHEME: Scheme = Scheme {
     title: "arms of the linear axes times trigonometric functions of a rotary axis (23 on five axes)",
     needs: &[Holds::Own, Holds::Cross, Holds::Products],
     home: Orientation::SixRows,
+    finds_nodes: false,
     fill: trigonometric,
 };
 

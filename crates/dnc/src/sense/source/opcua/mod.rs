@@ -25,9 +25,9 @@ use ncfix_machine::machine::file::Section;
 
 use super::super::config::seconds;
 use super::super::lines::shortened;
-use super::super::monitor::Fault;
-use super::super::outlet::Outlet;
-use super::{Kind, Opened, Plan, Wanted};
+use super::super::monitor::ChannelFault;
+use super::super::outlet::ReadingOutlet;
+use super::{Kind, OpenedSource, SourcePlan, Wanted};
 use endpoint::{choose, host_and_port};
 use value::{halt, nothing, told};
 
@@ -58,7 +58,7 @@ struct Settings {
     nodes: Vec<(usize, NodeId)>,
 }
 
-fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>> {
+fn read(section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
     let url = section.required("url", "\"opc.tcp://192.168.0.5:4840\"", Section::text).map(str::to_owned);
     if let Some(url) = url.as_ref().filter(|url| host_and_port(url).is_none()) {
         let help = "write opc.tcp:// and the name or number of the server, for example \"opc.tcp://192.168.0.5:4840\"";
@@ -95,8 +95,8 @@ fn read_node(section: &mut Section<'_>) -> Option<NodeId> {
     node
 }
 
-impl Plan for Settings {
-    fn open(&self, _: &Path, poll: Duration) -> Result<Opened, String> {
+impl SourcePlan for Settings {
+    fn open(&self, _: &Path, poll: Duration) -> Result<OpenedSource, String> {
         let token = match &self.user {
             None => IdentityToken::Anonymous,
             Some((user, None)) => IdentityToken::new_user_name(user, ""),
@@ -106,7 +106,7 @@ impl Plan for Settings {
             }
         };
         let reader = Reader { settings: self.clone(), token, link: None };
-        Ok(Opened::Thread(Box::new(move |outlet| reader.run(poll, &outlet))))
+        Ok(OpenedSource::Thread(Box::new(move |outlet| reader.run(poll, &outlet))))
     }
 }
 
@@ -129,10 +129,10 @@ impl Drop for Link {
 }
 
 impl Reader {
-    fn run(mut self, poll: Duration, outlet: &Outlet) {
+    fn run(mut self, poll: Duration, outlet: &ReadingOutlet) {
         let runtime = match tokio::runtime::Builder::new_current_thread().enable_all().build() {
             Ok(runtime) => runtime,
-            Err(error) => return outlet.fail(Fault::Disconnected, &format!("no runtime: {error}")),
+            Err(error) => return outlet.fail(ChannelFault::Disconnected, &format!("no runtime: {error}")),
         };
         runtime.block_on(async {
             tokio::select! {
@@ -146,7 +146,7 @@ impl Reader {
     }
 
     /// Reads at each poll and reconnects if the connection is lost.
-    async fn go_on(&mut self, poll: Duration, outlet: &Outlet) {
+    async fn go_on(&mut self, poll: Duration, outlet: &ReadingOutlet) {
         let [mut pause, longest] = TRY_AGAIN;
         loop {
             let result = match self.poll(outlet).await {
@@ -157,7 +157,7 @@ impl Reader {
                 Err(why) => Err(why),
             };
             if let Err(why) = result {
-                outlet.fail(Fault::Disconnected, &format!("{}: {why}", self.settings.url));
+                outlet.fail(ChannelFault::Disconnected, &format!("{}: {why}", self.settings.url));
                 self.leave().await;
                 sleep(pause).await;
                 pause = longest.min(2 * pause);
@@ -183,7 +183,7 @@ impl Reader {
     }
 
     /// Reads all variables once.
-    async fn poll(&mut self, outlet: &Outlet) -> Result<(), String> {
+    async fn poll(&mut self, outlet: &ReadingOutlet) -> Result<(), String> {
         let link = match self.link.take() {
             Some(link) => link,
             None => within(self.settings.timeout, self.settings.connect(&self.token)).await?,
@@ -260,7 +260,7 @@ impl Settings {
 }
 
 /// Waits until the source must end.
-async fn is_over(outlet: &Outlet) {
+async fn is_over(outlet: &ReadingOutlet) {
     while !outlet.is_over() {
         sleep(LOOK_UP).await;
     }

@@ -4,7 +4,7 @@ use std::time::SystemTime;
 
 use opcua::types::{DataValue, NodeId, ServerState, StatusCode, Variant};
 
-use super::super::super::monitor::{Fault, Told};
+use super::super::super::monitor::{ChannelFault, SourceReport};
 
 /// Returns why a server has no values at all. A server that does not report its state is assumed to run.
 pub(super) fn halt(state: &DataValue) -> Option<String> {
@@ -15,19 +15,19 @@ pub(super) fn halt(state: &DataValue) -> Option<String> {
     }
 }
 
-pub(super) fn nothing(why: String) -> Told {
-    Told::Nothing(Fault::Invalid, why)
+pub(super) fn nothing(why: String) -> SourceReport {
+    SourceReport::Nothing(ChannelFault::Invalid, why)
 }
 
 /// Returns the value of a variable, and its source time if times are used.
-pub(super) fn told(node: &NodeId, value: &DataValue, has_times: bool) -> (Told, Option<SystemTime>) {
+pub(super) fn told(node: &NodeId, value: &DataValue, has_times: bool) -> (SourceReport, Option<SystemTime>) {
     let status = value.status.unwrap_or(StatusCode::Good);
     // A number that was set in place of the sensor is not a measured value.
     if !status.is_good() || status.sub_code() == StatusCode::GoodLocalOverride.sub_code() {
         return (nothing(format!("the server says of {node}: {status}")), None);
     }
     let told = match value.value.as_ref().map_or(Err("no value"), number) {
-        Ok(number) => Told::Value(number),
+        Ok(number) => SourceReport::Value(number),
         Err(kind) => nothing(format!("{node} has {kind}")),
     };
     if !has_times {
@@ -72,7 +72,7 @@ mod tests {
 
     use super::*;
 
-    fn of(value: Variant, status: StatusCode) -> Told {
+    fn of(value: Variant, status: StatusCode) -> SourceReport {
         let value = DataValue { value: Some(value), status: Some(status), ..DataValue::default() };
         told(&NodeId::new(2, "T"), &value, false).0
     }
@@ -92,7 +92,7 @@ mod tests {
             (Variant::Double(21.437), 21.437),
         ];
         for (value, expected) in numbers {
-            assert_eq!(of(value, StatusCode::Good), Told::Value(expected));
+            assert_eq!(of(value, StatusCode::Good), SourceReport::Value(expected));
         }
     }
 
@@ -125,11 +125,14 @@ mod tests {
             StatusCode::from(0x8fff_0000),
         ];
         for code in codes {
-            assert!(matches!(of(Variant::Double(21.0), code), Told::Nothing(Fault::Invalid, _)), "{code}");
+            assert!(
+                matches!(of(Variant::Double(21.0), code), SourceReport::Nothing(ChannelFault::Invalid, _)),
+                "{code}"
+            );
         }
         let why = "the server says of ns=2;s=T: BadNoCommunication".to_owned();
         assert_eq!(of(Variant::Double(21.0), StatusCode::BadNoCommunication), nothing(why));
-        assert_eq!(of(Variant::Double(21.0), StatusCode::GoodClamped), Told::Value(21.0));
+        assert_eq!(of(Variant::Double(21.0), StatusCode::GoodClamped), SourceReport::Value(21.0));
     }
 
     #[test]
@@ -141,10 +144,10 @@ mod tests {
         let unknown = "the server does not say when ns=2;s=T was read".to_owned();
         assert_eq!(told(&node, &value, true), (nothing(unknown), None));
         value.server_timestamp = time(1_800_000_060);
-        assert_eq!(told(&node, &value, true), (Told::Value(21.0), Some(at(1_800_000_060))));
+        assert_eq!(told(&node, &value, true), (SourceReport::Value(21.0), Some(at(1_800_000_060))));
         value.source_timestamp = time(1_800_000_000);
-        assert_eq!(told(&node, &value, true), (Told::Value(21.0), Some(at(1_800_000_000))));
-        assert_eq!(told(&node, &value, false), (Told::Value(21.0), None));
+        assert_eq!(told(&node, &value, true), (SourceReport::Value(21.0), Some(at(1_800_000_000))));
+        assert_eq!(told(&node, &value, false), (SourceReport::Value(21.0), None));
     }
 
     #[test]
