@@ -4,9 +4,7 @@ use std::io::{self, Read as _, Write as _};
 use std::sync::{Arc, Mutex};
 
 use ncfix::prelude::*;
-use ncfix::sensors::{
-    Items, OpenedSource, Section, SensorSource, SensorSources, SourcePlan, SourceReport, Wanted, from_text, items,
-};
+use ncfix::sensors::{self, Items, OpenedSource, Section, SensorSource, SensorSources, SourcePlan, Wanted, from_text};
 
 /// A sensor of one's own: it says 30 °C for every channel that asks.
 #[derive(Clone, Debug)]
@@ -17,7 +15,7 @@ impl SensorSource for Thermometer {
     fn name(&self) -> &str { "thermometer" }
     fn title(&self) -> &str { "a thermometer of one's own" }
     fn read(&self, _: &mut Section<'_>, wanted: &mut [Wanted<'_>]) -> Option<Arc<dyn SourcePlan>> {
-        Some(Arc::new(Thermometer(items(wanted))))
+        Some(Arc::new(Thermometer(sensors::items(wanted))))
     }
 }
 
@@ -26,7 +24,7 @@ impl SourcePlan for Thermometer {
         let channels = self.0.clone();
         Ok(OpenedSource::Thread(Box::new(move |outlet| {
             while !outlet.is_over() {
-                channels.iter().for_each(|(_, channel)| outlet.tell(*channel, SourceReport::Value(30.0), None));
+                channels.iter().for_each(|(_, one)| outlet.tell(*one, sensors::SourceReport::Value(30.0), None));
                 let _ = outlet.wait(every);
             }
         })))
