@@ -39,7 +39,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0604", "strain: readings_that_tell_no_load_are_refused"),
     ("E0605", "cli_calibrate: wrong_input_is_found_at_its_place"),
     ("E0606", "cli_calibrate: what_the_data_cannot_tell_is_named"),
-    ("E0607", "crates/metrology/src/results/not_told.rs: every_fault_is_a_refusal"),
+    ("E0607", "crates/metrology/src/results/not_identified.rs: every_fault_is_a_refusal"),
     ("E0608", "cli_calibrate: readings_of_another_unit_are_refused"),
     ("E0609", "cli_calibrate: parameters_must_be_those_of_the_machine"),
     ("E0613", "instruments: a_drift_is_only_taken_out_where_there_is_no_reversal"),

@@ -85,7 +85,7 @@ fn an_axis_that_never_turned_is_named() {
     );
     let fault =
         fit(&bench.machine, &ErrorModel::default(), &bench.parameters, &bench.data, FitOptions { robust: true });
-    let Some(FitError::NotTold(lost)) = fault.err() else { panic!("told") };
+    let Some(FitError::NotIdentified(lost)) = fault.err() else { panic!("told") };
     assert_eq!(lost.confused.iter().map(|one| one.sentence.clone()).collect::<Vec<_>>(), bench.lost());
     assert_eq!(lost.confused[0].remedy, "index C at 1 more angle at least, or leave it out");
 }

@@ -161,7 +161,7 @@ fn what_the_data_does_not_tell_never_enters() {
     let all = parameters(named("EYY1 EAZ1 EXX0 EXX1 EBX2@900"));
     let found = selected(&bench, &data, &all);
     assert_eq!(names(&found.parameters), ["EXX1"]);
-    let lost: Vec<String> = found.choice.not_told.iter().map(|&number| all[number].to_string()).collect();
+    let lost: Vec<String> = found.choice.not_identified.iter().map(|&number| all[number].to_string()).collect();
     assert_eq!(lost, ["EYY1", "EAZ1", "EXX0", "EBX2@900"]);
     assert_eq!(found.choice.tried, 1);
 }

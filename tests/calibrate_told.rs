@@ -31,7 +31,7 @@ fn errors_of_the_machine_tell_nothing() {
         assert!(gap > 1e5, "{gap:e}");
         // The fit judges the same, and from whatever it begins.
         let fault = fit(&bench.machine, &bench.errors, &bench.parameters, &data, FitOptions { robust: true });
-        let Some(FitError::NotTold(lost)) = fault.err() else { panic!("{expected} were told") };
+        let Some(FitError::NotIdentified(lost)) = fault.err() else { panic!("{expected} were told") };
         assert_eq!(lost.leave_out.len(), 122 - expected);
     }
     // The bar at its length, but for contouring errors.

@@ -1,7 +1,7 @@
 //! Curves, threads, probing and polar words of RS274/NGC.
 
 use ncfix_language::exec::{NoLibrary, Options};
-use ncfix_machine::snc::{Kind, Manner, Move};
+use ncfix_machine::snc::{Kind, MotionMode, Move};
 
 use crate::iso::{check, elements, iso_machine, moves, run};
 
@@ -139,8 +139,8 @@ fn threads_move_in_step_with_the_spindle() {
     assert_eq!(heights, [0.0, -3.0, -9.0, -3.0, -3.0]);
     let leads: Vec<Option<f64>> = found
         .iter()
-        .map(|(_, step)| match step.manner {
-            Manner::Thread(thread) => thread.lead.map(|(_, lead)| lead),
+        .map(|(_, step)| match step.motion_mode {
+            MotionMode::Thread(thread) => thread.lead.map(|(_, lead)| lead),
             _ => None,
         })
         .collect();
@@ -195,7 +195,7 @@ fn probing_ends_where_only_the_machine_knows() {
     let text = "G54 G21 G90 F100\nG0 X0 Y0 Z10\nG38.2 Z-10\nG91 G1 Z1\nM2";
     let (found, codes) = steps(text, false);
     assert!(codes.is_empty(), "{codes:?}");
-    assert_eq!(found[1].1.manner, Manner::Probe("G38.2"));
+    assert_eq!(found[1].1.motion_mode, MotionMode::Probe("G38.2"));
     assert_eq!(found[2].1.target.0[2], -9.0);
     let (_, codes) = steps(text, true);
     assert_eq!(codes, ["E0304:4"]);

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_base::source::{FileId, Source};
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{Element, FeedUnit, Kind, Manner, Move, Origin, Way};
+use ncfix_machine::snc::{Element, FeedUnit, Kind, MotionMode, Move, Origin, RotaryDirection};
 use ncfix_model::{ErrorModel, Model, file};
 use ncfix_path::path::CorrectionOptions;
 use ncfix_path::servo::{CycleState, Drive, MoveSpeed, Run, ServoMove, SpaceCircle};
@@ -176,9 +176,9 @@ fn time_of_halves(controller: &str, words: &[&'static str]) -> f64 {
             feed: 6000.0,
             feed_named: true,
             unit: FeedUnit::PerMinute,
-            ways: [Way::default(); 3],
+            ways: [RotaryDirection::default(); 3],
             in_machine_frame: false,
-            manner: Manner::Path,
+            motion_mode: MotionMode::Path,
             off_curve_mm: 0.0,
         })
     };

@@ -44,10 +44,10 @@ const MOST_FEED_MIN: f64 = 1e-6;
 const SAME_PLACE_MM: f64 = 1e-9;
 
 /// What a program does, by the numbers of its blocks.
-type Groups = BTreeMap<u32, Vec<Way>>;
+type Groups = BTreeMap<u32, Vec<RotaryDirection>>;
 
 /// A move from where the axes stood.
-struct Way {
+struct RotaryDirection {
     start: AxisVector,
     motion: Move,
     circle: Option<Circle>,
@@ -65,8 +65,8 @@ struct Circle {
     sweep_rad: f64,
 }
 
-impl Way {
-    fn new(start: AxisVector, motion: Move, is_on_the_spot: bool) -> Way {
+impl RotaryDirection {
+    fn new(start: AxisVector, motion: Move, is_on_the_spot: bool) -> RotaryDirection {
         let circle = motion.arc.map(|arc| {
             let [abscissa, ordinate, _] = arc.plane.axes();
             let from_center =
@@ -83,7 +83,7 @@ impl Way {
             let radius_mm = [x.hypot(y), end_x.hypot(end_y)];
             Circle { axes: [abscissa, ordinate], center_mm: arc.center_mm, radius_mm, start_rad, sweep_rad }
         });
-        Way { start, motion, circle, is_on_the_spot }
+        RotaryDirection { start, motion, circle, is_on_the_spot }
     }
 
     fn at(&self, fraction: f64) -> AxisVector {
@@ -100,7 +100,7 @@ impl Way {
     }
 }
 
-impl Way {
+impl RotaryDirection {
     /// Axes of a circle that turn at a place, to an increment: where a rounded circle turns nobody can say better.
     fn turning(&self, place: &AxisVector, increment_mm: f64) -> Vec<Axis> {
         let Some(circle) = &self.circle else { return Vec::new() };
@@ -185,7 +185,7 @@ fn groups(elements: &[Element], is_renumbered: bool) -> Groups {
             is_continued = true;
         }
         if let Kind::Move(motion) = &element.kind {
-            groups.entry(number).or_default().push(Way::new(at, *motion, is_on_the_spot));
+            groups.entry(number).or_default().push(RotaryDirection::new(at, *motion, is_on_the_spot));
             at = motion.target;
         }
     }
@@ -195,7 +195,7 @@ fn groups(elements: &[Element], is_renumbered: bool) -> Groups {
 /// The ideal way of a block in the workpiece.
 struct Ideal<'a> {
     judge: &'a Judge<'a>,
-    ways: &'a [Way],
+    ways: &'a [RotaryDirection],
     /// Points of it with their way and the parameter there, dense enough to find the nearest place from anywhere.
     points: OnceCell<Vec<(usize, f64, Vector)>>,
     /// The last place that was found: the next one is near.
@@ -203,7 +203,7 @@ struct Ideal<'a> {
 }
 
 impl<'a> Ideal<'a> {
-    fn new(judge: &'a Judge<'a>, ways: &'a [Way]) -> Ideal<'a> {
+    fn new(judge: &'a Judge<'a>, ways: &'a [RotaryDirection]) -> Ideal<'a> {
         Ideal { judge, ways, points: OnceCell::new(), last: Cell::new((0, 0.0)) }
     }
 
@@ -437,7 +437,8 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
         }
         if rapid && !is_approach && pair.options.frame == OutputFrame::Work && !pair.is_transformed {
             // Nothing is cut behind it: no axis moves that the program does not move.
-            let named = |ways: &[Way]| ways.iter().fold(AxisSet::EMPTY, |all, way| all.union(way.motion.named));
+            let named =
+                |ways: &[RotaryDirection]| ways.iter().fold(AxisSet::EMPTY, |all, way| all.union(way.motion.named));
             let moves = |axis: &Axis| nominal.iter().any(|way| way.start[*axis] != way.motion.target[*axis]);
             let further = named(ways).difference(named(nominal));
             assert!(further.iter().all(|axis| moves(&axis)), "pair {seed}: N{number} moves {further:?}\n{context}");
@@ -468,7 +469,7 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
 }
 
 /// Whether a rapid move is at the end of the travel of an axis and stays as it is: its correction would lead beyond.
-fn stays_at_the_end_of_travel(pair: &Pair, nominal: &[Way], ways: &[Way]) -> bool {
+fn stays_at_the_end_of_travel(pair: &Pair, nominal: &[RotaryDirection], ways: &[RotaryDirection]) -> bool {
     let is_near_end = |target: &AxisVector| {
         pair.machine.axes.iter().flatten().any(|data| {
             let most = if data.axis.is_rotary() { 0.01 } else { pair.options.max_correction_mm };
@@ -476,7 +477,8 @@ fn stays_at_the_end_of_travel(pair: &Pair, nominal: &[Way], ways: &[Way]) -> boo
         })
     };
     let stays = |target: &AxisVector| {
-        let is_same = |way: &Way| (way.motion.target - *target).xyz().amax() <= pair.machine.control.increment_mm;
+        let is_same =
+            |way: &RotaryDirection| (way.motion.target - *target).xyz().amax() <= pair.machine.control.increment_mm;
         ways.iter().any(is_same)
     };
     nominal.iter().any(|way| is_near_end(&way.motion.target) && stays(&way.motion.target))
@@ -509,7 +511,7 @@ fn narrow(pair: &mut Pair) {
 
 /// What axes may owe to their backlash, mm: one that either sense asks to move the other way is as far off as that, or stays where it is. It
 /// stands then, or moves by less than its backlash and what the rounding of rotary axes asks of it.
-fn owed_mm(judge: &Judge, way: &Way, sides: &[f64; 9]) -> f64 {
+fn owed_mm(judge: &Judge, way: &RotaryDirection, sides: &[f64; 9]) -> f64 {
     let target = &way.motion.target;
     let rounding_mm = 2.0 * (judge.increment_mm() + judge.rotary_rounding_mm(target, sides));
     let owed = AXES.into_iter().map(|axis| {
@@ -525,7 +527,7 @@ fn owed_mm(judge: &Judge, way: &Way, sides: &[f64; 9]) -> f64 {
 }
 
 /// The feed of all pieces is that of the block; with inverse-time feed they take its time together, and so they do where rotary axes turn.
-fn check_feed(judge: &Judge, pair: &Pair, [nominal, ways]: [&[Way]; 2], worst: &mut Worst, context: &str) {
+fn check_feed(judge: &Judge, pair: &Pair, [nominal, ways]: [&[RotaryDirection]; 2], worst: &mut Worst, context: &str) {
     let (seed, feed) = (pair.seed, nominal[0].motion.feed);
     if nominal[0].motion.is_inverse_time() {
         // Steps on the spot take time of their own.
@@ -546,8 +548,8 @@ fn check_feed(judge: &Judge, pair: &Pair, [nominal, ways]: [&[Way]; 2], worst: &
     }
     let turns = nominal.iter().any(|way| AXES.into_iter().any(|axis| axis.is_rotary() && turned(way, axis) != 0.0));
     if turns && nominal.iter().all(|way| way.motion.arc.is_none()) {
-        let minutes = |ways: &[Way], is_tip: bool| -> f64 {
-            let of_way = |way: &Way| match way.motion {
+        let minutes = |ways: &[RotaryDirection], is_tip: bool| -> f64 {
+            let of_way = |way: &RotaryDirection| match way.motion {
                 motion if motion.is_inverse_time() => 1.0 / motion.feed,
                 motion => counted(judge, pair.dialect, way, is_tip) / motion.feed,
             };
@@ -566,13 +568,13 @@ fn check_feed(judge: &Judge, pair: &Pair, [nominal, ways]: [&[Way]; 2], worst: &
     }
 }
 
-fn turned(way: &Way, axis: Axis) -> f64 {
+fn turned(way: &RotaryDirection, axis: Axis) -> f64 {
     (way.motion.target[axis] - way.start[axis]).to_degrees()
 }
 
 /// The way for which a control takes a feed, mm or degrees: of the tip where the transformation is the control's, of all axes on a Fanuc,
 /// else of X, Y, Z, and of the rotary axes where nothing else moves.
-fn counted(judge: &Judge, dialect: &str, way: &Way, is_tip: bool) -> f64 {
+fn counted(judge: &Judge, dialect: &str, way: &RotaryDirection, is_tip: bool) -> f64 {
     let linear_mm = match way.motion.target {
         target if is_tip => (judge.ideal(&target) - judge.ideal(&way.start)).norm(),
         target => (target.xyz() - way.start.xyz()).norm(),

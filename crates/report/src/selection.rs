@@ -64,8 +64,8 @@ pub fn table(found: &Selection) -> String {
         "candidates",
         &format!("{} tried, {count} chosen at {significant} %", found.tried, significant = significant(significance)),
     );
-    if !found.not_told.is_empty() {
-        push_row(&mut out, "not told", &listed(&found.not_told));
+    if !found.not_identified.is_empty() {
+        push_row(&mut out, "not told", &listed(&found.not_identified));
     }
     if let Some(gain) = &found.held_out {
         let [before, after] = [gain.before, gain.after].map(significant);

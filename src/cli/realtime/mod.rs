@@ -72,7 +72,7 @@ fn serve(name: &str, records: u64, correction: &mut RealtimeCorrection) -> Resul
     tell(&format!("rings of {records} records at {}\n", file.path().display()));
     Ok(match correction.serve(&ring, || is_over.load(Ordering::Relaxed)) {
         ServingEnd::Control => ExitCode::Done,
-        ServingEnd::Told => ExitCode::Interrupted,
+        ServingEnd::Stopped => ExitCode::Interrupted,
         ServingEnd::Overrun(overrun) => refused(correction.overrun(overrun, records)),
     })
 }

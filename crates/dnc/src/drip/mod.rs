@@ -5,8 +5,8 @@
 //! controls reject them. The profile adds the frame that a link needs.
 
 mod block;
-mod doser;
 mod heights;
+mod rate_limiter;
 pub mod restart;
 mod rules;
 mod taken;
@@ -28,7 +28,7 @@ pub use heights::Heights;
 pub use rules::Grammar;
 pub use taken::Ends;
 
-use doser::Doser;
+use rate_limiter::RateLimiter;
 
 /// Settings for making lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,7 +55,7 @@ struct About {
 pub struct Lines<'a> {
     live: Live<'a>,
     writer: Box<dyn Writer + 'a>,
-    doser: Doser,
+    doser: RateLimiter,
     settings: Settings,
     /// Model in force, if temperatures are known.
     model: Option<Arc<Model>>,
@@ -82,7 +82,7 @@ impl<'a> Lines<'a> {
         Lines {
             live: Live::new(machine, base, options),
             writer,
-            doser: Doser::new(settings.limits),
+            doser: RateLimiter::new(settings.limits),
             settings,
             model: None,
             text: Vec::new(),

@@ -4,9 +4,9 @@
 //! needs no allocation. Each family of languages has its own trees: [`sinumerik`] and the word languages, [`words`].
 
 mod names;
+mod paged_store;
 mod plain;
 mod reading;
-mod shelf;
 pub mod sinumerik;
 mod token;
 pub mod words;
@@ -14,7 +14,7 @@ pub mod words;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place, character};
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::{Dialect, Language};
-pub use shelf::Shelf;
+pub use paged_store::PagedStore;
 use sinumerik::Macros;
 
 /// Maximum number of diagnostics of one file; a file with more is not a part program, and the rest of it is not read.

@@ -3,7 +3,7 @@
 //! Most of a large program looks like this, and every parser accepts it. Such a page cannot contain an error, and it is parsed when it is executed. A
 //! page with any other content is left to the parser.
 
-use super::shelf::Shelf;
+use super::paged_store::PagedStore;
 
 /// Letters that are words with a number, and nothing else, in every language.
 const LETTERS: &[u8] = b"GMXYZABCUVWIJKFSTDH";
@@ -110,7 +110,7 @@ fn digits(bytes: &[u8], at: usize) -> usize {
 
 impl Plain {
     /// Adds the page to the counts of blocks and words without storing its nodes.
-    pub(super) fn leave_out<B, W>(&self, blocks: &mut Shelf<B>, words: &mut Shelf<W>) {
+    pub(super) fn leave_out<B, W>(&self, blocks: &mut PagedStore<B>, words: &mut PagedStore<W>) {
         blocks.leave_out(self.blocks);
         words.leave_out(self.words);
     }

@@ -5,12 +5,12 @@
 //! each other; the first has [`Element::starts_block`].
 
 mod feed_unit;
-mod manner;
+mod motion_mode;
 mod text;
 mod text_reader;
 
 pub use feed_unit::{FEED_MODES, FeedUnit};
-pub use manner::{Manner, Thread, ThreadCode};
+pub use motion_mode::{MotionMode, Thread, ThreadCode};
 pub use text::TextWriter;
 pub use text_reader::{TextError, TextReader};
 
@@ -113,11 +113,11 @@ pub struct Move {
     /// Unit of [`Self::feed`].
     pub unit: FeedUnit,
     /// Rotary directions of A, B and C as programmed.
-    pub ways: [Way; 3],
+    pub ways: [RotaryDirection; 3],
     /// True if the positions are written as machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
     /// Motion mode.
-    pub manner: Manner,
+    pub motion_mode: MotionMode,
     /// Maximum deviation of the programmed path from this straight move, which is a chord of it, mm; 0 if the move is the path itself.
     pub off_curve_mm: f64,
 }
@@ -129,16 +129,16 @@ impl Move {
         self.unit == FeedUnit::InverseTime
     }
 
-    /// True if the control decides in which direction a rotary axis turns ([`Way::Either`]).
+    /// True if the control decides in which direction a rotary axis turns ([`RotaryDirection::Either`]).
     #[must_use]
     pub fn turns_either_way(&self) -> bool {
-        self.ways.contains(&Way::Either)
+        self.ways.contains(&RotaryDirection::Either)
     }
 }
 
 /// Direction in which a rotary axis moves to its position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Way {
+pub enum RotaryDirection {
     /// As given by the position.
     #[default]
     Plain,

@@ -127,7 +127,7 @@ impl<'a> TextReader<'a> {
             unit,
             ways: Default::default(),
             in_machine_frame: false,
-            manner: Default::default(),
+            motion_mode: Default::default(),
             off_curve_mm: 0.0,
         })
     }

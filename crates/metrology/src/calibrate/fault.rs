@@ -15,7 +15,7 @@ pub enum FitError {
         lost: Box<Lost>,
     },
     /// The data do not separate the parameters.
-    NotTold(Box<Lost>),
+    NotIdentified(Box<Lost>),
     /// It did not converge; with the measurement that is the most likely reason.
     NotSettled(Option<Unsettled>),
 }

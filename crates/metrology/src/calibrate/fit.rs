@@ -330,7 +330,7 @@ impl<'a> Rounds<'a> {
         let solution = system.solve_to(ARITHMETIC).ok_or(FitError::NotSettled(None))?;
         if solution.rank < count {
             let lost = words::lost(&solution.null_space, &self.design.columns, self.design.data);
-            return Err(FitError::NotTold(Box::new(lost)));
+            return Err(FitError::NotIdentified(Box::new(lost)));
         }
         Ok(solution)
     }

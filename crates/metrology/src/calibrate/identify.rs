@@ -115,5 +115,5 @@ pub(super) fn judge(
         let Identified { equations, columns, lost, .. } = judged;
         return Err(FitError::TooFew { equations, unknowns: columns.len(), lost: Box::new(lost) });
     }
-    if judged.lost.leave_out.is_empty() { Ok(judged) } else { Err(FitError::NotTold(Box::new(judged.lost))) }
+    if judged.lost.leave_out.is_empty() { Ok(judged) } else { Err(FitError::NotIdentified(Box::new(judged.lost))) }
 }

@@ -55,7 +55,7 @@ pub enum DecompositionError {
     /// The encoder travel of an axis differs from that of its set-points, mm or rad: they have another unit.
     Units(Axis, [f64; 2]),
     /// The run with this index has too little information for links and smooth errors.
-    NotTold(usize),
+    NotIdentified(usize),
 }
 
 impl fmt::Display for DecompositionError {
@@ -71,7 +71,7 @@ impl fmt::Display for DecompositionError {
                 let [set, encoder] = [set, encoder].map(|value| value * size);
                 write!(f, "the column {axis}_enc goes over {encoder:.3} {unit} while {axis} goes over {set:.3} {unit}")
             }
-            DecompositionError::NotTold(_) => {
+            DecompositionError::NotIdentified(_) => {
                 f.write_str("the slowest run has too few readings to tell link and motion errors")
             }
         }
@@ -245,12 +245,12 @@ impl Work<'_> {
                 known + deflection(&work.nominal, &work.found.all, &work.tool_mm, slow, number)
             });
             let links = links(&self.nominal, &names, free, &self.tool_mm, slow, &rest)
-                .ok_or(DecompositionError::NotTold(reference))?;
+                .ok_or(DecompositionError::NotIdentified(reference))?;
             let of_links =
                 |number: usize| links.at(&self.nominal, &self.tool_mm, slow, number) + links.setup_at(slow, number);
             let rest: Vec<Option<Vector>> =
                 rest.iter().enumerate().map(|(k, rest)| rest.map(|rest| rest - of_links(k))).collect();
-            let motion = motion(basis.clone(), slow, &rest).ok_or(DecompositionError::NotTold(reference))?;
+            let motion = motion(basis.clone(), slow, &rest).ok_or(DecompositionError::NotIdentified(reference))?;
             self.quasi = Some((links, motion));
             let dynamic: Vec<Vec<Option<Vector>>> = (0..self.poses.len())
                 .map(|run| {

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::compared::{MeasurementPart, ReadingSeries};
 use super::figures;
-use super::not_told::LeftOut;
+use super::not_identified::LeftOut;
 use super::selection::Selection;
 use ncfix_base::units::Unit;
 

@@ -4,9 +4,9 @@ pub use super::calibrated::{CalibrationResult, Data, EstimateReport, OutlierRow}
 use super::cells::{cell, estimate, weighted_down};
 use super::held::{ComparedMeasurement, weights};
 use super::measurement::{Measurement, check_copies, data_of};
-pub use super::not_told::LeftOut;
+pub use super::not_identified::LeftOut;
 use super::selection;
-use super::{conditions, figures, has_errors, not_told, repeated};
+use super::{conditions, figures, has_errors, not_identified, repeated};
 use crate::calibrate::{ComparedReading, Fit, FitOptions, Parameter, Refusal, Rule, fit, quality, reversals, select};
 use crate::measure::data::DataSet;
 use crate::measure::kind::Measurand;
@@ -89,7 +89,7 @@ pub fn prepare<'a>(
     let held_out = all.split_off(used.min(all.len()));
     if settings.reduce {
         let start = (begin.machine, begin.errors);
-        parameters = not_told::reduced(start, &parameters, &all, findings, &mut report.left_out);
+        parameters = not_identified::reduced(start, &parameters, &all, findings, &mut report.left_out);
     }
     Some(PreparedFit { begin, settings, parameters, used: all, held_out })
 }
@@ -124,7 +124,7 @@ impl PreparedFit<'_> {
     ) -> Option<Fit> {
         let fit = self.found(candidates, progress, findings, report)?;
         report.figures = self.used.iter().map(|one| figures::of(&one.data, self.begin.machine)).collect();
-        not_told::distances(&fit, &self.used, findings);
+        not_identified::distances(&fit, &self.used, findings);
         self.compare(&fit, findings, report);
         self.rows(&fit, findings, report);
         Some(fit)
@@ -158,7 +158,7 @@ impl PreparedFit<'_> {
                 return None;
             }
         };
-        let badly = not_told::badly_told(&fit, &self.used, self.settings.max_mm, findings);
+        let badly = not_identified::badly_told(&fit, &self.used, self.settings.max_mm, findings);
         for found in &fit.estimates {
             let one = estimate(found, start, &data);
             let is_parameter = found.column.is_of_machine();
@@ -221,7 +221,7 @@ impl PreparedFit<'_> {
             let quality = match quality(self.begin.machine, &fit.errors, data) {
                 Ok(found) => found,
                 Err(fault) => {
-                    not_told::refuse(fault, &format!("{}: ", data.name), std::slice::from_ref(one), findings);
+                    not_identified::refuse(fault, &format!("{}: ", data.name), std::slice::from_ref(one), findings);
                     continue;
                 }
             };

@@ -274,7 +274,7 @@ pub fn told(fault: &DecompositionError) -> Diagnostic {
         DecompositionError::Units(..) => {
             (Code::DATA_SIZE, "write set-points and encoders in mm and degrees: is a column in inches or rad?")
         }
-        DecompositionError::NotTold(_) => {
+        DecompositionError::NotIdentified(_) => {
             (Code::NOT_TOLD, "record a longer run, or give fewer --links and a lower degree of --motion")
         }
     };

@@ -1,6 +1,6 @@
 //! The machine file with the findings of a diagnosis: the old text, new entries, and a joint fit of all parameters.
 
-use super::not_told;
+use super::not_identified;
 use crate::calibrate::{Fit, FitOptions, Parameter, fit};
 use crate::diagnose::extend::{Anchor, Change, again, cleaned, note};
 use crate::diagnose::{DiagnosedCauses, Scene, levels};
@@ -166,7 +166,7 @@ impl ExtensionJob<'_> {
     /// A fit as good as the result of the search; least squares without noise autocorrelation fail if terms are similar.
     fn fit(&self, read: &ErrorModel, parameters: &[Parameter], data: &[DataSet]) -> Result<Fit, String> {
         let found = fit(self.machine, read, parameters, data, FitOptions { robust: true });
-        let found = found.map_err(not_told::words)?;
+        let found = found.map_err(not_identified::words)?;
         let (level, of_search) = (self.level(&found.errors), self.level(read));
         if level[0] > LOST * of_search[0] {
             return Err("more was left of the readings than with what the search found".into());

@@ -17,7 +17,7 @@ pub mod extended;
 pub mod figures;
 mod held;
 pub mod measurement;
-mod not_told;
+mod not_identified;
 pub mod parameters;
 pub mod planned;
 pub mod readings;

@@ -3,7 +3,7 @@
 use super::calibrated::CalibrationResult;
 use super::cells::unit_of;
 use super::measurement::{Measurement, data_of};
-use super::not_told;
+use super::not_identified;
 use crate::calibrate::words::listed;
 use crate::calibrate::{Fit, FitOptions, MonteCarlo, Parameter, monte_carlo};
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -28,7 +28,7 @@ pub(super) fn repeat(
     let found = monte_carlo(machine, parameters, &data, fit, options, runs_and_seed, &mut done);
     let found = match found {
         Ok(found) => found,
-        Err(fault) => return not_told::refuse(fault, "repetitions: ", all, findings),
+        Err(fault) => return not_identified::refuse(fault, "repetitions: ", all, findings),
     };
     let (mut of_machine, mut of_setups) = (report.parameters.iter_mut(), report.unknowns.iter_mut());
     for (estimate, spread) in fit.estimates.iter().zip(&found.spreads) {

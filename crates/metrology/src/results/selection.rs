@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use serde::Serialize;
 
 use super::measurement::Measurement;
-use super::not_told;
+use super::not_identified;
 use crate::calibrate::{Parameter, Refusal, Rule, Selected};
 use crate::measure::data::DataSet;
 use ncfix_base::diagnostic::{Code, Diagnostic};
@@ -21,7 +21,8 @@ pub struct Selection {
     /// Probability of accepting anything if there is no effect.
     pub significance: f64,
     /// Unidentifiable candidates, by themselves or in addition to the fixed parameters.
-    pub not_told: Vec<String>,
+    #[serde(rename = "not_told")]
+    pub not_identified: Vec<String>,
     /// Steps of the last selection.
     pub steps: Vec<SelectionStep>,
     /// Selected terms.
@@ -133,7 +134,7 @@ pub struct Correlation {
 /// Adds diagnostics for an impossible selection.
 pub(super) fn refuse(refusal: Refusal, all: &[Measurement], findings: &mut Vec<Diagnostic>) {
     match refusal {
-        Refusal::Fault(fault) => not_told::refuse(fault, "", all, findings),
+        Refusal::Fault(fault) => not_identified::refuse(fault, "", all, findings),
         Refusal::TooLarge { equations, columns } => {
             let message =
                 format!("{equations} readings times {columns} parameters and candidates are more than fit into memory");
@@ -186,7 +187,7 @@ pub(super) fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> Selection 
     Selection {
         tried: choice.tried,
         significance: rule.significance,
-        not_told: names_not_told(found),
+        not_identified: names_not_identified(found),
         steps: steps.collect(),
         terms: terms.collect(),
         correlation: correlation.collect(),
@@ -197,7 +198,7 @@ pub(super) fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> Selection 
 }
 
 /// Unidentifiable candidates; an error without any identifiable term has one entry.
-fn names_not_told(found: &Selected) -> Vec<String> {
+fn names_not_identified(found: &Selected) -> Vec<String> {
     let component = |parameter: &Parameter| match parameter {
         Parameter::Geometry(name) => Some(name.component),
         Parameter::Effect(_) => None,
@@ -207,7 +208,7 @@ fn names_not_told(found: &Selected) -> Vec<String> {
         *terms.entry(name).or_default() += 1;
     }
     let lost: Vec<&Parameter> =
-        found.choice.not_told.iter().filter_map(|&number| found.candidates.get(number)).collect();
+        found.choice.not_identified.iter().filter_map(|&number| found.candidates.get(number)).collect();
     let mut names = Vec::new();
     let mut whole: Vec<ErrorName> = Vec::new();
     for &parameter in &lost {

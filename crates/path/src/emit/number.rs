@@ -6,7 +6,7 @@ use std::io::Write as _;
 
 use crate::path::{Increments, RotaryWord};
 use ncfix_base::units::{push_digits, push_integer};
-use ncfix_machine::snc::Way;
+use ncfix_machine::snc::RotaryDirection;
 
 /// The print format of counts of an increment: a count times `units` is the number without its decimal point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,7 +151,7 @@ impl AxisNumbers {
     pub(super) fn plain_count(&self, word: RotaryWord, count: i64) -> Option<i64> {
         match word {
             RotaryWord::Plain => Some(count),
-            RotaryWord::Within(Way::Plain) => Some(count.rem_euclid(self.turn_counts)),
+            RotaryWord::Within(RotaryDirection::Plain) => Some(count.rem_euclid(self.turn_counts)),
             RotaryWord::Within(_) | RotaryWord::Step(_) => None,
         }
     }

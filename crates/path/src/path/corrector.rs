@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AXIS_COUNT, AxisSet};
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{BlockNumber, Element, Manner, Move, Origin};
+use ncfix_machine::snc::{BlockNumber, Element, MotionMode, Move, Origin};
 use ncfix_model::Model;
 
 use super::ahead::Ahead;
@@ -20,12 +20,12 @@ use super::cut::{fit_arc, fit_line, next_step};
 use super::extend::SearchBounds;
 use super::findings::{DiagnosticCollector, placing_axes};
 use super::lead::Lead;
-use super::place::Placer;
+use super::place::CommandSolver;
 use super::poses::PoseSampler;
 use super::route::Route;
+use super::segment_candidate::{SegmentCandidate, SegmentFitter};
 use super::standing::PathState;
 use super::treatment::{MoveTreatment, is_pushed_out};
-use super::trial::{SegmentFitter, Trial};
 use super::{Arcs, CorrectionOptions, Increments, Output, Piece, PoseSample, Prediction, Rotary, Subdivision};
 use clamps::{Clamps, rotary_axes};
 
@@ -38,7 +38,7 @@ pub struct Corrector<'a, I> {
     elements: Ahead<'a, I>,
     machine: &'a Machine,
     options: CorrectionOptions,
-    placer: Placer<'a>,
+    placer: CommandSolver<'a>,
     sampler: Sampler,
     lead: Lead<'a>,
     cut: dead_band::Cut,
@@ -109,7 +109,7 @@ where
             elements: Ahead::new(elements, machine, rotary),
             clamps: Clamps::new(machine),
             machine,
-            placer: Placer::new(machine, model, &options),
+            placer: CommandSolver::new(machine, model, &options),
             lead: Lead::new(model, machine),
             sampler: Sampler::new(model).with_rounding(&Increments::new(&machine.control), options.tolerance_mm),
             cut: dead_band::Cut::default(),
@@ -148,7 +148,7 @@ where
 
     fn begin(&mut self, element: &Element, motion: &Move) {
         let (named, known, unknown) = self.placer.in_output_axes(motion);
-        let is_turned_thread = matches!(motion.manner, Manner::Thread(_)) && self.placer.turns_output();
+        let is_turned_thread = matches!(motion.motion_mode, MotionMode::Thread(_)) && self.placer.turns_output();
         self.findings.in_machine_frame(&element.origin, unknown, is_turned_thread);
         let standing = &mut self.standing;
         let starts_at_known = named.difference(standing.known).is_empty();
@@ -162,7 +162,7 @@ where
             self.findings.feed_of_turns(&element.origin);
         }
         let treatment = MoveTreatment::of(motion.rapid, self.options.rapids, starts_at_known && is_placed);
-        let (treatment, moving) = if motion.rapid || motion.manner == Manner::Reference {
+        let (treatment, moving) = if motion.rapid || motion.motion_mode == MotionMode::Reference {
             let ends = [&standing.nominal, &motion.target];
             let moving = self.placer.moving(named, standing.known.intersection(known), ends);
             (self.treatment_of_rapid(motion, treatment, moving), moving)
@@ -218,7 +218,7 @@ where
         piece
     }
 
-    fn next_piece(&mut self, active: &mut Active) -> Trial {
+    fn next_piece(&mut self, active: &mut Active) -> SegmentCandidate {
         let route = &active.route;
         let bench = SegmentFitter {
             placer: &self.placer,
@@ -229,8 +229,9 @@ where
             samples: active.samples,
             known: active.motion.known,
             tolerance_mm: self.options.tolerance_mm,
-            takes_up: active.treatment == MoveTreatment::Way && active.motion.manner == Manner::Path,
-            limits_turns: active.treatment == MoveTreatment::Way,
+            takes_up: active.treatment == MoveTreatment::RotaryDirection
+                && active.motion.motion_mode == MotionMode::Path,
+            limits_turns: active.treatment == MoveTreatment::RotaryDirection,
             settled: active.settled,
         };
         let (standing, scratch) = (&self.standing, &mut self.scratch);
@@ -238,11 +239,11 @@ where
         match active.treatment {
             MoveTreatment::Programmed => return bench.as_programmed(standing, active.moving),
             MoveTreatment::Named => return bench.of_named(standing, active.moving),
-            MoveTreatment::End | MoveTreatment::Way => {}
+            MoveTreatment::End | MoveTreatment::RotaryDirection => {}
         }
         // A move that a control may make in either direction has no defined path to cut.
-        let is_whole = active.motion.manner != Manner::Path || active.motion.turns_either_way();
-        if is_whole && active.treatment == MoveTreatment::Way {
+        let is_whole = active.motion.motion_mode != MotionMode::Path || active.motion.turns_either_way();
+        if is_whole && active.treatment == MoveTreatment::RotaryDirection {
             return bench.straight(standing, [from, 1.0], scratch);
         }
         if active.treatment == MoveTreatment::End || self.placer.model.is_empty() {
@@ -257,7 +258,7 @@ where
             // Without errors only rounding bends an arc: it rotates the bisector of a chord that is not much longer than an increment.
             let whole = match active.treatment {
                 MoveTreatment::End => bench.unmeasured_arc(standing, [from, 1.0]),
-                _ => bench.arc(standing, [from, 1.0], scratch).filter(Trial::fits),
+                _ => bench.arc(standing, [from, 1.0], scratch).filter(SegmentCandidate::fits),
             };
             if let Some(trial) = whole.filter(|_| !active.as_chords) {
                 return trial;
@@ -295,7 +296,7 @@ where
     }
 
     /// Commits a piece candidate. A step on the spot before it is already in the queue.
-    fn accept(&mut self, active: &mut Active, trial: &Trial) -> Option<Piece> {
+    fn accept(&mut self, active: &mut Active, trial: &SegmentCandidate) -> Option<Piece> {
         let [from, to] = trial.between;
         let is_last = to >= 1.0;
         let frame = &self.placer.setup.frame;
@@ -325,7 +326,7 @@ where
         }
         let is_measured = trial.deviation_mm > 0.0 && !self.placer.model.is_empty();
         if is_measured && trial.deviation_mm > self.options.tolerance_mm {
-            let is_cut = active.motion.manner == Manner::Path;
+            let is_cut = active.motion.motion_mode == MotionMode::Path;
             self.findings.tolerance_missed(&active.origin, is_cut, trial.deviation_mm, self.options.tolerance_mm);
         }
         let mut piece = self.write(active, &trial.end, Some(trial), (to - from, &nominal), is_last);

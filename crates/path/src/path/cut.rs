@@ -2,8 +2,8 @@
 
 use super::extend::{SearchBounds, longest};
 use super::route::Route;
+use super::segment_candidate::{BEND_SHARE, SegmentCandidate, SegmentFitter};
 use super::standing::PathState;
-use super::trial::{BEND_SHARE, SegmentFitter, Trial};
 
 /// Largest sweep of a piece of an arc that is not a full circle, rad: near a full turn, rounding could swap start and end.
 const MOST_SWEEP: f64 = 330.0 * std::f64::consts::PI / 180.0;
@@ -26,7 +26,7 @@ pub(super) fn fit_arc(
     within: [f64; 2],
     guess: f64,
     scratch: &mut Vec<f64>,
-) -> Option<Trial> {
+) -> Option<SegmentCandidate> {
     let [from, limit] = within;
     let swept = bench.route.sweep_rad().abs();
     if from == 0.0 && limit >= 1.0 {
@@ -53,7 +53,7 @@ pub(super) fn fit_arc(
         floor: USEFUL_CHORDS * 2.0 * half_chord / swept,
         order: 3.0,
     };
-    longest(reach, |between| bench.arc(standing, between, scratch)).filter(Trial::fits)
+    longest(reach, |between| bench.arc(standing, between, scratch)).filter(SegmentCandidate::fits)
 }
 
 /// The longest straight piece that fits. `first` is the candidate over the whole range, if available. If a piece turns rotary corrections too far for
@@ -62,9 +62,9 @@ pub(super) fn fit_line(
     bench: &SegmentFitter<'_, '_>,
     standing: &PathState,
     reach: SearchBounds,
-    mut first: Option<Trial>,
+    mut first: Option<SegmentCandidate>,
     scratch: &mut Vec<f64>,
-) -> Option<Trial> {
+) -> Option<SegmentCandidate> {
     let mut found =
         longest(reach, |between| first.take().or_else(|| Some(bench.straight(standing, between, scratch))))?;
     if !found.fits() {
@@ -73,7 +73,7 @@ pub(super) fn fit_line(
         let reach = SearchBounds { guess: reach.limit - reach.from, ..reach };
         found = longest(reach, |between| {
             let trial = bench.straight(standing, between, scratch);
-            Some(Trial { allowed_mm: trial.allowed_mm.max(enough_mm), ..trial })
+            Some(SegmentCandidate { allowed_mm: trial.allowed_mm.max(enough_mm), ..trial })
         })?;
     }
     let mut shorter = found;

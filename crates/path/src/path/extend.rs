@@ -3,7 +3,7 @@
 //! The deviation of a straight piece grows with the square of its length, that of an arc faster. An attempt that is too long or too short thus
 //! predicts the next one. If kinks or rounding make the deviation jump, bisection takes over.
 
-use super::trial::Trial;
+use super::segment_candidate::SegmentCandidate;
 
 /// Maximum attempts for one piece.
 const MOST_TRIALS: usize = 12;
@@ -36,22 +36,28 @@ pub(super) struct SearchBounds {
 
 /// The longest piece that fits, or the one at the floor if none fits. If little would remain after it, the rest is halved: the number of pieces is
 /// unchanged, and none is a splinter.
-pub(super) fn longest(reach: SearchBounds, mut attempt: impl FnMut([f64; 2]) -> Option<Trial>) -> Option<Trial> {
+pub(super) fn longest(
+    reach: SearchBounds,
+    mut attempt: impl FnMut([f64; 2]) -> Option<SegmentCandidate>,
+) -> Option<SegmentCandidate> {
     let found = search(reach, &mut attempt)?;
     let [from, to] = found.between;
     let (length, rest) = (to - from, reach.limit - to);
     if rest > 0.0 && rest < SPLINTER_SHARE * length && found.fits() {
         let half = attempt([from, from + 0.5 * (length + rest)]);
-        return half.filter(Trial::fits).or(Some(found));
+        return half.filter(SegmentCandidate::fits).or(Some(found));
     }
     Some(found)
 }
 
 /// Searches without regard to the remainder.
-fn search(reach: SearchBounds, attempt: &mut impl FnMut([f64; 2]) -> Option<Trial>) -> Option<Trial> {
+fn search(
+    reach: SearchBounds,
+    attempt: &mut impl FnMut([f64; 2]) -> Option<SegmentCandidate>,
+) -> Option<SegmentCandidate> {
     let most = reach.limit - reach.from;
     let floor = reach.floor.min(most);
-    let mut best: Option<Trial> = None;
+    let mut best: Option<SegmentCandidate> = None;
     let mut too_long = f64::INFINITY;
     let mut length = reach.guess.clamp(floor, most);
     for _ in 0..MOST_TRIALS {

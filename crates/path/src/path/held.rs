@@ -5,8 +5,8 @@ use ncfix_machine::machine::State;
 
 use super::place::Placed;
 use super::route::distance_mm;
+use super::segment_candidate::{PieceEnds, SAME_PLACE_MM, SAMPLED_SHARE, SegmentFitter};
 use super::standing::PathState;
-use super::trial::{PieceEnds, SAME_PLACE_MM, SAMPLED_SHARE, SegmentFitter};
 
 impl SegmentFitter<'_, '_> {
     /// The ends for an axis that the program does not move and that the errors of the others push one way: it is held through the piece. Its error is

@@ -9,10 +9,10 @@ use std::sync::Arc;
 
 use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisSet, AxisVector, ROTARY_AXES};
 use ncfix_machine::machine::{Machine, State};
-use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Manner};
+use ncfix_machine::snc::{Dwell, FeedUnit, Kind, MotionMode};
 use ncfix_model::{Model, Solve};
 
-use super::place::Placer;
+use super::place::CommandSolver;
 use super::{CorrectionOptions, Increments, Output, Piece, lost_axes};
 
 /// Input of [`Doses`] for a piece.
@@ -63,7 +63,7 @@ pub struct Applied {
 /// Applies the second step to pieces in the order of the program.
 pub struct Live<'a> {
     machine: &'a Machine,
-    placer: Placer<'a>,
+    placer: CommandSolver<'a>,
     /// Command of the first step, and nominal position.
     command: AxisVector,
     nominal: AxisVector,
@@ -82,7 +82,7 @@ impl<'a> Live<'a> {
         let start = options.start;
         Live {
             machine,
-            placer: Placer::new(machine, base, options),
+            placer: CommandSolver::new(machine, base, options),
             command: start.unwrap_or(AxisVector::ZERO),
             nominal: start.unwrap_or(AxisVector::ZERO),
             sent: start.unwrap_or(AxisVector::ZERO),
@@ -122,7 +122,7 @@ impl<'a> Live<'a> {
     fn shift(&mut self, piece: Piece, now: Option<&Model>, doses: &mut dyn Doses) -> Piece {
         let (way_mm, time_s) = self.way(&piece);
         let allows = match () {
-            () if !piece.is_corrected || piece.manner == Manner::Reference => Allows::Release,
+            () if !piece.is_corrected || piece.motion_mode == MotionMode::Reference => Allows::Release,
             () if piece.arc.is_some() || piece.take_up => Allows::Nothing,
             () if piece.rapid => Allows::Rapid,
             () => Allows::Change,

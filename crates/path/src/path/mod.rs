@@ -28,6 +28,7 @@ mod reach;
 mod remaining;
 mod rotary_word;
 mod route;
+mod segment_candidate;
 mod sides;
 mod singularity;
 mod slope;
@@ -35,7 +36,6 @@ mod standing;
 mod steps;
 mod tips;
 mod treatment;
-mod trial;
 mod turn;
 mod volume;
 mod way;
@@ -58,7 +58,7 @@ pub use volume::volume;
 
 use ncfix_base::geometry::{AXIS_COUNT, AxisSet, AxisVector, Plane};
 use ncfix_machine::machine::{Machine, ToolChange};
-use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, Manner, Origin, Way, Word, WordValue};
+use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, MotionMode, Origin, RotaryDirection, Word, WordValue};
 
 /// Options of a correction.
 #[derive(Clone, Debug, PartialEq)]
@@ -256,7 +256,7 @@ pub struct Piece {
     /// `true` if the source writes machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
     /// Motion mode.
-    pub manner: Manner,
+    pub motion_mode: MotionMode,
     /// Axis commands at the end, without tool: mm, rad.
     pub command: AxisVector,
     /// Commands of the program at the end.
@@ -274,7 +274,7 @@ impl Piece {
     #[must_use]
     pub fn stands_still(&self) -> bool {
         let is_further = !self.starts_block && !self.first && !self.feed_named;
-        is_further && self.words.is_empty() && self.arc.is_none() && self.manner == Manner::Path
+        is_further && self.words.is_empty() && self.arc.is_none() && self.motion_mode == MotionMode::Path
     }
 }
 
@@ -285,7 +285,7 @@ pub enum RotaryWord {
     #[default]
     Plain,
     /// The position within the turn: `C10`, `DC(10)`, `ACP(10)` or `ACN(10)`.
-    Within(Way),
+    Within(RotaryDirection),
     /// `IC(…)`: more than a full turn, in increments.
     Step(i64),
 }
@@ -294,7 +294,7 @@ impl RotaryWord {
     /// `true` if it is written with a function: `=DC(10)`.
     #[must_use]
     pub fn is_function(self) -> bool {
-        !matches!(self, RotaryWord::Plain | RotaryWord::Within(Way::Plain))
+        !matches!(self, RotaryWord::Plain | RotaryWord::Within(RotaryDirection::Plain))
     }
 }
 

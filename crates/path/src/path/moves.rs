@@ -2,7 +2,7 @@
 
 use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{Element, Kind, Manner, Move};
+use ncfix_machine::snc::{Element, Kind, MotionMode, Move};
 
 use super::findings::placing_axes;
 use super::lost_axes;
@@ -72,7 +72,7 @@ impl<'a> Moves<'a> {
     fn is_looked_at(&self, motion: &Move) -> bool {
         let is_known =
             motion.named.difference(self.known).is_empty() && self.placing.difference(motion.known).is_empty();
-        !motion.rapid && motion.manner == Manner::Path && is_known
+        !motion.rapid && motion.motion_mode == MotionMode::Path && is_known
     }
 
     fn take(&mut self, element: &Element, motion: &Move) {

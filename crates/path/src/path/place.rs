@@ -38,7 +38,7 @@ pub(super) struct Placed {
 
 /// Corrects and rounds positions.
 #[derive(Clone, Debug)]
-pub(super) struct Placer<'a> {
+pub(super) struct CommandSolver<'a> {
     pub(super) model: &'a Model,
     pub(super) setup: Arc<Setup>,
     pub(super) increments: Increments,
@@ -60,11 +60,11 @@ pub(super) struct Placer<'a> {
     slope: Option<RefCell<Slope>>,
 }
 
-impl<'a> Placer<'a> {
-    pub(super) fn new(machine: &Machine, model: &'a Model, options: &CorrectionOptions) -> Placer<'a> {
+impl<'a> CommandSolver<'a> {
+    pub(super) fn new(machine: &Machine, model: &'a Model, options: &CorrectionOptions) -> CommandSolver<'a> {
         let axes = machine.axis_set();
         let has_rotary = axes.iter().any(Axis::is_rotary);
-        Placer {
+        CommandSolver {
             model,
             axes,
             setup: Arc::default(),

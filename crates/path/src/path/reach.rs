@@ -6,7 +6,7 @@ use super::route::Route;
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AXES, AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{Element, Kind, Manner, Move, Origin};
+use ncfix_machine::snc::{Element, Kind, MotionMode, Move, Origin};
 
 /// Checks the moves of a program from its stream.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ impl<'a> ReachScan<'a> {
         self.known = self.known.difference(lost_axes(element, self.machine));
         if let Kind::Move(motion) = &element.kind {
             // The path to a reference point is chosen by the control.
-            if motion.manner != Manner::Reference {
+            if motion.motion_mode != MotionMode::Reference {
                 self.look(&element.origin, motion);
             }
             self.standing = motion.target;

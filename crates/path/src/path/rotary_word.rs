@@ -4,10 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use ncfix_base::geometry::ROTARY_AXES;
 use ncfix_machine::machine::{Machine, Rollover};
-use ncfix_machine::snc::{Move, Way};
+use ncfix_machine::snc::{Move, RotaryDirection};
 
 use super::RotaryWord;
-use super::place::{Placed, Placer};
+use super::place::{CommandSolver, Placed};
 use super::standing::PathState;
 
 /// Margin around half a turn within which the shortest direction is ambiguous, rad.
@@ -15,7 +15,7 @@ const HALF_TURN_ROOM: f64 = 1e-3;
 
 /// The words of A, B and C at the end of a piece.
 pub(super) fn words(
-    placer: &Placer<'_>,
+    placer: &CommandSolver<'_>,
     machine: &Machine,
     standing: &PathState,
     motion: &Move,
@@ -37,9 +37,9 @@ pub(super) fn words(
             *word = RotaryWord::Within(motion.ways.get(axis.dimension()).copied().unwrap_or_default());
             continue;
         }
-        if motion.ways.get(axis.dimension()) == Some(&Way::Either) {
+        if motion.ways.get(axis.dimension()) == Some(&RotaryDirection::Either) {
             // The control decides, as in the program.
-            *word = RotaryWord::Within(Way::Either);
+            *word = RotaryWord::Within(RotaryDirection::Either);
             continue;
         }
         let [from, to] = [programmed[0][axis], programmed[1][axis]];
@@ -48,15 +48,15 @@ pub(super) fn words(
         let is_plain =
             if is_shortest { step.abs() < PI - HALF_TURN_ROOM } else { (from / TAU).floor() == (to / TAU).floor() };
         *word = if is_plain {
-            RotaryWord::Within(Way::Plain)
+            RotaryWord::Within(RotaryDirection::Plain)
         } else if step.abs() < PI - HALF_TURN_ROOM {
-            RotaryWord::Within(Way::Shortest)
+            RotaryWord::Within(RotaryDirection::Shortest)
         } else if step.abs() >= TAU - HALF_TURN_ROOM {
             let slot = axis.slot();
             let last = standing.counts.get(slot).copied().unwrap_or_default();
             RotaryWord::Step(placed.counts.get(slot).copied().unwrap_or_default() - last)
         } else {
-            RotaryWord::Within(if step > 0.0 { Way::Positive } else { Way::Negative })
+            RotaryWord::Within(if step > 0.0 { RotaryDirection::Positive } else { RotaryDirection::Negative })
         };
     }
     out

@@ -5,8 +5,8 @@ use ncfix_machine::machine::State;
 
 use super::place::Placed;
 use super::route::Route;
+use super::segment_candidate::SegmentFitter;
 use super::standing::PathState;
-use super::trial::SegmentFitter;
 
 impl SegmentFitter<'_, '_> {
     /// The largest distance of the tip from its place while axes change to these directions, mm. Their bodies leave the dead bands one after the

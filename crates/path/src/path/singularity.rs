@@ -12,7 +12,7 @@ use ncfix_base::geometry::{AxisVector, ROTARY_AXES};
 use ncfix_machine::machine::State;
 
 use super::place::Placed;
-use super::trial::SegmentFitter;
+use super::segment_candidate::SegmentFitter;
 
 /// Largest change of the correction of a rotary axis in one block near a singularity, rad. A tip 300 mm from the axis then leaves the chord by 300 ·
 /// φ²/8 = 0.01 µm, less than any increment, so the position is exact between the ends too. A table that turns at 20 rpm needs a quarter of a

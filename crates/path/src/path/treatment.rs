@@ -16,7 +16,7 @@ pub(super) enum MoveTreatment {
     /// Corrected at its end, in one piece.
     End,
     /// Corrected along the path.
-    Way,
+    RotaryDirection,
 }
 
 impl MoveTreatment {
@@ -25,7 +25,7 @@ impl MoveTreatment {
         match (rapid, rapids) {
             (true, Rapids::None) => MoveTreatment::Programmed,
             (true, Rapids::Ends) => MoveTreatment::End,
-            _ if is_placed => MoveTreatment::Way,
+            _ if is_placed => MoveTreatment::RotaryDirection,
             _ => MoveTreatment::End,
         }
     }

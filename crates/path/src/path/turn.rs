@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use ncfix_base::geometry::{AXES, Arc, Axis, AxisVector, Matrix, Plane, Vector};
 
 use super::route::Route;
+use super::segment_candidate::{PieceEnds, SAME_PLACE_MM, SegmentCandidate, SegmentFitter, state_of};
 use super::standing::PathState;
-use super::trial::{PieceEnds, SAME_PLACE_MM, SegmentFitter, Trial, state_of};
 use super::{Centers, PieceArc, Turns, arc_fit};
 
 /// Used share of the control's tolerance for arc centers, so that the control's arithmetic agrees.
@@ -16,7 +16,7 @@ const SAME_ANGLE: f64 = 1e-7;
 
 impl SegmentFitter<'_, '_> {
     /// The piece as an arc, without measured deviation; `None` if the rounded ends allow none.
-    pub(super) fn unmeasured_arc(&self, standing: &PathState, between: [f64; 2]) -> Option<Trial> {
+    pub(super) fn unmeasured_arc(&self, standing: &PathState, between: [f64; 2]) -> Option<SegmentCandidate> {
         let arc = *self.route.arc()?;
         let (plane, clockwise) = self.emitted_plane(arc.plane, arc.clockwise)?;
         let ends = self.ends(standing, between);

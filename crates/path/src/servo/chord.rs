@@ -153,13 +153,13 @@ impl Turn {
 }
 
 /// The path of a move.
-struct Way {
+struct ChordPath {
     start: AxisVector,
     end: AxisVector,
     turn: Option<Turn>,
 }
 
-impl Way {
+impl ChordPath {
     fn at(&self, share: f64) -> AxisVector {
         if share >= 1.0 {
             return self.end;
@@ -195,7 +195,7 @@ impl Cutter {
     /// Passes on the chords of a move, in order.
     pub(super) fn cut(&self, start: &AxisVector, motion: &ServoMove, tool_mm: &Vector, see: &mut dyn FnMut(&Chord)) {
         let turn = motion.circle.and_then(|circle| Turn::new(circle, &start.xyz(), &motion.target.xyz()));
-        let way = Way { start: *start, end: motion.target, turn };
+        let way = ChordPath { start: *start, end: motion.target, turn };
         let count = self.count(&way, tool_mm);
         let mut from = *start;
         let mut tip = self.kinematics.tip_mm(&from, tool_mm);
@@ -214,7 +214,7 @@ impl Cutter {
     }
 
     /// The number of chords of a path.
-    fn count(&self, way: &Way, tool_mm: &Vector) -> usize {
+    fn count(&self, way: &ChordPath, tool_mm: &Vector) -> usize {
         let most_turn = self.kinematics.rotary_axes().map(|axis| (way.end[axis] - way.start[axis]).abs());
         let most_turn = most_turn.fold(0.0, f64::max);
         let of_circle = way.turn.as_ref().map_or(1.0, Turn::chords);

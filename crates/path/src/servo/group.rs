@@ -5,7 +5,7 @@
 
 use crate::path::{Output, Piece};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
-use ncfix_machine::snc::Manner;
+use ncfix_machine::snc::MotionMode;
 
 /// Lowest feed as a share of the programmed feed.
 const LEAST_SHARE: f64 = 0.05;
@@ -84,7 +84,9 @@ impl Waiting {
     /// `true` if its feed must stay.
     pub(super) fn is_fixed(&self) -> bool {
         self.unit.is_none()
-            || self.piece().is_none_or(|piece| piece.rapid || piece.manner != Manner::Path || piece.feed <= 0.0)
+            || self
+                .piece()
+                .is_none_or(|piece| piece.rapid || piece.motion_mode != MotionMode::Path || piece.feed <= 0.0)
     }
 
     /// The programmed speed, mm/min.
@@ -117,7 +119,7 @@ impl Waiting {
     /// The diagnostic at this piece for a group that exceeds the limit.
     pub(super) fn exceeds(&self, group: &PieceGroup, off_mm: f64, limit_mm: f64) -> Option<Diagnostic> {
         let piece = self.piece()?;
-        let (why, help) = if piece.manner != Manner::Path {
+        let (why, help) = if piece.motion_mode != MotionMode::Path {
             ("its motion is none of the path", "feeds of threads, positioning and probing stay as they are")
         } else if self.unit.is_none() {
             ("its feed is a time (G93), which stays", "program it with G94, or take longer times")

@@ -12,7 +12,7 @@ use crate::path::{CorrectionOptions, Increments, Output, OutputFrame, Piece, Pie
 use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
 use ncfix_dialect::{BlockEnd, BlockEnds};
 use ncfix_machine::machine::{Machine, Servo};
-use ncfix_machine::snc::{Dwell, Element, FeedUnit, Kind, Manner, Setup, Word, WordValue};
+use ncfix_machine::snc::{Dwell, Element, FeedUnit, Kind, MotionMode, Setup, Word, WordValue};
 use ncfix_model::Model;
 
 /// A program on a machine.
@@ -43,7 +43,7 @@ struct Order {
     circle: Option<SpaceCircle>,
     rapid: bool,
     feed: f64,
-    manner: Manner,
+    motion_mode: MotionMode,
     unit: FeedUnit,
     named: AxisSet,
     known: AxisSet,
@@ -94,7 +94,7 @@ impl<'a> Run<'a> {
             circle: motion.arc.map(|arc| SpaceCircle::of_arc(&arc, &start)),
             rapid: motion.rapid,
             feed: motion.feed,
-            manner: motion.manner,
+            motion_mode: motion.motion_mode,
             unit: motion.unit,
             named: motion.named,
             known: motion.known,
@@ -147,7 +147,7 @@ impl<'a> Run<'a> {
             circle: piece.arc.map(|arc| self.circle_of(&arc, &start)),
             rapid: piece.rapid,
             feed: piece.feed,
-            manner: piece.manner,
+            motion_mode: piece.motion_mode,
             unit: piece.unit,
             named: piece.words,
             known: piece.known,
@@ -181,7 +181,8 @@ impl<'a> Run<'a> {
             self.drive.jump(&order.target, see);
             return;
         }
-        let is_alone = matches!(order.manner, Manner::Positioning | Manner::Reference | Manner::Probe(_));
+        let is_alone =
+            matches!(order.motion_mode, MotionMode::Positioning | MotionMode::Reference | MotionMode::Probe(_));
         if is_alone || order.rapid != self.is_rapid {
             self.drive.stop(see);
         }
@@ -201,10 +202,10 @@ impl<'a> Run<'a> {
     }
 
     fn pace(&self, order: &Order) -> MoveSpeed {
-        if order.rapid || matches!(order.manner, Manner::Positioning | Manner::Reference) {
+        if order.rapid || matches!(order.motion_mode, MotionMode::Positioning | MotionMode::Reference) {
             return MoveSpeed::Rapid;
         }
-        if let Manner::Thread(thread) = order.manner
+        if let MotionMode::Thread(thread) = order.motion_mode
             && let Some((_, lead_mm)) = thread.lead
         {
             return MoveSpeed::Feed(lead_mm.abs() * self.spindle_rpm / 60.0);

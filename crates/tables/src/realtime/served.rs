@@ -16,7 +16,7 @@ pub enum ServingEnd {
     /// The control ended it.
     Control,
     /// The operator ended it.
-    Told,
+    Stopped,
     /// The control overran a ring.
     Overrun(Overrun),
 }
@@ -39,7 +39,7 @@ pub fn serve(ring: &Ring, cycle: &mut Cycle, counts: &mut CycleCounts, is_over: 
             return ServingEnd::Control;
         }
         if is_over() {
-            return ServingEnd::Told;
+            return ServingEnd::Stopped;
         }
         looks += 1;
         if looks < LOOKS { std::hint::spin_loop() } else { std::thread::sleep(REST) }

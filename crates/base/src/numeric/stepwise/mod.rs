@@ -157,7 +157,7 @@ pub struct Choice {
     /// Steps in their order.
     pub steps: Vec<Step>,
     /// Candidates that are not identifiable beside the columns that are always in.
-    pub not_told: Vec<usize>,
+    pub not_identified: Vec<usize>,
     /// Number of candidates that were tested.
     pub tried: usize,
     /// Autocorrelation in each noise group, by its label.
@@ -174,7 +174,8 @@ pub fn choose(rows: &Rows, rule: Rule) -> Option<Choice> {
         return None;
     }
     let search = StepwiseSearch::new(&prepared, rows, rule);
-    let mut choice = Choice { not_told: prepared.not_told.clone(), tried: prepared.told.len(), ..Choice::default() };
+    let mut choice =
+        Choice { not_identified: prepared.not_identified.clone(), tried: prepared.told.len(), ..Choice::default() };
     let mut chosen: Vec<usize> = Vec::new();
     let mut noise = search.noise(&chosen);
     let criterion = search.criterion();

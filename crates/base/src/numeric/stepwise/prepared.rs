@@ -19,7 +19,7 @@ pub(super) struct PreparedRows {
     /// Identifiable candidates, by their numbers among all candidates.
     pub(super) told: Vec<usize>,
     /// Candidates that are not identifiable.
-    pub(super) not_told: Vec<usize>,
+    pub(super) not_identified: Vec<usize>,
     /// Length of each identifiable candidate before normalization.
     pub(super) lengths: Vec<f64>,
     pub(super) groups: Vec<NoiseGroup>,
@@ -58,7 +58,7 @@ impl PreparedRows {
                 others.gemm(-1.0, &base, &along, 1.0);
             }
         }
-        let (mut told, mut not_told, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut told, mut not_identified, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
         for (candidate, &before) in before.iter().enumerate().take(candidates) {
             let left = others.column(candidate).norm();
             if left > LEAST_LEFT * before && left > f64::MIN_POSITIVE {
@@ -66,7 +66,7 @@ impl PreparedRows {
                 told.push(candidate);
                 lengths.push(left);
             } else {
-                not_told.push(candidate);
+                not_identified.push(candidate);
             }
         }
         let kept: Vec<usize> = told.iter().copied().chain([candidates]).collect();
@@ -77,7 +77,17 @@ impl PreparedRows {
         }
         let (groups, begins) = grouped(rows, &order);
         let noise = order.iter().map(|&row| rows.noise[row]).collect();
-        Some(PreparedRows { rows: all, always: base.ncols(), told, not_told, lengths, groups, begins, noise, order })
+        Some(PreparedRows {
+            rows: all,
+            always: base.ncols(),
+            told,
+            not_identified,
+            lengths,
+            groups,
+            begins,
+            noise,
+            order,
+        })
     }
 
     pub(super) fn width(&self) -> usize {

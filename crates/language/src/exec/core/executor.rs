@@ -2,17 +2,17 @@
 
 use std::collections::VecDeque;
 
-use super::ledger::{Ledger, Stage};
+use super::run_state::{RunState, Stage};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_machine::snc::Element;
 
 /// The executor of a language.
 pub(in crate::exec) trait Executor {
     /// The ledger of the run.
-    fn ledger(&self) -> &Ledger;
+    fn ledger(&self) -> &RunState;
 
     /// The ledger, and the elements that are final.
-    fn books(&mut self) -> (&mut Ledger, &mut VecDeque<Element>);
+    fn books(&mut self) -> (&mut RunState, &mut VecDeque<Element>);
 
     /// Executes a block.
     fn step(&mut self);

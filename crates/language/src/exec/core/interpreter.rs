@@ -7,11 +7,11 @@ use std::hash::Hash;
 use super::executor::Executor;
 use super::family::{BlockOf, Family, FileOf};
 use super::fault::Fault;
-use super::ledger::Ledger;
 use super::level::{AfterBlock, ProgramLevel};
 use super::library::Library;
-use super::outlet::HasOutlet;
+use super::motion_sink::HasOutlet;
 use super::program::{ProgramText, Statement};
+use super::run_state::RunState;
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::source::{FileId, Source, Span};
 use ncfix_machine::machine::Machine;
@@ -79,7 +79,7 @@ pub(in crate::exec) trait Execute: Family {
 pub(in crate::exec) struct Runner<'a, F: Execute> {
     pub(in crate::exec) machine: &'a Machine,
     pub(in crate::exec) library: Box<dyn Library + 'a>,
-    pub(in crate::exec) ledger: Ledger,
+    pub(in crate::exec) ledger: RunState,
     /// The files of the run; the first one contains the main program.
     pub(in crate::exec) programs: Vec<FileOf<F>>,
     /// The running programs; the innermost is last.
@@ -96,7 +96,7 @@ impl<'a, F: Execute> Runner<'a, F> {
     pub(in crate::exec) fn start(
         machine: &'a Machine,
         library: Box<dyn Library + 'a>,
-        ledger: Ledger,
+        ledger: RunState,
         (channel, own): (F::Channel<'a>, F::Run),
         (main, level): (FileOf<F>, ProgramLevel<F>),
     ) -> Self {
@@ -262,11 +262,11 @@ impl<'a, F: Execute> Runner<'a, F> {
 }
 
 impl<F: Execute> Executor for Runner<'_, F> {
-    fn ledger(&self) -> &Ledger {
+    fn ledger(&self) -> &RunState {
         &self.ledger
     }
 
-    fn books(&mut self) -> (&mut Ledger, &mut VecDeque<Element>) {
+    fn books(&mut self) -> (&mut RunState, &mut VecDeque<Element>) {
         (&mut self.ledger, &mut self.channel.outlet().queue)
     }
 

@@ -21,10 +21,10 @@
 //! 1. **A tree.** Its grammar lives in `syntax`; [`program::ProgramText`] and [`program::Statement`] give the core the blocks with their lines,
 //!    numbers and skip levels.
 //! 2. **Types**, [`family::Family`]: the derived data of a file, calls, and the data of a level.
-//! 3. **A channel**: plain state and an [`outlet::Outlet`]. The state consists of [`modal::Modes`] with the family's motion modes,
+//! 3. **A channel**: plain state and an [`motion_sink::MotionSink`]. The state consists of [`modal::Modes`] with the family's motion modes,
 //!    [`modal::CodesInForce`] with its other groups and their codes at the start, a [`tool::ToolState`] with its length, a [`tool::ToolTable`] with
 //!    the edge data of its control, and a [`position::Position`]. The family itself gathers words, evaluates values, and executes a block in the
-//!    order of the control; motions become a [`path::Path`] with a [`contour::Wish`] and go to the outlet.
+//!    order of the control; motions become a [`path::Path`] with a [`contour::ContourRequest`] and go to the outlet.
 //! 4. **Functions**, [`interpreter::Execute`]: the effect of a block, the search and start of calls, and the meaning of an end.
 //!
 //! In return the core counts blocks and ends endless programs, skips blocks by level, sets the origin of each element, and repeats sections. It
@@ -47,7 +47,7 @@
 //! | `Q1 = Q2 + SIN 30` | not part of the core: the channel keeps Q, QL, QR, QS |
 //! | `L X+10 IY+5 R0 FMAX M3` | words gathered, axis by axis absolute or incremental; `Shape::Line`, `ContourModal::side` of R0, RL, RR |
 //! | `CC`, `C`, `CR`, `CT` | the pole is state; `Shape::Arc`; `CT` uses the final direction of the previous path |
-//! | `RND`, `CHF`, `APPR`, `DEP` | `Wish::corner`, `Wish::soft`, as contour words of Grundig |
+//! | `RND`, `CHF`, `APPR`, `DEP` | `ContourRequest::corner`, `ContourRequest::soft`, as contour words of Grundig |
 //! | cycle 7, 8, 10, 11, 26, `PLANE` | frames of the channel; [`standing::InForce`] holds their product |
 //! | `CYCL DEF 200 …` | state: the parameters are Q; DEF-active cycles act immediately |
 //! | `CYCL CALL`, `M99` | [`step`]s of the cycle, executed at the position |
@@ -64,7 +64,7 @@
 //! The gatherer of a family converts diameters: internally there are radii. The working plane is ZX. Nose radius compensation is radius compensation
 //! about a center that [`contour`] shifts by the vector of the tip. G71 to G73 and related cycles read a contour between two blocks: those blocks are
 //! executed into a list of paths in place of the outlet, and the cycle derives its steps from them. Execution continues with `AfterBlock::Goto` after
-//! the last block. Threads are moves with `Manner::Thread`. Feed per turn and constant cutting speed are state that moves already carry.
+//! the last block. Threads are moves with `MotionMode::Thread`. Feed per turn and constant cutting speed are state that moves already carry.
 
 pub(in crate::exec) mod arc;
 pub(in crate::exec) mod contour;
@@ -75,12 +75,11 @@ pub(in crate::exec) mod five_axis;
 pub(in crate::exec) mod flags;
 pub(in crate::exec) mod grid;
 pub(in crate::exec) mod interpreter;
-pub(in crate::exec) mod ledger;
 pub(in crate::exec) mod level;
 pub(in crate::exec) mod library;
 pub(in crate::exec) mod modal;
+pub(in crate::exec) mod motion_sink;
 pub(in crate::exec) mod options;
-pub(in crate::exec) mod outlet;
 pub(in crate::exec) mod path;
 pub(in crate::exec) mod position;
 pub(in crate::exec) mod program;
@@ -88,6 +87,7 @@ pub(in crate::exec) mod radius;
 pub(in crate::exec) mod reference;
 pub(in crate::exec) mod resolve;
 pub(in crate::exec) mod rollover;
+pub(in crate::exec) mod run_state;
 pub(in crate::exec) mod sagitta;
 pub(in crate::exec) mod settings;
 pub(in crate::exec) mod standing;

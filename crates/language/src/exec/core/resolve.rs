@@ -1,13 +1,13 @@
 //! Converts paths in base coordinates to axis moves.
 
 use super::five_axis;
-use super::outlet::Outlet;
+use super::motion_sink::MotionSink;
 use super::path::{Path, Shape};
 use super::sagitta::{self, chord_count};
 use ncfix_base::geometry::{Arc, AxisVector};
 use ncfix_machine::snc::{Element, Kind, Move};
 
-impl Outlet<'_> {
+impl MotionSink<'_> {
     /// Emits the moves of a path.
     pub(in crate::exec) fn resolve(&mut self, path: &Path, mut element: Element) {
         let queue = &mut self.queue;

@@ -1,24 +1,24 @@
 //! A moderate family for tests: jumps, calls, repetitions, a shift and a cycle on the core.
 
-use super::contour::{ContourModal, Wish};
+use super::contour::{ContourModal, ContourRequest};
 use super::executor::Executor;
 use super::family::Family;
 use super::fault::{Fault, fault};
 use super::interpreter::{self, Execute};
-use super::ledger::Ledger;
 use super::level::{self, RepeatedSection};
 use super::library::NoLibrary;
+use super::motion_sink::{HasOutlet, MotionSink};
 use super::options::Options;
-use super::outlet::{HasOutlet, Outlet};
 use super::path::{Path, Shape};
 use super::program::{LoadedFile, ProgramText, Statement};
+use super::run_state::RunState;
 use super::standing::InForce;
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, PlaneBasis};
 use ncfix_base::source::{FileId, Source, Span};
 use ncfix_machine::machine::Machine;
 use ncfix_machine::machine::file::{DEMO, MachineFile, read_machine};
-use ncfix_machine::snc::{BlockNumber, FeedUnit, Kind, Manner, Move, Origin, Setup, Way};
+use ncfix_machine::snc::{BlockNumber, FeedUnit, Kind, MotionMode, Move, Origin, RotaryDirection, Setup};
 use std::collections::HashMap;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -94,7 +94,7 @@ impl Family for Toy {
 
 /// The state: parameters, shift, depth of the cycle, position; and the outlet.
 struct Channel<'a> {
-    outlet: Outlet<'a>,
+    outlet: MotionSink<'a>,
     standing: InForce,
     parameters: [f64; 4],
     depth: Option<f64>,
@@ -102,7 +102,7 @@ struct Channel<'a> {
 }
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
-    fn outlet(&mut self) -> &mut Outlet<'a> {
+    fn outlet(&mut self) -> &mut MotionSink<'a> {
         &mut self.outlet
     }
 }
@@ -121,14 +121,14 @@ fn line(channel: &mut Channel<'_>, place: AxisVector, rapid: bool, span: Span) {
         feed: 100.0,
         feed_named: false,
         unit: FeedUnit::PerMinute,
-        ways: [Way::Plain; 3],
+        ways: [RotaryDirection::Plain; 3],
         in_machine_frame: false,
-        manner: Manner::Path,
+        motion_mode: MotionMode::Path,
         off_curve_mm: 0.0,
     };
     let basis = PlaneBasis::Principal(Plane::XY);
     let path = Path { motion, start, start_known: AxisSet::XYZ, basis, shape: Shape::Line, setup, span };
-    let wish = Wish::of(ContourModal::default(), 0.0, span, channel.outlet.file());
+    let wish = ContourRequest::of(ContourModal::default(), 0.0, span, channel.outlet.file());
     let element = channel.outlet.element(Kind::Empty);
     channel.outlet.pass_path(path, element, wish);
 }
@@ -243,13 +243,13 @@ fn run(text: &str) -> (Vec<[f64; 3]>, Vec<Code>) {
     let labels = program.blocks.iter().enumerate().filter(|(_, block)| block.word == "LBL");
     let labels = labels.map(|(index, block)| (block.numbers[0] as u32, index)).collect();
     let channel = Channel {
-        outlet: Outlet::new(&machine, &options),
+        outlet: MotionSink::new(&machine, &options),
         standing: InForce::default(),
         parameters: [0.0; 4],
         depth: None,
         place: AxisVector::ZERO,
     };
-    let ledger = Ledger::new(source, program.blocks.len(), &options);
+    let ledger = RunState::new(source, program.blocks.len(), &options);
     let main = (LoadedFile::with(program, labels), Level::new(0, 0, 0, 0, ()));
     let mut running = Interpreter::start(&machine, Box::new(NoLibrary), ledger, (channel, ()), main);
     let (mut ends, mut found) = (Vec::new(), Vec::new());

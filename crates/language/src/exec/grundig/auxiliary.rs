@@ -4,7 +4,7 @@ use super::channel::GrundigAtHand;
 use super::gathered::Gathered;
 use super::modal::Modal;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::settings::RunSettings;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
@@ -19,7 +19,7 @@ const BEHIND: &[u16] = &[0, 1, 2, 5, 9, 30];
 pub(super) fn feed_and_speed(
     modal: &mut Modal,
     block: &mut GrundigAtHand,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     gathered: &mut Gathered,
 ) -> Result<(), Fault> {
     if let Some((feed, span)) = gathered.once(b'F', None)? {
@@ -47,7 +47,7 @@ pub(super) fn functions(
     settings: &RunSettings<'_>,
     block: &mut GrundigAtHand,
     spindle: &mut Option<u16>,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     gathered: &mut Gathered,
 ) -> Result<Vec<Word>, Fault> {
     let mut behind = Vec::new();
@@ -83,7 +83,7 @@ pub(super) fn head(machine: &Machine, number: u16, span: Span) -> Result<(), Fau
     Err(fault(Code::NOT_SUPPORTED, span, message, help))
 }
 
-pub(super) fn dwell(outlet: &mut Outlet<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+pub(super) fn dwell(outlet: &mut MotionSink<'_>, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
     let help = "write for example G4 X1.5";
     let dwell = match (gathered.once(b'X', None)?, gathered.once(b'D', None)?) {
         (Some((seconds, _)), None) if seconds >= 0.0 => Dwell::Seconds(seconds),

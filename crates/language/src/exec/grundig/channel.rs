@@ -7,8 +7,8 @@ use crate::exec::core::step::Flat;
 use super::expression::Parameters;
 use super::modal::Modal;
 use crate::exec::core::contour::{Corner, Soft};
+use crate::exec::core::motion_sink::{HasOutlet, MotionSink};
 use crate::exec::core::options::Options;
-use crate::exec::core::outlet::{HasOutlet, Outlet};
 use crate::exec::core::settings::RunSettings;
 use crate::exec::core::standing::InForce;
 use crate::exec::core::tool::{ToolSize, ToolTable};
@@ -21,7 +21,7 @@ use ncfix_machine::snc::{Kind, Word};
 pub(super) struct Channel<'a> {
     /// The machine and the options of the caller.
     pub(super) settings: RunSettings<'a>,
-    pub(super) outlet: Outlet<'a>,
+    pub(super) outlet: MotionSink<'a>,
     pub(super) modal: Modal,
     pub(super) parameters: Parameters,
     pub(super) codes: &'static CodeTable,
@@ -57,7 +57,7 @@ pub(super) struct GrundigAtHand {
 }
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
-    fn outlet(&mut self) -> &mut Outlet<'a> {
+    fn outlet(&mut self) -> &mut MotionSink<'a> {
         &mut self.outlet
     }
 }
@@ -66,7 +66,7 @@ impl<'a> Channel<'a> {
     pub(super) fn new(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Self {
         Channel {
             settings: RunSettings::new(machine, options),
-            outlet: Outlet::new(machine, options),
+            outlet: MotionSink::new(machine, options),
             modal: Modal::new(options.start, machine),
             parameters: Parameters::new(machine),
             codes,

@@ -15,7 +15,7 @@ use super::target;
 use super::target::Target;
 use crate::exec::core::contour::{Clearance, Corner, Soft, SoftForm, SoftSide, Transition};
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::standing::InForce;
 use crate::exec::core::step::Flat;
 use ncfix_base::diagnostic::Code;
@@ -228,7 +228,7 @@ fn plane_factor(modal: &Modal, standing: &InForce) -> f64 {
     frame.linear().column(modal.modes.plane.axes()[0].slot()).norm()
 }
 
-fn without_end(outlet: &mut Outlet<'_>, open: &Open) -> Fault {
+fn without_end(outlet: &mut MotionSink<'_>, open: &Open) -> Fault {
     outlet.close(None, AxisSet::EMPTY);
     bad_value(
         open.span,
@@ -238,7 +238,7 @@ fn without_end(outlet: &mut Outlet<'_>, open: &Open) -> Fault {
 }
 
 /// Reports an element that is still incomplete.
-pub(super) fn end_open(open: &mut Option<Open>, outlet: &mut Outlet<'_>) {
+pub(super) fn end_open(open: &mut Option<Open>, outlet: &mut MotionSink<'_>) {
     if let Some(open) = open.take() {
         let found = without_end(outlet, &open);
         outlet.warnings.push(found);
@@ -314,7 +314,7 @@ fn flat_letters(modal: &Modal) -> [u8; 2] {
 pub(super) fn soft_words(
     modal: &Modal,
     block: &mut GrundigAtHand,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     gathered: &mut Gathered,
     retracts: bool,
     span: Span,
@@ -351,7 +351,7 @@ pub(super) fn soft_words(
 }
 
 /// Reports G61 or G62 without a motion onto the contour or off it.
-pub(super) fn end_soft(block: &mut GrundigAtHand, outlet: &mut Outlet<'_>) {
+pub(super) fn end_soft(block: &mut GrundigAtHand, outlet: &mut MotionSink<'_>) {
     if let Some((soft, span)) = block.soft.take() {
         let message = if soft.retracts { "no motion follows this G62" } else { "no motion follows this G61" };
         let help = "write where it leads, for example G61 X0 Y0 R8";

@@ -13,10 +13,10 @@ use super::tables;
 use crate::exec::core::executor::Executor;
 use crate::exec::core::fault::{Fault, bad_value};
 use crate::exec::core::interpreter::Execute;
-use crate::exec::core::ledger::Ledger;
 use crate::exec::core::library::Library;
 use crate::exec::core::options::Options;
 use crate::exec::core::program::Statement;
+use crate::exec::core::run_state::RunState;
 use crate::syntax::words::{self, Address, Block, Body, PartKind, Program, Value};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span};
@@ -50,7 +50,7 @@ pub(in crate::exec) fn start<'a>(
         }
     }
     tables::take_tables(&mut channel.modal, &mut channel.tools, &mut channel.parameters, tables::read(&program));
-    let mut ledger = Ledger::new(source, program.blocks.len(), options);
+    let mut ledger = RunState::new(source, program.blocks.len(), options);
     ledger.findings.extend(left_out(&program, main));
     ledger.findings.extend(tables_left_out(&program));
     let level = Level::new(0, main, start, 0, LevelKind::Main);

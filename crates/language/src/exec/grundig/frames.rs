@@ -6,7 +6,7 @@ use super::modal::Modal;
 use super::setup;
 use super::shifts;
 use super::shifts::PALLET;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 
 use super::channel::Channel;
 use super::gathered::Gathered;
@@ -121,12 +121,18 @@ fn stored_words(modal: &Modal, gathered: &mut Gathered) -> Result<(AxisVector, A
     Ok((values, named))
 }
 
-fn push_settable(outlet: &mut Outlet<'_>, text: &str) {
+fn push_settable(outlet: &mut MotionSink<'_>, text: &str) {
     outlet.push(ncfix_machine::snc::Kind::Frame(FrameWords::Settable(text.to_owned())));
 }
 
 /// Checks that a stored offset has a value.
-fn check_value(strict: bool, modal: &mut Modal, outlet: &mut Outlet<'_>, name: &str, span: Span) -> Result<(), Fault> {
+fn check_value(
+    strict: bool,
+    modal: &mut Modal,
+    outlet: &mut MotionSink<'_>,
+    name: &str,
+    span: Span,
+) -> Result<(), Fault> {
     let missing = !modal.frames.table.contains_key(name);
     modal.frames.assumed = missing;
     if !missing {

@@ -11,7 +11,7 @@ use super::step;
 use super::target;
 use super::target::Target;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::step::{Feed, Step, Turn};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, AxisVector};
@@ -321,7 +321,7 @@ fn carry_out(channel: &mut Channel<'_>, step: Step, plunging: f64) -> Result<(),
 }
 
 /// The active M3 or M4.
-fn turning(spindle: Option<u16>, outlet: &Outlet<'_>) -> Result<u16, Fault> {
+fn turning(spindle: Option<u16>, outlet: &MotionSink<'_>) -> Result<u16, Fault> {
     spindle.ok_or_else(|| {
         step::block_fault(
             outlet,
@@ -332,7 +332,7 @@ fn turning(spindle: Option<u16>, outlet: &Outlet<'_>) -> Result<u16, Fault> {
     })
 }
 
-fn spindle_word(outlet: &mut Outlet<'_>, number: u16) {
+fn spindle_word(outlet: &mut MotionSink<'_>, number: u16) {
     let value = WordValue::Number(f64::from(number));
     outlet.begin_line();
     outlet.push(Kind::Before(vec![Word { letter: b'M', extension: None, value }]));

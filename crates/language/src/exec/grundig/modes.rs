@@ -5,7 +5,7 @@ use super::gathered::{Gathered, name};
 use super::modal::{GEOMETRY, Modal, MotionKind, SPINDLE};
 use super::setup;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Plane};
 use ncfix_base::source::Span;
@@ -20,7 +20,7 @@ const KEPT: &[(u16, &str)] = &[(25, "G25"), (26, "G26"), (27, "G27"), (94, "G94"
 pub(super) fn passed_codes(
     codes: &'static CodeTable,
     modal: &mut Modal,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     gathered: &mut Gathered,
 ) {
     let mut at = 0;
@@ -107,7 +107,7 @@ pub(super) fn modal_codes(channel: &mut Channel<'_>, gathered: &mut Gathered) ->
 pub(super) fn reference(
     codes: &'static CodeTable,
     modal: &mut Modal,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     gathered: &mut Gathered,
     span: Span,
 ) -> Result<(), Fault> {
@@ -137,7 +137,7 @@ pub(super) fn reference(
 /// G28: positioning settings, passed through with their values.
 fn positioning_words(
     modal: &mut Modal,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     gathered: &mut Gathered,
     span: Span,
 ) -> Result<(), Fault> {

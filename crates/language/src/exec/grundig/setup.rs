@@ -2,8 +2,8 @@
 
 use super::channel::Channel;
 use crate::exec::core::fault::{Fault, bad_value};
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::options::Options;
-use crate::exec::core::outlet::Outlet;
 use crate::exec::core::standing::InForce;
 use crate::exec::core::standing::{known_behind, lengthened};
 use ncfix_base::geometry::{AxisSet, Frame, Vector};
@@ -51,7 +51,7 @@ pub(super) fn refresh_setup(channel: &mut Channel<'_>) -> Result<(), Fault> {
 }
 
 /// Emits the active setup, if it has changed.
-pub(super) fn show_setup(standing: &mut InForce, outlet: &mut Outlet<'_>) {
+pub(super) fn show_setup(standing: &mut InForce, outlet: &mut MotionSink<'_>) {
     if std::mem::take(&mut standing.changed) {
         outlet.push(Kind::Setup(Arc::clone(&standing.shown)));
     }

@@ -7,14 +7,14 @@ use super::setup;
 use super::target;
 use super::target::Target;
 use super::tool::place;
+use crate::exec::core::contour::ContourRequest;
 use crate::exec::core::contour::Shown;
-use crate::exec::core::contour::Wish;
 use crate::exec::core::contour::unstated;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::bad_value;
 use crate::exec::core::fault::fault;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::options::RapidOrder;
-use crate::exec::core::outlet::Outlet;
 use crate::exec::core::path::Path;
 use crate::exec::core::path::Shape;
 use crate::exec::core::settings::RunSettings;
@@ -27,9 +27,9 @@ use ncfix_base::geometry::AxisVector;
 use ncfix_base::geometry::PlaneBasis;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::Kind;
-use ncfix_machine::snc::Manner;
+use ncfix_machine::snc::MotionMode;
 use ncfix_machine::snc::Move;
-use ncfix_machine::snc::Way;
+use ncfix_machine::snc::RotaryDirection;
 use std::sync::Arc as Shared;
 /// Distance below which there is no motion, mm or rad.
 pub(super) const STILL: f64 = 1e-9;
@@ -127,9 +127,9 @@ pub(super) fn elementary(
         feed,
         feed_named: std::mem::take(&mut channel.block.feed_named),
         unit: channel.modal.modes.feed_unit,
-        ways: [Way::Plain; 3],
+        ways: [RotaryDirection::Plain; 3],
         in_machine_frame: false,
-        manner: Manner::Path,
+        motion_mode: MotionMode::Path,
         off_curve_mm: 0.0,
     };
     let path = Path { motion, start, start_known, basis, shape, setup: Shared::clone(&channel.standing.setup), span };
@@ -149,13 +149,13 @@ pub(super) fn put(channel: &mut Channel<'_>, path: Path) {
     if channel.outlet.keeps_wear && contour.compensates() {
         contour.shown = Shown::of(&path.basis, &channel.standing.shown.frame, channel.modal.modes.plane);
     }
-    let wish = Wish::of(
+    let wish = ContourRequest::of(
         contour,
         radius_mm(&channel.settings, &channel.modal, &channel.tools),
         path.span,
         channel.outlet.origin.file,
     );
-    let wish = Wish { corner, soft, ..wish };
+    let wish = ContourRequest { corner, soft, ..wish };
     if channel.settings.strict {
         channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.modes.plane));
     }
@@ -184,7 +184,7 @@ pub(super) fn reach(modal: &Modal, standing: &InForce, to: &AxisVector, named: A
 }
 
 /// An error at the block.
-pub(super) fn block_fault(outlet: &Outlet<'_>, code: Code, message: impl Into<String>, help: &str) -> Fault {
+pub(super) fn block_fault(outlet: &MotionSink<'_>, code: Code, message: impl Into<String>, help: &str) -> Fault {
     let span: Span = outlet.origin.span;
     fault(code, span, message, help)
 }
@@ -207,7 +207,7 @@ pub(super) fn may_split(strict: bool, rapid_order: RapidOrder, modal: &Modal, ax
 pub(super) fn check_feed(
     strict: bool,
     feed_warned: &mut bool,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     feed: f64,
     span: Span,
 ) -> Result<(), Fault> {

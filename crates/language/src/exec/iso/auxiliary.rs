@@ -7,7 +7,7 @@ use super::modal::Modal;
 use super::modes;
 use super::state;
 use super::text;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use ncfix_dialect::Language;
 use std::fmt::Write as _;
 
@@ -143,7 +143,7 @@ fn fanuc_m(channel: &mut Channel<'_>, number: u32, span: Span) -> Result<(), Fau
 }
 
 /// Makes the axes unknown that M functions move according to the machine file.
-pub(super) fn lose_by_functions(modal: &mut Modal, outlet: &mut Outlet<'_>, gathered: &Gathered) {
+pub(super) fn lose_by_functions(modal: &mut Modal, outlet: &mut MotionSink<'_>, gathered: &Gathered) {
     if gathered.m_codes.iter().any(|&(number, _)| outlet.function_moves(f64::from(number))) {
         let lost = modal.forget(AxisSet::ALL);
         outlet.push(Kind::Lost(lost));
@@ -161,7 +161,7 @@ fn change_tool(language: Language, modal: &mut Modal) {
 
 /// LinuxCNC reads the machine position after M6 and M61. After G40 the tool is beside the contour until a motion has left it, and axes that this
 /// motion does not name then stay there.
-fn look_where_axes_are(modal: &mut Modal, outlet: &mut Outlet<'_>, gathered: &Gathered) {
+fn look_where_axes_are(modal: &mut Modal, outlet: &mut MotionSink<'_>, gathered: &Gathered) {
     if modal.contour.compensates() || gathered.has_any(b"XYZABC") {
         return;
     }
@@ -265,7 +265,7 @@ fn rs274_m(channel: &mut Channel<'_>, gathered: &Gathered, number: u32, span: Sp
 }
 
 /// An M code with its own words.
-fn m_with_words(block: &mut IsoAtHand, outlet: &mut Outlet<'_>, gathered: &Gathered, number: u32, letters: &[u8]) {
+fn m_with_words(block: &mut IsoAtHand, outlet: &mut MotionSink<'_>, gathered: &Gathered, number: u32, letters: &[u8]) {
     if !gathered.has_any(letters) {
         block.before.push(word(number));
         return;

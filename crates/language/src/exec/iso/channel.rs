@@ -13,8 +13,8 @@ use super::passes::Passes;
 use super::variables::Variables;
 use super::zero_offset::System;
 use crate::exec::core::contour::Corner;
+use crate::exec::core::motion_sink::{HasOutlet, MotionSink};
 use crate::exec::core::options::Options;
-use crate::exec::core::outlet::{HasOutlet, Outlet};
 use crate::exec::core::reference::Via;
 use crate::exec::core::settings::RunSettings;
 use crate::exec::core::standing::InForce;
@@ -31,7 +31,7 @@ pub(super) struct Channel<'a> {
     pub(super) settings: RunSettings<'a>,
     pub(super) language: Language,
     pub(super) axes: AxisSet,
-    pub(super) outlet: Outlet<'a>,
+    pub(super) outlet: MotionSink<'a>,
     pub(super) modal: Modal,
     /// Control data set by the program.
     pub(super) written: WrittenData,
@@ -91,7 +91,7 @@ pub(super) struct Warned {
 }
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
-    fn outlet(&mut self) -> &mut Outlet<'a> {
+    fn outlet(&mut self) -> &mut MotionSink<'a> {
         &mut self.outlet
     }
 }
@@ -103,7 +103,7 @@ impl<'a> Channel<'a> {
             settings: RunSettings::new(machine, options),
             language,
             axes: machine.axis_set(),
-            outlet: Outlet::new(machine, options),
+            outlet: MotionSink::new(machine, options),
             modal: Modal::new(options.start, machine, language),
             written: WrittenData::default(),
             saved: vec![None],

@@ -7,9 +7,9 @@ use super::gathered::Gathered;
 use super::measure;
 use super::measure::whole;
 use super::modes;
-use crate::exec::core::contour::{Shown, Side, Wish, unstated};
+use crate::exec::core::contour::{ContourRequest, Shown, Side, unstated};
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::path::Path;
 use crate::exec::core::settings::RunSettings;
 use crate::exec::core::tool::without_value;
@@ -127,7 +127,7 @@ fn offset_number(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), F
 fn radius_of(
     settings: &RunSettings<'_>,
     written: &WrittenData,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     number: u32,
     span: Span,
 ) -> Result<f64, Fault> {
@@ -156,7 +156,7 @@ pub(super) fn pass(channel: &mut Channel<'_>, path: Path) {
         modal.shown = Shown::of(&path.basis, &channel.standing.shown.frame, channel.modal.modes.plane);
     }
     let file = channel.outlet.file();
-    let wish = Wish { corner, ..Wish::of(modal, channel.modal.tool.radius_mm, path.span, file) };
+    let wish = ContourRequest { corner, ..ContourRequest::of(modal, channel.modal.tool.radius_mm, path.span, file) };
     if channel.settings.strict {
         channel.outlet.warnings.extend(unstated(&path, &wish, channel.modal.modes.plane));
     }

@@ -9,7 +9,7 @@ use super::one_axis;
 use super::spline;
 use super::step;
 use super::target;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::settings::RunSettings;
 use crate::exec::core::standing::InForce;
 use ncfix_dialect::Language;
@@ -29,7 +29,7 @@ use crate::exec::core::step::{Place, Step as CycleStep, Turn};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane, Vector};
 use ncfix_base::source::Span;
-use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Manner, Word, WordValue};
+use ncfix_machine::snc::{Dwell, FeedUnit, Kind, MotionMode, Word, WordValue};
 
 /// `true` if a code in tenths is a canned cycle for holes.
 fn is_cycle(code: u16, is_rs274: bool) -> bool {
@@ -189,7 +189,7 @@ pub(super) fn cycle(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         is_brought = false;
         let is_named = std::mem::take(&mut feed_named);
         let span = gathered.span;
-        step::step(channel, Step { rapid, end, named, feed_named: is_named, manner: Manner::Path, span })?;
+        step::step(channel, Step { rapid, end, named, feed_named: is_named, motion_mode: MotionMode::Path, span })?;
     }
     Ok(())
 }
@@ -199,7 +199,7 @@ fn brought(
     settings: &RunSettings<'_>,
     standing: &InForce,
     modal: &mut Modal,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     axis: Axis,
     place: &AxisVector,
     span: Span,
@@ -215,7 +215,7 @@ fn brought(
 }
 
 /// Emits an action of a cycle other than motion.
-fn aside(modal: &mut Modal, outlet: &mut Outlet<'_>, action: CycleStep) {
+fn aside(modal: &mut Modal, outlet: &mut MotionSink<'_>, action: CycleStep) {
     let word = |number: u16| Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) };
     let before = modal.spindle;
     match action {
@@ -360,7 +360,7 @@ fn check_rigid(machine: &Machine, cycles: &Cycles, code: u16, name: &str, span: 
 }
 
 /// LinuxCNC stops exactly within cycles; the equivalent motions must not be blended.
-fn stop_exactly(language: Language, modal: &Modal, cycles: &mut Cycles, outlet: &mut Outlet<'_>) {
+fn stop_exactly(language: Language, modal: &Modal, cycles: &mut Cycles, outlet: &mut MotionSink<'_>) {
     if (language == Language::Rs274)
         && !modal.codes.is(Group::Control, 610)
         && !std::mem::replace(&mut cycles.is_exact, true)

@@ -6,7 +6,7 @@ use super::modal::Modal;
 use super::offsets;
 use super::target;
 use super::text;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 
@@ -139,7 +139,7 @@ fn place_here(
 fn say_offset(
     machine: &Machine,
     language: Language,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     system: System,
     parts: &FrameParts,
     named: AxisSet,

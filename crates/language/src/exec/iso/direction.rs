@@ -1,7 +1,7 @@
 //! Tool directions of G43.5: I J K at the end of a block become positions of the rotary axes.
 
 use super::modal::Modal;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::settings::RunSettings;
 use ncfix_machine::machine::Machine;
 use std::f64::consts::TAU;
@@ -75,7 +75,7 @@ pub(super) fn tool_direction(
 pub(super) fn orient(
     settings: &RunSettings<'_>,
     modal: &mut Modal,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     path: &mut Path,
     direction: Vector,
     span: Span,

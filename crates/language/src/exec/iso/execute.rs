@@ -11,10 +11,10 @@ use crate::exec::core;
 use crate::exec::core::executor::Executor;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::interpreter::Execute;
-use crate::exec::core::ledger::Ledger;
 use crate::exec::core::library::Library;
 use crate::exec::core::options::Options;
 use crate::exec::core::program::Statement;
+use crate::exec::core::run_state::RunState;
 use crate::syntax::words::{self, Block, Comment, CommentKind, Program};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::geometry::AxisSet;
@@ -55,7 +55,7 @@ pub(in crate::exec) fn start<'a>(
         channel.begin_block(Origin { file: source.id(), line: 1, span: header, calls: 0 }, None);
         channel.push(Kind::Header(source.slice(header).to_vec()));
     }
-    let mut ledger = Ledger::new(source, program.blocks.len(), options);
+    let mut ledger = RunState::new(source, program.blocks.len(), options);
     found.into_iter().for_each(|found| ledger.report(found));
     if let Some((block, number)) = program.outside() {
         let shown = String::from_utf8_lossy(program.source.slice(number)).into_owned();

@@ -7,7 +7,7 @@ use super::measure;
 use super::modal::Modal;
 use super::modes;
 use super::text;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
 use std::fmt::Write as _;
@@ -105,7 +105,7 @@ pub(super) fn speed(
     Ok(())
 }
 
-pub(super) fn tool_word(modal: &mut Modal, outlet: &mut Outlet<'_>, gathered: &Gathered) -> Result<(), Fault> {
+pub(super) fn tool_word(modal: &mut Modal, outlet: &mut MotionSink<'_>, gathered: &Gathered) -> Result<(), Fault> {
     let Some(value) = gathered.raw(b'T') else { return Ok(()) };
     let number = whole(value, gathered.span_of(b'T'), "T")?;
     modal.tool.selected = Some(number);

@@ -15,7 +15,7 @@ use ncfix_base::geometry::{AXES, Axis, AxisSet};
 use ncfix_base::source::Span;
 use ncfix_dialect::Language;
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{Kind, Manner};
+use ncfix_machine::snc::{Kind, MotionMode};
 
 /// First parameter of the position of G28, then of G30; one for each axis X Y Z A B C U V W.
 const PARAMETERS: [u32; 2] = [5161, 5181];
@@ -55,8 +55,8 @@ pub(super) fn home(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) ->
     for axis in homed.iter() {
         end[axis] = reference(channel.settings.machine, channel.language, &channel.variables, point, axis, span)?;
     }
-    let manner = Manner::Reference;
-    let step = Step { feed_named: false, manner, ..Step::straight(gathered, true, end, homed) };
+    let motion_mode = MotionMode::Reference;
+    let step = Step { feed_named: false, motion_mode, ..Step::straight(gathered, true, end, homed) };
     step::machine_step(channel, step)
 }
 

@@ -13,7 +13,7 @@ use super::text;
 use super::tilt;
 use super::tip;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::settings::RunSettings;
 use crate::exec::core::tool::without_value;
 use ncfix_base::diagnostic::Code;
@@ -96,7 +96,7 @@ fn rs274_length(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span:
 fn table_length(
     settings: &RunSettings<'_>,
     written: &WrittenData,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     number: u32,
     span: Span,
 ) -> Result<(Vector, bool), Fault> {

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::exec::core::ledger::Ledger;
+use crate::exec::core::run_state::RunState;
 use crate::syntax::words::{Block, Body, Program};
 use ncfix_dialect::Language;
 
@@ -15,7 +15,7 @@ pub(super) struct Loops {
 }
 
 impl Loops {
-    pub(super) fn of(program: &Program, ledger: &Ledger) -> Self {
+    pub(super) fn of(program: &Program, ledger: &RunState) -> Self {
         Loops { spans: loops_of(program), breaks: breaks_of(program, ledger) }
     }
 
@@ -38,7 +38,7 @@ fn loops_of(program: &Program) -> Vec<(usize, usize)> {
 }
 
 /// The last `break` of each loop that is not skipped, by the first block of the loop.
-fn breaks_of(program: &Program, ledger: &Ledger) -> HashMap<usize, usize> {
+fn breaks_of(program: &Program, ledger: &RunState) -> HashMap<usize, usize> {
     let is_left_out = |block: &Block| block.skip.is_some_and(|level| ledger.leaves_out(level));
     let breaks =
         program.blocks.iter().enumerate().filter(|(_, block)| block.body == Body::Break && !is_left_out(block));

@@ -11,7 +11,7 @@ use super::target;
 use super::text;
 use super::zero_offset::System;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::settings::RunSettings;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisVector;
@@ -42,7 +42,7 @@ pub(super) fn check_offset(
     settings: &RunSettings<'_>,
     modal: &Modal,
     warned: &mut Warned,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     span: Span,
 ) {
     if !modal.offset_assumed || warned.offset == Some(modal.system) {
@@ -132,7 +132,7 @@ pub(super) fn axis_offsets(channel: &mut Channel<'_>, gathered: &Gathered, code:
 }
 
 /// Emits codes that end a shift, as an earlier program may have left one active in the control: G52 with zeros, G92.1 of Fanuc.
-fn say_end(language: Language, outlet: &mut Outlet<'_>, gathered: &Gathered, code: u16) {
+fn say_end(language: Language, outlet: &mut MotionSink<'_>, gathered: &Gathered, code: u16) {
     let named = gathered.axes;
     if code == 920 || code == 520 && named.iter().any(|axis| gathered.raw(axis.letter()) != Some(0.0)) {
         return;

@@ -21,7 +21,7 @@ use super::special;
 use super::target;
 use super::transform;
 use crate::exec::core::fault::{Fault, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::Kind;
 
@@ -145,7 +145,7 @@ pub(super) fn has_way(modal: &Modal, gathered: &Gathered, code: u16) -> bool {
 }
 
 /// Handles F of a block without motion.
-pub(super) fn feed_alone(modal: &Modal, outlet: &mut Outlet<'_>, gathered: &Gathered) {
+pub(super) fn feed_alone(modal: &Modal, outlet: &mut MotionSink<'_>, gathered: &Gathered) {
     if gathered.has(b'F') && gathered.code(Group::Action) != Some(40) {
         outlet.push(Kind::Feed(modal.modes.feed));
     }

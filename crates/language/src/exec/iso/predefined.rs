@@ -8,7 +8,7 @@ use super::target;
 use super::variables::Missing;
 use super::zero_offset::System;
 use crate::exec::core::contour::Side;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::standing::InForce;
 use ncfix_base::geometry::{Axis, AxisVector};
 use ncfix_machine::machine::Machine;
@@ -120,7 +120,7 @@ fn here_of(strict: bool, modal: &Modal, standing: &InForce, axis: Axis) -> Resul
 pub(super) fn write_parameter(
     machine: &Machine,
     written: &mut WrittenData,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     number: u32,
     value: f64,
 ) -> bool {

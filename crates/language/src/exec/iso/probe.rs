@@ -8,7 +8,7 @@ use super::step;
 use super::step::Step;
 use crate::exec::core::fault::{Fault, fault};
 use ncfix_base::diagnostic::Code;
-use ncfix_machine::snc::{FeedUnit, Kind, Manner};
+use ncfix_machine::snc::{FeedUnit, Kind, MotionMode};
 
 /// Moves to the programmed end; afterwards the position is unknown.
 pub(super) fn probe(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
@@ -29,8 +29,8 @@ pub(super) fn probe(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -
         385 => "G38.5",
         _ => "G31",
     };
-    let manner = Manner::Probe(word);
-    step::step(channel, Step { rapid: false, end, named, feed_named: gathered.has(b'F'), manner, span })?;
+    let motion_mode = MotionMode::Probe(word);
+    step::step(channel, Step { rapid: false, end, named, feed_named: gathered.has(b'F'), motion_mode, span })?;
     predefined::note_probe(channel);
     if channel.settings.strict {
         let lost = channel.modal.forget(named);

@@ -20,7 +20,7 @@ use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane};
 use ncfix_base::source::Span;
-use ncfix_machine::snc::Manner;
+use ncfix_machine::snc::MotionMode;
 
 /// Maximum number of control points of one curve.
 const MOST_POINTS: usize = 2_000;
@@ -140,7 +140,7 @@ fn along(channel: &mut Channel<'_>, curve: &Nurbs, gathered: &Gathered) -> Resul
     }
     let target = ends.last().copied().unwrap_or(channel.modal.position.command);
     let (feed_named, span) = (gathered.has(b'F'), gathered.span);
-    let step = Step { rapid: false, end: here, named, feed_named, manner: Manner::Path, span };
+    let step = Step { rapid: false, end: here, named, feed_named, motion_mode: MotionMode::Path, span };
     step::send(channel, step, target, Shape::Chords(ends), setup)
 }
 

@@ -10,7 +10,7 @@ use super::setup;
 use super::text;
 use crate::exec::core::contour::Side;
 use crate::exec::core::fault::{Fault, bad_value};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{FeedUnit, FrameWords, Kind, Word, WordValue};
 
@@ -162,7 +162,7 @@ fn bring_back_auxiliaries(channel: &mut Channel<'_>, saved: &Modal) {
 }
 
 /// Emits an M code in a separate line: LinuxCNC accepts one code of a group and one P in a block.
-fn on_its_own(outlet: &mut Outlet<'_>, kind: Kind) {
+fn on_its_own(outlet: &mut MotionSink<'_>, kind: Kind) {
     outlet.begin_line();
     outlet.push(kind);
     outlet.begin_line();

@@ -14,7 +14,7 @@ use super::target;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::bad_value;
 use crate::exec::core::fault::fault;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::path::Path;
 use crate::exec::core::path::Shape;
 use crate::exec::core::settings::RunSettings;
@@ -28,7 +28,7 @@ use ncfix_base::geometry::PlaneBasis;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::FeedUnit;
 use ncfix_machine::snc::Kind;
-use ncfix_machine::snc::Manner;
+use ncfix_machine::snc::MotionMode;
 use ncfix_machine::snc::Move;
 use ncfix_machine::snc::Setup;
 use std::sync::Arc as Shared;
@@ -45,7 +45,7 @@ pub(super) struct Step {
     pub(super) named: AxisSet,
     /// `true` if its block has F.
     pub(super) feed_named: bool,
-    pub(super) manner: Manner,
+    pub(super) motion_mode: MotionMode,
     pub(super) span: Span,
 }
 
@@ -53,7 +53,7 @@ impl Step {
     /// A straight motion of a block.
     pub(super) fn straight(gathered: &Gathered, rapid: bool, end: AxisVector, named: AxisSet) -> Step {
         let feed_named = gathered.has(b'F');
-        Step { rapid, end, named, feed_named, manner: Manner::Path, span: gathered.span }
+        Step { rapid, end, named, feed_named, motion_mode: MotionMode::Path, span: gathered.span }
     }
 }
 
@@ -168,7 +168,7 @@ pub(super) fn send(
         }
     }
     // A spindle-driven motion has no feed.
-    let is_driven = matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven());
+    let is_driven = matches!(step.motion_mode, MotionMode::Thread(thread) if thread.code.is_spindle_driven());
     let motion = Move {
         rapid: step.rapid,
         arc: None,
@@ -180,7 +180,7 @@ pub(super) fn send(
         unit: if is_driven { FeedUnit::PerMinute } else { channel.modal.modes.feed_unit },
         ways: Default::default(),
         in_machine_frame,
-        manner: step.manner,
+        motion_mode: step.motion_mode,
         off_curve_mm: 0.0,
     };
     let mut path = Path { motion, start, start_known: begun, basis, shape, setup, span: step.span };
@@ -196,13 +196,13 @@ pub(super) fn check_feed(
     settings: &RunSettings<'_>,
     modal: &Modal,
     warned: &mut Warned,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     step: &Step,
 ) {
     if step.rapid || modal.modes.feed > 0.0 && (step.feed_named || modal.modes.feed_unit != FeedUnit::InverseTime) {
         return;
     }
-    if matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven()) {
+    if matches!(step.motion_mode, MotionMode::Thread(thread) if thread.code.is_spindle_driven()) {
         return;
     }
     let (message, help) = match modal.modes.feed_unit {

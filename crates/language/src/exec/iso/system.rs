@@ -13,7 +13,7 @@ use super::variables::Missing;
 use super::zero_offset::System;
 use crate::exec::core::contour::Side;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::geometry::{AXES, Axis, AxisVector, Frame};
@@ -37,7 +37,7 @@ enum Meaning {
     /// #3000
     Alarm,
     /// A written value for the control that moves nothing.
-    Told,
+    Configured,
     /// Known only to the machine.
     Machine,
 }
@@ -76,7 +76,7 @@ fn meaning(number: u32) -> Option<Meaning> {
     };
     match number {
         1000..=1035 => Some(Meaning::Machine),
-        1100..=1135 => Some(Meaning::Told),
+        1100..=1135 => Some(Meaning::Configured),
         2001..=2800 => {
             let part = TOOL_PARTS.get((number as usize - 2001) / 200)?;
             Some(Meaning::Tool((number - 2001) % 200 + 1, *part))
@@ -86,7 +86,7 @@ fn meaning(number: u32) -> Option<Meaning> {
             Some(Meaning::Tool(number % 1000, *part))
         }
         3000 => Some(Meaning::Alarm),
-        3003..=3007 | 3901 | 3902 => Some(Meaning::Told),
+        3003..=3007 | 3901 | 3902 => Some(Meaning::Configured),
         3001..=3999 => Some(Meaning::Machine),
         4001..=4130 => Some(Meaning::Modal(number - 4000)),
         4201..=4330 => Some(Meaning::Modal(number - 4200)),
@@ -107,7 +107,7 @@ fn meaning(number: u32) -> Option<Meaning> {
 pub(super) fn system_variable(channel: &Channel<'_>, number: u32) -> Result<Option<f64>, Missing> {
     let Some(meaning) = meaning(number) else { return Err(Missing::Unknown) };
     match meaning {
-        Meaning::Alarm | Meaning::Told | Meaning::Machine => Err(Missing::OnlyMachine),
+        Meaning::Alarm | Meaning::Configured | Meaning::Machine => Err(Missing::OnlyMachine),
         Meaning::Offset(system, place) => {
             let axis = axis_at(channel.axes, place).ok_or(Missing::Unknown)?;
             match target::offset_of(channel.settings.machine, &channel.written, system) {
@@ -236,7 +236,7 @@ pub(super) fn write_system(
             channel.outlet.warnings.push(found);
             Ok(())
         }
-        Some(Meaning::Told) => {
+        Some(Meaning::Configured) => {
             let text = if number == 3006 { format!("({})", comment_of(loaded, block)) } else { String::new() };
             tell(&mut channel.outlet, number, number_value, &text);
             Ok(())
@@ -251,7 +251,7 @@ pub(super) fn write_system(
 }
 
 /// Passes the assignment to a system variable through, with its evaluated value.
-fn tell(outlet: &mut Outlet<'_>, number: u32, value: f64, behind: &str) {
+fn tell(outlet: &mut MotionSink<'_>, number: u32, value: f64, behind: &str) {
     let mut shown = format!("{value:.6}");
     shown.truncate(shown.trim_end_matches('0').trim_end_matches('.').len());
     outlet.push(Kind::Verbatim(format!("#{number}={shown}{behind}").into_bytes()));

@@ -14,7 +14,7 @@ use crate::exec::core::fault::{Fault, bad_value, fault};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, Plane};
 use ncfix_dialect::Language;
-use ncfix_machine::snc::{Manner, Thread, ThreadCode};
+use ncfix_machine::snc::{MotionMode, Thread, ThreadCode};
 
 /// `G33`, `G33.1`
 pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) -> Result<(), Fault> {
@@ -38,8 +38,8 @@ pub(super) fn thread(channel: &mut Channel<'_>, gathered: &Gathered, code: u16) 
     let start = target::here(&channel.modal, &channel.standing);
     let (end, named) = step::end(channel, gathered)?;
     let step = |code: ThreadCode, end| {
-        let manner = Manner::Thread(Thread { code, lead: Some((letter, lead)), change: None });
-        Step { rapid: false, end, named, feed_named: false, manner, span: gathered.span }
+        let motion_mode = MotionMode::Thread(Thread { code, lead: Some((letter, lead)), change: None });
+        Step { rapid: false, end, named, feed_named: false, motion_mode, span: gathered.span }
     };
     if code == 330 {
         return step::step(channel, step(ThreadCode::G33, end));
@@ -113,11 +113,11 @@ pub(super) fn threading(channel: &mut Channel<'_>, gathered: &Gathered) -> Resul
             }
             place[axis] = value;
         }
-        let manner = pass.pitch.map_or(Manner::Path, |pitch| {
-            Manner::Thread(Thread { code: ThreadCode::G33, lead: Some((b'K', pitch)), change: None })
+        let motion_mode = pass.pitch.map_or(MotionMode::Path, |pitch| {
+            MotionMode::Thread(Thread { code: ThreadCode::G33, lead: Some((b'K', pitch)), change: None })
         });
         let rapid = pass.pitch.is_none();
-        step::step(channel, Step { rapid, end: place, named, feed_named: false, manner, span })?;
+        step::step(channel, Step { rapid, end: place, named, feed_named: false, motion_mode, span })?;
     }
     Ok(())
 }

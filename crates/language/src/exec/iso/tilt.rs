@@ -20,7 +20,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Matrix, Vector};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
-use ncfix_machine::snc::Manner;
+use ncfix_machine::snc::MotionMode;
 
 /// `G68.2`, `G68.3`, `G68.4`
 pub(super) fn tilt(channel: &mut Channel<'_>, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
@@ -166,7 +166,7 @@ fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector,
         end[axis] = turned[axis] - frame.shift(axis);
         named.insert(axis);
     }
-    step::step(channel, Step { rapid: true, end, named, feed_named: false, manner: Manner::Path, span })
+    step::step(channel, Step { rapid: true, end, named, feed_named: false, motion_mode: MotionMode::Path, span })
 }
 
 fn refused(span: Span, message: String) -> Fault {

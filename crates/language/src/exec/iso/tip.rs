@@ -5,7 +5,7 @@
 
 use super::modal::Modal;
 use super::target;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::standing::InForce;
 use std::f64::consts::TAU;
 
@@ -103,7 +103,7 @@ fn check_table(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Re
 }
 
 /// Current axis commands.
-pub(super) fn axis_command(modal: &Modal, standing: &InForce, outlet: &Outlet<'_>) -> AxisVector {
+pub(super) fn axis_command(modal: &Modal, standing: &InForce, outlet: &MotionSink<'_>) -> AxisVector {
     let turning = modal.turning.and(outlet.kinematics.as_deref());
     let command =
         turning.and_then(|chain| chain.command_on_workpiece(&modal.position.command, &standing.setup.tool_mm));
@@ -115,7 +115,7 @@ pub(super) fn axis_command(modal: &Modal, standing: &InForce, outlet: &Outlet<'_
 pub(super) fn forget_moved_tip(
     modal: &mut Modal,
     standing: &InForce,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     axes: &AxisVector,
     tool_mm: &Vector,
 ) {

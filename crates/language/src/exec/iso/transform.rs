@@ -15,7 +15,7 @@ use super::target;
 use super::text;
 use super::tilt;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet};
 use ncfix_base::source::Span;
@@ -139,7 +139,7 @@ fn mirror(channel: &mut Channel<'_>, gathered: &Gathered) -> Result<(), Fault> {
 fn end_mirror(
     language: Language,
     modal: &mut Modal,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     gathered: &Gathered,
 ) -> Result<bool, Fault> {
     let has_motion = gathered.code(Group::Motion).is_some();

@@ -12,7 +12,7 @@ use super::modal::Modal;
 use super::modal::MotionKind;
 use crate::exec::core::contour::crossing;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::standing::InForce;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
@@ -83,7 +83,7 @@ pub(super) fn angle(channel: &mut Channel<'_>, gathered: &mut Gathered, span: Sp
 fn close_angle(
     modal: &mut Modal,
     standing: &InForce,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     gathered: &Gathered,
     open: &OpenAngle,
     angle: &NamedValue,
@@ -129,6 +129,6 @@ fn set_end(modal: &Modal, gathered: &mut Gathered, axis: Axis, value: f64) {
     gathered.as_absolute.insert(axis);
 }
 
-fn end_open(outlet: &mut Outlet<'_>, end: Option<AxisVector>, axes: AxisSet) {
+fn end_open(outlet: &mut MotionSink<'_>, end: Option<AxisVector>, axes: AxisSet) {
     outlet.close(end, axes);
 }

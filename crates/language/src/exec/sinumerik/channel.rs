@@ -7,8 +7,8 @@ use super::variables::Variables;
 use crate::exec::core::contour::{Corner, Soft};
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::bad_value;
+use crate::exec::core::motion_sink::{HasOutlet, MotionSink};
 use crate::exec::core::options::Options;
-use crate::exec::core::outlet::{HasOutlet, Outlet};
 use crate::exec::core::settings::RunSettings;
 use crate::exec::core::standing::InForce;
 use ncfix_base::source::Span;
@@ -20,7 +20,7 @@ use ncfix_machine::snc::{BlockNumber, Kind, Origin};
 pub(super) struct Channel<'a> {
     /// The machine and the options of the caller.
     pub(super) settings: RunSettings<'a>,
-    pub(super) outlet: Outlet<'a>,
+    pub(super) outlet: MotionSink<'a>,
     pub(super) modal: Modal,
     pub(super) variables: Variables,
     pub(super) system: System,
@@ -51,7 +51,7 @@ pub(super) struct SinumerikAtHand {
 }
 
 impl<'a> HasOutlet<'a> for Channel<'a> {
-    fn outlet(&mut self) -> &mut Outlet<'a> {
+    fn outlet(&mut self) -> &mut MotionSink<'a> {
         &mut self.outlet
     }
 }
@@ -63,7 +63,7 @@ impl<'a> Channel<'a> {
             modal: Modal::new(options.start, machine),
             variables: Variables::new(machine, options.strict),
             system: System::new(options.strict, machine),
-            outlet: Outlet::new(machine, options),
+            outlet: MotionSink::new(machine, options),
             splines: Splines::default(),
             block: SinumerikAtHand::default(),
             open_angle: None,

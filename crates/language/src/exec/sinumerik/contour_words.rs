@@ -7,10 +7,11 @@ use super::gathered::{Gathered, NamedValue};
 use super::modal::Modal;
 use super::modal::MotionKind;
 use crate::exec::core::contour::{
-    Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish, unstated,
+    Approach, Clearance, ContourModal, ContourRequest, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition,
+    unstated,
 };
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::path::Path;
 use crate::exec::core::standing::InForce;
 use crate::syntax::sinumerik::DimensionFunction;
@@ -67,7 +68,7 @@ fn soft_form(word: &str) -> Option<(SoftForm, bool)> {
 pub(super) fn contour_words(
     modal: &mut Modal,
     block: &mut SinumerikAtHand,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     gathered: &Gathered,
 ) -> Result<(), Fault> {
     if gathered.contour.is_empty() && gathered.addresses.is_empty() {
@@ -116,7 +117,7 @@ pub(super) fn contour_words(
 }
 
 /// Checks that the radius of G41 and G42 is that of a cutting edge named by the program.
-pub(super) fn check_edge(strict: bool, modal: &Modal, outlet: &mut Outlet<'_>, gathered: &Gathered, span: Span) {
+pub(super) fn check_edge(strict: bool, modal: &Modal, outlet: &mut MotionSink<'_>, gathered: &Gathered, span: Span) {
     let code = gathered.contour.iter().find(|word| matches!(**word, "G41" | "G42"));
     let Some(code) = code.filter(|_| strict && !modal.edge_stated) else { return };
     let message = format!("{code} and no D: the radius is that of the tool of an earlier program");
@@ -130,7 +131,7 @@ fn feed_scale(modal: &Modal) -> f64 {
 
 fn soft_words(
     modal: &Modal,
-    outlet: &Outlet<'_>,
+    outlet: &MotionSink<'_>,
     gathered: &Gathered,
     form: SoftForm,
     retracts: bool,
@@ -220,7 +221,7 @@ fn even_scale(modal: &Modal, standing: &InForce, value: &NamedValue) -> Result<f
 }
 
 /// The contour request of a block's motion; `None` if it has none.
-pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
+pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<ContourRequest> {
     let (corner, soft) = (channel.block.corner.take(), channel.block.soft.take());
     let modal = channel.modal.contour;
     let is_open = channel.open_angle.is_some();
@@ -251,11 +252,11 @@ pub(super) fn wish(channel: &mut Channel<'_>, path: &Path) -> Option<Wish> {
         }
         Clearance::Above(_) => soft,
     });
-    Some(Wish { modal, distance_mm, corner, soft, span: path.span, file: channel.outlet.origin.file })
+    Some(ContourRequest { modal, distance_mm, corner, soft, span: path.span, file: channel.outlet.origin.file })
 }
 
 /// Emits a motion through the contour stage.
-pub(super) fn pass_path(channel: &mut Channel<'_>, path: Path, element: Element, wish: Wish) {
+pub(super) fn pass_path(channel: &mut Channel<'_>, path: Path, element: Element, wish: ContourRequest) {
     check_known(channel.settings.strict, &channel.modal, &mut channel.outlet, &path, &wish);
     let (tool, edge) = (&channel.modal.tool.active, channel.modal.edge);
     channel.outlet.name_register(&wish, || match tool {
@@ -271,7 +272,7 @@ pub(super) fn pass_path(channel: &mut Channel<'_>, path: Path, element: Element,
 }
 
 /// Rejects motions that depend on positions the program has not stated.
-fn check_known(strict: bool, modal: &Modal, outlet: &mut Outlet<'_>, path: &Path, wish: &Wish) {
+fn check_known(strict: bool, modal: &Modal, outlet: &mut MotionSink<'_>, path: &Path, wish: &ContourRequest) {
     if path.motion.is_inverse_time() && wish.corner.is_some() {
         let message = "a rounding or chamfer with inverse-time feed (G93)";
         outlet.warnings.push(fault(Code::NOT_SUPPORTED, wish.span, message, "program the feed with G94 or G95"));

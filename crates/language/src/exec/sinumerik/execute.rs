@@ -14,10 +14,10 @@ use crate::exec::core;
 use crate::exec::core::executor::Executor;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::interpreter::Execute;
-use crate::exec::core::ledger::Ledger;
 use crate::exec::core::library::Library;
 use crate::exec::core::options::Options;
 use crate::exec::core::program::Statement;
+use crate::exec::core::run_state::RunState;
 use crate::syntax::sinumerik::{self, Block, Macros, Program};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span};
@@ -57,7 +57,7 @@ pub(in crate::exec) fn start<'a>(
     }
     let start = program.sections.get(main).map_or(0, |section| section.blocks.start);
     let is_main = |section: &&sinumerik::Section| section.ending == "MPF" && !section.blocks.is_empty();
-    let mut ledger = Ledger::new(source, program.blocks.len(), options);
+    let mut ledger = RunState::new(source, program.blocks.len(), options);
     if let Some(other) = program.sections.iter().filter(is_main).nth(1) {
         let span = other.headers.first().copied().unwrap_or_default();
         let message = format!("the main program {} is left out: only the first one of a file is executed", other.name);

@@ -2,7 +2,7 @@
 
 use super::control::System;
 use super::order;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use std::ops::Range;
 
 use super::assign::{assign_value, assignments, define};
@@ -184,7 +184,7 @@ fn return_target(
 }
 
 /// Main-run variables read by the block end the look-ahead of the preceding blocks.
-pub(super) fn note_looks(system: &System, outlet: &mut Outlet<'_>) {
+pub(super) fn note_looks(system: &System, outlet: &mut MotionSink<'_>) {
     if let Some(name) = system.looked() {
         outlet.stop_look_ahead(name);
     }

@@ -9,7 +9,7 @@ use crate::exec::core::fault::Fault;
 use crate::syntax::sinumerik::{ArgumentRange, DimensionFunction};
 use ncfix_base::geometry::{AXIS_COUNT, AxisSet, AxisVector};
 use ncfix_base::source::Span;
-use ncfix_machine::snc::{FrameKind, Way, Word as AuxWord, WordValue};
+use ncfix_machine::snc::{FrameKind, RotaryDirection, Word as AuxWord, WordValue};
 
 /// A call found in a block.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +53,7 @@ pub(super) struct Gathered {
     pub(super) as_absolute: AxisSet,
     pub(super) as_incremental: AxisSet,
     /// `DC`, `ACP`, `ACN` of rotary axes.
-    pub(super) ways: [Way; 3],
+    pub(super) ways: [RotaryDirection; 3],
     pub(super) center: [Option<(f64, bool)>; 3],
     pub(super) center_span: Span,
     /// Splines and polynomials.
@@ -121,7 +121,7 @@ impl Gathered {
             named: AxisSet::EMPTY,
             as_absolute: AxisSet::EMPTY,
             as_incremental: AxisSet::EMPTY,
-            ways: [Way::Plain; 3],
+            ways: [RotaryDirection::Plain; 3],
             center: [None; 3],
             center_span: Span::default(),
             addresses: Vec::new(),

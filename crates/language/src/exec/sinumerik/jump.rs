@@ -9,7 +9,7 @@ use super::place::Place;
 use super::scope::scope_of;
 use super::value::Value;
 use crate::exec::core::fault::{Fault, at};
-use crate::syntax::Shelf;
+use crate::syntax::PagedStore;
 use crate::syntax::sinumerik::{Block, Jump, JumpTarget, NameId, Search};
 use ncfix_base::diagnostic::Code;
 
@@ -106,7 +106,7 @@ fn find(
 
 /// Searches a marked block from the block `index` on.
 pub(super) fn search(
-    blocks: &Shelf<Block>,
+    blocks: &PagedStore<Block>,
     place: Place,
     search: Search,
     index: usize,

@@ -12,7 +12,7 @@ use crate::exec::core::path::{Path, Shape};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
 use ncfix_base::source::Span;
-use ncfix_machine::snc::{Manner, Move, Way};
+use ncfix_machine::snc::{MotionMode, Move, RotaryDirection};
 
 /// The motion of a block that names axes or a center, and the state after it.
 pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<Path, Fault> {
@@ -92,10 +92,10 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         unit: modal.modes.feed_unit,
         ways,
         in_machine_frame: gathered.suppress.is_some(),
-        manner: match thread {
-            _ if is_positioning => Manner::Positioning,
-            Some(thread) => Manner::Thread(thread),
-            None => Manner::Path,
+        motion_mode: match thread {
+            _ if is_positioning => MotionMode::Positioning,
+            Some(thread) => MotionMode::Thread(thread),
+            None => MotionMode::Path,
         },
         off_curve_mm: 0.0,
     };
@@ -107,7 +107,7 @@ fn target(
     gathered: &Gathered,
     modal: &mut Modal,
     context: MotionContext<'_>,
-    ways: &mut [Way; 3],
+    ways: &mut [RotaryDirection; 3],
 ) -> Result<(AxisVector, AxisSet), Fault> {
     let suppressed = context.is_suppressed;
     let here = context.setup.programmed(&modal.position.command);

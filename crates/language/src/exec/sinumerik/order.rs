@@ -17,7 +17,7 @@ use super::surface;
 use super::tool;
 use super::transform;
 use crate::exec::core::fault::Fault;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use ncfix_base::geometry::AxisSet;
 use ncfix_base::source::Span;
 use ncfix_machine::snc::{Kind, Word, WordValue};
@@ -100,7 +100,7 @@ pub(super) fn execute(
 }
 
 /// `true` if a word is an M function that moves axes according to the machine file.
-pub(super) fn is_moved_by(outlet: &Outlet<'_>, word: &Word) -> bool {
+pub(super) fn is_moved_by(outlet: &MotionSink<'_>, word: &Word) -> bool {
     let is_function = word.letter == b'M' && word.extension.is_none();
     matches!(word.value, WordValue::Number(number) if is_function && outlet.function_moves(number))
 }

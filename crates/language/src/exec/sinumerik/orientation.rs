@@ -6,7 +6,7 @@ use super::modal::Modal;
 use super::surface;
 use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::five_axis;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::path::Path;
 use crate::exec::core::settings::RunSettings;
 use ncfix_base::diagnostic::Code;
@@ -18,7 +18,7 @@ use ncfix_machine::machine::OrientationAngles;
 pub(super) fn orient(
     settings: &RunSettings<'_>,
     modal: &mut Modal,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     gathered: &Gathered,
     path: &mut Path,
 ) -> Result<(), Fault> {

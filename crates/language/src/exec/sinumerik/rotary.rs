@@ -11,7 +11,7 @@ use crate::syntax::sinumerik::DimensionFunction;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, ROTARY_AXES};
 use ncfix_base::source::Span;
-use ncfix_machine::snc::Way;
+use ncfix_machine::snc::RotaryDirection;
 
 /// Difference below which a position equals the current one, rad: no full turn is intended.
 const SAME_RAD: f64 = 1e-9;
@@ -19,17 +19,17 @@ const SAME_RAD: f64 = 1e-9;
 /// Sets the meaning of an axis word; `false` if the function is unknown.
 pub(super) fn set_way(axis: Axis, function: DimensionFunction, span: Span, out: &mut Gathered) -> Result<bool, Fault> {
     let way = match function {
-        DimensionFunction::Absolute => Way::Plain,
+        DimensionFunction::Absolute => RotaryDirection::Plain,
         DimensionFunction::Incremental => {
             out.as_incremental.insert(axis);
             return Ok(true);
         }
-        DimensionFunction::Shortest => Way::Shortest,
-        DimensionFunction::Positive => Way::Positive,
-        DimensionFunction::Negative => Way::Negative,
+        DimensionFunction::Shortest => RotaryDirection::Shortest,
+        DimensionFunction::Positive => RotaryDirection::Positive,
+        DimensionFunction::Negative => RotaryDirection::Negative,
         DimensionFunction::Other => return Ok(false),
     };
-    if way != Way::Plain && !axis.is_rotary() {
+    if way != RotaryDirection::Plain && !axis.is_rotary() {
         return Err(bad_value(span, format!("{axis} is no rotary axis"), "DC, ACP and ACN are for rotary axes"));
     }
     out.as_absolute.insert(axis);
@@ -39,14 +39,14 @@ pub(super) fn set_way(axis: Axis, function: DimensionFunction, span: Span, out: 
     Ok(true)
 }
 
-/// The position of an absolute word. If the control may choose the direction, it becomes [`Way::Either`].
+/// The position of an absolute word. If the control may choose the direction, it becomes [`RotaryDirection::Either`].
 pub(super) fn position(
     axis: Axis,
     value: f64,
     here: f64,
     (gathered, is_known): (&Gathered, bool),
     context: MotionContext<'_>,
-    ways: &mut [Way; 3],
+    ways: &mut [RotaryDirection; 3],
 ) -> Result<f64, Fault> {
     if !axis.is_rotary() {
         return Ok(value);
@@ -56,7 +56,7 @@ pub(super) fn position(
     let span = gathered.axis_spans.get(axis.slot()).copied().unwrap_or_default();
     if !is_modulo {
         return match way {
-            Way::Plain => Ok(value),
+            RotaryDirection::Plain => Ok(value),
             _ => {
                 let message = format!("DC, ACP and ACN need an axis that turns without end; {axis} is none");
                 Err(bad_value(
@@ -77,7 +77,7 @@ pub(super) fn position(
     let is_same = !(SAME_RAD..=TAU - SAME_RAD).contains(&forward);
     let increment = context.control.increment_rad;
     let is_near = !(increment..=TAU - increment).contains(&forward);
-    if is_known && is_near && matches!(way, Way::Positive | Way::Negative) {
+    if is_known && is_near && matches!(way, RotaryDirection::Positive | RotaryDirection::Negative) {
         let message = format!("{axis} stands there already: with ACP and ACN it turns in full, or not at all");
         return Err(fault(
             Code::WAY_OPEN,
@@ -86,19 +86,20 @@ pub(super) fn position(
             "program DC(…) where it shall stay, IC(360) or IC(-360) for a turn",
         ));
     }
-    let is_shortest = way == Way::Shortest || way == Way::Plain && context.control.modulo_shortest;
+    let is_shortest =
+        way == RotaryDirection::Shortest || way == RotaryDirection::Plain && context.control.modulo_shortest;
     if is_known
         && is_shortest
         && (forward - PI).abs() <= increment
         && let Some(place) = ways.get_mut(axis.dimension())
     {
-        *place = Way::Either;
+        *place = RotaryDirection::Either;
     }
     let step = match way {
-        Way::Plain if !context.control.modulo_shortest => value - within,
-        Way::Positive | Way::Negative if is_same => 0.0,
-        Way::Positive => forward,
-        Way::Negative => forward - TAU,
+        RotaryDirection::Plain if !context.control.modulo_shortest => value - within,
+        RotaryDirection::Positive | RotaryDirection::Negative if is_same => 0.0,
+        RotaryDirection::Positive => forward,
+        RotaryDirection::Negative => forward - TAU,
         _ if forward > PI => forward - TAU,
         _ => forward,
     };
@@ -106,8 +107,12 @@ pub(super) fn position(
 }
 
 /// Rejects a path motion in which the control may choose the direction: the other direction would cut elsewhere.
-pub(super) fn check_either(ways: &[Way; 3], is_positioning: bool, context: MotionContext<'_>) -> Result<(), Fault> {
-    let Some(dimension) = ways.iter().position(|way| *way == Way::Either) else { return Ok(()) };
+pub(super) fn check_either(
+    ways: &[RotaryDirection; 3],
+    is_positioning: bool,
+    context: MotionContext<'_>,
+) -> Result<(), Fault> {
+    let Some(dimension) = ways.iter().position(|way| *way == RotaryDirection::Either) else { return Ok(()) };
     if is_positioning && context.setup.transform.is_none() {
         return Ok(());
     }
@@ -117,8 +122,8 @@ pub(super) fn check_either(ways: &[Way; 3], is_positioning: bool, context: Motio
 }
 
 /// The warning for a rapid motion in which the control may choose the direction.
-pub(super) fn either_way(ways: &[Way; 3], span: Span) -> Option<Fault> {
-    let dimension = ways.iter().position(|way| *way == Way::Either)?;
+pub(super) fn either_way(ways: &[RotaryDirection; 3], span: Span) -> Option<Fault> {
+    let dimension = ways.iter().position(|way| *way == RotaryDirection::Either)?;
     let axis = ROTARY_AXES.get(dimension).copied().unwrap_or(Axis::C);
     let message = format!(
         "{axis} turns by exactly half a turn the shortest way: the control may go either way, with the corrected position another way than without"

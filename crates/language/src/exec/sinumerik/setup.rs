@@ -1,7 +1,7 @@
 //! Activates frame and tool.
 
 use super::modal::Modal;
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::standing::InForce;
 use crate::exec::core::standing::{keep_pose, known_behind, lengthened};
 use ncfix_base::geometry::RotationOrder;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Activates frame and tool. An axis along which the tool length changes is unknown until the program states it again. Whether and when a control
 /// traverses the change is a setting (Sinumerik SD42940, SD42442).
-pub(super) fn refresh_setup(modal: &mut Modal, standing: &mut InForce, outlet: &mut Outlet<'_>) {
+pub(super) fn refresh_setup(modal: &mut Modal, standing: &mut InForce, outlet: &mut MotionSink<'_>) {
     let setup = modal.setup();
     keep_pose(&standing.setup, &setup, outlet.kinematics.as_deref(), &mut modal.position.command);
     let lost = lengthened(&standing.setup, &setup);

@@ -2,7 +2,7 @@
 
 use super::curve::End;
 use super::modal::MotionKind;
-use crate::exec::core::contour::Wish;
+use crate::exec::core::contour::ContourRequest;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::fault::fault;
 use crate::exec::core::path::Path;
@@ -25,7 +25,7 @@ pub(super) struct Node {
 #[derive(Debug)]
 pub(super) enum HeldBlock {
     Element(Element),
-    Path(Box<Path>, Element, Node, Option<Box<Wish>>),
+    Path(Box<Path>, Element, Node, Option<Box<ContourRequest>>),
 }
 
 /// The blocks of an incomplete spline.

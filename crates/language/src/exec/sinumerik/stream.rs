@@ -17,7 +17,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Frame, LINEAR_AXES};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Machine;
-use ncfix_machine::snc::{Kind, Manner, Setup};
+use ncfix_machine::snc::{Kind, MotionMode, Setup};
 use std::sync::Arc;
 
 pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -> Result<(), Fault> {
@@ -65,7 +65,7 @@ pub(super) fn send(channel: &mut Channel<'_>, gathered: &Gathered, span: Span) -
     channel.outlet.warnings.extend(rotary::either_way(&path.motion.ways, span));
     thread::check_manner(&channel.modal, &channel.block, &mut path)?;
     let step = &path.motion;
-    let is_driven = matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven());
+    let is_driven = matches!(step.motion_mode, MotionMode::Thread(thread) if thread.code.is_spindle_driven());
     if !step.rapid && !is_driven && step.feed <= 0.0 && !std::mem::replace(&mut channel.feed_warned, true) {
         let message = "a feed motion, and no F was programmed yet";
         channel.outlet.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));

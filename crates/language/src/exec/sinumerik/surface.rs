@@ -7,7 +7,7 @@ use super::address::Named;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::Modal;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::path::{Path, Shape};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisSet, Vector};
@@ -57,7 +57,7 @@ pub(super) fn surface(modal: &mut Modal, gathered: &Gathered) -> Result<(), Faul
 pub(super) fn direction_on_path(
     machine: &Machine,
     modal: &Modal,
-    outlet: &Outlet<'_>,
+    outlet: &MotionSink<'_>,
     gathered: &Gathered,
     path: &Path,
 ) -> Result<Option<(Vector, Span)>, Fault> {
@@ -112,7 +112,7 @@ pub(super) fn direction_on_path(
 }
 
 /// Checks that nothing else in the block defines the tool direction.
-fn check_only_direction(outlet: &Outlet<'_>, gathered: &Gathered, word: Option<&NamedValue>) -> Result<(), Fault> {
+fn check_only_direction(outlet: &MotionSink<'_>, gathered: &Gathered, word: Option<&NamedValue>) -> Result<(), Fault> {
     let direct = gathered.addresses.iter().find(|value| matches!(value.address, Named::Orientation(2 | 3, _)));
     let rotary = outlet.kinematics.as_ref().and_then(|kinematics| {
         let axis = kinematics.rotary_axes().find(|&axis| gathered.named.contains(axis))?;
@@ -132,7 +132,7 @@ fn check_only_direction(outlet: &Outlet<'_>, gathered: &Gathered, word: Option<&
 }
 
 /// ORIPATH: every following motion ends in the direction given by path and surface.
-pub(super) fn follow_path(machine: &Machine, modal: &mut Modal, outlet: &mut Outlet<'_>) -> Result<(), Fault> {
+pub(super) fn follow_path(machine: &Machine, modal: &mut Modal, outlet: &mut MotionSink<'_>) -> Result<(), Fault> {
     if machine.control.ori_path == OriPath::Path {
         let message = "ORIPATH that keeps the tool relative to the path within a block is not supported";
         let help = "control.oripath says that the control does so; program the directions with A3, B3, C3";

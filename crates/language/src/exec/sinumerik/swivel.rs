@@ -24,7 +24,7 @@ use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Frame, Matrix, ROTARY_AXES, RotationOrder, Vector, about};
 use ncfix_base::source::Span;
 use ncfix_machine::machine::Kinematics;
-use ncfix_machine::snc::{FrameKind, FrameStatement, Way};
+use ncfix_machine::snc::{FrameKind, FrameStatement, RotaryDirection};
 
 /// Tolerance of a rotation matrix.
 const SAME_ROTATION: f64 = 1e-9;
@@ -215,12 +215,12 @@ fn turn(channel: &mut Channel<'_>, kinematics: &Kinematics, turned: &AxisVector,
         let shown = (to.to_degrees() * PARTS).round() / PARTS;
         words.axes[axis] = if is_modulo { shown.rem_euclid(360.0) } else { shown };
         if let Some(way) = words.ways.get_mut(axis.dimension()).filter(|_| is_modulo) {
-            *way = if to > from { Way::Positive } else { Way::Negative };
+            *way = if to > from { RotaryDirection::Positive } else { RotaryDirection::Negative };
             // The control chooses the direction of a half turn.
             let increment = channel.settings.machine.control.increment_rad.max(SAME_ANGLE);
             let step = (to - from).abs();
             if step <= increment || (step - std::f64::consts::PI).abs() <= increment {
-                *way = Way::Shortest;
+                *way = RotaryDirection::Shortest;
             }
         }
         words.as_absolute.insert(axis);

@@ -11,7 +11,7 @@ use crate::exec::core::fault::{Fault, bad_value, fault};
 use crate::exec::core::path::Path;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::source::Span;
-use ncfix_machine::snc::{FeedUnit, Manner, Thread, ThreadCode};
+use ncfix_machine::snc::{FeedUnit, MotionMode, Thread, ThreadCode};
 
 /// Largest lead, mm (Sinumerik: 2000 mm).
 const LARGEST_LEAD_MM: f64 = 2000.0;
@@ -82,9 +82,9 @@ pub(super) fn lead_change(modal: &Modal, gathered: &mut Gathered) {
 
 /// Rejects threads and positioning axes that cannot be simulated, and removes the feed of spindle-driven motions.
 pub(super) fn check_manner(modal: &Modal, block: &SinumerikAtHand, path: &mut Path) -> Result<(), Fault> {
-    let (what, help) = match path.motion.manner {
-        Manner::Path | Manner::Reference | Manner::Probe(_) => return Ok(()),
-        Manner::Thread(thread) => {
+    let (what, help) = match path.motion.motion_mode {
+        MotionMode::Path | MotionMode::Reference | MotionMode::Probe(_) => return Ok(()),
+        MotionMode::Thread(thread) => {
             if thread.code.is_spindle_driven() {
                 path.motion.feed = 0.0;
                 path.motion.feed_named = false;
@@ -92,7 +92,7 @@ pub(super) fn check_manner(modal: &Modal, block: &SinumerikAtHand, path: &mut Pa
             }
             (thread.code.word(), "end it before the thread")
         }
-        Manner::Positioning => ("POS", "end it before the block with POS"),
+        MotionMode::Positioning => ("POS", "end it before the block with POS"),
     };
     let refusal = if path.setup.transform.is_some() {
         "a transformation (TRAORI)"
@@ -100,7 +100,7 @@ pub(super) fn check_manner(modal: &Modal, block: &SinumerikAtHand, path: &mut Pa
         "radius compensation"
     } else if block.corner.is_some() {
         "a rounding or chamfer"
-    } else if path.motion.manner == Manner::Positioning && !path.setup.frame.is_translation() {
+    } else if path.motion.motion_mode == MotionMode::Positioning && !path.setup.frame.is_translation() {
         "a frame that turns, scales or mirrors"
     } else {
         return Ok(());

@@ -11,7 +11,7 @@ use super::setup;
 use super::spline;
 use super::surface;
 use crate::exec::core::fault::{Fault, bad_value, fault};
-use crate::exec::core::outlet::Outlet;
+use crate::exec::core::motion_sink::MotionSink;
 use crate::exec::core::settings::RunSettings;
 use crate::exec::core::standing::InForce;
 use crate::syntax::sinumerik::{ArgumentRange, Word};
@@ -99,7 +99,7 @@ fn check_kinematics(
     settings: &RunSettings<'_>,
     modal: &Modal,
     standing: &InForce,
-    outlet: &mut Outlet<'_>,
+    outlet: &mut MotionSink<'_>,
     span: Span,
 ) -> Result<(), Fault> {
     let kinematics = outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(settings.machine)));
@@ -113,7 +113,7 @@ fn check_kinematics(
     Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"))
 }
 
-fn switch(modal: &mut Modal, standing: &InForce, outlet: &mut Outlet<'_>, is_on: bool) {
+fn switch(modal: &mut Modal, standing: &InForce, outlet: &mut MotionSink<'_>, is_on: bool) {
     if std::mem::replace(&mut modal.transform.is_on, is_on) == is_on {
         return;
     }

@@ -4,7 +4,7 @@ use super::block::Parser;
 use super::tree::{Program, Section};
 use crate::syntax::MAX_PARTS;
 use crate::syntax::names::Names;
-use crate::syntax::shelf::Shelf;
+use crate::syntax::paged_store::PagedStore;
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::Dialect;
 
@@ -14,12 +14,12 @@ pub(super) fn empty(source: Source, dialect: &'static Dialect) -> Program {
         source,
         dialect,
         sections: vec![Section { name: String::new(), ending: String::new(), headers: Vec::new(), blocks: 0..0 }],
-        blocks: Shelf::default(),
-        words: Shelf::default(),
-        exprs: Shelf::default(),
-        arguments: Shelf::default(),
+        blocks: PagedStore::default(),
+        words: PagedStore::default(),
+        exprs: PagedStore::default(),
+        arguments: PagedStore::default(),
         jumps: Vec::new(),
-        definitions: Shelf::default(),
+        definitions: PagedStore::default(),
         parameters: Vec::new(),
         calls: Vec::new(),
         repetitions: Vec::new(),

@@ -1,7 +1,7 @@
 //! Connects both ends of control structures, and reports those with only one end.
 
 use super::tree::{Block, Body, Program};
-use crate::syntax::shelf::Shelf;
+use crate::syntax::paged_store::PagedStore;
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 
 /// Maximum nesting of control structures; controls allow 16.
@@ -60,7 +60,7 @@ fn place_of(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }
 
-fn close(blocks: &mut Shelf<Block>, open: &mut Vec<usize>, index: usize, faults: &mut Vec<(usize, Code, String)>) {
+fn close(blocks: &mut PagedStore<Block>, open: &mut Vec<usize>, index: usize, faults: &mut Vec<(usize, Code, String)>) {
     let (opening, end) = words_of(&blocks[index].body);
     let fits = open.last().is_some_and(|&start| words_of(&blocks[start].body) == (opening, end));
     let Some(start) = open.pop_if(|_| fits) else {

@@ -7,7 +7,7 @@ use super::call::{CallStatement, Parameter};
 use super::definition::Definition;
 use super::jump::{Jump, Repetition};
 use crate::syntax::names::{NameId, Names};
-use crate::syntax::shelf::{Pages, Shelf};
+use crate::syntax::paged_store::{PagedStore, Pages};
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::Dialect;
 
@@ -41,17 +41,17 @@ pub struct Program {
     /// The files of the archive; a file without headers is one section.
     pub sections: Vec<Section>,
     /// All blocks of all sections in order.
-    pub blocks: Shelf<Block>,
+    pub blocks: PagedStore<Block>,
     /// Words of all blocks.
-    pub words: Shelf<Word>,
+    pub words: PagedStore<Word>,
     /// Expressions of all blocks.
-    pub exprs: Shelf<Expr>,
+    pub exprs: PagedStore<Expr>,
     /// Arguments of calls and indices; `None` is an empty slot.
-    pub arguments: Shelf<Option<ExprId>>,
+    pub arguments: PagedStore<Option<ExprId>>,
     /// Jumps of all blocks.
     pub jumps: Vec<Jump>,
     /// Variables of all DEF blocks.
-    pub definitions: Shelf<Definition>,
+    pub definitions: PagedStore<Definition>,
     /// Parameters of all PROC blocks.
     pub parameters: Vec<Parameter>,
     /// Call statements of all blocks.

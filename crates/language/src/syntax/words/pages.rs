@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use super::parser::{Parser, empty};
 use super::tree::{Body, PartKind, Program};
+use crate::syntax::paged_store::{Pages, Start};
 use crate::syntax::plain;
-use crate::syntax::shelf::{Pages, Start};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::source::Source;
 use ncfix_dialect::{Dialect, Language};

@@ -11,7 +11,7 @@ use super::token::{
 };
 use super::tree::{Block, Body, InnerSkip, PartKind, Program, Slice};
 use crate::syntax::names::{NameId, Names};
-use crate::syntax::shelf::Shelf;
+use crate::syntax::paged_store::PagedStore;
 use crate::syntax::{MAX_FINDINGS, too_many_parts};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
 use ncfix_base::source::{Source, Span};
@@ -41,11 +41,11 @@ pub(super) fn empty(source: Source, dialect: &'static Dialect) -> Program {
         source,
         dialect,
         parts: Vec::new(),
-        blocks: Shelf::default(),
-        words: Shelf::default(),
-        exprs: Shelf::default(),
-        arguments: Shelf::default(),
-        comments: Shelf::default(),
+        blocks: PagedStore::default(),
+        words: PagedStore::default(),
+        exprs: PagedStore::default(),
+        arguments: PagedStore::default(),
+        comments: PagedStore::default(),
         names: Names::default(),
         has_tape_marks: false,
         targets: Vec::new(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::node::{Expr, ExprId};
 use crate::syntax::names::{NameId, Names};
-use crate::syntax::shelf::{Pages, Shelf};
+use crate::syntax::paged_store::{PagedStore, Pages};
 use ncfix_base::source::{Source, Span};
 use ncfix_dialect::{Dialect, Language};
 
@@ -26,15 +26,15 @@ pub struct Program {
     /// The programs, macros and tables of the file in order; a file without headers is one part.
     pub parts: Vec<Part>,
     /// All blocks of all parts in order.
-    pub blocks: Shelf<Block>,
+    pub blocks: PagedStore<Block>,
     /// Words of all blocks.
-    pub words: Shelf<Word>,
+    pub words: PagedStore<Word>,
     /// Expressions of all blocks.
-    pub exprs: Shelf<Expr>,
+    pub exprs: PagedStore<Expr>,
     /// Arguments of O-word calls.
-    pub arguments: Shelf<ExprId>,
+    pub arguments: PagedStore<ExprId>,
     /// Comments of all blocks.
-    pub comments: Shelf<Comment>,
+    pub comments: PagedStore<Comment>,
     /// All identifiers, upper case and without blanks.
     pub names: Names,
     /// `true` if `%` begins or ends the tape.

@@ -102,7 +102,7 @@ struct Left<'w> {
 }
 
 /// What was found.
-struct Told {
+struct SwappedAxes {
     name: String,
     what: String,
     left: [f64; 2],
@@ -146,7 +146,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<DataDefect>) {
 }
 
 /// Whether a single cause of the machine says the readings as well, as they are; better where they are reversed, as a slope says what another sign does.
-fn is_one_cause(view: &View<'_, '_>, data: &DataSet, told: &Told) -> bool {
+fn is_one_cause(view: &View<'_, '_>, data: &DataSet, told: &SwappedAxes) -> bool {
     let sets = [thinned(data)];
     let machine = view.scene.machine;
     let Some(as_is) = left(machine, view.scene, &sets, f64::INFINITY) else { return false };
@@ -155,7 +155,7 @@ fn is_one_cause(view: &View<'_, '_>, data: &DataSet, told: &Told) -> bool {
     single < factor * told.left[1]
 }
 
-impl Told {
+impl SwappedAxes {
     fn evidence(&self, noise: f64) -> String {
         let [as_is, otherwise] = self.left.map(|left| (left / noise).sqrt());
         let beside = match self.beside {
@@ -177,7 +177,7 @@ impl Told {
 }
 
 /// A component with the other sign.
-fn component(view: &View<'_, '_>, readings: &WeighedReadings, number: usize, noise: f64) -> Option<Told> {
+fn component(view: &View<'_, '_>, readings: &WeighedReadings, number: usize, noise: f64) -> Option<SwappedAxes> {
     for beside in Allowance::ALL {
         let readings = readings.beside(view.scene, view.tips(), beside)?;
         let left = [1.0, -1.0].map(|times| readings.left_with(Some(number), times));
@@ -185,7 +185,7 @@ fn component(view: &View<'_, '_>, readings: &WeighedReadings, number: usize, noi
             return None;
         }
         if left[1] < FITS * noise {
-            let told = Told { name: String::new(), what: "reversed".into(), left, beside };
+            let told = SwappedAxes { name: String::new(), what: "reversed".into(), left, beside };
             return (left[0] > WORSE * left[1]).then_some(told);
         }
     }
@@ -198,12 +198,12 @@ fn is_circle(data: &DataSet) -> bool {
 }
 
 /// The simplest of the other ways to read the columns that fits.
-fn columns(view: &View<'_, '_>, data: &DataSet, readings: &WeighedReadings, noise: f64) -> Option<Told> {
+fn columns(view: &View<'_, '_>, data: &DataSet, readings: &WeighedReadings, noise: f64) -> Option<SwappedAxes> {
     let values = readings.values();
     let ways: Vec<ColumnMeaning> = ColumnMeaning::all().filter(|way| way.is_of(&values)).collect();
     let columns = if is_circle(data) { OF_ONE } else { COLUMNS };
     let mut turned: Option<Turned> = None;
-    let mut told: Option<Told> = None;
+    let mut told: Option<SwappedAxes> = None;
     let mut first: Option<Vec<f64>> = None;
     for beside in Allowance::ALL {
         let Some(own) = readings.beside(view.scene, view.tips(), beside) else { break };
@@ -249,7 +249,7 @@ impl Left<'_> {
     }
 
     /// The simplest way that is good, where what is left of it is within so many squares of the noise.
-    fn told(&self, noise: f64, fits: f64) -> Option<Told> {
+    fn told(&self, noise: f64, fits: f64) -> Option<SwappedAxes> {
         let as_is = self.as_is();
         let best = self.left.iter().copied().fold(f64::INFINITY, f64::min);
         // What goes with it may fit better by chance: causes that are not among it leave a little more than noise either way.
@@ -271,6 +271,6 @@ impl Left<'_> {
         for (other, how) in simple.map(|(way, _)| way.words(self.columns)) {
             what.push_str(&format!(", or {other} {how}"));
         }
-        Some(Told { name, what, left: [as_is, *left], beside: self.beside })
+        Some(SwappedAxes { name, what, left: [as_is, *left], beside: self.beside })
     }
 }

@@ -80,7 +80,7 @@ impl Trail {
         let component = channels(data);
         let channel: Vec<usize> =
             items.iter().map(|(item, row)| 3 * component.get(*row).copied().unwrap_or(0) + item.value.min(2)).collect();
-        let manner: Vec<&[f64]> = data
+        let motion_mode: Vec<&[f64]> = data
             .drivers
             .iter()
             .filter(|driver| MANNER.contains(&driver.name.as_str()))
@@ -92,7 +92,7 @@ impl Trail {
             let mut key = vec![one.setup as i64, channel as i64, one.target.map_or(-1, |target| target as i64)];
             key.extend(AXES.iter().map(|&axis| fine(one.reading.position[axis])));
             key.extend(one.reading.tool_mm.iter().map(|value| fine(*value)));
-            key.extend(manner.iter().map(|values| values.get(*row).map_or(0, |value| fine(*value))));
+            key.extend(motion_mode.iter().map(|values| values.get(*row).map_or(0, |value| fine(*value))));
             if with_sense {
                 key.extend(one.reading.state.direction.iter().map(|sense| i64::from(*sense)));
             }

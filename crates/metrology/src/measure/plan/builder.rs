@@ -5,7 +5,7 @@ use crate::measure::reading::Reading;
 use ncfix_base::diagnostic::Place;
 use ncfix_base::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine, State};
-use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Manner, Move, Way, Word, WordValue};
+use ncfix_machine::snc::{Dwell, FeedUnit, Kind, MotionMode, Move, RotaryDirection, Word, WordValue};
 use ncfix_model::ErrorName;
 
 use super::{MOST, PlanRefused, Wishes};
@@ -228,9 +228,9 @@ impl Builder {
             feed: feed.unwrap_or(0.0),
             feed_named: feed.is_some(),
             unit: FeedUnit::PerMinute,
-            ways: [Way::Plain; 3],
+            ways: [RotaryDirection::Plain; 3],
             in_machine_frame: true,
-            manner: Manner::Path,
+            motion_mode: MotionMode::Path,
             off_curve_mm: 0.0,
         }));
         Ok(())

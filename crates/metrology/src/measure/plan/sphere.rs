@@ -75,7 +75,7 @@ struct Sphere {
 }
 
 /// Common settings of all spheres.
-struct Manner {
+struct SphereSettings {
     /// Angles of a chord and between rows.
     chord: f64,
     every: f64,
@@ -165,7 +165,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     let feed = wishes.feed.unwrap_or(200.0);
     let chord = wishes.chord.unwrap_or(0.1_f64.to_radians()).clamp(1e-4, 0.2);
     let is_partial = variant == SphereVariant::Spaan;
-    let manner = Manner {
+    let settings = SphereSettings {
         chord,
         every: wishes.every.unwrap_or(5_f64.to_radians()).max(chord),
         feed,
@@ -186,7 +186,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, PlanRefused> {
     plan.reach = PlanReach::Sphere { chord, feed };
     let mut left_out = 0;
     for (number, sphere) in spheres.iter().enumerate() {
-        left_out += hemisphere(&mut plan, number, sphere, &manner)?;
+        left_out += hemisphere(&mut plan, number, sphere, &settings)?;
     }
     if left_out > 0 {
         plan.notes.push(format!("{left_out} points of the spheres are out of travel and left out"));
@@ -214,18 +214,18 @@ struct Point {
 }
 
 /// All points of a hemisphere, within the travel or not.
-fn points(plan: &Builder, sphere: &Sphere, manner: &Manner) -> Vec<Point> {
+fn points(plan: &Builder, sphere: &Sphere, settings: &SphereSettings) -> Vec<Point> {
     let centre = plan.at_tip(&sphere.centre_mm, &sphere.tool_mm);
     let mut out = Vec::new();
-    for (number, leg) in manner.legs.iter().enumerate() {
-        let rows = (leg.angle() / manner.every).round().max(1.0) as usize;
+    for (number, leg) in settings.legs.iter().enumerate() {
+        let rows = (leg.angle() / settings.every).round().max(1.0) as usize;
         // Whole chords between rows, none longer than requested.
-        let between = (leg.angle() / rows as f64 / manner.chord - 1e-9).ceil().max(1.0) as usize;
+        let between = (leg.angle() / rows as f64 / settings.chord - 1e-9).ceil().max(1.0) as usize;
         let chords = rows * between;
         for chord in 0..=chords {
             let mut position = centre;
             let at = leg.at(chord as f64 / chords as f64);
-            position.set_xyz(centre.xyz() + on_meridian(manner.pole, at) * sphere.radius_mm);
+            position.set_xyz(centre.xyz() + on_meridian(settings.pole, at) * sphere.radius_mm);
             let position = plan.on_increments(&position);
             out.push(Point { position, is_row: chord.is_multiple_of(between), leg: number });
         }
@@ -234,11 +234,16 @@ fn points(plan: &Builder, sphere: &Sphere, manner: &Manner) -> Vec<Point> {
 }
 
 /// The hemisphere of one set-up. Returns the number of rows that are left out.
-fn hemisphere(plan: &mut Builder, setup: usize, sphere: &Sphere, manner: &Manner) -> Result<usize, PlanRefused> {
+fn hemisphere(
+    plan: &mut Builder,
+    setup: usize,
+    sphere: &Sphere,
+    settings: &SphereSettings,
+) -> Result<usize, PlanRefused> {
     let Sphere { label, centre_mm, tool_mm, .. } = sphere;
-    let all = points(plan, sphere, manner);
+    let all = points(plan, sphere, settings);
     let is_out: Vec<bool> =
-        all.iter().map(|point| manner.is_partial && plan.outside(&point.position).is_some()).collect();
+        all.iter().map(|point| settings.is_partial && plan.outside(&point.position).is_some()).collect();
     let centre = plan.at_tip(centre_mm, tool_mm).xyz();
     // Paths between parts pass over the middle of the reachable part.
     let inside = all.iter().zip(&is_out).filter(|(_, is_out)| !**is_out);
@@ -254,23 +259,23 @@ fn hemisphere(plan: &mut Builder, setup: usize, sphere: &Sphere, manner: &Manner
         }
         if !is_on {
             plan.stop(&format!("set-up {label}: the ball-bar is off: the axes go to their first position"));
-            plan.approach(&point.position, manner.feed)?;
+            plan.approach(&point.position, settings.feed)?;
             plan.stop("put the ball-bar on");
             is_on = true;
         } else if is_apart {
-            plan.on_sphere(centre_mm, tool_mm, &middle, WAY_CHORD, manner.feed)?;
-            plan.on_sphere(centre_mm, tool_mm, &point.position, WAY_CHORD, manner.feed)?;
+            plan.on_sphere(centre_mm, tool_mm, &middle, WAY_CHORD, settings.feed)?;
+            plan.on_sphere(centre_mm, tool_mm, &point.position, WAY_CHORD, settings.feed)?;
         } else if plan.last() != Some(point.position) {
-            plan.go(&point.position, Some(manner.feed))?;
+            plan.go(&point.position, Some(settings.feed))?;
         }
         is_apart = false;
-        let run = manner.legs.get(point.leg).map_or("", |leg| leg.run.as_str());
+        let run = settings.legs.get(point.leg).map_or("", |leg| leg.run.as_str());
         if leg != point.leg {
             plan.comment(run);
             leg = point.leg;
         }
         if point.is_row {
-            let extra = Extra { run: run.to_owned(), feed: Some(manner.feed), ..Extra::default() };
+            let extra = Extra { run: run.to_owned(), feed: Some(settings.feed), ..Extra::default() };
             plan.row(&point.position, *tool_mm, setup, extra)?;
         }
     }

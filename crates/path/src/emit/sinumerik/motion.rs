@@ -4,7 +4,7 @@ use super::Sinumerik;
 use crate::path::{Piece, RotaryWord};
 use ncfix_base::geometry::Axis;
 use ncfix_base::units::push_integer;
-use ncfix_machine::snc::{Manner, ThreadCode, Way};
+use ncfix_machine::snc::{MotionMode, RotaryDirection, ThreadCode};
 
 use super::super::comment::mark_of;
 use super::super::number::push_value;
@@ -20,14 +20,14 @@ impl Sinumerik {
         } else if let Some(word) = self.suppressing.filter(|_| self.is_again && piece.in_machine_frame) {
             self.word(word.as_bytes());
         }
-        let motion = match (piece.rapid, &piece.arc, &piece.manner) {
-            (_, _, Manner::Thread(thread)) => thread.code.word(),
+        let motion = match (piece.rapid, &piece.arc, &piece.motion_mode) {
+            (_, _, MotionMode::Thread(thread)) => thread.code.word(),
             (true, ..) => "G0",
             (false, None, _) => "G1",
             (false, Some(arc), _) if arc.clockwise => "G2",
             (false, Some(_), _) => "G3",
         };
-        let is_positioning = piece.manner == Manner::Positioning;
+        let is_positioning = piece.motion_mode == MotionMode::Positioning;
         if !is_positioning && (piece.starts_block || piece.first || motion != self.motion) {
             self.word(motion.as_bytes());
             // G63 acts in its block only.
@@ -65,7 +65,7 @@ impl Sinumerik {
                 push_integer(&mut self.line.text, u64::from(arc.extra_turns));
             }
         }
-        if let Manner::Thread(thread) = &piece.manner {
+        if let MotionMode::Thread(thread) = &piece.motion_mode {
             if let Some((letter, lead)) = thread.lead {
                 self.word(&[letter]);
                 push_value(&mut self.line.text, lead);
@@ -91,10 +91,10 @@ impl Sinumerik {
         let within = count.rem_euclid(self.numbers.turn_counts);
         let (function, count): (&[u8], i64) = match word {
             RotaryWord::Plain => (b"", count),
-            RotaryWord::Within(Way::Plain) => (b"", within),
-            RotaryWord::Within(Way::Shortest | Way::Either) => (b"=DC(", within),
-            RotaryWord::Within(Way::Positive) => (b"=ACP(", within),
-            RotaryWord::Within(Way::Negative) => (b"=ACN(", within),
+            RotaryWord::Within(RotaryDirection::Plain) => (b"", within),
+            RotaryWord::Within(RotaryDirection::Shortest | RotaryDirection::Either) => (b"=DC(", within),
+            RotaryWord::Within(RotaryDirection::Positive) => (b"=ACP(", within),
+            RotaryWord::Within(RotaryDirection::Negative) => (b"=ACN(", within),
             RotaryWord::Step(step) => (b"=IC(", step),
         };
         self.line.text.extend_from_slice(function);

@@ -6,7 +6,7 @@ use crate::path::{Piece, PieceArc};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AXES, Axis};
 use ncfix_base::units::push_integer;
-use ncfix_machine::snc::{Manner, Origin, Thread, ThreadCode};
+use ncfix_machine::snc::{MotionMode, Origin, Thread, ThreadCode};
 
 /// Machine coordinates, for this block only.
 const IN_MACHINE_FRAME: &str = "G53";
@@ -42,8 +42,8 @@ impl Words {
         if let Some(arc) = &piece.arc {
             self.center(arc, is_circle);
         }
-        match &piece.manner {
-            Manner::Thread(Thread { lead: Some((_, lead)), .. }) => {
+        match &piece.motion_mode {
+            MotionMode::Thread(Thread { lead: Some((_, lead)), .. }) => {
                 let letter = if self.flavour.language == Language::Rs274 { b"K" } else { b"F" };
                 self.line.word(letter);
                 // The finest resolution that controls read.
@@ -78,22 +78,22 @@ impl Words {
         if arc.as_ref().is_some_and(|arc| arc.extra_turns > 0) && self.flavour.language != Language::Rs274 {
             return Err(self.no_words(origin, "an arc of several turns", "program one turn a block"));
         }
-        match (&piece.manner, arc) {
-            (Manner::Thread(thread), _) => self.thread_word(thread, origin),
-            (Manner::Probe(word), _) => Ok(*word),
-            (Manner::Positioning, _) => Err(self.no_words(origin, "an axis that moves on its own", "use G0")),
-            (Manner::Reference, _) => Ok("G0"),
-            (Manner::Path, _) if *rapid => Ok("G0"),
-            (Manner::Path, None) => Ok("G1"),
-            (Manner::Path, Some(arc)) if arc.clockwise => Ok("G2"),
-            (Manner::Path, Some(_)) => Ok("G3"),
+        match (&piece.motion_mode, arc) {
+            (MotionMode::Thread(thread), _) => self.thread_word(thread, origin),
+            (MotionMode::Probe(word), _) => Ok(*word),
+            (MotionMode::Positioning, _) => Err(self.no_words(origin, "an axis that moves on its own", "use G0")),
+            (MotionMode::Reference, _) => Ok("G0"),
+            (MotionMode::Path, _) if *rapid => Ok("G0"),
+            (MotionMode::Path, None) => Ok("G1"),
+            (MotionMode::Path, Some(arc)) if arc.clockwise => Ok("G2"),
+            (MotionMode::Path, Some(_)) => Ok("G3"),
         }
     }
 
     /// Handles the retraction of rigid tapping. G33.1 of RS274/NGC retracts by itself; the remaining piece leads from the start of the tapping to the
     /// target position.
     fn behind_tapping(&mut self, piece: &Piece) -> Option<Piece> {
-        let Manner::Thread(Thread { code, .. }) = piece.manner else { return None };
+        let MotionMode::Thread(Thread { code, .. }) = piece.motion_mode else { return None };
         if self.flavour.language != Language::Rs274 {
             return None;
         }
@@ -106,7 +106,7 @@ impl Words {
         let from = self.tapped_from.take();
         let is_off = |axis: &Axis| from.is_some_and(|from| from[axis.slot()] != piece.counts[axis.slot()]);
         let words = AXES.into_iter().filter(is_off).collect();
-        Some(Piece { words, rapid: true, manner: Manner::Path, first: false, feed_named: false, ..*piece })
+        Some(Piece { words, rapid: true, motion_mode: MotionMode::Path, first: false, feed_named: false, ..*piece })
     }
 
     fn thread_word(&self, thread: &Thread, origin: &Origin) -> Result<&'static str, Diagnostic> {

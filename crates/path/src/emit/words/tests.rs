@@ -5,7 +5,7 @@ use crate::path::{Increments, Output, OutputFrame, Piece, PieceArc, RotaryWord};
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane};
 use ncfix_machine::snc::{
-    BlockNumber, Dwell, Element, FeedUnit, FrameWords, Kind, Manner, Origin, Way, Word, WordValue,
+    BlockNumber, Dwell, Element, FeedUnit, FrameWords, Kind, MotionMode, Origin, RotaryDirection, Word, WordValue,
 };
 
 const LANGUAGES: [&str; 3] = ["rs274", "fanuc", "grundig"];
@@ -87,7 +87,7 @@ pub(super) fn line(axes: &[(Axis, i64)]) -> Piece {
         unit: FeedUnit::PerMinute,
         rotary_words: [RotaryWord::Plain; 3],
         in_machine_frame: false,
-        manner: Manner::Path,
+        motion_mode: MotionMode::Path,
         command: AxisVector::ZERO,
         nominal: AxisVector::ZERO,
         known: named,
@@ -358,11 +358,15 @@ fn rotary_axes_are_written_as_plain_degrees_or_not_at_all() {
         |word| piece(Piece { rotary_words: [word, RotaryWord::Plain, RotaryWord::Plain], ..line(&[(A, 370_500)]) });
     for (dialect, text) in LANGUAGES.into_iter().zip(["G1 A370.5 F500", "G1 A370.5 F500.", "G1 A370.5 F500"]) {
         assert_eq!(body(dialect, &[turn(RotaryWord::Plain)]), [text]);
-        for word in [RotaryWord::Within(Way::Shortest), RotaryWord::Within(Way::Negative), RotaryWord::Step(1)] {
+        for word in [
+            RotaryWord::Within(RotaryDirection::Shortest),
+            RotaryWord::Within(RotaryDirection::Negative),
+            RotaryWord::Step(1),
+        ] {
             assert!(written(dialect, None, &[turn(word)]).unwrap_err().contains("turns"), "{dialect}");
         }
     }
-    let within = [turn(RotaryWord::Within(Way::Plain))];
+    let within = [turn(RotaryWord::Within(RotaryDirection::Plain))];
     assert_eq!(body("fanuc", &within), ["G1 A10.5 F500."]);
     // The sign of a wrapped position is its direction.
     assert!(written("rs274", None, &within).is_err());
@@ -374,7 +378,7 @@ fn what_has_no_words_is_refused() {
     assert!(written("rs274", None, &turns).unwrap_err().contains("turns of the spindle"));
     assert_eq!(body("fanuc", &turns), ["G4 P3000"]);
     assert_eq!(body("grundig", &turns), ["G4 D3"]);
-    let positioning = [piece(Piece { manner: Manner::Positioning, ..rapid(&[(X, 1)]) })];
+    let positioning = [piece(Piece { motion_mode: MotionMode::Positioning, ..rapid(&[(X, 1)]) })];
     let name = [block(Kind::Tool(WordValue::Name(b"MILL".to_vec())))];
     for dialect in LANGUAGES {
         assert!(written(dialect, None, &positioning).unwrap_err().contains("on its own"), "{dialect}");

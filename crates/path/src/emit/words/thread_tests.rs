@@ -4,12 +4,13 @@ use super::tests::{arc, block, body, line, lines, piece, rapid, written};
 use crate::path::Piece;
 use ncfix_base::geometry::Axis::{self, X, Z};
 use ncfix_base::geometry::Plane;
-use ncfix_machine::snc::{Kind, Manner, Thread, ThreadCode};
+use ncfix_machine::snc::{Kind, MotionMode, Thread, ThreadCode};
 
 #[test]
 fn threads_and_messages() {
     let lead = Some((b'K', 1.25));
-    let thread = |code| Piece { manner: Manner::Thread(Thread { code, lead, change: None }), ..line(&[(Z, -9000)]) };
+    let thread =
+        |code| Piece { motion_mode: MotionMode::Thread(Thread { code, lead, change: None }), ..line(&[(Z, -9000)]) };
     let stream = [piece(thread(ThreadCode::G33)), piece(line(&[(Z, 0)]))];
     assert_eq!(body("rs274", &stream), ["G33 Z-9 K1.25", "G1 Z0 F500"]);
     assert_eq!(body("fanuc", &stream), ["G33 Z-9. F1.25", "G1 Z0. F500."]);
@@ -26,7 +27,7 @@ fn threads_and_messages() {
 fn rigid_tapping_of_rs274_retracts_by_itself() {
     let lead = Some((b'K', 1.0));
     let tap = |code, counts: &[(Axis, i64)]| {
-        piece(Piece { manner: Manner::Thread(Thread { code, lead, change: None }), ..line(counts) })
+        piece(Piece { motion_mode: MotionMode::Thread(Thread { code, lead, change: None }), ..line(counts) })
     };
     let above = [(X, 40_001), (Z, 5002)];
     let in_and_out = |back: &[(Axis, i64)]| {

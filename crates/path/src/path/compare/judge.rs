@@ -9,7 +9,7 @@ use super::course::Course;
 use super::detour::Detour;
 use super::difference::{ActSubject, ProgramDifference, What};
 use super::group::MoveGroup;
-use super::manner;
+use super::motion_mode;
 use super::promise::Promise;
 use super::step::ComparedMove;
 use crate::path::Increments;
@@ -140,7 +140,7 @@ impl<'d> Judge<'d> {
         self.last = [step.origin, piece.origin];
         self.acts(if at.is_first { &step.acts } else { &[] }, &piece.acts);
         if at.is_first {
-            self.manner(step, piece);
+            self.motion_mode(step, piece);
         }
         self.passing(step, piece, at.is_last && !self.runs_on);
         self.setups(step, piece);
@@ -191,8 +191,8 @@ impl<'d> Judge<'d> {
     }
 
     /// Compares the lead of a thread, or the type of a probing motion.
-    fn manner(&mut self, step: &ComparedMove, piece: &ComparedMove) {
-        if let Some([before, after]) = manner::difference(&step.manner, &piece.manner) {
+    fn motion_mode(&mut self, step: &ComparedMove, piece: &ComparedMove) {
+        if let Some([before, after]) = motion_mode::difference(&step.motion_mode, &piece.motion_mode) {
             let what = What::Act { subject: ActSubject::Thread, before: Some(before), after: Some(after) };
             (self.differ)(ProgramDifference { original: step.origin, corrected: piece.origin, what });
         }

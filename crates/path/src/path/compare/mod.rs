@@ -13,7 +13,7 @@ mod difference;
 mod feed;
 mod group;
 mod judge;
-mod manner;
+mod motion_mode;
 mod parting;
 mod promise;
 mod same_text;

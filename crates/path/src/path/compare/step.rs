@@ -12,7 +12,7 @@ use super::acts::{Act, Acts, Passing};
 use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT};
 use ncfix_base::geometry::{AXES, AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::{Kinematics, Machine};
-use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, Manner, Origin, Setup, WordValue};
+use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, MotionMode, Origin, Setup, WordValue};
 use ncfix_model::DeadBand;
 
 /// Share of a move at its end that determines its final direction.
@@ -50,7 +50,7 @@ pub(super) struct ComparedMove {
     /// `true` if marked as a step on the spot.
     pub(super) on_the_spot: bool,
     /// Motion mode.
-    pub(super) manner: Manner,
+    pub(super) motion_mode: MotionMode,
     /// Largest distance between the programmed path and this one, mm.
     pub(super) off_curve_mm: f64,
     /// Acts between the previous move and this one.
@@ -86,7 +86,7 @@ impl ComparedMove {
 
     /// `true` if only its end must be at its place: a thread and a positioning axis are not cut.
     pub(super) fn is_uncut(&self) -> bool {
-        self.manner != Manner::Path
+        self.motion_mode != MotionMode::Path
     }
 
     /// The axis command for the words of this program, the inverse of [`ComparedMove::programmed`]; `None` if the machine cannot reach it.
@@ -246,7 +246,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 // The moves of one executed block belong together.
                 continues: std::mem::take(&mut self.continues) | std::mem::replace(&mut self.has_moved, true),
                 on_the_spot: std::mem::take(&mut self.on_the_spot),
-                manner: motion.manner,
+                motion_mode: motion.motion_mode,
                 off_curve_mm: motion.off_curve_mm,
                 acts: std::mem::take(&mut self.acts.0),
                 passing: self.passing.clone(),

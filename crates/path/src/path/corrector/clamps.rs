@@ -3,7 +3,7 @@
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{Axis, AxisSet};
 use ncfix_machine::machine::{Clamp, Machine};
-use ncfix_machine::snc::{Element, Manner, Move, Word, WordValue};
+use ncfix_machine::snc::{Element, MotionMode, Move, Word, WordValue};
 
 use super::Corrector;
 use crate::path::Rotary;
@@ -63,7 +63,10 @@ where
         approach: MoveTreatment,
         moving: AxisSet,
     ) -> MoveTreatment {
-        if motion.in_machine_frame || motion.manner == Manner::Reference || approach == MoveTreatment::Programmed {
+        if motion.in_machine_frame
+            || motion.motion_mode == MotionMode::Reference
+            || approach == MoveTreatment::Programmed
+        {
             return MoveTreatment::Programmed;
         }
         let next = self.elements.next();

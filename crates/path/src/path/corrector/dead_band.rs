@@ -5,7 +5,7 @@
 
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
-use ncfix_machine::snc::{Element, Manner, Move};
+use ncfix_machine::snc::{Element, MotionMode, Move};
 use ncfix_model::DeadBand;
 
 use super::{Active, Corrector};
@@ -13,8 +13,8 @@ use crate::path::Rapids;
 use crate::path::ahead::Upcoming;
 use crate::path::lead::Lead;
 use crate::path::route::Route;
+use crate::path::segment_candidate::SegmentCandidate;
 use crate::path::treatment::MoveTreatment;
-use crate::path::trial::Trial;
 
 /// An axis that lifts the tool by more than `ALONG` of its path is along the tool, one below `ACROSS` is across it.
 const ALONG: f64 = 0.99;
@@ -54,7 +54,7 @@ impl Active {
 
 impl Bands {
     /// The state at a share of the piece.
-    pub(super) fn at(&self, lead: &Lead<'_>, trial: &Trial, share: f64) -> DeadBand {
+    pub(super) fn at(&self, lead: &Lead<'_>, trial: &SegmentCandidate, share: f64) -> DeadBand {
         let mut band = self.start;
         lead.along(&mut band, &trial.emitted, self.sensed, [0.0, share]);
         band
@@ -72,7 +72,7 @@ where
     }
 
     /// Effect of a piece on the dead bands; `stated` are the axes with known positions after a step before it.
-    pub(super) fn bands(&self, trial: &Trial, stated: AxisSet) -> Bands {
+    pub(super) fn bands(&self, trial: &SegmentCandidate, stated: AxisSet) -> Bands {
         let mut start = self.standing.band;
         let mut sensed = self.standing.sensed;
         if self.sampler.backlash.is_empty() {
@@ -91,7 +91,7 @@ where
     }
 
     /// Reports cutting axes whose approach direction is unknown, if their backlash matters.
-    pub(super) fn check_sense(&mut self, active: &Active, bands: &Bands, trial: &Trial) {
+    pub(super) fn check_sense(&mut self, active: &Active, bands: &Bands, trial: &SegmentCandidate) {
         if bands.are_led || active.motion.rapid {
             return;
         }
@@ -158,7 +158,7 @@ where
     pub(super) fn settling(&mut self, motion: &Move, treatment: MoveTreatment, moving: AxisSet) -> [i8; AXIS_COUNT] {
         let mut settled = [0; AXIS_COUNT];
         let is_end = matches!(treatment, MoveTreatment::Named | MoveTreatment::End);
-        let is_plain = motion.rapid && motion.manner == Manner::Path && self.options.rapids == Rapids::Ends;
+        let is_plain = motion.rapid && motion.motion_mode == MotionMode::Path && self.options.rapids == Rapids::Ends;
         if self.sampler.backlash.is_empty() || !is_end || !is_plain || !self.placer.is_parallel() {
             return settled;
         }
@@ -218,7 +218,7 @@ where
     }
 
     /// Adds the overshoot position before the end, for axes that should reach it in a known direction.
-    pub(super) fn overshoot(&self, active: &Active, trial: &mut Trial) {
+    pub(super) fn overshoot(&self, active: &Active, trial: &mut SegmentCandidate) {
         if active.settled == [0; AXIS_COUNT] || trial.between[1] < 1.0 || trial.end.failure.is_some() {
             return;
         }

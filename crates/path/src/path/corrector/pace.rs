@@ -10,11 +10,11 @@
 
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AxisVector, ROTARY_AXES};
-use ncfix_machine::snc::{Element, FEED_MODES, FeedUnit, Kind, Manner, Move, Origin, Word, WordValue};
+use ncfix_machine::snc::{Element, FEED_MODES, FeedUnit, Kind, MotionMode, Move, Origin, Word, WordValue};
 
 use super::{Active, Corrector};
 use crate::path::cut::{MOST_FEED, of_share};
-use crate::path::place::{Placer, SHORT_MM};
+use crate::path::place::{CommandSolver, SHORT_MM};
 use crate::path::route::Route;
 use crate::path::{Feeds, Output, way};
 
@@ -55,7 +55,7 @@ impl Default for Pace {
     }
 }
 
-impl Placer<'_> {
+impl CommandSolver<'_> {
     /// The feed path between two commands: mm or degrees.
     fn counted(&self, feeds: Feeds, start: &AxisVector, end: &AxisVector) -> f64 {
         way::counted(feeds, self.is_transformed(), [&self.programmed(start), &self.programmed(end)])
@@ -69,7 +69,8 @@ impl Placer<'_> {
 
     /// The duration of a whole move at a feed, if the correction may change its feed path.
     pub(super) fn pacing(&self, feeds: Feeds, route: &Route, motion: &Move, feed: f64) -> Option<Pacing> {
-        let has_feed = !motion.rapid && feed > 0.0 && !motion.is_inverse_time() && motion.manner == Manner::Path;
+        let has_feed =
+            !motion.rapid && feed > 0.0 && !motion.is_inverse_time() && motion.motion_mode == MotionMode::Path;
         if !self.has_rotary || !has_feed || route.arc().is_some() {
             return None;
         }

@@ -2,7 +2,7 @@
 
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
-use ncfix_machine::snc::{Element, Manner};
+use ncfix_machine::snc::{Element, MotionMode};
 
 use super::dead_band::Bands;
 use super::{Active, Corrector};
@@ -10,8 +10,8 @@ use crate::path::Piece;
 use crate::path::place::Placed;
 use crate::path::prediction::{sample_count, sample_place};
 use crate::path::rotary_word;
+use crate::path::segment_candidate::SegmentCandidate;
 use crate::path::treatment::MoveTreatment;
-use crate::path::trial::Trial;
 
 impl<I> Corrector<'_, I>
 where
@@ -23,7 +23,7 @@ where
         &mut self,
         active: &mut Active,
         placed: &Placed,
-        trial: Option<&Trial>,
+        trial: Option<&SegmentCandidate>,
         (share, nominal): (f64, &AxisVector),
         is_last: bool,
     ) -> Option<Piece> {
@@ -77,7 +77,7 @@ where
             feed_named: first && motion.feed_named,
             rotary_words,
             in_machine_frame: motion.in_machine_frame,
-            manner: motion.manner,
+            motion_mode: motion.motion_mode,
             command: placed.command,
             nominal: *nominal,
             known: motion.known,
@@ -87,7 +87,7 @@ where
     }
 
     /// Samples the error along a piece, unless it is short and near the last sample.
-    pub(super) fn predict(&mut self, active: &Active, trial: &Trial, bands: &Bands) {
+    pub(super) fn predict(&mut self, active: &Active, trial: &SegmentCandidate, bands: &Bands) {
         let [from, to] = trial.between;
         let size_mm = active.route.size_mm() * (to - from);
         let (rapid, sample_mm) = (active.motion.rapid, self.options.sample_mm);
@@ -145,7 +145,7 @@ where
         // Rounding may leave bodies within their dead bands, away from the side for which they were placed.
         let tolerance_mm = self.options.tolerance_mm;
         if !bands.are_led && !rapid && nearest_mm > placer.increments.allowed_mm(tolerance_mm) {
-            let is_cut = active.motion.manner == Manner::Path;
+            let is_cut = active.motion.motion_mode == MotionMode::Path;
             self.findings.tolerance_missed(&active.origin, is_cut, nearest_mm, tolerance_mm);
         }
     }

@@ -1,10 +1,10 @@
 //! Positions for moves of only some output axes: rapid moves that are not an approach to a cut.
 
-use super::{Placed, Placer, SHORT_MM};
+use super::{CommandSolver, Placed, SHORT_MM};
 use crate::path::standing::PathState;
 use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Vector};
 
-impl Placer<'_> {
+impl CommandSolver<'_> {
     /// The position with the output axes in `moving` at `target`, on the grid, and the others unchanged.
     pub(in crate::path) fn partly(
         &self,

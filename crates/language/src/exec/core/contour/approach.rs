@@ -3,19 +3,19 @@
 use std::f64::consts::PI;
 
 use super::compensation::{Active, Limits, NO_CORNER};
+use super::contour_request::Approach;
 use super::corner::{NO_WAY_MM, first_of};
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, distance, dot, left, scaled, sub, unit};
 use super::link::{Link, Role};
 use super::moving::Switch;
 use super::moving::{Item, Moving, own_of};
-use super::wish::Approach;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;
 
 /// The path of the tool from a position beside the contour to its first perpendicular position.
-enum Way {
+enum ApproachPath {
     Straight,
     /// To this point, then around the corner.
     Around(Flat),
@@ -51,33 +51,33 @@ impl Active {
         }
         let target = approach.path.motion.target;
         let way = self.way(start, tangent, beside, &approach, limits);
-        if matches!(way, Way::Blocked) {
+        if matches!(way, ApproachPath::Blocked) {
             findings.push(blocked(&approach));
         }
         let end = match way {
-            Way::Around(point) | Way::Over(point) => point,
-            Way::Own(direction) => add(self.point, scaled(left(direction), beside)),
-            Way::Straight | Way::Blocked => add(self.point, normal),
+            ApproachPath::Around(point) | ApproachPath::Over(point) => point,
+            ApproachPath::Own(direction) => add(self.point, scaled(left(direction), beside)),
+            ApproachPath::Straight | ApproachPath::Blocked => add(self.point, normal),
         };
         self.chain.push(Link::approach(*approach, Curve::Line { start, end }, target));
         self.chain.tail().extend(items);
         match way {
-            Way::Own(direction) => {
+            ApproachPath::Own(direction) => {
                 self.tangent = direction;
                 self.around(link, own, limits, findings);
                 return;
             }
-            Way::Around(point) => {
+            ApproachPath::Around(point) => {
                 let mut corner = self.corner(sub(point, self.point), normal, beside);
                 corner.is_sealed = true;
                 self.chain.push(corner);
             }
-            Way::Over(point) => {
+            ApproachPath::Over(point) => {
                 let line = Curve::Line { start: point, end: add(self.point, normal) };
                 let moving = self.last.further();
                 self.chain.push(Link::approach(moving, line, target));
             }
-            Way::Straight | Way::Blocked => {}
+            ApproachPath::Straight | ApproachPath::Blocked => {}
         }
         self.chain.tail().extend(own);
         self.chain.push(link);
@@ -120,16 +120,16 @@ impl Active {
         } else {
             let reversed = scaled(self.tangent, -1.0);
             match self.way(target, reversed, -self.distance, &moving, limits) {
-                Way::Straight => {}
-                Way::Blocked => findings.push(blocked(&moving)),
-                Way::Own(reversed) => {
+                ApproachPath::Straight => {}
+                ApproachPath::Blocked => findings.push(blocked(&moving)),
+                ApproachPath::Own(reversed) => {
                     moving = self.off(moving, scaled(reversed, -1.0), std::mem::take(&mut own), findings);
                 }
-                Way::Around(point) => {
+                ApproachPath::Around(point) => {
                     let corner = self.corner(normal, sub(point, self.point), self.distance);
                     self.chain.push(corner);
                 }
-                Way::Over(point) => {
+                ApproachPath::Over(point) => {
                     let line = Curve::Line { start: add(self.point, normal), end: point };
                     let last = self.last.path.motion.target;
                     let further = self.last.further();
@@ -213,22 +213,22 @@ impl Active {
     }
 
     /// From a position to the position beside the corner; for the path off the contour, everything is reversed.
-    fn way(&self, place: Flat, tangent: Flat, beside: f64, moving: &Moving, limits: &Limits) -> Way {
+    fn way(&self, place: Flat, tangent: Flat, beside: f64, moving: &Moving, limits: &Limits) -> ApproachPath {
         let to_place = sub(place, self.point);
         if moving.wish.modal.approach == Approach::Own {
             let direction = unit(scaled(to_place, -1.0));
             let bend = angle_between(direction, tangent);
             let is_outer = cross(direction, tangent) * beside < 0.0 || PI - bend < NO_CORNER;
             let is_corner = is_outer && bend * beside.abs() > NO_WAY_MM && distance(place, self.point) > SAME_MM;
-            return if is_corner { Way::Own(direction) } else { Way::Straight };
+            return if is_corner { ApproachPath::Own(direction) } else { ApproachPath::Straight };
         }
         let is_behind = dot(to_place, left(tangent)) * beside < -SAME_MM * beside.abs();
         if moving.wish.modal.approach != Approach::Kont || !is_behind || beside.abs() < SAME_MM {
-            return Way::Straight;
+            return ApproachPath::Straight;
         }
         let apart = distance(place, self.point);
         if apart <= beside.abs() + SAME_MM {
-            return Way::Blocked;
+            return ApproachPath::Blocked;
         }
         // The tangent from the position to the circle of the tool center about the corner.
         let towards = unit(to_place);
@@ -240,9 +240,9 @@ impl Active {
         if is_sharp && sine.abs() > 1e-9 {
             let first = add(self.point, scaled(left(tangent), beside));
             let reach = cross(sub(first, place), tangent) / sine;
-            return Way::Over(add(place, scaled(direction, reach)));
+            return ApproachPath::Over(add(place, scaled(direction, reach)));
         }
-        Way::Around(contact)
+        ApproachPath::Around(contact)
     }
 }
 

@@ -5,6 +5,8 @@
 
 use super::chain::Chain;
 use super::check::{no_contour, polynomial, soft_alone, too_narrow, transformed};
+use super::contour_request::Approach;
+use super::contour_request::Rules;
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, left, scaled, unit};
 use super::guard::Guard;
 use super::link::MOST_WAITING;
@@ -14,14 +16,12 @@ use super::moving::same_plane;
 use super::moving::{Item, Moving, blocks_between, own_of};
 use super::tracking::Tracking;
 use super::unknown;
-use super::wish::Approach;
-use super::wish::Rules;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisVector, PlaneBasis};
 use ncfix_machine::machine::Control;
-use ncfix_machine::snc::Manner;
+use ncfix_machine::snc::MotionMode;
 
 /// Change of direction below which there is no corner, rad.
 pub(super) const NO_CORNER: f64 = 1e-7;
@@ -433,7 +433,7 @@ impl Active {
         } else if moving.path.motion.in_machine_frame {
             let help = "end it with G40 and a motion in the plane before G53, G153 or SUPA";
             (Code::BAD_COMPENSATION, "machine coordinates while radius compensation is on", help)
-        } else if moving.path.motion.manner == Manner::Positioning {
+        } else if moving.path.motion.motion_mode == MotionMode::Positioning {
             let help = "end it with G40 and a motion in the plane before POS";
             (Code::BAD_COMPENSATION, "an axis of the plane is positioned (POS) while radius compensation is on", help)
         } else if self.awaits_end() && !matches!(moving.path.shape, Shape::Line) {

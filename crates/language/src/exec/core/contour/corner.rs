@@ -1,10 +1,10 @@
 //! Outer corners: around them on an arc or on straight lines, or beyond them to an intersection; and other corner handling.
 
 use super::compensation::{Active, Limits, NEARLY_TANGENTIAL};
+use super::contour_request::Rules;
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, distance, left, scaled};
 use super::link::{Link, Role};
 use super::moving::{Item, Moving};
-use super::wish::Rules;
 use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::AxisSet;

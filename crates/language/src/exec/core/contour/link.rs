@@ -1,8 +1,8 @@
 //! A piece of the tool center path, with the items after it.
 
+use super::contour_request::FeedAt;
 use super::curve::{Curve, SAME_MM, distance};
 use super::moving::{Item, Moving};
-use super::wish::FeedAt;
 use ncfix_base::geometry::{AXES, AxisVector, PlaneBasis};
 use ncfix_machine::snc::Kind;
 

@@ -5,13 +5,14 @@
 
 mod angle;
 mod approach;
-#[cfg(test)]
-mod bench;
 mod chain;
 mod check;
 mod compensation;
+mod contour_request;
 mod corner;
 mod curve;
+#[cfg(test)]
+mod fixture;
 mod gap;
 mod guard;
 mod link;
@@ -29,12 +30,12 @@ mod switch;
 mod tracking;
 mod transition;
 mod unknown;
-mod wish;
 
 pub(in crate::exec) use angle::crossing;
+pub(in crate::exec) use contour_request::{
+    Approach, Clearance, ContourModal, ContourRequest, Corner, FeedAt, Reach, Shown, Side, Soft, SoftForm, SoftSide,
+    Transition,
+};
 pub(in crate::exec) use moving::{Item, Moving};
 pub(in crate::exec) use stage::ContourStage;
 pub(in crate::exec) use unknown::unstated;
-pub(in crate::exec) use wish::{
-    Approach, Clearance, ContourModal, Corner, FeedAt, Reach, Shown, Side, Soft, SoftForm, SoftSide, Transition, Wish,
-};

@@ -1,20 +1,20 @@
 //! A motion in the stage: its curve in plane coordinates, and its form after the curve changes.
 
+use super::contour_request::ContourRequest;
 use super::curve::{Curve, Flat, SAME_MM, distance};
-use super::wish::Wish;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::path::{Path, Shape};
 use crate::exec::core::sagitta::chord_count;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, LINEAR_AXES, PlaneBasis};
-use ncfix_machine::snc::{Element, Kind, Manner};
+use ncfix_machine::snc::{Element, Kind, MotionMode};
 
 /// A motion, its element, and its contour request. The kind of the element is a placeholder.
 #[derive(Clone, Debug)]
 pub(in crate::exec) struct Moving {
     pub(in crate::exec) path: Path,
     pub(in crate::exec) element: Element,
-    pub(in crate::exec) wish: Wish,
+    pub(in crate::exec) wish: ContourRequest,
     /// Its compensation word for the control.
     pub(in crate::exec) switch: Switch,
 }
@@ -35,7 +35,7 @@ const SAME_PLANE: f64 = 1e-9;
 
 impl Moving {
     /// A motion as programmed in its block.
-    pub(in crate::exec) fn new(path: Path, element: Element, wish: Wish) -> Moving {
+    pub(in crate::exec) fn new(path: Path, element: Element, wish: ContourRequest) -> Moving {
         Moving { path, element, wish, switch: Switch::None }
     }
 
@@ -54,7 +54,7 @@ impl Moving {
     /// `true` if it goes to a machine position in the plane, even one near the programmed position: the tool is beside the contour.
     pub(super) fn goes_off_contour(&self) -> bool {
         let motion = &self.path.motion;
-        (motion.in_machine_frame || motion.manner == Manner::Positioning) && self.names_plane()
+        (motion.in_machine_frame || motion.motion_mode == MotionMode::Positioning) && self.names_plane()
     }
 
     /// `true` if its block names an axis of the plane.

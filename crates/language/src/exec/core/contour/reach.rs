@@ -2,10 +2,10 @@
 
 use super::check::transformed;
 use super::compensation::{Active, Compensation};
+use super::contour_request::Reach;
 use super::corner::NO_WAY_MM;
 use super::curve::{Curve, add, distance, left, scaled, sub, unit};
 use super::moving::{Item, Moving};
-use super::wish::Reach;
 use crate::exec::core::fault::Fault;
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;

@@ -9,10 +9,10 @@ use super::tracking::unreachable;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::compensation::Compensation;
+use super::contour_request::Rules;
 use super::curve::{Curve, SAME_MM, add, cross, distance, dot, left, scaled, sub, unit};
 use super::moving::{Item, Moving, same_plane};
-use super::tracking::{Held, Next, Piece, Tracking, Way, sign};
-use super::wish::Rules;
+use super::tracking::{Held, Next, Piece, TrackedPath, Tracking, sign};
 use crate::exec::core::fault::Fault;
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;
@@ -131,7 +131,7 @@ impl Tracking {
         };
         let beside_end = add(end, scaled(left(contour.last_tangent()), beside));
         let way = match contour {
-            Curve::Line { .. } => Some(Way::Line([0.0; 2])),
+            Curve::Line { .. } => Some(TrackedPath::Line([0.0; 2])),
             Curve::Arc { center, radius, sweep, .. } => {
                 // About a point equidistant from start and end, on the line from the end to the programmed center.
                 let u = unit(sub(center, beside_end));
@@ -141,7 +141,7 @@ impl Tracking {
                 (along.abs() > 1e-4 * distance(start, beside_end) && !(is_inside && radius <= beside.abs())).then(
                     || {
                         let reach = dot(chord, chord) / (2.0 * along);
-                        Way::Arc {
+                        TrackedPath::Arc {
                             center: add(beside_end, scaled(u, reach)),
                             radius: reach.abs(),
                             clockwise: sweep < 0.0,
@@ -167,7 +167,7 @@ impl Tracking {
         if !moving.is_plane_motion() {
             let end = self.basis.flat(&self.center);
             self.center = self.basis.moved(&moving.path.motion.target, end);
-            let way = Way::Line([0.0; 2]);
+            let way = TrackedPath::Line([0.0; 2]);
             self.wait(Held::Piece(Piece { moving, end, way }), out, findings);
             return;
         }
@@ -231,9 +231,9 @@ impl Tracking {
         let end = add(contour.end(), scaled(left(contour.last_tangent()), self.distance));
         let way = match (contour, next.arc) {
             (Curve::Arc { center, sweep, .. }, Some((_, radius, ..))) => {
-                Way::Arc { center, radius, clockwise: sweep < 0.0, extra_turns: contour.extra_turns(), sweep }
+                TrackedPath::Arc { center, radius, clockwise: sweep < 0.0, extra_turns: contour.extra_turns(), sweep }
             }
-            _ => Way::Line(next.direction),
+            _ => TrackedPath::Line(next.direction),
         };
         self.point = contour.end();
         self.hold(moving, end, way);

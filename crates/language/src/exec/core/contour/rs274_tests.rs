@@ -1,11 +1,11 @@
 //! Radius compensation of RS274/NGC at the stage: expected values from the arithmetic of the rules.
 
 use super::ContourModal;
-use super::bench::Bench;
+use super::fixture::Fixture;
 use ncfix_machine::machine::Control;
 
-fn bench() -> Bench {
-    Bench::new(Control::default(), |_| ContourModal::rs274(), 5.0)
+fn bench() -> Fixture {
+    Fixture::new(Control::default(), |_| ContourModal::rs274(), 5.0)
 }
 
 #[test]

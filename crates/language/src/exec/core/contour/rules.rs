@@ -7,10 +7,10 @@
 //! * [`ContourModal::leaves_along`] in the block of G40 with I J only (Fanuc): the direction, rotated as the frame rotates the plane,
 //! * [`ContourModal::reach`] by G43 and G44 (Grundig), `End` again by G40, G41, G42.
 //!
-//! Each motion then enters the stage with [`Wish::of`], which uses the active radius. A motion may bypass the stage only if
+//! Each motion then enters the stage with [`ContourRequest::of`], which uses the active radius. A motion may bypass the stage only if
 //! [`ContourModal::is_plain`] is `true` and the stage holds nothing: the stage may wait for the motion off the contour.
 
-use super::wish::{Approach, ContourModal, FeedAt, Reach, Rules, Side, Wish};
+use super::contour_request::{Approach, ContourModal, ContourRequest, FeedAt, Reach, Rules, Side};
 use ncfix_base::source::{FileId, Span};
 use ncfix_machine::machine::{CompensationCorner, CompensationStart, Control};
 
@@ -47,15 +47,15 @@ impl ContourModal {
     }
 }
 
-impl Wish {
+impl ContourRequest {
     /// The contour request of a motion with a tool radius (a negative one swaps sides), without roundings and soft approaches.
-    pub(in crate::exec) fn of(modal: ContourModal, radius_mm: f64, span: Span, file: FileId) -> Wish {
+    pub(in crate::exec) fn of(modal: ContourModal, radius_mm: f64, span: Span, file: FileId) -> ContourRequest {
         let distance_mm = match modal.side {
             Side::Left => radius_mm,
             Side::Right => -radius_mm,
             Side::Off if modal.reach == Reach::End => 0.0,
             Side::Off => radius_mm,
         };
-        Wish { modal, distance_mm, corner: None, soft: None, span, file }
+        ContourRequest { modal, distance_mm, corner: None, soft: None, span, file }
     }
 }

@@ -4,10 +4,10 @@
 //! contour. Retraction uses them in reverse order.
 
 use super::compensation::Active;
+use super::contour_request::{Clearance, Soft, SoftForm, SoftSide};
 use super::curve::{Curve, Flat, add, dot, left, scaled, sub};
 use super::link::Link;
 use super::moving::Moving;
-use super::wish::{Clearance, Soft, SoftForm, SoftSide};
 use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_base::geometry::{AxisVector, PlaneBasis};

@@ -1,18 +1,18 @@
 //! Radius compensation of Fanuc, RS274/NGC and Grundig at the stage: expected values from a reference and from arithmetic.
 
 use super::ContourModal;
-use super::bench::Bench;
 use super::curve::{Curve, add, left, scaled};
+use super::fixture::Fixture;
 use ncfix_machine::machine::{CompensationCorner, CompensationStart, Control};
 
-fn fanuc(start: CompensationStart, corner: Option<CompensationCorner>) -> Bench {
+fn fanuc(start: CompensationStart, corner: Option<CompensationCorner>) -> Fixture {
     let control = Control { compensation_start: start, compensation_corner: corner, ..Control::default() };
-    Bench::new(control, ContourModal::fanuc, 5.0)
+    Fixture::new(control, ContourModal::fanuc, 5.0)
 }
 
-fn grundig(corner: Option<CompensationCorner>) -> Bench {
+fn grundig(corner: Option<CompensationCorner>) -> Fixture {
     let control = Control { compensation_corner: corner, ..Control::default() };
-    Bench { start: [-30.0, 20.0, 0.0], ..Bench::new(control, ContourModal::grundig, 5.0) }
+    Fixture { start: [-30.0, 20.0, 0.0], ..Fixture::new(control, ContourModal::grundig, 5.0) }
 }
 
 const A: CompensationStart = CompensationStart::A;
@@ -95,8 +95,8 @@ fn grundig_to_the_contour_then_along_it() {
 }
 
 /// After X20 Y20 the contour goes up.
-fn onto(start: [f64; 3], bench: Bench) -> Bench {
-    Bench { start, ..bench }
+fn onto(start: [f64; 3], bench: Fixture) -> Fixture {
+    Fixture { start, ..bench }
 }
 
 const UP: &str = "G41 G1 X20 Y20
@@ -134,7 +134,7 @@ fn fanuc_ends_by_type_a_or_b_or_along_a_direction() {
 
 #[test]
 fn fanuc_goes_straight_onto_the_tangents_of_arcs() {
-    let bench = |radius| Bench { start: [-20.0, 0.0, 0.0], radius_mm: radius, ..fanuc(A, None) };
+    let bench = |radius| Fixture { start: [-20.0, 0.0, 0.0], radius_mm: radius, ..fanuc(A, None) };
     // A right angle: via its tip.
     bench(5.0).check(
         "G41 G1 X0 Y0\nY50\nG2 X10 Y40 I0 J-10\nG1 Y0\nG40 X30",
@@ -170,7 +170,7 @@ fn only_sinumerik_leaves_out_what_the_tool_does_not_reach() {
     let text = "G41 G1 X0 Y0\nY20\nX-3\nY40\nG40 X-30";
     onto([20.0, 0.0, 0.0], fanuc(A, None)).check_codes(text, &["E0233:3"]);
     onto([20.0, 0.0, 0.0], grundig(None)).check_codes(text, &["E0233:3"]);
-    let sinumerik = Bench { modal: ContourModal::default(), ..onto([20.0, 0.0, 0.0], fanuc(A, None)) };
+    let sinumerik = Fixture { modal: ContourModal::default(), ..onto([20.0, 0.0, 0.0], fanuc(A, None)) };
     sinumerik.check_codes(text, &["W0233:3"]);
 }
 
@@ -322,7 +322,7 @@ fn whatever_comes_moves_hang_together() {
             compensation_corner: [None, LINEAR, CIRCULAR][round / 4 % 3],
             ..Control::default()
         };
-        let mut bench = Bench::new(control, rules[round % 4], [5.0, 0.0, -3.0, 1e-9, 1e9][(round / 7) % 5]);
+        let mut bench = Fixture::new(control, rules[round % 4], [5.0, 0.0, -3.0, 1e-9, 1e9][(round / 7) % 5]);
         bench.start = [random.between(-9.0, 9.0).round(), 0.0, 0.0];
         let mut place = [bench.start[0], 0.0];
         let mut text = String::new();

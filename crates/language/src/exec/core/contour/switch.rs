@@ -4,13 +4,13 @@
 //! by a small radius therefore offsets all of it: an offset curve of an offset curve.
 
 use super::compensation::Compensation;
+use super::contour_request::Shown;
+use super::contour_request::Side;
+use super::contour_request::{Reach, Rules};
 use super::curve::SAME_MM;
 use super::moving::Switch;
 use super::moving::{Item, Moving};
 use super::tracking::Held;
-use super::wish::Shown;
-use super::wish::Side;
-use super::wish::{Reach, Rules};
 use crate::exec::core::fault::Fault;
 use crate::exec::core::path::Shape;
 use ncfix_base::diagnostic::Code;

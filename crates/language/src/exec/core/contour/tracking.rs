@@ -42,11 +42,11 @@ pub(super) enum Held {
 pub(super) struct Piece {
     pub(super) moving: Box<Moving>,
     pub(super) end: Flat,
-    pub(super) way: Way,
+    pub(super) way: TrackedPath,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Way {
+pub(super) enum TrackedPath {
     /// In the programmed direction; a zero vector if it does not count.
     Line(Flat),
     Arc {
@@ -89,7 +89,7 @@ impl Tracking {
         behind
     }
 
-    pub(super) fn hold(&mut self, moving: Box<Moving>, end: Flat, way: Way) {
+    pub(super) fn hold(&mut self, moving: Box<Moving>, end: Flat, way: TrackedPath) {
         self.center = self.basis.moved(&moving.path.motion.target, end);
         self.held.push(Held::Piece(Piece { moving, end, way }));
     }
@@ -113,8 +113,8 @@ impl Tracking {
     /// Center, radius and direction of the held arc.
     pub(super) fn last_arc(&self) -> Option<(Flat, f64, bool)> {
         match self.held.iter().find_map(|held| if let Held::Piece(piece) = held { Some(piece.way) } else { None })? {
-            Way::Line(_) => None,
-            Way::Arc { center, radius, clockwise, .. } => Some((center, radius, !clockwise)),
+            TrackedPath::Line(_) => None,
+            TrackedPath::Arc { center, radius, clockwise, .. } => Some((center, radius, !clockwise)),
         }
     }
 
@@ -162,8 +162,8 @@ impl Tracking {
         for held in &mut self.held {
             let Held::Piece(piece) = held else { continue };
             let is_reachable = match piece.way {
-                Way::Line(direction) => dot(direction, sub(point, start)) >= 0.0,
-                Way::Arc { center, radius, clockwise, extra_turns, sweep } => {
+                TrackedPath::Line(direction) => dot(direction, sub(point, start)) >= 0.0,
+                TrackedPath::Arc { center, radius, clockwise, extra_turns, sweep } => {
                     let new = Curve::arc(start, point, center, clockwise, extra_turns).length() / radius;
                     sweep == 0.0 || new <= sweep.abs() + LONGER_RAD
                 }
@@ -184,8 +184,8 @@ impl Tracking {
                 Held::Piece(Piece { moving, end, way }) => {
                     let start = self.basis.flat(&self.position);
                     let (curve, end) = match way {
-                        Way::Line(_) => (Curve::Line { start, end }, end),
-                        Way::Arc { center, radius, clockwise, extra_turns, sweep } => {
+                        TrackedPath::Line(_) => (Curve::Line { start, end }, end),
+                        TrackedPath::Arc { center, radius, clockwise, extra_turns, sweep } => {
                             // A full circle stays one for any rounding of its ends.
                             let is_circle = sweep.abs() > PI && distance(start, end) < FULL_CIRCLE_RAD * radius;
                             let end = if is_circle { start } else { end };

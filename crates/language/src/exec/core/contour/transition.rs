@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
+use super::contour_request::Transition;
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, distance, left, scaled, unit};
 use super::moving::{Item, Moving, blocks_between, own_of, same_plane};
 use super::unknown;
-use super::wish::Transition;
 use crate::exec::core::fault::Fault;
 use ncfix_base::diagnostic::Code;
 use ncfix_machine::snc::Origin;

@@ -1,8 +1,8 @@
 //! Missing information of the contour stage: positions that the program has not stated, and elements between contour elements – programs of the
 //! control, stops, tool changes, another zero or tool.
 
+use super::contour_request::ContourRequest;
 use super::moving::{Item, Moving, plane_axes};
-use super::wish::Wish;
 use crate::exec::core::fault::{Fault, fault};
 use crate::exec::core::path::Path;
 use ncfix_base::diagnostic::Code;
@@ -15,7 +15,7 @@ const STOP_OF_LOOK_AHEAD: &str = "STOPRE";
 const STANDING: [f64; 4] = [0.0, 1.0, 6.0, 60.0];
 
 /// The fault for a motion that the contour stage changes and that depends on an unstated position.
-pub(in crate::exec) fn unstated(path: &Path, wish: &Wish, plane: Plane) -> Option<Fault> {
+pub(in crate::exec) fn unstated(path: &Path, wish: &ContourRequest, plane: Plane) -> Option<Fault> {
     let needs_start = wish.corner.is_some() || wish.soft.is_some() || wish.modal.depends_on_start();
     let known = if needs_start { path.start_known.intersection(path.motion.known) } else { path.motion.known };
     let axes: AxisSet = plane.axes().into_iter().take(2).collect();

@@ -4,7 +4,7 @@
 
 /// Motion mode of a move.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Manner {
+pub enum MotionMode {
     /// Part of the path, rapid or at feed; it may be split into pieces.
     #[default]
     Path,

@@ -6,7 +6,7 @@ use ncfix_machine::machine::{Control, State};
 use super::PieceArc;
 use super::check::Sampler;
 use super::lead::Lead;
-use super::place::{Placed, Placer, SHORT_MM};
+use super::place::{CommandSolver, Placed, SHORT_MM};
 use super::route::{Route, distance_mm};
 use super::standing::PathState;
 
@@ -25,7 +25,7 @@ pub(super) const SAME_PLACE_MM: f64 = 1e-9;
 
 /// Input for candidate pieces of one move.
 pub(super) struct SegmentFitter<'a, 'm> {
-    pub(super) placer: &'a Placer<'m>,
+    pub(super) placer: &'a CommandSolver<'m>,
     pub(super) sampler: &'a Sampler,
     pub(super) lead: &'a Lead<'m>,
     pub(super) control: &'a Control,
@@ -44,7 +44,7 @@ pub(super) struct SegmentFitter<'a, 'm> {
 
 /// A candidate piece.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Trial {
+pub(super) struct SegmentCandidate {
     /// Parameters of the move at its ends.
     pub(super) between: [f64; 2],
     /// Position to go to before the take-up, so that bodies approach it from the right side.
@@ -86,7 +86,7 @@ pub(super) struct PieceEnds {
     pub(super) begins_off: bool,
 }
 
-impl Trial {
+impl SegmentCandidate {
     pub(super) fn fits(&self) -> bool {
         self.deviation_mm <= self.allowed_mm
     }
@@ -119,12 +119,12 @@ pub(super) fn state_of(sense: [i8; AXIS_COUNT]) -> State {
 
 impl SegmentFitter<'_, '_> {
     /// The whole move of these output axes as programmed; the others stay.
-    pub(super) fn as_programmed(&self, standing: &PathState, moving: AxisSet) -> Trial {
+    pub(super) fn as_programmed(&self, standing: &PathState, moving: AxisSet) -> SegmentCandidate {
         self.unplaced(standing, self.placer.partly(&self.route.end, standing, moving, self.known))
     }
 
     /// The whole move of these output axes to their corrected positions; the others stay. An axis that the program does not move stays too.
-    pub(super) fn of_named(&self, standing: &PathState, moving: AxisSet) -> Trial {
+    pub(super) fn of_named(&self, standing: &PathState, moving: AxisSet) -> SegmentCandidate {
         let [start, end] = [&self.route.start, &self.route.end].map(|command| self.placer.programmed(command));
         let stands = standing.known.intersection(standing.written);
         let rests = |axis: &Axis| stands.contains(*axis) && (end[*axis] - start[*axis]).abs() < SHORT_MM;
@@ -134,7 +134,7 @@ impl SegmentFitter<'_, '_> {
     }
 
     /// The whole move straight to an end that is not placed for the full pose.
-    fn unplaced(&self, standing: &PathState, end: Placed) -> Trial {
+    fn unplaced(&self, standing: &PathState, end: Placed) -> SegmentCandidate {
         let state = self.led(standing, &[standing.command, end.command]);
         let emitted = Route::new(standing.command, end.command, None);
         let ends = PieceEnds {
@@ -150,28 +150,39 @@ impl SegmentFitter<'_, '_> {
     }
 
     /// The piece as a straight line, without measured deviation.
-    pub(super) fn unmeasured(&self, standing: &PathState, between: [f64; 2]) -> Trial {
+    pub(super) fn unmeasured(&self, standing: &PathState, between: [f64; 2]) -> SegmentCandidate {
         let ends = self.ends(standing, between);
         let emitted = Route::new(ends.start, ends.end.command, None);
         self.trial(between, ends, emitted, None)
     }
 
     /// The piece as a straight line.
-    pub(super) fn straight(&self, standing: &PathState, between: [f64; 2], scratch: &mut Vec<f64>) -> Trial {
+    pub(super) fn straight(&self, standing: &PathState, between: [f64; 2], scratch: &mut Vec<f64>) -> SegmentCandidate {
         let mut trial = self.unmeasured(standing, between);
         self.measure(standing, &mut trial, scratch);
         trial
     }
 
     /// The piece as an arc; `None` if the rounded ends allow none.
-    pub(super) fn arc(&self, standing: &PathState, between: [f64; 2], scratch: &mut Vec<f64>) -> Option<Trial> {
+    pub(super) fn arc(
+        &self,
+        standing: &PathState,
+        between: [f64; 2],
+        scratch: &mut Vec<f64>,
+    ) -> Option<SegmentCandidate> {
         let mut trial = self.unmeasured_arc(standing, between)?;
         self.measure(standing, &mut trial, scratch);
         Some(trial)
     }
 
-    pub(super) fn trial(&self, between: [f64; 2], ends: PieceEnds, emitted: Route, circle: Option<PieceArc>) -> Trial {
-        Trial {
+    pub(super) fn trial(
+        &self,
+        between: [f64; 2],
+        ends: PieceEnds,
+        emitted: Route,
+        circle: Option<PieceArc>,
+    ) -> SegmentCandidate {
+        SegmentCandidate {
             between,
             ready: ends.ready,
             take_up: ends.take_up,
@@ -275,7 +286,7 @@ impl SegmentFitter<'_, '_> {
     }
 
     /// Measures the deviation at all relevant places.
-    fn measure(&self, standing: &PathState, trial: &mut Trial, scratch: &mut Vec<f64>) {
+    fn measure(&self, standing: &PathState, trial: &mut SegmentCandidate, scratch: &mut Vec<f64>) {
         let [from, to] = trial.between;
         let state = trial.state();
         self.sampler.fractions((self.route, self.samples), trial.between, &trial.emitted, scratch);
@@ -296,7 +307,7 @@ impl SegmentFitter<'_, '_> {
             }
             self.lead.edges(&first, &trial.emitted, scratch);
         }
-        let of_bodies = |trial: &Trial, fraction: f64| {
+        let of_bodies = |trial: &SegmentCandidate, fraction: f64| {
             let mut band = first;
             self.lead.along(&mut band, &trial.emitted, standing.sensed, [0.0, fraction]);
             let at = trial.parameter(fraction);

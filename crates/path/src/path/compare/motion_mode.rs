@@ -1,15 +1,17 @@
 //! Comparison of threads and probing motions with those of the original.
 
-use ncfix_machine::snc::{Manner, Thread};
+use ncfix_machine::snc::{MotionMode, Thread};
 
 /// Difference below which leads and their changes are equal, mm: in inches they are written with six decimals.
 const SAME_LEAD_MM: f64 = 3e-5;
 
 /// Descriptions of both if they differ; other moves are compared by their path.
-pub(super) fn difference(original: &Manner, corrected: &Manner) -> Option<[String; 2]> {
+pub(super) fn difference(original: &MotionMode, corrected: &MotionMode) -> Option<[String; 2]> {
     let is_kept = match (original, corrected) {
-        (Manner::Thread(one), Manner::Thread(other)) => is_same_thread(one, other),
-        (Manner::Thread(_) | Manner::Probe(_), _) | (_, Manner::Thread(_) | Manner::Probe(_)) => original == corrected,
+        (MotionMode::Thread(one), MotionMode::Thread(other)) => is_same_thread(one, other),
+        (MotionMode::Thread(_) | MotionMode::Probe(_), _) | (_, MotionMode::Thread(_) | MotionMode::Probe(_)) => {
+            original == corrected
+        }
         _ => true,
     };
     (!is_kept).then(|| [shown(original), shown(corrected)])
@@ -25,15 +27,15 @@ fn is_same_thread(one: &Thread, other: &Thread) -> bool {
     one.code == other.code && is_same(lead(one), lead(other)) && is_same(one.change, other.change)
 }
 
-fn shown(manner: &Manner) -> String {
+fn shown(motion_mode: &MotionMode) -> String {
     let rounded = |value: f64| (value * 1e6).round() / 1e6;
-    match manner {
-        Manner::Thread(thread) => {
+    match motion_mode {
+        MotionMode::Thread(thread) => {
             let lead = thread.lead.map_or_else(String::new, |(_, lead)| format!(" with {} mm a turn", rounded(lead)));
             let change = thread.change.map_or_else(String::new, |change| format!(", changing by {}", rounded(change)));
             format!("{}{lead}{change}", thread.code.word())
         }
-        Manner::Probe(word) => (*word).to_owned(),
+        MotionMode::Probe(word) => (*word).to_owned(),
         _ => "a move without a thread".to_owned(),
     }
 }

@@ -26,7 +26,7 @@ pub(in crate::exec) enum Stage {
 }
 
 /// The ledger of a run.
-pub(in crate::exec) struct Ledger {
+pub(in crate::exec) struct RunState {
     /// All files of the run so far, by [`FileId`].
     pub(in crate::exec) sources: Vec<Source>,
     /// Diagnostics that are not handed out yet.
@@ -45,15 +45,15 @@ pub(in crate::exec) struct Ledger {
     chain_ids: HashMap<(u32, u32), u32>,
 }
 
-impl Ledger {
+impl RunState {
     /// `true` if an error was reported.
     pub(in crate::exec) fn has_errors(&self) -> bool {
         self.errors > 0
     }
 
     /// The ledger for a main program with `blocks` blocks.
-    pub(in crate::exec) fn new(main: Source, blocks: usize, options: &Options) -> Ledger {
-        Ledger {
+    pub(in crate::exec) fn new(main: Source, blocks: usize, options: &Options) -> RunState {
+        RunState {
             sources: vec![main],
             findings: VecDeque::new(),
             stage: Stage::Runs,

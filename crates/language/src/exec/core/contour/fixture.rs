@@ -2,26 +2,26 @@
 
 use std::sync::Arc as Shared;
 
-use super::{ContourModal, ContourStage, Item, Moving, Reach, Side, Wish};
+use super::{ContourModal, ContourRequest, ContourStage, Item, Moving, Reach, Side};
 use crate::exec::core::path::{Path, Shape};
 use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Plane, PlaneBasis};
 use ncfix_base::source::{FileId, Span};
 use ncfix_machine::machine::Control;
-use ncfix_machine::snc::{Element, FeedUnit, Kind, Manner, Move, Origin, Setup};
+use ncfix_machine::snc::{Element, FeedUnit, Kind, MotionMode, Move, Origin, Setup};
 
 /// Takes lines of `G0 G1 G2 G3 G40 G41 G42 G43 G44 X Y Z I J F` – positions absolute, I J from the start, with G40 a direction – and `(comments)`.
 /// Returns the moves in the notation of a reference, comments, and the codes of diagnostics with their lines.
-pub(super) struct Bench {
+pub(super) struct Fixture {
     pub(super) control: Control,
     pub(super) modal: ContourModal,
     pub(super) radius_mm: f64,
     pub(super) start: [f64; 3],
 }
 
-impl Bench {
-    pub(super) fn new(control: Control, modal: fn(&Control) -> ContourModal, radius_mm: f64) -> Bench {
+impl Fixture {
+    pub(super) fn new(control: Control, modal: fn(&Control) -> ContourModal, radius_mm: f64) -> Fixture {
         let modal = modal(&control);
-        Bench { control, modal, radius_mm, start: [0.0; 3] }
+        Fixture { control, modal, radius_mm, start: [0.0; 3] }
     }
 
     pub(super) fn run(&self, text: &str) -> (Vec<String>, Vec<String>) {
@@ -87,7 +87,7 @@ impl Bench {
                 unit: FeedUnit::PerMinute,
                 ways: Default::default(),
                 in_machine_frame: false,
-                manner: Manner::default(),
+                motion_mode: MotionMode::default(),
                 off_curve_mm: 0.0,
             };
             let path = Path {
@@ -99,7 +99,7 @@ impl Bench {
                 setup: Shared::new(Setup::default()),
                 span: Span { start: origin.line, end: origin.line },
             };
-            let wish = Wish::of(modal, self.radius_mm, path.span, FileId(0));
+            let wish = ContourRequest::of(modal, self.radius_mm, path.span, FileId(0));
             place = target;
             let moving = Moving::new(path, element(Kind::Empty), wish);
             if modal.is_plain() && !stage.is_holding() {

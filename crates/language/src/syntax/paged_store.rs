@@ -7,7 +7,7 @@ use std::ops::{Index, IndexMut, Range};
 
 /// Nodes by number.
 #[derive(Clone, Debug)]
-pub struct Shelf<T> {
+pub struct PagedStore<T> {
     /// Number of the first loaded node.
     first: usize,
     items: Vec<T>,
@@ -15,13 +15,13 @@ pub struct Shelf<T> {
     count: usize,
 }
 
-impl<T> Default for Shelf<T> {
+impl<T> Default for PagedStore<T> {
     fn default() -> Self {
-        Shelf { first: 0, items: Vec::new(), count: 0 }
+        PagedStore { first: 0, items: Vec::new(), count: 0 }
     }
 }
 
-impl<T> Shelf<T> {
+impl<T> PagedStore<T> {
     /// Number of nodes, loaded or not.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -93,14 +93,14 @@ impl<T> Shelf<T> {
     }
 }
 
-impl<T> Extend<T> for Shelf<T> {
+impl<T> Extend<T> for PagedStore<T> {
     fn extend<I: IntoIterator<Item = T>>(&mut self, items: I) {
         self.items.extend(items);
         self.count = self.count.max(self.next());
     }
 }
 
-impl<T> Index<usize> for Shelf<T> {
+impl<T> Index<usize> for PagedStore<T> {
     type Output = T;
 
     fn index(&self, number: usize) -> &T {
@@ -108,13 +108,13 @@ impl<T> Index<usize> for Shelf<T> {
     }
 }
 
-impl<T> IndexMut<usize> for Shelf<T> {
+impl<T> IndexMut<usize> for PagedStore<T> {
     fn index_mut(&mut self, number: usize) -> &mut T {
         &mut self.items[number.wrapping_sub(self.first)]
     }
 }
 
-impl<T> Index<Range<usize>> for Shelf<T> {
+impl<T> Index<Range<usize>> for PagedStore<T> {
     type Output = [T];
 
     fn index(&self, numbers: Range<usize>) -> &[T] {
@@ -122,7 +122,7 @@ impl<T> Index<Range<usize>> for Shelf<T> {
     }
 }
 
-impl<'a, T> IntoIterator for &'a Shelf<T> {
+impl<'a, T> IntoIterator for &'a PagedStore<T> {
     type Item = &'a T;
     type IntoIter = std::slice::Iter<'a, T>;
 
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn numbers_stay_when_nodes_leave() {
-        let mut shelf = Shelf::default();
+        let mut shelf = PagedStore::default();
         shelf.extend(['a', 'b', 'c']);
         shelf.turn_to(3);
         shelf.push('d');

@@ -43,10 +43,10 @@ fn refusals(fault: FitError, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
             let help =
                 "measure more, describe what is known of the set-ups, choose a smaller model, or let --reduce do it";
             let mut out = vec![(None, Diagnostic::nowhere(Code::NOT_TOLD, message, help))];
-            out.extend(not_told(*lost, of));
+            out.extend(not_identified(*lost, of));
             out
         }
-        FitError::NotTold(lost) => not_told(*lost, of),
+        FitError::NotIdentified(lost) => not_identified(*lost, of),
         FitError::NotSettled(why) => vec![not_settled(why, of)],
     }
 }
@@ -56,7 +56,7 @@ pub(super) fn words(fault: FitError) -> String {
     refusals(fault, "").into_iter().next().map_or_else(|| "nothing can be told".to_owned(), |(_, found)| found.message)
 }
 
-fn not_told(lost: Lost, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
+fn not_identified(lost: Lost, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
     let more = lost.confused.len().saturating_sub(MOST_SAID);
     let mut out: Vec<(Option<usize>, Diagnostic)> = lost
         .confused
@@ -202,7 +202,7 @@ mod tests {
         let strange = Unsettled { set: 1, times: 40.0, rejected: [3, 9] };
         let faults = [
             FitError::TooFew { equations: 2, unknowns: 3, lost: Box::default() },
-            FitError::NotTold(Box::new(lost)),
+            FitError::NotIdentified(Box::new(lost)),
             FitError::NotSettled(None),
             FitError::NotSettled(Some(strange)),
         ];

@@ -156,7 +156,7 @@ pub(in crate::exec) struct Soft {
 
 /// The contour request of one motion.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::exec) struct Wish {
+pub(in crate::exec) struct ContourRequest {
     pub(in crate::exec) modal: ContourModal,
     /// Distance of the tool center to the left of the contour, mm; 0 without compensation.
     pub(in crate::exec) distance_mm: f64,
@@ -166,7 +166,7 @@ pub(in crate::exec) struct Wish {
     pub(in crate::exec) file: FileId,
 }
 
-impl Wish {
+impl ContourRequest {
     /// `true` if the tool is beside the programmed contour or end, by its radius.
     pub(in crate::exec) fn is_beside(&self) -> bool {
         self.compensates() || self.modal.reach != Reach::End

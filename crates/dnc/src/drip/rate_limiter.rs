@@ -7,19 +7,19 @@ use ncfix_path::path::{Allows, Asked, Doses};
 use super::slots;
 
 /// Doses the correction within the limits of a job.
-pub(super) struct Doser {
+pub(super) struct RateLimiter {
     dosing: LineDosing,
     /// True while sensors are unreliable: the applied correction follows the path and approaches no target.
     pub(super) is_frozen: bool,
 }
 
-impl Doser {
-    pub(super) fn new(limits: DosingLimits) -> Doser {
-        Doser { dosing: LineDosing::new(limits), is_frozen: false }
+impl RateLimiter {
+    pub(super) fn new(limits: DosingLimits) -> RateLimiter {
+        RateLimiter { dosing: LineDosing::new(limits), is_frozen: false }
     }
 }
 
-impl Doses for Doser {
+impl Doses for RateLimiter {
     fn dose(&mut self, asked: &Asked) -> AxisVector {
         let dose = match asked.allows {
             Allows::Nothing => Dose::Hold,

@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 
-use super::contour::{ContourStage, Item, Moving, Wish};
+use super::contour::{ContourRequest, ContourStage, Item, Moving};
 use super::fault::{Fault, fault};
 use super::options::Options;
 use super::path::{Path, Shape};
@@ -24,11 +24,11 @@ const MOST_REGISTERS: usize = 1000;
 /// Types that have an outlet.
 pub(in crate::exec) trait HasOutlet<'a> {
     /// The outlet.
-    fn outlet(&mut self) -> &mut Outlet<'a>;
+    fn outlet(&mut self) -> &mut MotionSink<'a>;
 }
 
 /// The outlet of an executor.
-pub(in crate::exec) struct Outlet<'a> {
+pub(in crate::exec) struct MotionSink<'a> {
     pub(in crate::exec) machine: &'a Machine,
     /// Kinematics of the machine, once a transformation was active.
     pub(in crate::exec) kinematics: Option<Box<Kinematics>>,
@@ -52,9 +52,9 @@ pub(in crate::exec) struct Outlet<'a> {
     tells_compensation: bool,
 }
 
-impl<'a> Outlet<'a> {
-    pub(in crate::exec) fn new(machine: &'a Machine, options: &Options) -> Outlet<'a> {
-        Outlet {
+impl<'a> MotionSink<'a> {
+    pub(in crate::exec) fn new(machine: &'a Machine, options: &Options) -> MotionSink<'a> {
+        MotionSink {
             machine,
             kinematics: None,
             queue: VecDeque::with_capacity(16),
@@ -151,13 +151,13 @@ impl<'a> Outlet<'a> {
     }
 
     /// Emits a motion through the contour stage. The kind of the element is a placeholder.
-    pub(in crate::exec) fn pass_path(&mut self, path: Path, element: Element, wish: Wish) {
+    pub(in crate::exec) fn pass_path(&mut self, path: Path, element: Element, wish: ContourRequest) {
         self.note_compensation(&element, &wish);
         self.through_contour(Item::Path(Box::new(Moving::new(path, element, wish))));
     }
 
     /// Holds a motion back until [`Self::close`] gives its end.
-    pub(in crate::exec) fn open(&mut self, path: Path, element: Element, wish: Wish) {
+    pub(in crate::exec) fn open(&mut self, path: Path, element: Element, wish: ContourRequest) {
         self.note_compensation(&element, &wish);
         self.contour.open(Box::new(Moving::new(path, element, wish)));
     }
@@ -169,7 +169,7 @@ impl<'a> Outlet<'a> {
         self.release(released);
     }
 
-    fn note_compensation(&mut self, element: &Element, wish: &Wish) {
+    fn note_compensation(&mut self, element: &Element, wish: &ContourRequest) {
         let compensates = wish.is_beside();
         if compensates && !self.compensates && self.compensated.len() < MOST_NOTED {
             let is_new = !self.compensated.iter().any(|origin| origin.span == element.origin.span);
@@ -205,7 +205,7 @@ impl<'a> Outlet<'a> {
     }
 
     /// Records the control's radius register before a motion that begins radius compensation.
-    pub(in crate::exec) fn name_register(&mut self, wish: &Wish, name: impl FnOnce() -> String) {
+    pub(in crate::exec) fn name_register(&mut self, wish: &ContourRequest, name: impl FnOnce() -> String) {
         if !self.keeps_wear || !wish.compensates() || self.compensates {
             return;
         }
