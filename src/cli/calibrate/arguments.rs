@@ -62,7 +62,7 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Which page.
     pub(in crate::cli) page: PageChoice,
     /// Measurements that are not fitted but say how good the result is
-    #[arg(long, value_name = "DATA.csv", num_args = 1..)]
+    #[arg(long, alias = "holdout", value_name = "DATA.csv", num_args = 1..)]
     pub(in crate::cli) hold_out: Vec<PathBuf>,
     /// Leave out parameters that the data cannot tell from others, the least simple ones first, and say which (docs/reference/calibrate.md)
     #[arg(long)]

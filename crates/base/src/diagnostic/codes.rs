@@ -608,9 +608,9 @@ is left out of the weighing.";
 "In a calibration a reading further from the model than noise explains counts for less, and beyond 4.7 standard deviations for nothing
 (Tukey's weights). It stays in the file and in the report. Look for its cause: a chip under the ball, a wrong row, a set-up that
 moved. With --no-robust all readings count alike.";
-    POOR_FIT = "W0604" "more is left than the instrument explains"
-"What the calibrated model leaves is well above the uncertainty that sigma_um gives. The machine has errors that the model lacks, its temperature changed,
-or sigma_um is too small. The standard uncertainties of the parameters rest on sigma_um and are then too small as well.";
+    POOR_FIT = "W0604" "the residual is larger than the instrument explains"
+"The residual of the calibrated model is well above the uncertainty that sigma_um states. The machine has errors that the model lacks, its temperature changed,
+or sigma_um is too small. The standard uncertainties then rest on the scatter of the residuals instead of sigma_um. They do not cover errors that the model lacks.";
     REDUCED = "W0605" "parameters left out"
 "With --reduce, ncfix calibrate leaves out parameters that the data cannot tell from others, and fits the rest. Of those that cannot be told from each other
 the least simple one goes: truncated powers before backlashes, before coefficients from the highest degree down, later ones of the model before earlier
