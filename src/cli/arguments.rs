@@ -197,8 +197,7 @@ pub(super) struct MachineChoice {
     /// Machine file (default: NCFIX_MACHINE, else the nearest ncfix.toml above the program, else above the working folder)
     #[arg(long, value_name = "M.toml")]
     pub(super) machine: Option<PathBuf>,
-    /// Set-up file with zero offsets and tools, which override those of the machine file: TOML, or data saved by the control (TOA, UFR, RPA, GUD,
-    /// INI); repeatable, the last one wins
+    /// Zero offsets and tools that override the machine file: TOML, or data of the control (TOA, UFR, RPA, GUD, INI); repeatable, the last one wins
     #[arg(long, value_name = "FILE")]
     pub(super) setup: Vec<PathBuf>,
 }
@@ -206,17 +205,17 @@ pub(super) struct MachineChoice {
 /// Reading and execution of a program.
 #[derive(Clone, Debug, Args)]
 pub(super) struct ProgramChoice {
-    /// Dialect: sinumerik, grundig, fanuc or rs274 (default: that of the machine file, else by file name and content)
+    /// Dialect: sinumerik, grundig, fanuc or rs274 (default: by the machine file, else file name and content)
     #[arg(long, value_name = "DIALECT", value_parser = NonEmptyStringValueParser::new())]
     pub(super) dialect: Option<String>,
-    /// Stop a program that executes more blocks than this (default: 10 million, or 20 times its blocks if that is more)
+    /// Largest number of executed blocks (default: 10 million, or 20 times those of the program if more)
     #[arg(long, value_name = "N")]
     pub(super) max_blocks: Option<u64>,
     /// Levels of / blocks to skip, as switched on at the control: 0 or 0,3 or all
     #[arg(long, value_name = "LEVELS", value_parser = value::skip_levels)]
     pub(super) skip: Option<value::SkipLevels>,
-    /// Axis positions before the first block (machine coordinates, mm, deg; other axes: 0), for programs that begin with an incremental move or an
-    /// arc
+    /// Axis positions before the first block, for programs that begin with an incremental move or an arc (machine coordinates, mm, deg; other axes:
+    /// 0)
     #[arg(long, value_name = "X0,Y0,Z0", allow_hyphen_values = true)]
     pub(super) start: Option<AxisVector>,
 }
@@ -249,11 +248,10 @@ pub(super) struct FixArguments {
     /// Radius compensation in the output
     #[arg(long, value_enum, default_value_t)]
     pub(super) compensation: CompensationChoice,
-    /// Largest wear, to both sides, that the control must be able to follow with --compensation wear; with unit
+    /// Largest wear to both sides that the control must be able to follow with --compensation wear, with unit
     #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
     pub(super) largest_wear: f64,
-    /// Lower feeds to keep the tool within this distance of its path, with unit, as predicted by the servo loops of the machine file
-    /// (docs/reference/servo.md)
+    /// Lower feeds to keep the tool within this distance of its path, with unit (servo model: docs/reference/servo.md)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(super) feed_limit: Option<f64>,
     /// Write an HTML page that shows all changes, for review before the program runs (the page of `ncfix diff --html`)

@@ -46,8 +46,7 @@ pub(in crate::cli) struct FeedArguments {
     /// Check the program and the link; send nothing
     #[arg(long)]
     pub(in crate::cli) dry_run: bool,
-    /// Send over a link that cannot report whether the machine stands still (tape readers, FE1): you have checked it; if the machine moves, lines
-    /// interfere with its motion
+    /// Confirm that the machine stands still, for links that cannot ask it (tape readers, FE1); if it moves, lines interfere with its motion
     #[arg(long)]
     pub(in crate::cli) i_checked_the_machine_stands_still: bool,
     /// Send even if the control will have to wait for lines
@@ -88,7 +87,7 @@ pub(in crate::cli) struct DosingChoice {
     /// Change the thermal correction only on rapid moves
     #[arg(long)]
     pub(in crate::cli) rapids_only: bool,
-    /// Largest change of the thermal correction from one feed block to the next, with unit; rapid moves apply all of it at once
+    /// Largest change of the thermal correction per feed block, with unit; rapid moves apply all of it at once
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) dose_per_block: f64,
     /// Largest change of the thermal correction per mm of path, with unit
@@ -144,12 +143,11 @@ pub(in crate::cli) struct ResumeArguments {
     /// Number of the plan to run, as shown before
     #[arg(long, value_name = "PLAN")]
     pub(in crate::cli) confirm: Option<String>,
-    /// Z to move up to first, in program coordinates, with unit: a height clear of workpiece and clamps, at least 1 mm above everything machined;
-    /// required to resume
+    /// Height to move up to first, Z of the program, with unit: clear of workpiece and clamps, at least 1 mm above everything machined; required to
+    /// resume
     #[arg(long, value_name = "Z", value_parser = parse_length_mm, allow_hyphen_values = true)]
     pub(in crate::cli) clearance: Option<f64>,
-    /// Send over a link that cannot report whether the machine stands still (tape readers, FE1): you have checked it; if the machine moves, lines
-    /// interfere with its motion
+    /// Confirm that the machine stands still, for links that cannot ask it (tape readers, FE1); if it moves, lines interfere with its motion
     #[arg(long)]
     pub(in crate::cli) i_checked_the_machine_stands_still: bool,
     /// Port of the control, if it has changed

@@ -64,10 +64,10 @@ pub(in crate::cli) struct PlanArguments {
     /// Tool length along the spindle, mm, or X,Y,Z from gauge point to tip along the axes of F, mm; repeatable
     #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
     pub(in crate::cli) tool: Vec<ToolVector>,
-    /// Free distance to both ends of the travel of linear axes, mm (default: 2), because corrected positions may lie beyond nominal ones
+    /// Margin to both ends of the travel of linear axes, mm (default: 2); corrected positions may exceed nominal ones
     #[arg(long, value_name = "MM", value_parser = margin)]
     pub(in crate::cli) margin: Option<f64>,
-    /// Centre as a position of the tool point (axis positions plus tool vector), mm (default: middle of the travel); repeatable for a plate
+    /// Centre as a tool point position (axis positions plus tool vector), mm (default: middle of the travel); repeatable for a plate
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(in crate::cli) centre: Vec<Vector>,
     /// Radius, mm (default: 100 for ballbar, 150 for sphere, 70 for a circle of balls)

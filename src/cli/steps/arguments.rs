@@ -37,7 +37,7 @@ pub(in crate::cli) struct StepsArguments {
     /// Largest residual allowed, with unit
     #[arg(long, value_name = "LENGTH", default_value = "5um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) residual: f64,
-    /// Tool length, mm, or vector from the spindle to the tip, mm (default: tools of the program, without one the longest tool of the machine file)
+    /// Tool length, mm, or vector from the spindle to the tip, mm (default: tools of the program, else the longest one of the machine file)
     #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
     pub(in crate::cli) tool: Option<ToolVector>,
     /// Correction of the rotary axes

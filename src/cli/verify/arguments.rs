@@ -26,7 +26,7 @@ pub(in crate::cli) struct VerifyArguments {
     /// Tolerance promised by the correction, with unit (default: that of the stamp)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) promised: Option<f64>,
-    /// Also run both programs through the servo loops of the machine file (docs/reference/servo.md), and report path deviations and times
+    /// Also run both programs through the servo loops (docs/reference/servo.md); report path deviations and times
     #[arg(long)]
     pub(in crate::cli) at_feed: bool,
     #[command(flatten)]
