@@ -598,7 +598,7 @@ fn a_sensor_that_falls_silent_is_held_and_then_ends_the_job() {
     probe.join().unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(7), "{}", shop.text("stderr"));
     let said = shop.text("stderr");
-    assert!(said.contains("sensors are in doubt") && said.contains("T_head"), "{said}");
+    assert!(said.contains("sensor readings are doubtful") && said.contains("T_head"), "{said}");
     let executed = bench.executed();
     let added = added_um(&shop.text("part.ngc.journal"), &executed);
     // It was 24 °C, and never anything else: 12 µm from the first rapid move on, but for those that lead to no cut.

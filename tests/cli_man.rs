@@ -128,7 +128,7 @@ fn every_page_names_every_option_and_what_a_status_means() {
         for option in named {
             assert!(plain.contains(&option), "{command:?} {option}");
         }
-        for text in [".SH \"EXIT STATUS\"", ".SH EXAMPLES", ".SH ENVIRONMENT", "NCFIX_MACHINE", "wrong usage"] {
+        for text in [".SH \"EXIT STATUS\"", ".SH EXAMPLES", ".SH ENVIRONMENT", "NCFIX_MACHINE", "usage error"] {
             assert!(plain.contains(text), "{command:?} {text}\n{plain}");
         }
     }
@@ -160,6 +160,6 @@ fn pages_are_set_without_a_warning() {
 
 #[test]
 fn a_command_that_is_not_there_has_no_page() {
-    Shop::new().run(["man", "cook"]).exits(2).says("there is no command 'cook' of ncfix; there are fix, check");
-    Shop::new().run(["man", "machine", "cook"]).exits(2).says("of ncfix machine; there are check, show, presets");
+    Shop::new().run(["man", "cook"]).exits(2).says("'cook' is not a command of ncfix; commands: fix, check");
+    Shop::new().run(["man", "machine", "cook"]).exits(2).says("of ncfix machine; commands: check, show, presets");
 }

@@ -232,7 +232,7 @@ fn a_program_of_one_depth_is_not_taken_up_again_without_a_clearance() {
     // Another clearance is another plan.
     let number = found["plan"].as_str().unwrap();
     let other = shop.run(["resume", "part.ngc.journal", "--clearance", "6mm", "--confirm", number]);
-    assert!(other.code == 2 && other.stderr.contains("not the number of the plan"), "{other:?}");
+    assert!(other.code == 2 && other.stderr.contains("not the plan number"), "{other:?}");
     // It is carried out as it was shown.
     let bench = Bench::new(grbl(0.0002));
     shop.run(["resume", "part.ngc.journal", "--clearance", "5mm", "--confirm", number, "--port", &bench.name]).exits(0);

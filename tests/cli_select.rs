@@ -71,7 +71,7 @@ fn what_is_no_candidate_is_refused() {
     let run = |more: &[&str]| shop.run(CALIBRATE.iter().chain(more).copied());
     run(&["--select", "EQQ"]).exits(2).says("no preset, no error such as EXX");
     run(&["--select", "ECB1"]).exits(2).says("has no axis B");
-    run(&["--select", "EXX", "--knots", "0.5mm"]).exits(2).says("no whole number of mm");
+    run(&["--select", "EXX", "--knots", "0.5mm"]).exits(2).says("not a whole number of mm");
     run(&["--select", "EXX", "--significance", "60%"]).exits(2).says("up to 50");
     run(&["--select", "motion", "--knots", "1mm"]).exits(2).says("can be tried");
     run(&["--knots", "100mm"]).exits(2).says("--select");

@@ -296,7 +296,7 @@ fn what_was_read_is_never_replaced() {
         (&["max-step", "--machine", "m.toml"], &["--svg", "new.svg", "--report", "new.svg"]),
     ] {
         let run = shop.run([command, end].concat());
-        let says = ["would overwrite", "two outputs of this run", "--svg names a folder"];
+        let says = ["would overwrite", "two outputs of this run", "--svg needs a folder"];
         let is_said = says.iter().any(|reason| run.stderr.contains(reason));
         assert!([2, 4].contains(&run.code) && is_said, "{command:?} {end:?}: {}", run.stderr);
         assert_eq!(shop.names(), names, "{command:?} {end:?}");

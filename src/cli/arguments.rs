@@ -47,8 +47,8 @@ use ncfix_base::geometry::AxisVector;
 use ncfix_machine::machine::file::nearest;
 
 const AFTER_HELP: &str = "\
-Machine: --machine, else the environment variable NCFIX_MACHINE, else the nearest ncfix.toml in the folder of the program or above it, else in the \
-working folder or above it, else an embedded demo machine (with a warning, which the output carries too). `ncfix machine show --origin` says which.
+Machine file: --machine, else the environment variable NCFIX_MACHINE, else the nearest ncfix.toml in or above the folder of the program, else in or \
+above the working folder, else an embedded demo machine (with a warning, also in the output). `ncfix machine show --origin` shows which one is used.
 
 Examples:
   ncfix part.mpf -o part_corrected.mpf --machine mill.toml
@@ -63,14 +63,14 @@ Examples:
   ncfix machine show mill.toml --at X100,Y50,Z-20 --tool 120
   ncfix explain E0203";
 
-/// What `ncfix --help` says first.
+/// Long description at the top of `ncfix --help`.
 const ABOUT: &str = "\
 Corrects part programs for the measured geometric errors of one machine tool.
 
-Reads a part program, moves every programmed position so that the tool of this machine, with its errors, gets to where the \
-program wanted it, and writes the program again in its own language.";
+Reads a part program, shifts every programmed position so that the tool of this machine, despite its errors, reaches the \
+programmed point, and writes the program in the same language.";
 
-/// The definition of the command line: the commands, and the arguments of `fix` without its name.
+/// Definition of the command line: the commands, and the arguments of `fix`, whose name may be omitted.
 pub(super) fn definition() -> clap::Command {
     let command = clap::Command::new("ncfix").bin_name("ncfix").version(env!("CARGO_PKG_VERSION"));
     let command = FixArguments::augment_args(Command::augment_subcommands(command))
@@ -101,8 +101,8 @@ where
     Ok((switches::voice(&matches), command?))
 }
 
-/// A file or option where a command should stand is taken for the program of the default command, and what follows for a command that
-/// conflicts with it; the message for that helps nobody.
+/// Replaces the message of clap for a file or option in the place of a command: clap takes it for the program of the default command and reports a
+/// conflict with the words after it, which helps nobody.
 fn explained(error: clap::Error, first: &str) -> clap::Error {
     if error.kind() != ErrorKind::ArgumentConflict || !error.to_string().contains("the subcommand") {
         return error;
@@ -110,7 +110,7 @@ fn explained(error: clap::Error, first: &str) -> clap::Error {
     let commands: Vec<String> = definition().get_subcommands().map(|command| command.get_name().to_owned()).collect();
     let meant = nearest(first, commands.iter().map(String::as_str));
     let message = format!(
-        "a command comes first, before its options, and there is one file without a command; {}the commands are {}",
+        "the command comes first, before its options, and only one file can be given without a command; {}commands: {}",
         meant.map_or_else(String::new, |meant| format!("did you mean `ncfix {meant}`? ")),
         commands.join(", ")
     );
@@ -191,32 +191,31 @@ pub(super) enum Command {
     Man(ManArguments),
 }
 
-/// Which machine.
+/// Machine file and set-up files.
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct MachineChoice {
-    /// Machine file; without it that of NCFIX_MACHINE, the nearest ncfix.toml upwards from the program, then from the working folder
+    /// Machine file (default: NCFIX_MACHINE, else the nearest ncfix.toml above the program, else above the working folder)
     #[arg(long, value_name = "M.toml")]
     pub(super) machine: Option<PathBuf>,
-    /// Set-up file with zero offsets and tools, which override those of the machine file: TOML, or data as the control saves them (TOA, UFR,
-    /// RPA, GUD, INI); may be given several times, the last one wins
+    /// Zero offsets and tools that override the machine file: TOML, or data of the control (TOA, UFR, RPA, GUD, INI); repeatable, the last one wins
     #[arg(long, value_name = "FILE")]
     pub(super) setup: Vec<PathBuf>,
 }
 
-/// How a program is read and executed.
+/// Reading and execution of a program.
 #[derive(Clone, Debug, Args)]
 pub(super) struct ProgramChoice {
-    /// Dialect: sinumerik, grundig, fanuc or rs274; without it that of the machine file, then by file name and content
+    /// Dialect: sinumerik, grundig, fanuc or rs274 (default: by the machine file, else file name and content)
     #[arg(long, value_name = "DIALECT", value_parser = NonEmptyStringValueParser::new())]
     pub(super) dialect: Option<String>,
-    /// Stop a program that executes more blocks than this; without it ten million, or twenty times its blocks if that is more
+    /// Largest number of executed blocks (default: 10 million, or 20 times those of the program if more)
     #[arg(long, value_name = "N")]
     pub(super) max_blocks: Option<u64>,
-    /// Levels of / blocks to skip, as with the switches of the control: 0, or 0,3, or all
+    /// Levels of / blocks to skip, as switched on at the control: 0 or 0,3 or all
     #[arg(long, value_name = "LEVELS", value_parser = value::skip_levels)]
     pub(super) skip: Option<value::SkipLevels>,
-    /// Axis positions before the first block (mm, deg, machine coordinates; axes left out are at 0), for programs that begin with an
-    /// incremental move or an arc
+    /// Axis positions before the first block, for programs that begin with an incremental move or an arc (machine coordinates, mm, deg; other axes:
+    /// 0)
     #[arg(long, value_name = "X0,Y0,Z0", allow_hyphen_values = true)]
     pub(super) start: Option<AxisVector>,
 }
@@ -231,34 +230,34 @@ pub(super) struct FixArguments {
     /// Corrected program; - for standard output
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
-    /// Overwrite IN and keep the original as IN.bak (IN.bak1 … where that exists)
+    /// Overwrite IN and keep the original as IN.bak (or IN.bak1 … if that exists)
     #[arg(long)]
     pub(super) in_place: bool,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(super) machine: MachineChoice,
     #[command(flatten)]
-    /// The condition of the machine.
+    /// Condition of the machine.
     pub(super) state: StateChoice,
     #[command(flatten)]
-    /// How the program is executed.
+    /// Reading and execution of the program.
     pub(super) program: ProgramChoice,
     #[command(flatten)]
-    /// How it is corrected.
+    /// Method of correction.
     pub(super) correction: CorrectionChoice,
-    /// Radius compensation
+    /// Radius compensation in the output
     #[arg(long, value_enum, default_value_t)]
     pub(super) compensation: CompensationChoice,
-    /// With --compensation wear: the wear, to both sides, that the control must be able to follow, with its unit
+    /// Largest wear to both sides that the control must be able to follow with --compensation wear, with unit
     #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
     pub(super) largest_wear: f64,
-    /// Lower feeds where the axes would leave the tool further off its path than this, with its unit, as the servo loops of the machine file predict it (docs/reference/servo.md)
+    /// Lower feeds to keep the tool within this distance of its path, with unit (servo model: docs/reference/servo.md)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(super) feed_limit: Option<f64>,
-    /// Write a page that shows what was changed, for a person to look at before the program runs: that of `ncfix diff --html`
+    /// Write an HTML page that shows all changes, for review before the program runs (the page of `ncfix diff --html`)
     #[arg(long, value_name = "PAGE.html")]
     pub(super) review: Option<PathBuf>,
-    /// Threads to work in, 1 to 3, without it as many as help; the output is the same
+    /// Number of threads, 1 to 3 (default: automatic); the output does not depend on it
     #[arg(long, value_name = "N", value_parser = value::threads)]
     pub(super) threads: Option<usize>,
     /// Print the report as one JSON object on standard output
@@ -267,7 +266,7 @@ pub(super) struct FixArguments {
 }
 
 impl FixArguments {
-    /// How the program is corrected.
+    /// Options of the correction.
     pub(super) fn options(&self) -> Options {
         Options {
             compensation: match self.compensation {
@@ -287,14 +286,14 @@ pub(super) struct CheckArguments {
     /// Part program; - for standard input
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
-    /// Only parse: needs no machine
+    /// Parse only; needs no machine
     #[arg(long)]
     pub(super) syntax_only: bool,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(super) machine: MachineChoice,
     #[command(flatten)]
-    /// How the program is executed.
+    /// Reading and execution of the program.
     pub(super) program: ProgramChoice,
     /// Print one JSON object on standard output
     #[arg(long)]
@@ -307,21 +306,21 @@ pub(super) struct SncArguments {
     /// Part program; - for standard input
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
-    /// File to write; without it standard output
+    /// File to write (default: standard output)
     #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(super) machine: MachineChoice,
     #[command(flatten)]
-    /// How the program is executed.
+    /// Reading and execution of the program.
     pub(super) program: ProgramChoice,
 }
 
 /// `ncfix explain`.
 #[derive(Clone, Debug, Args)]
 pub(super) struct ExplainArguments {
-    /// Code of a finding, such as E0203; without it all codes are listed
+    /// Diagnostic code, such as E0203 (default: list all codes)
     pub(super) code: Option<String>,
 }
 

@@ -1,62 +1,62 @@
-//! Exit statuses: what a script can rely on.
+//! Exit statuses.
 
 use ncfix_base::diagnostic::Diagnostic;
 
-/// How a run ended. The order is that of weight: where several apply, [`ExitCode::of`] takes the first that matters.
+/// Result of a run. If several apply, [`ExitCode::of`] takes the weightiest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExitCode {
     /// Done; there may be warnings. Also when the reader of standard output went away.
     Done = 0,
-    /// Two programs differ, and that was the question.
+    /// Two programs differ, as asked by the command.
     Different = 1,
-    /// Wrong usage: options that contradict each other, a file that cannot be read or written.
+    /// Usage error: contradicting options, or a file that cannot be read or written.
     Usage = 2,
-    /// The program was not understood: a fault in its text, or something that is not supported yet. Nothing was written.
+    /// The program was not understood: an error in its text, or a feature that is not supported yet. Nothing was written.
     NotUnderstood = 3,
-    /// Understood but refused: any other finding with an E code. Nothing was written.
+    /// Understood but refused: any other E code. Nothing was written.
     Refused = 4,
-    /// A link that cannot be opened or is gone.
+    /// The link cannot be opened or was lost.
     Link = 5,
-    /// The control has refused a line, was reset or stands in an alarm.
+    /// The control refused a line, was reset or is in an alarm state.
     Control = 6,
-    /// Sensors of temperature stayed bad, and the file says that the transfer ends then.
+    /// Temperature sensors remained bad, and their file ends the transfer in that case.
     Sensor = 7,
-    /// A person stopped it.
+    /// Stopped by the user.
     Interrupted = 130,
 }
 
-/// The statuses of every command, with what a script may take from them.
+/// Exit statuses of every command, with their meaning for a script.
 const OF_ALL: &[(ExitCode, &str)] = &[
-    (ExitCode::Done, "done (there may be warnings)"),
-    (ExitCode::Usage, "wrong usage, or a file that cannot be read or written"),
-    (ExitCode::NotUnderstood, "the program was not understood; nothing was written"),
-    (ExitCode::Refused, "refused, for any other error; nothing was written"),
+    (ExitCode::Done, "success (possibly with warnings)"),
+    (ExitCode::Usage, "usage error, or a file cannot be read or written"),
+    (ExitCode::NotUnderstood, "program not understood; nothing was written"),
+    (ExitCode::Refused, "refused because of another error; nothing was written"),
 ];
 
-/// The statuses of `ncfix diff`, whose results are statuses too.
+/// Exit statuses of `ncfix diff`, whose results are statuses too.
 const OF_DIFF: &[(ExitCode, &str)] = &[
-    (ExitCode::Done, "the same, or nothing above --fail-above"),
-    (ExitCode::Different, "different, with or without something that speaks against running it"),
-    (ExitCode::Usage, "wrong usage, or a file that cannot be read"),
-    (ExitCode::NotUnderstood, "a program was not understood"),
+    (ExitCode::Done, "no difference, or none above --fail-above"),
+    (ExitCode::Different, "different, with or without a reason not to run the program"),
+    (ExitCode::Usage, "usage error, or a file cannot be read"),
+    (ExitCode::NotUnderstood, "program not understood"),
     (
         ExitCode::Refused,
-        "with --fail-above, a change above it or something that is no correction; or the one program does not follow the other",
+        "with --fail-above: a change above it, or one that is not a correction; or the corrected program does not follow the original",
     ),
 ];
 
-/// Those of commands that talk to a control.
+/// Additional statuses of commands that talk to a control.
 const OF_LINK: &[(ExitCode, &str)] = &[
-    (ExitCode::Link, "the link cannot be opened, or is gone"),
-    (ExitCode::Control, "the control has refused a line, was reset or stands in an alarm"),
-    (ExitCode::Sensor, "sensors of temperature stayed bad"),
+    (ExitCode::Link, "the link cannot be opened or was lost"),
+    (ExitCode::Control, "the control refused a line, was reset or is in an alarm state"),
+    (ExitCode::Sensor, "temperature sensors remained bad"),
 ];
 
-/// Those of commands that run until somebody ends them.
-const OF_LONG: &[(ExitCode, &str)] = &[(ExitCode::Interrupted, "stopped by a person")];
+/// Additional status of commands that run until they are stopped.
+const OF_LONG: &[(ExitCode, &str)] = &[(ExitCode::Interrupted, "stopped by the user")];
 
 impl ExitCode {
-    /// The statuses with which a command may end, and what each means, by weight.
+    /// Exit statuses of a command with their meanings.
     pub(super) fn of_command(name: &str) -> impl Iterator<Item = (ExitCode, &'static str)> {
         let talks = matches!(name, "feed" | "resume");
         let further = if talks { OF_LINK } else { &[] };
@@ -65,7 +65,7 @@ impl ExitCode {
         own.iter().chain(further).chain(last).copied()
     }
 
-    /// The status that follows from findings.
+    /// Exit status of a run with these diagnostics.
     pub fn of<'a>(diagnostics: impl IntoIterator<Item = &'a Diagnostic>) -> ExitCode {
         diagnostics.into_iter().filter(|diagnostic| diagnostic.is_error()).fold(ExitCode::Done, |code, diagnostic| {
             if diagnostic.code.is_language() || code == ExitCode::NotUnderstood {

@@ -1,4 +1,4 @@
-//! `ncfix explain`: the long text of a finding code.
+//! `ncfix explain`: the long text of a diagnostic code.
 
 use std::fmt::Write as _;
 

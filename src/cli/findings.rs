@@ -1,4 +1,4 @@
-//! The findings of a command: drawn on standard error, turned into the exit status.
+//! Diagnostics of a command: printed on standard error, and turned into the exit status.
 
 use super::exit_code::ExitCode;
 use super::{progress, voice};
@@ -6,7 +6,7 @@ pub(super) use crate::diagnostics::Diagnostics as Findings;
 use ncfix_report::terminal::Colors;
 
 impl Findings {
-    /// The exit status that follows.
+    /// Exit status of a run with these diagnostics.
     pub(super) fn exit_code(&self) -> ExitCode {
         if self.has_language_errors() {
             ExitCode::NotUnderstood
@@ -17,7 +17,7 @@ impl Findings {
         }
     }
 
-    /// Draws the first findings on standard error, errors before warnings.
+    /// Prints the first diagnostics on standard error, errors before warnings.
     pub(super) fn draw(&self) {
         progress::end();
         super::say(&self.drawing(Colors::Ansi, !voice::is_quiet()));

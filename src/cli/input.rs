@@ -1,12 +1,12 @@
-//! What commands read; `-` is standard input.
+//! Input of commands; `-` is standard input.
 
 use super::stop::Stop;
 pub(super) use crate::disk::files::{is_standard_stream, read, read_written};
 
-/// Standard output takes one of both.
+/// Refuses JSON and a machine file that would both go to standard output.
 ///
 /// # Errors
-/// Where it would be both.
+/// If both would.
 pub(super) fn one_stream(is_json: bool, machine_goes_out: bool) -> Result<(), Stop> {
     if is_json && machine_goes_out {
         return Err(Stop::Usage(

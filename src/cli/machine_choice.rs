@@ -1,4 +1,4 @@
-//! Which machine a command is about.
+//! Choice of the machine.
 
 use std::path::Path;
 
@@ -10,18 +10,18 @@ pub(super) use crate::disk::hash::digest;
 pub(super) use crate::disk::machine_file::{FoundFile, locate, read, source_of};
 pub(super) use crate::machine::Machine as Chosen;
 
-/// Chooses and reads the machine for `program`; `None` where findings forbid to use it.
+/// Chooses and reads the machine for `program`; `None` if errors forbid its use.
 ///
 /// # Errors
-/// Where a file that was named cannot be read.
+/// If a named file cannot be read.
 pub(super) fn choose(choice: &MachineChoice, program: &Path, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
     Ok(crate::disk::machine_file::choose(choice.machine.as_deref(), &choice.setup, program, findings)?)
 }
 
-/// The same in the condition that was said.
+/// Chooses and reads the machine for `program`, in the condition given.
 ///
 /// # Errors
-/// Where a file that was named cannot be read.
+/// If a named file cannot be read.
 pub(super) fn choose_in(
     choice: &MachineChoice,
     condition: &StateChoice,

@@ -13,14 +13,14 @@ use super::output::{Old, Spool, Target};
 use super::stop::Stop;
 use super::{print, tell};
 
-/// What the environment says to every command.
+/// Environment variables of every command.
 const ENVIRONMENT: [(&str, &str); 2] = [
-    ("NCFIX_MACHINE", "The machine file where --machine is not given; goes before the nearest ncfix.toml."),
-    ("NO_COLOR", "Findings are drawn without colors where it is set."),
+    ("NCFIX_MACHINE", "Machine file if --machine is not given; takes precedence over the nearest ncfix.toml."),
+    ("NO_COLOR", "If set, diagnostics are printed without colors."),
 ];
 
-/// What it says to `ncfix diff`.
-const PAGERS: (&str, &str) = ("NCFIX_PAGER, PAGER", "What shows a long page on a terminal; without them less.");
+/// Environment variables of `ncfix diff`.
+const PAGERS: (&str, &str) = ("NCFIX_PAGER, PAGER", "Pager for long output on a terminal (default: less).");
 
 /// Prints a page, or writes all of them.
 pub(super) fn run(arguments: &ManArguments) -> Result<ExitCode, Stop> {
@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &ManArguments) -> Result<ExitCode, Stop> {
         command = command.find_subcommand(word).ok_or_else(|| {
             let known: Vec<&str> = command.get_subcommands().map(Command::get_name).collect();
             let known = if known.is_empty() { "none".into() } else { known.join(", ") };
-            Stop::Usage(format!("there is no command '{word}' of {path}; there are {known}"))
+            Stop::Usage(format!("'{word}' is not a command of {path}; commands: {known}"))
         })?;
         path = format!("{path} {word}");
     }
@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &ManArguments) -> Result<ExitCode, Stop> {
     Ok(ExitCode::Done)
 }
 
-/// Writes the page of a command and those of the commands below it; how many they are.
+/// Writes the page of a command and those of its subcommands; returns their number.
 fn write(command: &Command, path: &str, folder: &Path) -> Result<usize, Stop> {
     let file = folder.join(format!("{}.1", path.replace(' ', "-")));
     let text = page(command, path).map_err(|error| Stop::Usage(error.to_string()))?;

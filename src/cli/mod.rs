@@ -1,7 +1,7 @@
 //! The command line of the binary `ncfix`, which is no part of the library: arguments, a call of the library, a view of its result.
 //!
-//! [`run`] reads the arguments and ends with an [`ExitCode`]. A command returns findings through `findings`, draws what `report`
-//! makes of them on standard error, and writes results through `output`, completely or not at all.
+//! [`run`] reads the arguments and ends with an [`ExitCode`]. A command collects diagnostics in `findings`, prints them
+//! on standard error, and writes results through `output`, completely or not at all.
 
 mod arguments;
 mod calibrate;
@@ -133,7 +133,7 @@ fn print(text: &str) -> Result<(), Stop> {
     out.write_all(shown(text).as_bytes()).and_then(|()| out.flush()).map_err(|error| Stop::output(&error))
 }
 
-/// Prints a sentence or a table for the person on standard error; nothing with `--quiet`.
+/// Prints a sentence or a table for the user on standard error; nothing with `--quiet`.
 fn tell(text: &str) {
     if !voice::is_quiet() {
         progress::end();
@@ -141,15 +141,14 @@ fn tell(text: &str) {
     }
 }
 
-/// Prints on standard error, colors stripped where nobody sees them.
+/// Prints on standard error, without colors if it is not a terminal.
 fn say(text: &str) {
     progress::clear();
-    // Who closed standard error does not want to know.
+    // A closed standard error is not an error.
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Ends a command that made a report: as JSON where that was asked for, else as a page, on standard error where the result itself goes to
-/// standard output.
+/// Ends a command with a report: as JSON if requested, else as a page, on standard error if the result itself goes to standard output.
 fn deliver(
     result: Result<(), Stop>,
     findings: &findings::Findings,
@@ -173,7 +172,7 @@ fn deliver(
     Ok(findings.exit_code())
 }
 
-/// Prints what ended the run.
+/// Prints the error that ended the run.
 fn complain(sentence: &str) {
     let style = clap::builder::styling::AnsiColor::BrightRed.on_default().bold();
     progress::end();

@@ -1,4 +1,4 @@
-//! Where pages and their pictures go: `--report` and `--svg`.
+//! Files of pages and their pictures: `--report` and `--svg`.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use super::together::Together;
 pub(super) use crate::disk::hash::input_of as input;
 use ncfix_report::page::apart::pictures;
 
-/// What is wanted of a page.
+/// Requested page and pictures.
 #[derive(Debug)]
 pub(super) struct Pages {
     page: Option<Target>,
@@ -19,15 +19,15 @@ pub(super) struct Pages {
 }
 
 impl Pages {
-    /// What was asked for, where anything was; `output` is what else is written.
+    /// The request, if any; `output` is the other file that is written.
     ///
     /// # Errors
-    /// Where it cannot be written there.
+    /// If it cannot be written there.
     pub(super) fn new(choice: &PageChoice, output: Option<&Path>, json: bool) -> Result<Option<Pages>, Stop> {
         let page = target(choice.report.as_deref(), output, json)?;
         let pictures = choice.svg.clone();
         if let Some(folder) = pictures.as_deref().filter(|folder| folder.exists() && !folder.is_dir()) {
-            return Err(Stop::Usage(format!("--svg needs a folder, and {} is none", folder.display())));
+            return Err(Stop::Usage(format!("--svg needs a folder, but {} is not a folder", folder.display())));
         }
         if pictures.as_deref().is_some_and(is_standard_stream) {
             return Err(Stop::Usage("--svg needs a folder, not standard output: there are several pictures".into()));
@@ -36,7 +36,7 @@ impl Pages {
             let is_folder = |path: &Path| is_same(folder, path) || path == folder;
             if output.into_iter().chain(choice.report.as_deref()).any(is_folder) {
                 return Err(Stop::Usage(format!(
-                    "--svg names a folder for pictures, and {} is another output; choose another",
+                    "--svg needs a folder of its own, but {} is also another output",
                     folder.display()
                 )));
             }
@@ -49,10 +49,10 @@ impl Pages {
         self.page.as_ref()
     }
 
-    /// Adds the page to what is written, and its pictures in their folder, which is made where it is missing.
+    /// Adds the page to the files to write, and its pictures in their folder, which is made if missing.
     ///
     /// # Errors
-    /// Where that is not possible.
+    /// If that is not possible.
     pub(super) fn add(self, page: &str, to: &mut Together) -> Result<(), Stop> {
         if let Some(folder) = &self.pictures {
             let fault = |error: &io::Error| Stop::file("write", folder, error);
@@ -64,10 +64,10 @@ impl Pages {
         Ok(self.page.map_or(Ok(()), |target| to.add(target, page.as_bytes()))?)
     }
 
-    /// Writes both, where nothing else is written.
+    /// Writes the page and the pictures alone.
     ///
     /// # Errors
-    /// Where that is not possible.
+    /// If that is not possible.
     pub(super) fn publish(self, page: &str) -> Result<(), Stop> {
         let mut together = Together::default();
         self.add(page, &mut together)?;
@@ -75,11 +75,11 @@ impl Pages {
     }
 }
 
-/// Where the page shall go.
+/// Target of the page.
 fn target(report: Option<&Path>, output: Option<&Path>, json: bool) -> Result<Option<Target>, Stop> {
     let Some(path) = report else { return Ok(None) };
     if is_standard_stream(path) && (json || output.is_some_and(is_standard_stream)) {
-        return Err(Stop::Usage("standard output is taken already; give --report a file".into()));
+        return Err(Stop::Usage("standard output is already in use; give --report a file".into()));
     }
     let target = Target::new(path)?;
     if !is_standard_stream(path) && output.is_some_and(|output| target.is(output) || path == output) {
@@ -88,10 +88,10 @@ fn target(report: Option<&Path>, output: Option<&Path>, json: bool) -> Result<Op
     Ok(Some(target))
 }
 
-/// Where a page goes that cannot go to standard output.
+/// Target of a page that cannot go to standard output.
 ///
 /// # Errors
-/// Where it cannot be written there.
+/// If it cannot be written there.
 pub(super) fn file(path: &Path) -> Result<Target, Stop> {
     if is_standard_stream(path) {
         return Err(Stop::Usage("a page needs a file, not standard output".into()));
@@ -102,7 +102,7 @@ pub(super) fn file(path: &Path) -> Result<Target, Stop> {
 /// Writes a text as a whole.
 ///
 /// # Errors
-/// Where it cannot be written.
+/// If it cannot be written.
 pub(super) fn publish(target: Target, text: &str) -> Result<(), Stop> {
     let mut together = Together::default();
     together.add(target, text.as_bytes())?;

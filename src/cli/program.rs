@@ -13,7 +13,7 @@ pub(super) use crate::run::is_in_archive;
 /// A program of the command line.
 ///
 /// # Errors
-/// Where the file cannot be read.
+/// If the file cannot be read.
 pub(super) fn of(path: &Path, choice: &ProgramChoice) -> Result<Program, Stop> {
     Ok(Program::new(run::read(path)?, path, ProgramReading::from(choice)))
 }
@@ -21,7 +21,7 @@ pub(super) fn of(path: &Path, choice: &ProgramChoice) -> Result<Program, Stop> {
 /// An original and a corrected program of the command line.
 ///
 /// # Errors
-/// Where a file cannot be read.
+/// If a file cannot be read.
 pub(super) fn both(original: &Path, corrected: &Path, choice: &ProgramChoice) -> Result<[Program; 2], Stop> {
     Ok([of(original, choice)?, of(corrected, choice)?])
 }

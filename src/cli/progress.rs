@@ -1,8 +1,8 @@
-//! One line on the terminal that says how far a long run is. Nothing where standard error is no terminal, or with `--quiet`.
+//! One progress line on the terminal for long runs; none with `--quiet` or if standard error is not a terminal.
 //!
-//! There is one such line for the process: a command that knows how far it is writes its share ([`Progress`]), a command that does not,
-//! or a part of it, shows the time that it has taken ([`begin`]). Whatever else is printed takes the line away first ([`end`]). Own code: `indicatif` draws bars
-//! of a length that is known, and a line that comes only after half a second would need this clock and lock beside it.
+//! The process has one such line: a command that knows its progress shows the fraction done ([`Progress`]), any other shows the elapsed
+//! time ([`begin`]). All other output removes the line first ([`end`]). Own code: `indicatif` draws bars of a known length, and a line that
+//! appears only after half a second would need this clock and lock as well.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -12,31 +12,31 @@ use super::voice;
 use crate::run::Watch;
 use ncfix_report::number::grouped;
 
-/// A run shorter than this shows nothing.
+/// Shorter runs show nothing.
 const SILENT: Duration = Duration::from_millis(500);
 
-/// Time between two lines: fast enough to look alive.
+/// Time between two updates.
 const REFRESH: Duration = Duration::from_millis(200);
 
-/// A share stands so long before the time takes its place.
+/// Time after which the elapsed time replaces a fraction.
 const SHARES_LAST: Duration = Duration::from_secs(2);
 
-/// Notes between two looks at the clock: a look at every block would cost more than the block.
+/// Notes between two readings of the clock: one per block would cost more than the block.
 const NOTES_PER_LOOK: u32 = 4096;
 
-/// What stands on the terminal.
+/// State of the line on the terminal.
 struct Line {
     is_shown: bool,
-    /// When a share was shown last: while shares come, the time is not shown.
+    /// Time of the last fraction shown: while fractions are shown, the elapsed time is not.
     shared: Option<Instant>,
-    /// Since when the command is at work, until its results are printed.
+    /// Start of the work of the command, until its results are printed.
     at_work: Option<Instant>,
 }
 
 static LINE: Mutex<Line> = Mutex::new(Line { is_shown: false, shared: None, at_work: None });
 
 impl Line {
-    /// The line; a thread that died while it wrote leaves nothing that matters.
+    /// The line; a thread that panicked while writing does no harm.
     fn lock() -> MutexGuard<'static, Line> {
         LINE.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -46,7 +46,7 @@ impl Line {
         let _ = write!(std::io::stderr(), "\r{text} \u{1b}[K");
     }
 
-    /// Shows the time that a command has taken; whether it is still at work.
+    /// Shows the elapsed time of a command; true if it is still at work.
     fn tick(&mut self, name: &str, started: Instant) -> bool {
         let is_at_work = self.at_work == Some(started);
         if is_at_work && self.shared.is_none_or(|shared| shared.elapsed() > SHARES_LAST) {
@@ -62,17 +62,17 @@ impl Line {
     }
 }
 
-/// Whether anybody sees the line.
+/// True if the line is shown to a user.
 fn is_wanted() -> bool {
     !voice::is_quiet() && std::io::stderr().is_terminal()
 }
 
-/// Takes the line away before anything else is printed.
+/// Removes the line before other output.
 pub(super) fn clear() {
     Line::lock().clear();
 }
 
-/// How far a run is.
+/// Progress of a run.
 pub(super) struct Progress {
     is_wanted: bool,
     notes: u32,
@@ -81,13 +81,13 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// One that is not shown yet.
+    /// A progress that is not shown yet.
     pub(super) fn new() -> Progress {
         Progress { is_wanted: is_wanted(), notes: 0, offset: 0, next: Instant::now() + SILENT }
     }
 
     /// Notes that `blocks` were executed and that the current one starts at byte `offset` of the `length` of the main program;
-    /// without an offset it is in a subprogram.
+    /// it is in a subprogram if there is no offset.
     pub(super) fn note(&mut self, blocks: u64, offset: Option<u32>, length: usize) {
         // A loop goes back in the program; the line does not.
         self.offset = self.offset.max(offset.unwrap_or(0));
@@ -98,9 +98,9 @@ impl Progress {
         }
     }
 
-    /// Notes that a share (0 … 1) of `what` is done.
+    /// Notes that a fraction (0 … 1) of `what` is done.
     pub(super) fn share(&mut self, what: &str, share: f64) {
-        // The clock is cheap beside what callers do between two notes.
+        // The clock is cheap compared with the work of callers between two notes.
         if self.is_wanted && Instant::now() >= self.next {
             self.draw(&format!("{what}: {:.0} %", 100.0 * share));
         }
@@ -114,7 +114,7 @@ impl Progress {
         line.draw(text);
     }
 
-    /// Takes the line away.
+    /// Removes the line.
     pub(super) fn clear(&mut self) {
         if self.is_wanted {
             clear();
@@ -127,13 +127,13 @@ impl Watch for Progress {
         Progress::note(self, blocks, offset, length);
     }
 
-    // Whatever is printed behind the end shall not stand behind the progress line.
+    // Output after the end must not follow the progress line.
     fn end(&mut self) {
         self.clear();
     }
 }
 
-/// Shows how far a program is.
+/// Shows the progress through a program.
 pub(super) fn watch() -> Box<dyn Watch> {
     Box::new(Progress::new())
 }
@@ -144,8 +144,8 @@ impl Drop for Progress {
     }
 }
 
-/// Shows how long a command has been at work wherever it does not say how far it is, until the first result is printed ([`end`]): a
-/// thread of its own, which looks at the clock five times a second.
+/// Shows the elapsed time of a command that does not report its progress, until the first result is printed ([`end`]): a separate thread
+/// reads the clock five times a second.
 pub(super) fn begin(name: &'static str) {
     if !is_wanted() {
         return;
@@ -158,11 +158,11 @@ pub(super) fn begin(name: &'static str) {
             std::thread::sleep(REFRESH);
         }
     });
-    // Where there is no thread to be had the run goes on without the line.
+    // If no thread can be started, the run continues without the line.
     drop(ticker);
 }
 
-/// Takes the line away for good: results are about to be printed.
+/// Removes the line permanently before results are printed.
 pub(super) fn end() {
     let mut line = Line::lock();
     line.at_work = None;

@@ -1,4 +1,4 @@
-//! Why a command ends early, other than by findings.
+//! Early end of a command, other than by diagnostics.
 
 use std::fmt;
 use std::io;
@@ -11,13 +11,13 @@ use ncfix_base::diagnostic::Diagnostic;
 /// Ends a command at once.
 #[derive(Debug)]
 pub(super) enum Stop {
-    /// The reader of standard output went away: nothing is wrong.
+    /// The reader of standard output went away; this is not an error.
     ReaderGone,
-    /// A sentence for the person; exit status 2.
+    /// A sentence for the user; exit status 2.
     Usage(String),
-    /// The same with a status of its own.
+    /// A sentence for the user; the exit status is given.
     Ended(ExitCode, String),
-    /// A finding that shows at the very end only.
+    /// A diagnostic that is found only at the end.
     Found(Box<Diagnostic>),
 }
 

@@ -6,7 +6,7 @@ use crate::correction::MOST_THREADS;
 use ncfix_base::units::parse_length_mm;
 use ncfix_machine::machine::range::range_of;
 
-/// Which levels of `/` blocks are skipped; `/` alone is level 0.
+/// Skipped levels of `/` blocks; `/` alone is level 0.
 pub(super) type SkipLevels = [bool; 10];
 
 /// A length above zero, in mm.
@@ -22,23 +22,23 @@ pub(super) fn whole_mm(text: &str) -> Result<i32, String> {
     if (whole - length_mm).abs() < 1e-9 && (1.0..=1e6).contains(&whole) {
         Ok(whole as i32)
     } else {
-        Err(format!("'{text}' is no whole number of mm"))
+        Err(format!("'{text}' is not a whole number of mm"))
     }
 }
 
-/// A step into which moves are cut, in mm: finer than a micrometer makes files that end nowhere.
+/// A step into which moves are cut, in mm: a finer step than a micrometer makes huge files.
 pub(super) fn step_mm(text: &str) -> Result<f64, String> {
     let length_mm = positive_length_mm(text)?;
     if length_mm >= 1e-3 { Ok(length_mm) } else { Err(format!("'{text}' is below 1um")) }
 }
 
-/// Threads to work in.
+/// Number of threads.
 pub(super) fn threads(text: &str) -> Result<usize, String> {
     let value = text.parse().ok().filter(|value| (1..=MOST_THREADS).contains(value));
     value.ok_or_else(|| format!("write a whole number from 1 to {}", MOST_THREADS))
 }
 
-/// A share in percent, as a number.
+/// A percentage, as a fraction.
 pub(super) fn percent(text: &str) -> Result<f64, String> {
     let value = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
     let value = value.filter(|value| *value > 0.0 && *value <= 50.0);
@@ -47,13 +47,13 @@ pub(super) fn percent(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "write a number above 0 and up to 50 with %, for example 1%".to_owned())
 }
 
-/// A time above zero, up to a year.
+/// A time above zero and up to a year, given in seconds.
 pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     let value = text.parse::<f64>().ok().filter(|value| *value > 0.0 && *value <= 366.0 * 86_400.0);
     value.map(Duration::from_secs_f64).ok_or_else(|| "write a number of seconds above 0, for example 60".to_owned())
 }
 
-/// A dose above zero; infinite for `off`.
+/// A rate limit above zero; infinite for `off`.
 pub(super) fn dose(text: &str) -> Result<f64, String> {
     if text == "off" {
         return Ok(f64::INFINITY);
@@ -62,18 +62,18 @@ pub(super) fn dose(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "write a number above 0, for example 1, or off".to_owned())
 }
 
-/// A difference of temperature above zero.
+/// A temperature difference above zero, in K.
 pub(super) fn kelvin(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|value| (0.0..=100.0).contains(value) && *value > 0.0);
-    value.ok_or_else(|| "write a number of K above 0, for example 0.5".to_owned())
+    value.ok_or_else(|| "write a temperature difference above 0 in K, for example 0.5".to_owned())
 }
 
-/// An increment of a control, in mm, in the range that the machine file has for it.
+/// An increment of a control, in mm, in the range of that key of the machine file.
 pub(super) fn increment_mm(text: &str) -> Result<f64, String> {
     let length_mm = positive_length_mm(text)?;
     if range_of("increment_mm").values().contains(&length_mm) {
         // Reading the decimal text again gives the double nearest to it: 0.1um becomes 1e-4 mm and not 1.0000000000000002e-4.
-        format!("{length_mm:.9}").parse().map_err(|_| format!("'{text}' is no number"))
+        format!("{length_mm:.9}").parse().map_err(|_| format!("'{text}' is not a number"))
     } else {
         Err(format!("'{text}' is not between 10nm and 0.1mm"))
     }
@@ -87,7 +87,8 @@ pub(super) fn skip_levels(text: &str) -> Result<SkipLevels, String> {
     let mut levels = [false; 10];
     for part in text.split(',') {
         let level = part.trim().parse().ok().and_then(|level: usize| levels.get_mut(level));
-        *level.ok_or_else(|| format!("'{part}' is no skip level; write 0 to 9, separated by commas, or all"))? = true;
+        *level.ok_or_else(|| format!("'{part}' is not a skip level; write 0 to 9, separated by commas, or all"))? =
+            true;
     }
     Ok(levels)
 }

@@ -1,4 +1,4 @@
-//! How much is said on standard error, and with it the notes of `--verbose`.
+//! Verbosity on standard error, and the notes of `--verbose`.
 //!
 //! All commands share it, as they share standard error; what goes to standard output does not depend on it.
 
@@ -6,22 +6,22 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// How much is said.
+/// Verbosity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Voice {
     /// `--quiet`: errors only.
     Quiet,
-    /// Findings, and in tables and sentences what was done.
+    /// Diagnostics, tables and sentences about the results.
     #[default]
     Usual,
-    /// `--verbose`: notes too, on which files were read and what was chosen.
+    /// `--verbose`: also notes on the files read and the choices made.
     Verbose,
 }
 
-/// The choice for this process.
+/// Verbosity of this process.
 static CHOSEN: AtomicU8 = AtomicU8::new(Voice::Usual as u8);
 
-/// Chooses.
+/// Sets the verbosity.
 pub(super) fn choose(voice: Voice) {
     CHOSEN.store(voice as u8, Ordering::Relaxed);
     if voice == Voice::Verbose {
@@ -31,15 +31,15 @@ pub(super) fn choose(voice: Voice) {
     }
 }
 
-/// Whether only errors are said.
+/// True if only errors are printed.
 pub(super) fn is_quiet() -> bool {
     CHOSEN.load(Ordering::Relaxed) == Voice::Quiet as u8
 }
 
-/// Notes that were said: a file that is read again is no news.
+/// Notes already printed: a file that is read again is not reported twice.
 static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 
-/// Says what is only worth knowing where it is asked how a result came about: what the library logs, not what its dependencies do.
+/// Prints the log of the library, not that of its dependencies.
 struct Notes;
 
 impl log::Log for Notes {
@@ -60,7 +60,7 @@ impl log::Log for Notes {
     fn flush(&self) {}
 }
 
-/// Which version this is, and how it was built.
+/// Version and build.
 pub(super) fn version() -> String {
     let features = [
         ("modbus", cfg!(feature = "modbus")),

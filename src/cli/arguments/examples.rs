@@ -1,4 +1,4 @@
-//! Examples that stand below the help of commands.
+//! Examples at the end of the help of commands.
 
 pub(super) const CHECK: &str = "\
 Examples:
@@ -24,10 +24,10 @@ Examples:
 
 pub(in crate::cli) const SHOW: &str = "\
 Sources: geometry (location and motion errors), coupling (functions of two axes), reversal (backlash, lateral play), load (weight of the \
-workpiece), structure (segments that warm up), drift (weighted temperatures), expansion (scales, workpiece). Deviations are those of the tool \
+workpiece), structure (thermal expansion of segments), drift (weighted temperatures), expansion (scales, workpiece). Deviations are those of the tool \
 relative to the workpiece, along the axes of F.
 
-With --origin every value is named with the place where it was written: a line of the machine file or of a set-up file, or default.
+--origin shows the source of every value: a line of the machine file or of a set-up file, or default.
 
 Examples:
   ncfix machine show mill.toml

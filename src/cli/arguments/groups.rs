@@ -1,4 +1,4 @@
-//! The commands in groups, as help and the overview list them, and the commands that have a new name.
+//! Groups of commands, as listed by the help and the overview, and renamed commands.
 
 use std::ffi::OsString;
 use std::fmt::Write as _;
@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use clap::Command;
 use clap::builder::Styles;
 
-/// The groups in the order of the work: a program, measurements, the model that is fitted to them, the machine, a transfer.
+/// Groups in the order of the work: a program, measurements, the model fitted to them, the machine, a transfer.
 const GROUPS: &[(&str, &[&str])] = &[
     ("Program", &["fix", "check", "snc", "diff", "verify", "max-step"]),
     ("Measure", &["plan", "simulate", "correct-readings", "iso230", "weigh"]),
@@ -18,20 +18,20 @@ const GROUPS: &[(&str, &[&str])] = &[
 /// Commands about ncfix itself.
 const HELP: (&str, &[&str]) = ("Help", &["explain", "completions", "man", "help"]);
 
-/// Old names of commands, which are still accepted, and the new ones.
+/// Old names of commands, still accepted, and the new ones.
 const RENAMED: &[(&str, &str)] =
     &[("measured", "correct-readings"), ("figures", "iso230"), ("steps", "max-step"), ("load", "weigh")];
 
-/// The sentence that `help` has in a list.
+/// Description of `help` in a list of commands.
 const ABOUT_HELP: &str = "Print the help of a command";
 
-/// What a command does, in one line.
+/// One-line description of a command.
 fn about(definition: &Command, name: &str) -> String {
     let found = definition.get_subcommands().find(|one| one.get_name() == name);
     found.and_then(Command::get_about).map_or_else(|| ABOUT_HELP.to_owned(), ToString::to_string)
 }
 
-/// Width of the longest name, with two blanks.
+/// Width of the longest name plus two blanks.
 fn width() -> usize {
     let names = GROUPS.iter().flat_map(|(_, names)| names.iter());
     2 + names.map(|name| name.len()).max().unwrap_or_default()
@@ -59,7 +59,7 @@ pub(super) fn in_groups(definition: Command) -> Command {
     definition.help_template(template)
 }
 
-/// What `ncfix` without arguments prints: a command in each line, no options.
+/// Text printed by `ncfix` without arguments: one line per command, no options.
 pub(in crate::cli) fn overview(definition: &Command) -> String {
     let width = width();
     let mut out = "Corrects part programs for the measured errors of one machine tool.\n\n  \
@@ -75,7 +75,7 @@ pub(in crate::cli) fn overview(definition: &Command) -> String {
     out
 }
 
-/// The old and the new name where a command line uses an old one.
+/// The old and the new name if a command line uses an old one.
 pub(in crate::cli) fn renamed(words: &[OsString]) -> Option<(&'static str, &'static str)> {
     let first = words.iter().skip(1).find(|word| !word.to_string_lossy().starts_with('-'))?;
     RENAMED.iter().copied().find(|(old, _)| first.to_str() == Some(old))

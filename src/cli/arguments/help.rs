@@ -1,4 +1,4 @@
-//! The arguments of `ncfix completions` and `ncfix man`, and what the help of every command says of exit statuses.
+//! The arguments of `ncfix completions` and `ncfix man`, and the exit statuses in the help of every command.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -8,16 +8,16 @@ use clap_complete::Shell;
 
 use crate::cli::exit_code::ExitCode;
 
-/// What stands above the exit statuses.
+/// Heading of the exit statuses.
 pub(in crate::cli) const STATUSES: &str = "Exit status:\n";
 
-/// What stands above the examples, which come last.
+/// Heading of the examples, which come last.
 pub(in crate::cli) const EXAMPLES: &str = "Examples:\n";
 
 /// `ncfix completions`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct CompletionsArguments {
-    /// The shell
+    /// Shell
     #[arg(value_name = "SHELL")]
     pub(in crate::cli) shell: Shell,
 }
@@ -25,10 +25,10 @@ pub(in crate::cli) struct CompletionsArguments {
 /// `ncfix man`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct ManArguments {
-    /// The command: fix, machine show …; without it the page of ncfix itself
+    /// Command, such as fix or machine show (default: the page of ncfix itself)
     #[arg(value_name = "COMMAND")]
     pub(in crate::cli) command: Vec<String>,
-    /// Write the pages of all commands into this folder: ncfix.1, ncfix-fix.1 …
+    /// Folder for the pages of all commands: ncfix.1, ncfix-fix.1 …
     #[arg(short, long, value_name = "DIR", conflicts_with = "command")]
     pub(in crate::cli) output: Option<PathBuf>,
 }

@@ -4,19 +4,19 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-/// Which page.
+/// Report page and its pictures.
 #[derive(Clone, Debug, Default, Args)]
 pub(in crate::cli) struct PageChoice {
-    /// Write a page (HTML) with tables and pictures of everything: one file that opens in a browser without a network; also where the data is refused
+    /// Write an HTML report with tables and pictures: one file that needs no network; also if the data is refused
     #[arg(long, value_name = "REPORT.html")]
     pub(in crate::cli) report: Option<PathBuf>,
-    /// Write each picture of that page into a folder, as a file of its own
+    /// Write each picture of the report as an SVG file into this folder
     #[arg(long, value_name = "FOLDER")]
     pub(in crate::cli) svg: Option<PathBuf>,
 }
 
 impl PageChoice {
-    /// Whether the page is drawn, as a whole or its pictures.
+    /// True if the page or its pictures are requested.
     pub(in crate::cli) fn is_wanted(&self) -> bool {
         self.report.is_some() || self.svg.is_some()
     }

@@ -9,21 +9,18 @@ use crate::cli::voice::Voice;
 const QUIET: &str = "quiet";
 const VERBOSE: &str = "verbose";
 
-/// Adds them to a definition.
+/// Adds the switches to a definition.
 pub(super) fn add(command: Command) -> Command {
     let switch = |name: &'static str, help: &'static str| {
         let short = name.chars().next().unwrap_or_default();
         Arg::new(name).short(short).long(name).action(ArgAction::SetTrue).global(true).help(help)
     };
     command
-        .arg(
-            switch(QUIET, "Say errors only: no warnings, no tables beside the result, no progress")
-                .conflicts_with(VERBOSE),
-        )
-        .arg(switch(VERBOSE, "Say which files were read and how each was found, the dialect and why, and the version"))
+        .arg(switch(QUIET, "Print only errors").conflicts_with(VERBOSE))
+        .arg(switch(VERBOSE, "Also print the files read and how each was found, the dialect and why, and the version"))
 }
 
-/// What they choose.
+/// Verbosity chosen by the switches.
 pub(super) fn voice(matches: &ArgMatches) -> Voice {
     match (matches.get_flag(QUIET), matches.get_flag(VERBOSE)) {
         (true, _) => Voice::Quiet,
@@ -32,8 +29,7 @@ pub(super) fn voice(matches: &ArgMatches) -> Voice {
     }
 }
 
-/// Words with the switches that stand before a command moved behind it: clap takes what follows an option of the command without a name
-/// for the file of that command.
+/// Moves switches that precede a command after it: clap would take the command for the file of the default command.
 pub(super) fn moved_behind(mut words: Vec<OsString>, definition: &Command) -> Vec<OsString> {
     let is_switch =
         |word: &OsStr| word.to_str().is_some_and(|word| matches!(word, "-q" | "-v" | "--quiet" | "--verbose"));

@@ -1,9 +1,9 @@
-//! Which commands work for long before they print anything.
+//! Commands that may run for long before they print anything.
 
 use super::Command;
 
 impl Command {
-    /// The name of a command that may be at work for long before it prints anything; `None` where it prints as it goes.
+    /// Name of a command that may run for long before it prints anything; `None` if it prints as it goes.
     pub(in crate::cli) fn silent_work(&self) -> Option<&'static str> {
         Some(match self {
             Command::Fix(_) => "fix",

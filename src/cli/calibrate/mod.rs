@@ -21,7 +21,7 @@ use ncfix_metrology::results::calibration::{CalibrationSettings, CalibrationStar
 use ncfix_report::calibration::CalibrationReport;
 use ncfix_report::{json, page};
 
-/// What is told of the data in a finding about the machine's file: its id, beyond those of measurements.
+/// Id of the machine file in diagnostics.
 const MACHINE: FileId = FileId(0);
 
 /// Calibrates.

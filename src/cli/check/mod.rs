@@ -1,4 +1,4 @@
-//! `ncfix check`: parses and executes a program, looks whether the axes reach where it leads, reports every finding, writes nothing.
+//! `ncfix check`: parses and executes a program, checks the travel of the axes and reports every diagnostic; writes nothing.
 
 use crate::check::Checked;
 use crate::cli::arguments::CheckArguments;
@@ -20,11 +20,11 @@ pub(in crate::cli) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> 
         findings.draw();
         let done = match (parsed, executed) {
             (true, _) if support_file.is_some() => {
-                format!("understood, no program but a support file: {}", support_file.unwrap_or_default())
+                format!("understood; a support file, not a program: {}", support_file.unwrap_or_default())
             }
             (false, _) => "not understood".to_owned(),
             (true, false) if arguments.syntax_only => "understood".to_owned(),
-            (true, false) => "understood, not executed to its end".to_owned(),
+            (true, false) => "understood, not executed to the end".to_owned(),
             (true, true) => format!("understood and executed, {} elements", grouped(elements)),
         };
         tell(&format!("{}: {done}; {}\n", arguments.input.display(), findings.count()));
@@ -38,7 +38,7 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings) -> Result<Checke
     if let Some(checked) = Checked::of_text(&program) {
         return Ok(checked);
     }
-    // Only the dialect could matter to the syntax, so a machine is read where one is named, and the demo machine is no topic.
+    // Only the dialect can affect the syntax, so a machine is read only if one is named; the demo machine is irrelevant.
     let machine = if arguments.syntax_only && arguments.machine.machine.is_none() {
         None
     } else {

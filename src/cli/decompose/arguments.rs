@@ -7,11 +7,11 @@ use clap::Args;
 use crate::cli::arguments::{MachineChoice, PageChoice};
 use ncfix_metrology::decompose::Smooth;
 
-/// What `ncfix decompose --help` says last.
+/// End of `ncfix decompose --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-A trace is a table NAME.csv with its description NAME.toml (kind = \"trace\") beside it: t_s, set-points X Y Z A C, encoders X_enc …, the tool from \
-a ball dx_um dy_um dz_um, and feed_mm_min and run where it has several runs over one path. The description may name the XML file that a Sinumerik saved \
-with Diagnostics › Trace (control = \"f1000.xml\") and its signals. docs/reference/decompose.md says more.
+A trace is a table NAME.csv with its description NAME.toml (kind = \"trace\") beside it: t_s, set-points X Y Z A C, encoders X_enc …, the tool displacement \
+from a ball dx_um dy_um dz_um, and feed_mm_min and run for several runs along one path. The description may name the XML file saved by a Sinumerik \
+with Diagnostics › Trace (control = \"f1000.xml\") and its signals. See docs/reference/decompose.md.
 
 Examples:
   ncfix decompose f1000.csv f5832.csv f18896.csv --machine mill.toml
@@ -22,36 +22,36 @@ Examples:
 /// `ncfix decompose`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct DecomposeArguments {
-    /// Tables of traces, each with its description NAME.toml beside it; all runs follow one path
+    /// Traces, each with its description NAME.toml beside it; all runs must follow one path
     #[arg(value_name = "TRACE.csv", required = true)]
     pub(in crate::cli) traces: Vec<PathBuf>,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
-    /// Link errors that are fitted to the slowest run, as EC0Y,EB0A; without it all that the machine has
+    /// Link errors to fit to the slowest run, such as EC0Y,EB0A (default: all of the machine)
     #[arg(long, value_name = "LIST")]
     pub(in crate::cli) links: Option<String>,
-    /// How motion errors are described: pose:DEGREE, polynomials of the position of each axis, or path:DEGREE, of the share of the path
+    /// Description of motion errors: pose:DEGREE, polynomials of each axis position, or path:DEGREE, of the fraction of the path
     #[arg(long, value_name = "MODEL", default_value = "pose:6", value_parser = smooth)]
     pub(in crate::cli) motion: Smooth,
-    /// Delay of the encoders behind the set-points, where it is known: it is not looked for then
+    /// Known delay from set-points to encoders, ms (default: fitted)
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = milliseconds)]
     pub(in crate::cli) record_delay_ms: Option<f64>,
-    /// Delay of the readings behind the encoders, where it is known
+    /// Known delay from encoders to readings, ms (default: fitted)
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = milliseconds)]
     pub(in crate::cli) reading_delay_ms: Option<f64>,
-    /// Write the machine file with what gives way, as dynamic sections; - for standard output
+    /// Machine file to write, with the compliances found as dynamic sections; - for standard output
     #[arg(short, long, value_name = "EXTENDED.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
     #[command(flatten)]
-    /// Which page.
+    /// Report page and its pictures.
     pub(in crate::cli) page: PageChoice,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(in crate::cli) json: bool,
 }
 
-/// Degrees that make sense.
+/// Permitted degrees.
 const DEGREES: std::ops::RangeInclusive<usize> = 1..=40;
 
 fn smooth(text: &str) -> Result<Smooth, String> {

@@ -1,4 +1,4 @@
-//! `ncfix decompose`: where the error comes from at speed.
+//! `ncfix decompose`: sources of the error at speed.
 
 pub(in crate::cli) mod arguments;
 
@@ -23,7 +23,7 @@ use ncfix_metrology::results::decomposition::{self, SCHEMA};
 use ncfix_report::decomposition::DecompositionReport;
 use ncfix_report::{json, page};
 
-/// Divides.
+/// Splits the errors at speed into their causes.
 pub(in crate::cli) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, Stop> {
     let goes_out = arguments.output.as_deref().is_some_and(is_standard_stream);
     one_stream(arguments.json, goes_out)?;
@@ -56,7 +56,7 @@ pub(in crate::cli) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, St
         }
     }
     if findings.has_errors() {
-        tell(&format!("{}; nothing was divided\n", findings.count()));
+        tell(&format!("{}; nothing was decomposed\n", findings.count()));
     }
     Ok(findings.exit_code())
 }
@@ -127,7 +127,7 @@ fn options(arguments: &DecomposeArguments, machine: &Machine) -> Result<Decompos
     })
 }
 
-/// Adds the machine file with what gives way to what is written.
+/// Adds the machine file with the compliances to the files to write.
 fn extend(
     chosen: &Chosen,
     found: &decompose::Decomposition,
@@ -137,7 +137,7 @@ fn extend(
 ) -> Result<(), Stop> {
     let Some(path) = chosen.files.first() else { return Err(Stop::Usage("-o needs --machine".into())) };
     if found.compliances.is_empty() {
-        let help = "nothing was found that gives way; the machine file is as good as it was";
+        let help = "no compliance was found; the machine file needs no change";
         findings.add(Diagnostic::nowhere(Code::NOT_TOLD, "there is nothing to write", help), &[]);
         return Ok(());
     }
@@ -149,7 +149,7 @@ fn extend(
             report.output = Some(name);
         }
         None => {
-            let help = "write [[dynamic]] as sections of their own";
+            let help = "write [[dynamic]] as separate sections";
             findings.add(Diagnostic::nowhere(Code::NOT_TOLD, "the machine file cannot be extended", help), &[]);
         }
     }

@@ -6,13 +6,13 @@ use clap::Args;
 
 use crate::cli::arguments::{MachineChoice, PageChoice};
 
-/// What `ncfix diagnose --help` says last.
+/// End of `ncfix diagnose --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-Each measurement is a table NAME.csv with its description NAME.toml beside it: docs/reference/data-files.md. Every column of numbers is something that an error may \
-depend on: feed_mm_min, t_s, T_NAME_C, humidity.
+Each measurement is a table NAME.csv with its description NAME.toml beside it: docs/reference/data-files.md. Errors may depend on every \
+numeric column: feed_mm_min, t_s, T_NAME_C, humidity.
 
-A cause is named where it stands beside what neighbouring readings have in common and beside the number of all that were tried, and where it also \
-helps on runs or set-ups that it was not found in. What data of --holdout does not confirm is not named. docs/reference/diagnose.md says more.
+A cause is named only if it remains significant with the autocorrelation of the readings and the number of candidates tested, and if it also improves \
+runs or set-ups that it was not found in. A cause that the data of --holdout does not confirm is not named. See docs/reference/diagnose.md.
 
 Examples:
   ncfix diagnose circles.csv --machine mill.toml
@@ -27,16 +27,16 @@ pub(in crate::cli) struct DiagnoseArguments {
     #[arg(value_name = "DATA.csv", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
-    /// Measurements in which no cause is looked for, but which must confirm those that are found
+    /// Measurements that are not searched for causes but must confirm those found
     #[arg(long, alias = "hold-out", value_name = "DATA.csv", num_args = 1..)]
     pub(in crate::cli) holdout: Vec<PathBuf>,
-    /// Write the machine file with what was found; - for standard output
+    /// Machine file to write, extended by the causes found; - for standard output
     #[arg(short, long, value_name = "EXTENDED.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
     #[command(flatten)]
-    /// Which page.
+    /// Report page and its pictures.
     pub(in crate::cli) page: PageChoice,
     /// Print one JSON object on standard output
     #[arg(long)]

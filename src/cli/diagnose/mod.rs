@@ -1,4 +1,4 @@
-//! `ncfix diagnose`: what the model gets wrong, and why.
+//! `ncfix diagnose`: errors of the model and their causes.
 
 pub(in crate::cli) mod arguments;
 
@@ -21,7 +21,7 @@ use ncfix_metrology::results::measurement::{Measurement, check_copies};
 use ncfix_report::diagnosis::{DiagnosisReport, PageReadings};
 use ncfix_report::{json, page};
 
-/// Diagnoses.
+/// Finds the causes of residual errors.
 pub(in crate::cli) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
     let goes_out = arguments.output.as_deref().is_some_and(is_standard_stream);
     one_stream(arguments.json, goes_out)?;
@@ -101,7 +101,7 @@ fn find(
         all.extend(read);
     }
     if findings.has_errors() {
-        // What is the same twice is told with all else.
+        // Duplicate readings are reported with all other errors.
         let sources = measurement::sources_of(&all);
         findings.extend(check_copies(&all), &sources);
         return Ok(());
@@ -137,7 +137,7 @@ fn find(
     Ok(())
 }
 
-/// The machine file that is extended. Where nothing is written, it only says what it could hold.
+/// Machine file to extend. If nothing is written, it only limits what could be added.
 fn old(is_written: bool, path: Option<&PathBuf>) -> Result<Option<Source>, Stop> {
     let Some(path) = path else {
         return if is_written { Err(Stop::Usage("-o needs --machine".into())) } else { Ok(None) };

@@ -8,10 +8,10 @@ use crate::cli::arguments::{MachineChoice, ProgramChoice, StateChoice};
 use crate::cli::value;
 use ncfix_base::geometry::Axis;
 
-/// What `ncfix diff --help` says last.
+/// End of `ncfix diff --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-Both programs are executed, on the machine that is given or found as for a correction, so that expressions, loops and frames are numbers. What is \
-shown is what was added to the words of the axes, in the coordinates in which the corrected program writes; \"1:3\" is a move that became three pieces.
+Both programs are executed on the machine, which is found as for a correction, so that expressions, loops and frames become numbers. The rows show the \
+corrections of the axis words, in the coordinates of the corrected program; \"1:3\" is a move that became three pieces.
 
 Examples:
   ncfix diff part.mpf part_corrected.mpf --machine mill.toml
@@ -29,42 +29,42 @@ pub(in crate::cli) struct DiffArguments {
     /// Corrected part program
     pub(in crate::cli) corrected: PathBuf,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
     #[command(flatten)]
-    /// In which condition.
+    /// Condition of the machine.
     pub(in crate::cli) state: StateChoice,
     #[command(flatten)]
-    /// How the programs are executed.
+    /// Reading and execution of the programs.
     pub(in crate::cli) program: ProgramChoice,
-    /// The N moves with the largest changes, the largest first, in place of all in the order of the program
+    /// Show only the N moves with the largest changes, the largest first
     #[arg(long, value_name = "N")]
     pub(in crate::cli) top: Option<usize>,
-    /// Only moves that are changed by at least this, with its unit; a rotary axis by what its angle makes at 1 m
+    /// Show only moves changed by at least this, with unit (rotary axes: displacement at 1 m)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) only: Option<f64>,
-    /// Only this axis; may be given several times
+    /// Show only this axis; repeatable
     #[arg(long, value_name = "AXIS", value_parser = axis)]
     pub(in crate::cli) axis: Vec<Axis>,
-    /// What is no larger is the same, with its unit; for rotary axes what their angle makes at 1 m
+    /// Largest change that counts as none, with unit (rotary axes: displacement at 1 m)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) tolerance: Option<f64>,
-    /// Tolerance that the correction has promised, with its unit; without it what the stamp says
+    /// Tolerance promised by the correction, with unit (default: that of the stamp)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm, conflicts_with = "text")]
     pub(in crate::cli) promised: Option<f64>,
-    /// Exit status 4 where an axis is changed by more, or something speaks against running it, else 0
+    /// Exit with status 4 if an axis is changed by more than this, with unit, or there is another reason not to run the program; else with 0
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) fail_above: Option<f64>,
-    /// Write a page with plots, the path and all lines side by side: one file that opens in a browser without a network
+    /// Write an HTML page with plots, the path and all lines side by side: one file that needs no network
     #[arg(long, value_name = "PAGE.html", conflicts_with = "text")]
     pub(in crate::cli) html: Option<PathBuf>,
-    /// Show the temperatures and corrections of a transfer on the page, from its journal (`ncfix feed --journal`)
+    /// Journal of a transfer (`ncfix feed --journal`) whose temperatures and corrections the page shows
     #[arg(long, value_name = "JOB.jsonl", requires = "html")]
     pub(in crate::cli) journal: Option<PathBuf>,
-    /// Compare the words as they are written, without a machine: block numbers, comments and the way numbers are written do not count
+    /// Compare the words as written, without a machine; block numbers, comments and number formats are ignored
     #[arg(long)]
     pub(in crate::cli) text: bool,
-    /// The summary without rows
+    /// Show only the summary
     #[arg(long)]
     pub(in crate::cli) summary: bool,
     /// Write to the terminal without a pager

@@ -1,4 +1,4 @@
-//! `ncfix diff`: what was changed between an original and a corrected program.
+//! `ncfix diff`: changes between an original and a corrected program.
 
 pub(in crate::cli) mod arguments;
 
@@ -32,7 +32,7 @@ pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     if let Some(target) = &target {
         program::protect(target, [&arguments.original, &arguments.corrected], &mut findings);
     }
-    // Both are read before anything else: a file that is missing is the first thing to know.
+    // Both are read first, so that a missing file is reported first.
     let programs = program::both(&arguments.original, &arguments.corrected, &arguments.program)?;
     let Some((trace, outcome)) = compare(arguments, programs.each_ref(), target.is_some(), &mut findings)? else {
         if arguments.json {
@@ -57,7 +57,7 @@ pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     if let Some(limit) = review.limits.iter().find(|limit| !limit.is_kept) {
         let message =
             format!("{} reaches {:.1} µm, more than the {:.1} µm allowed", limit.name, limit.value_um, limit.limit_um);
-        let help = "look at the largest rows with --top 20; correct again where they are not meant";
+        let help = "list the largest changes with --top 20; correct again if they are not intended";
         findings.add(Diagnostic::nowhere(Code::CORRECTION_TOO_LARGE, message, help), &[]);
     }
     let listing = Listing::new(&wanted, &trace.rows, &outcome.sources[0], corrected);
@@ -74,7 +74,7 @@ pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         findings.draw();
         let mut page = Page::open(arguments.no_pager || arguments.html.is_some());
         page.write(&review.summary())?;
-        // Who asks for the page has the rows there.
+        // The page already has the rows.
         if !arguments.summary && review.changed > 0 && arguments.html.is_none() {
             page.write("\n")?;
             let look = page.look();
@@ -91,7 +91,7 @@ pub(in crate::cli) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     Ok(if review.same || arguments.fail_above.is_some() { ExitCode::Done } else { ExitCode::Different })
 }
 
-/// Reads the machine, and walks both programs; `None` where findings forbid it.
+/// Reads the machine, and walks both programs; `None` if errors forbid it.
 fn compare(
     arguments: &DiffArguments,
     programs: [&Program; 2],
@@ -106,7 +106,7 @@ fn compare(
     Ok(Pair { programs, machine: &machine, promised, at_feed: false, watch }.trace(has_places, findings)?)
 }
 
-/// What is wanted of the comparison.
+/// Options of the comparison.
 fn wanted(arguments: &DiffArguments) -> CompareOptions {
     CompareOptions {
         axes: arguments.axis.clone(),
@@ -117,7 +117,7 @@ fn wanted(arguments: &DiffArguments) -> CompareOptions {
     }
 }
 
-/// The names of both programs, as they were given.
+/// Names of both programs, as given.
 fn names(arguments: &DiffArguments) -> [String; 2] {
     [&arguments.original, &arguments.corrected].map(|path| path.display().to_string())
 }

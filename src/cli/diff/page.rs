@@ -12,10 +12,10 @@ use ncfix_path::review::ReviewTrace;
 use ncfix_report::page::review::{JournalTrace, ReviewedProgram, Subject, review};
 use ncfix_report::review::Review;
 
-/// Its text.
+/// Text of the page.
 ///
 /// # Errors
-/// Where there is more than a page can show.
+/// If there is more than a page can show.
 pub(in crate::cli) fn text(
     object: &Review,
     trace: &ReviewTrace,
@@ -31,7 +31,7 @@ fn of(source: &Source) -> ReviewedProgram<'_> {
     ReviewedProgram { name: source.name(), bytes: source.bytes(), line_end: source.line_end() }
 }
 
-/// Reads what the journal of a transfer says of temperatures and corrections.
+/// Reads temperatures and corrections from the journal of a transfer.
 pub(in crate::cli) fn journal(path: &Path) -> Result<JournalTrace, Stop> {
     let source = input::read(path, FileId(0), "journal, --journal")?;
     let text = String::from_utf8_lossy(source.bytes());

@@ -1,4 +1,4 @@
-//! Where pages go: to a pager where standard output is a terminal, else to standard output as it is.
+//! Output of pages: to a pager if standard output is a terminal, else directly to standard output.
 
 use std::io::{IsTerminal as _, Write};
 use std::process::{Child, Command, Stdio};
@@ -7,9 +7,9 @@ use crate::cli::progress;
 use crate::cli::stop::Stop;
 use ncfix_report::review::Look;
 
-/// Columns where no terminal says how many it has.
+/// Columns if the terminal does not report its width.
 const WIDTH: usize = 100;
-/// Columns at least.
+/// Smallest number of columns.
 const LEAST: usize = 80;
 
 /// A page that is being written.
@@ -37,12 +37,12 @@ impl Page {
         Page { pager, out, look, is_over: false }
     }
 
-    /// How rows are drawn.
+    /// Appearance of rows.
     pub(super) fn look(&self) -> Look {
         self.look
     }
 
-    /// Appends text. A reader of a pager who has seen enough ends nothing else.
+    /// Appends text. A pager that is closed early is not an error.
     pub(super) fn write(&mut self, text: &str) -> Result<(), Stop> {
         if self.is_over {
             return Ok(());
@@ -54,7 +54,7 @@ impl Page {
         Ok(())
     }
 
-    /// Ends the page, and waits until the pager is left.
+    /// Ends the page, and waits until the pager is closed.
     pub(super) fn close(mut self) {
         // A reader that went away does not matter.
         let _ = self.out.flush();
@@ -65,7 +65,7 @@ impl Page {
     }
 }
 
-/// The pager of the person: `NCFIX_PAGER`, `PAGER`, else less, which shows a short page at once and ends.
+/// Pager of the user: `NCFIX_PAGER`, `PAGER`, else less, which prints a short page at once and ends.
 fn pager() -> Option<Child> {
     let named = ["NCFIX_PAGER", "PAGER"].into_iter().find_map(|name| std::env::var(name).ok());
     let command = named.unwrap_or_else(|| "less".to_owned());

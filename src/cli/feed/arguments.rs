@@ -10,17 +10,17 @@ use crate::cli::value;
 use crate::feed::FeedOptions;
 use ncfix_base::units::parse_length_mm;
 
-/// What `ncfix feed --help` says last.
+/// End of `ncfix feed --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-The whole program is executed and corrected once before the first byte goes out: whatever is wrong in it is found then, and whether the link keeps up with \
-the motion. Then each line is corrected for the temperatures of the moment, frozen, written into the journal, and sent.
+The whole program is executed and corrected once before the first byte is sent: this finds errors in the program, and a link that is too slow for the \
+motion. Then each line is corrected for the current temperatures, frozen, written to the journal, and sent.
 
-No line goes out unless the control says that it is idle; where a link has no such question, --i-checked-the-machine-stands-still takes its place.
+No line is sent unless the control reports that it is idle; links that cannot ask need --i-checked-the-machine-stands-still instead.
 
-Ctrl-C once sends no further line and lets the control run out; twice holds the axes where the link has a word for it. `ncfix resume` shows how a job that \
-broke off can be taken up again.
+Ctrl-C once stops sending and lets the control finish its lines; twice also holds the axes if the link has a command for it. `ncfix resume` shows how to \
+resume an interrupted job.
 
-Links: grbl, marlin, heidenhain-fe1, … (docs/reference/feed.md), or a profile of your own.
+Links: grbl, marlin, heidenhain-fe1, … (docs/reference/feed.md), or your own profile.
 
 Examples:
   ncfix feed part.ngc --machine mill.toml --link grbl --dry-run
@@ -34,73 +34,72 @@ pub(in crate::cli) struct FeedArguments {
     /// Part program
     #[arg(value_name = "IN")]
     pub(in crate::cli) input: PathBuf,
-    /// Where the control is: /dev/ttyUSB0, COM3, tcp:host:port
+    /// Port of the control: /dev/ttyUSB0, COM3, tcp:host:port
     #[arg(long, value_name = "PORT", required_unless_present = "dry_run")]
     pub(in crate::cli) port: Option<String>,
-    /// How it is spoken to: the name of a profile, or a profile file
+    /// Protocol of the control: name of a profile, or profile file
     #[arg(long, value_name = "LINK|FILE.toml")]
     pub(in crate::cli) link: String,
-    /// Sensors of temperature that are read meanwhile; without it nothing is added to the first step
+    /// Live temperature sensors to read during the transfer (default: no further correction)
     #[arg(long, value_name = "S.toml")]
     pub(in crate::cli) sensors: Option<PathBuf>,
-    /// Check the program and the link, and send nothing
+    /// Check the program and the link; send nothing
     #[arg(long)]
     pub(in crate::cli) dry_run: bool,
-    /// Send over a link that cannot ask whether the machine stands still (tape readers, FE1): you have looked, and if it moves, lines
-    /// run into what it does
+    /// Confirm that the machine stands still, for links that cannot ask it (tape readers, FE1); if it moves, lines interfere with its motion
     #[arg(long)]
     pub(in crate::cli) i_checked_the_machine_stands_still: bool,
-    /// Send even where the control will have to wait for lines
+    /// Send even if the control will have to wait for lines
     #[arg(long)]
     pub(in crate::cli) allow_starvation: bool,
     #[command(flatten)]
-    /// How fast what temperatures ask for is applied.
+    /// Rate limits of the thermal correction.
     pub(in crate::cli) dosing: DosingChoice,
-    /// The journal; without it IN.journal
+    /// Journal file (default: IN.journal)
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) journal: Option<PathBuf>,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
     #[command(flatten)]
-    /// The condition of the machine.
+    /// Condition of the machine.
     pub(in crate::cli) state: StateChoice,
     #[command(flatten)]
-    /// How the program is executed.
+    /// Reading and execution of the program.
     pub(in crate::cli) program: ProgramChoice,
     #[command(flatten)]
-    /// How it is corrected.
+    /// Method of correction.
     pub(in crate::cli) correction: CorrectionChoice,
     /// Print events as JSON lines on standard output
     #[arg(long)]
     pub(in crate::cli) json: bool,
 }
 
-/// How fast what temperatures ask for is applied.
+/// Rate limits of the thermal correction.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct DosingChoice {
-    /// Seconds between two looks at the temperatures
+    /// Interval between readings of the temperatures, s
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = value::seconds)]
     pub(in crate::cli) every: Duration,
-    /// The zero point of the workpiece is set in the condition in which the job begins: drift counts from there
+    /// Take the condition at the start of the job as that of the workpiece zero: drift is relative to it
     #[arg(long, conflicts_with = "zero_time", requires = "sensors")]
     pub(in crate::cli) zero_now: bool,
-    /// What temperatures ask for changes on rapid moves only
+    /// Change the thermal correction only on rapid moves
     #[arg(long)]
     pub(in crate::cli) rapids_only: bool,
-    /// The most that it changes from one block with feed to the next, with its unit; rapid moves take all of it at once
+    /// Largest change of the thermal correction per feed block, with unit; rapid moves apply all of it at once
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) dose_per_block: f64,
-    /// The most that it changes on a mm of way, with its unit
+    /// Largest change of the thermal correction per mm of path, with unit
     #[arg(long, value_name = "LENGTH", default_value = "0.1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) dose_per_mm: f64,
-    /// The most that it changes in a second, with its unit
+    /// Largest change of the thermal correction per second, with unit
     #[arg(long, value_name = "LENGTH", default_value = "0.5um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) dose_per_s: f64,
-    /// Warn where temperatures ask for more than this, with its unit
+    /// Warn if the thermal correction required exceeds this, with unit
     #[arg(long, value_name = "LENGTH", default_value = "50um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) warn_shift: f64,
-    /// Stop where they ask for more than this, with its unit
+    /// Stop if the thermal correction required exceeds this, with unit
     #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
     pub(in crate::cli) max_shift: f64,
 }
@@ -123,12 +122,12 @@ impl From<&FeedArguments> for FeedOptions {
     }
 }
 
-/// What `ncfix resume --help` says last.
+/// End of `ncfix resume --help`.
 pub(in crate::cli) const RESUME_HELP: &str = "\
-Nothing is ever taken up again by itself. An answer of the control is no proof that a line was carried out: what its planner may hold, as it stated itself, was \
-not; where it stated nothing, only what it had carried out when it stood still is sure. The plan goes up to the height of --clearance, across, and down with a slow \
-feed to where a retract of the program had ended, or begins at the beginning. It is refused without that height, where nothing lifts the tool to it, and where the program, \
-the machine file, the state or ncfix have changed. No line goes out unless the control says that it is idle.
+A job is never resumed automatically. An answer of the control does not prove that a line was executed: lines that its planner may hold, as it reported, are \
+taken as not executed; without such a report, only lines executed when the machine last stood still are certain. The plan moves up to the height of --clearance, \
+across, and down at a slow feed to the end of a retract of the program, or starts at the beginning. It is refused without that height, if nothing lifts the \
+tool to it, and if the program, the machine file, the state or ncfix has changed. No line is sent unless the control reports that it is idle.
 
 Examples:
   ncfix resume part.ngc.journal --clearance 25mm
@@ -141,18 +140,17 @@ pub(in crate::cli) struct ResumeArguments {
     /// Journal of the job
     #[arg(value_name = "JOURNAL")]
     pub(in crate::cli) journal: PathBuf,
-    /// Number of the plan that was read and is carried out
+    /// Number of the plan to run, as shown before
     #[arg(long, value_name = "PLAN")]
     pub(in crate::cli) confirm: Option<String>,
-    /// Go up to this Z first, with its unit, in the coordinates of the program: a height that is clear of workpiece and clamps, 1 mm or
-    /// more above all that is machined. Nothing is taken up again without it
+    /// Height to move up to first, Z of the program, with unit: clear of workpiece and clamps, at least 1 mm above everything machined; required to
+    /// resume
     #[arg(long, value_name = "Z", value_parser = parse_length_mm, allow_hyphen_values = true)]
     pub(in crate::cli) clearance: Option<f64>,
-    /// Send over a link that cannot ask whether the machine stands still (tape readers, FE1): you have looked, and if it moves, lines
-    /// run into what it does
+    /// Confirm that the machine stands still, for links that cannot ask it (tape readers, FE1); if it moves, lines interfere with its motion
     #[arg(long)]
     pub(in crate::cli) i_checked_the_machine_stands_still: bool,
-    /// Where the control is now, if elsewhere
+    /// Port of the control, if it has changed
     #[arg(long, value_name = "PORT")]
     pub(in crate::cli) port: Option<String>,
     /// Print the plan as one JSON object

@@ -1,11 +1,11 @@
-//! Ctrl-C and its kin while a program is sent.
+//! Ctrl-C and other stop signals during a transfer.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::cli::stop::Stop;
 
-/// Ctrl-C and its kin.
+/// Ctrl-C and other stop signals.
 pub(super) struct Keys(Arc<AtomicBool>);
 
 impl Keys {
@@ -19,7 +19,7 @@ impl Keys {
         ];
         for signal in signals {
             signal_hook::flag::register(signal, Arc::clone(&pressed))
-                .map_err(|error| Stop::Usage(format!("cannot listen to Ctrl-C: {error}")))?;
+                .map_err(|error| Stop::Usage(format!("cannot catch Ctrl-C: {error}")))?;
         }
         Ok(Keys(pressed))
     }

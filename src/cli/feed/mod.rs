@@ -1,4 +1,4 @@
-//! `ncfix feed`: sends a program to a control line by line, corrected for the temperatures of the moment.
+//! `ncfix feed`: sends a program to a control line by line, corrected for the current temperatures.
 
 pub(in crate::cli) mod arguments;
 mod keys;
@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &FeedArguments) -> Result<ExitCode, Stop> {
     send(arguments, job, &before, &begin)
 }
 
-/// Says that findings forbid it.
+/// Reports that errors forbid the transfer.
 fn nothing_sent(findings: &Findings) -> ExitCode {
     findings.draw();
     tell(&format!("{}; nothing was sent\n", findings.count()));
@@ -70,7 +70,7 @@ fn nothing_sent(findings: &Findings) -> ExitCode {
 /// Opens the port and sends.
 ///
 /// # Errors
-/// Where the port cannot be opened, or the journal not be written.
+/// If the port cannot be opened, or the journal cannot be written.
 pub(super) fn send(arguments: &FeedArguments, job: Transfer, before: &Before, begin: &Begin) -> Result<ExitCode, Stop> {
     let name = arguments.port.as_deref().ok_or_else(|| Stop::Usage("--port is missing".into()))?;
     let mut findings = Findings::default();
@@ -84,7 +84,7 @@ pub(super) fn send(arguments: &FeedArguments, job: Transfer, before: &Before, be
     if begin.resumed.is_none() {
         transfers::check_journal(&journal, &mut findings)?;
     }
-    let help = "give the lasting name to --port, or change the profile";
+    let help = "give --port the persistent name, or change the profile";
     findings.extend(opened.notes.iter().map(|note| Diagnostic::nowhere(Code::SERIAL_SETTINGS, note, help)), &[]);
     let panel = job.panel(arguments.sensors.as_deref(), &mut findings)?;
     findings.draw();
@@ -106,12 +106,12 @@ pub(super) fn send(arguments: &FeedArguments, job: Transfer, before: &Before, be
         complain(message);
     }
     if sent.end != FeedEnd::Done && sent.status.sent > 0 && !arguments.json {
-        tell(&format!("help: `ncfix resume {}` shows how it can be taken up again\n", journal.display()));
+        tell(&format!("help: `ncfix resume {}` shows how to resume the job\n", journal.display()));
     }
     Ok(code_of(sent.end))
 }
 
-/// The exit status of an end.
+/// Exit status for the end of a transfer.
 fn code_of(end: FeedEnd) -> ExitCode {
     match end {
         FeedEnd::Done => ExitCode::Done,
@@ -123,10 +123,10 @@ fn code_of(end: FeedEnd) -> ExitCode {
     }
 }
 
-/// Where the journal of a job lies.
+/// Path of the journal of a job.
 ///
 /// # Errors
-/// Where it has no name.
+/// If the program has no file name.
 fn journal_of(input: &Path, given: Option<&Path>) -> Result<PathBuf, Stop> {
     if let Some(given) = given {
         return Ok(given.to_path_buf());
@@ -139,14 +139,14 @@ fn journal_of(input: &Path, given: Option<&Path>) -> Result<PathBuf, Stop> {
     Ok(PathBuf::from(name))
 }
 
-/// Reads everything and walks through the program; `None` where findings forbid to send it.
+/// Reads everything and makes a dry run of the program; `None` if errors forbid sending it.
 ///
 /// # Errors
-/// Where a file cannot be read, or the program cannot be written.
+/// If a file cannot be read, or the program cannot be written.
 pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<(Transfer, Before)>, Stop> {
     let Some(job) = transfer(arguments, findings)? else { return Ok(None) };
     let before = job.survey(arguments.port.as_deref().unwrap_or_default(), Some(progress::watch), findings)?;
-    // The profile fits its protocol, and the sensors are told of as they will be read.
+    // Checks the profile against its protocol, and reports the sensors as they will be read.
     job.dialogue()?;
     if arguments.dry_run {
         job.panel(arguments.sensors.as_deref(), findings)?;
@@ -154,7 +154,7 @@ pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Res
     Ok(before.map(|before| (job, before)))
 }
 
-/// Reads what the arguments name; `None` where findings forbid to go on.
+/// Reads the files of the arguments; `None` if errors forbid to continue.
 fn transfer(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<Transfer>, Stop> {
     let link = ControlLink::find(&arguments.link, findings)?;
     let sensors_hash = match &arguments.sensors {
@@ -167,11 +167,11 @@ fn transfer(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option
     };
     if machine.is_demo && !arguments.dry_run {
         return Err(Stop::Usage(
-            "the embedded demo machine is nobody's: give --machine, or put the machine file beside the program".into(),
+            "the embedded demo machine is not a real machine: give --machine, or put the machine file beside the program".into(),
         ));
     }
     let is_read = match arguments.sensors {
-        // What the state does not say, sensors will.
+        // Sensors give what the state file lacks.
         Some(_) => state::read(&arguments.state, &mut machine, findings)?,
         None => state::apply(&arguments.state, &mut machine, findings)?,
     };

@@ -1,4 +1,4 @@
-//! What a transfer shows: one line on a terminal, or JSON lines.
+//! Display of a transfer: one line on a terminal, or JSON lines.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::time::Duration;
@@ -11,36 +11,36 @@ use ncfix_dnc::feed::Event;
 use ncfix_report::feed::{FeedEvent, Said, Status};
 use ncfix_report::json;
 
-/// Time between two lines for people, and between two for programs.
+/// Time between two updates of the terminal, and between two JSON lines.
 const REFRESH: Duration = Duration::from_millis(200);
 const REFRESH_JSON: Duration = Duration::from_secs(1);
 
-/// A control that pauses no longer than this does what controls with small buffers do all the time.
+/// Shorter pauses are normal for controls with small buffers.
 const LONG_PAUSE: Duration = Duration::from_secs(2);
-/// Of what a control says so many characters are shown, and so many texts; the journal has them all.
+/// Limits of the characters per message and of the messages of a control that are shown; the journal has all.
 const MOST_CHARACTERS: usize = 200;
 const MOST_TEXTS: u32 = 100;
 
-/// Shows.
+/// Display of a transfer.
 pub(super) struct Show {
     is_json: bool,
     is_terminal: bool,
     shown: Option<Duration>,
-    /// Whether a line stands on the terminal.
+    /// True if a line is on the terminal.
     is_drawn: bool,
-    /// What is in doubt, so that it is said once.
+    /// Reason for the frozen correction, so that it is reported once.
     frozen: Option<String>,
-    /// Since when the control pauses, and whether that was said.
+    /// Start of a pause of the control; true if it was reported.
     paused: Option<(Duration, bool)>,
     texts: u32,
     keys: Keys,
 }
 
 impl Show {
-    /// Nothing is shown yet.
+    /// An empty display.
     ///
     /// # Errors
-    /// Where nobody can listen to Ctrl-C.
+    /// If Ctrl-C cannot be caught.
     pub(super) fn new(is_json: bool) -> Result<Show, Stop> {
         Ok(Show {
             is_json,
@@ -58,12 +58,7 @@ impl Show {
         self.texts = self.texts.saturating_add(1);
         if self.texts > MOST_TEXTS {
             if self.texts == MOST_TEXTS + 1 {
-                self.say(
-                    FeedEvent::Said,
-                    now,
-                    None,
-                    "the control says more than is shown here; the journal has it".into(),
-                );
+                self.say(FeedEvent::Said, now, None, "further messages of the control are only in the journal".into());
             }
             return;
         }
@@ -74,10 +69,10 @@ impl Show {
         self.say(FeedEvent::Said, now, None, format!("the control says: {shown}"));
     }
 
-    /// Shows how it ended.
+    /// Shows the end of the transfer.
     ///
     /// # Errors
-    /// Where standard output cannot be written.
+    /// If standard output cannot be written.
     pub(super) fn end(&mut self, status: &Status) -> Result<(), Stop> {
         self.clear();
         if self.is_json {
@@ -131,13 +126,11 @@ impl FeedView for Show {
     fn event(&mut self, event: &Event, now: Duration) {
         match event {
             Event::Said(text) => self.said(text, now),
-            Event::Stalled => {
-                self.say(FeedEvent::Stalled, now, None, "nothing was heard for longer than a line takes".into())
-            }
+            Event::Stalled => self.say(FeedEvent::Stalled, now, None, "no answer for longer than a line takes".into()),
             Event::Paused(true) => self.paused = Some((now, false)),
             Event::Paused(false) => {
                 if let Some((_, true)) = self.paused.take() {
-                    self.say(FeedEvent::Paused, now, None, "the control goes on".into());
+                    self.say(FeedEvent::Paused, now, None, "the control continues".into());
                 }
             }
             Event::Holds(most, said) if self.is_json => {
@@ -145,13 +138,13 @@ impl FeedView for Show {
                     FeedEvent::Holds,
                     now,
                     None,
-                    format!("the control may hold {most} blocks that it has taken and not carried out ({said})"),
+                    format!("the control may hold {most} blocks that it has accepted but not executed ({said})"),
                 );
             }
             Event::Repeated(number) => {
                 self.say(FeedEvent::Repeated, now, Some(*number), format!("line {number} is sent again"))
             }
-            // The end says it.
+            // Reported at the end.
             Event::Acknowledged(_)
             | Event::Checked(_)
             | Event::Left(_)
@@ -167,19 +160,19 @@ impl FeedView for Show {
             && now.saturating_sub(*since) >= LONG_PAUSE
         {
             *is_said = true;
-            self.say(
-                FeedEvent::Paused,
-                now,
-                None,
-                "the control pauses: somebody there holds it, or its buffer is full".into(),
-            );
+            self.say(FeedEvent::Paused, now, None, "the control pauses: it is on hold, or its buffer is full".into());
         }
     }
 
     fn frozen(&mut self, why: &str, now: Duration) {
         if self.frozen.as_deref() != Some(why) {
             self.frozen = Some(why.to_owned());
-            self.say(FeedEvent::Sensors, now, None, format!("sensors are in doubt, the correction is frozen: {why}"));
+            self.say(
+                FeedEvent::Sensors,
+                now,
+                None,
+                format!("sensor readings are doubtful, the correction is frozen: {why}"),
+            );
         }
     }
 

@@ -6,13 +6,13 @@ use clap::Args;
 
 use crate::cli::arguments::MachineChoice;
 
-/// What `ncfix iso230 --help` says last.
+/// End of `ncfix iso230 --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
 A measurement is a pair of files, NAME.csv and NAME.toml, as ncfix calibrate reads it. Figures need no error model.
 
-direct:  A, E, R, B, M of ISO 230-2 for every component and set-up; the sense of approach stands in X_dir …, or follows from the order of the rows
+direct:  A, E, R, B, M of ISO 230-2 for every component and set-up; the direction of approach is given in X_dir …, or follows from the row order
 ballbar: G, F, D, H of ISO 230-4 for circles in a plane through the ball on the table, without the eccentricity of the set-up; size and form of
-         the sphere of least squares for rows in no plane
+         the least-squares sphere for rows that are not in one plane
 
 Examples:
   ncfix iso230 laser_x.csv --machine mill.toml
@@ -21,11 +21,11 @@ Examples:
 /// `ncfix iso230`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct FiguresArguments {
-    /// Tables of measurements, each with its description beside
+    /// Tables of readings, each with its description NAME.toml beside it
     #[arg(value_name = "DATA.csv", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
     /// Print one JSON object on standard output
     #[arg(long)]

@@ -1,4 +1,4 @@
-//! The arguments that say how a program is corrected.
+//! Arguments for the method of correction.
 
 use clap::{Args, ValueEnum};
 
@@ -7,35 +7,35 @@ use crate::options::Options;
 use ncfix_model::Solve;
 use ncfix_path::path::{Arcs, FiveAxis, OutputFrame, Rapids, Rotary};
 
-/// Corrections beyond this are refused where nothing else is said: a machine that is further off is not a machine but a wrong unit.
+/// Default limit of corrections: a larger one comes from a wrong unit, not from a machine.
 pub(in crate::cli) const MOST_CORRECTION: &str = "0.2mm";
 
 /// Arcs in the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum ArcChoice {
-    /// Arcs stay arcs where one fits within the tolerance
+    /// Keep arcs if one fits within the tolerance
     #[default]
     Keep,
-    /// Arcs become straight pieces
+    /// Replace arcs by straight pieces
     Chords,
 }
 
 /// Rapid moves in the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum RapidChoice {
-    /// The end point is corrected where a cut begins there; else only the axes named move
+    /// Correct the end point if a cut begins there; otherwise move only the programmed axes
     #[default]
     Ends,
-    /// Left as they are
+    /// Leave rapid moves unchanged
     None,
-    /// The approach to a cut is subdivided and corrected like feed moves
+    /// Subdivide and correct the approach to a cut like feed moves
     All,
 }
 
 /// Coordinates of the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum FrameChoice {
-    /// In the program's own zero offset
+    /// Coordinates in the program's own zero offset
     #[default]
     Work,
     /// Machine coordinates, each block with G153
@@ -45,69 +45,69 @@ pub(in crate::cli) enum FrameChoice {
 /// Five-axis transformations in the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum FiveAxisChoice {
-    /// TRAORI stays: positions of the tip in the workpiece
+    /// Keep TRAORI: tip positions in the workpiece
     #[default]
     Tcp,
-    /// Positions of the axes in machine coordinates, without TRAORI
+    /// Axis positions in machine coordinates, without TRAORI
     Axes,
 }
 
 /// Radius compensation in the output of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum CompensationChoice {
-    /// The way of the tool center: radius and wear at the control have no effect
+    /// Tool center path: radius and wear at the control have no effect
     #[default]
     Center,
-    /// The way of the tool center with G41 and G42 for wear: the control must have the radius 0 plus wear
+    /// Tool center path with G41 and G42 for wear: the control must have the radius 0 plus wear
     Wear,
 }
 
 /// Rotary axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum RotaryChoice {
-    /// Those that the operation turns with feed are corrected, the others stay as programmed
+    /// Correct the axes that the operation turns at feed, and keep the others as programmed
     #[default]
     Auto,
-    /// Corrected like the linear axes wherever they are not clamped
+    /// Correct them like the linear axes wherever they are not clamped
     Correct,
-    /// Left as programmed; only the position of the tip is corrected
+    /// Keep them as programmed; correct only the tip position
     Hold,
 }
 
-/// How a program is corrected.
+/// Method of correction.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct CorrectionChoice {
-    /// Largest deviation of an emitted piece from the exactly corrected path, with its unit
+    /// Largest deviation of an output piece from the exactly corrected path, with unit
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) tolerance: f64,
-    /// Fixed step along the leading axis instead of subdivision by tolerance, with its unit: 20mm
+    /// Fixed step along the leading axis instead of subdivision by tolerance, with unit, such as 20mm
     #[arg(long, value_name = "LENGTH", value_parser = value::step_mm)]
     pub(in crate::cli) step: Option<f64>,
-    /// Arcs
+    /// Arcs in the output
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) arcs: ArcChoice,
-    /// Rapid moves
+    /// Rapid moves in the output
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) rapids: RapidChoice,
     /// Coordinates of the output
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) frame: FrameChoice,
-    /// Five-axis transformations
+    /// Five-axis transformations in the output
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) five_axis: FiveAxisChoice,
-    /// Rotary axes
+    /// Correction of the rotary axes
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) rotary: RotaryChoice,
-    /// Smallest increment of linear axes in the output, with its unit; without it that of the machine file
+    /// Smallest increment of linear axes in the output, with unit (default: that of the machine file)
     #[arg(long, value_name = "LENGTH", value_parser = value::increment_mm)]
     pub(in crate::cli) increment: Option<f64>,
-    /// Refuse corrections beyond this, with its unit
+    /// Largest correction allowed, with unit; larger ones are refused
     #[arg(long, value_name = "LENGTH", default_value = MOST_CORRECTION, value_parser = value::positive_length_mm)]
     pub(in crate::cli) max_correction: f64,
 }
 
 impl CorrectionChoice {
-    /// The same for the library.
+    /// Options for the library.
     pub(in crate::cli) fn options(&self) -> Options {
         Options {
             tolerance_mm: self.tolerance,
@@ -138,7 +138,7 @@ impl CorrectionChoice {
 }
 
 impl RotaryChoice {
-    /// The same where there is no operation: whether rotary axes are corrected.
+    /// Correction of rotary axes without an operation.
     pub(in crate::cli) fn solve(self) -> Solve {
         match self {
             RotaryChoice::Auto | RotaryChoice::Correct => Solve::Full,

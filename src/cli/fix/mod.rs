@@ -1,4 +1,4 @@
-//! `ncfix fix`: the whole way from a program to its corrected text.
+//! `ncfix fix`: from a program to its corrected text.
 
 pub(in crate::cli) mod arguments;
 
@@ -50,19 +50,19 @@ pub(in crate::cli) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
     Ok(findings.exit_code())
 }
 
-/// One program and where its correction goes.
+/// One program and the target of its correction.
 struct Job<'a> {
     arguments: &'a FixArguments,
     program: Program,
     target: Target,
     /// The target as the user named it.
     target_name: String,
-    /// Where the page with the review goes.
+    /// File of the review page.
     page: Option<Target>,
 }
 
 impl<'a> Job<'a> {
-    /// Reads the program and looks at the target, before any work is done.
+    /// Reads the program and checks the target before any work is done.
     fn new(arguments: &'a FixArguments) -> Result<Job<'a>, Stop> {
         let output = arguments.output.as_ref().unwrap_or(&arguments.input);
         if arguments.in_place && is_standard_stream(&arguments.input) {
@@ -81,7 +81,7 @@ impl<'a> Job<'a> {
                 "{archive} is an archive of the control, which --in-place would replace by one program; give -o a file"
             )));
         }
-        // First: what comes into being there while the program is read is newer.
+        // The target first: a file that appears there while the program is read is newer.
         let target = Target::new(output)?;
         let program = program::of(&arguments.input, &arguments.program)?;
         Ok(Job { arguments, program, target, target_name: output.display().to_string(), page })
@@ -119,7 +119,7 @@ impl<'a> Job<'a> {
             correction.try_wear(&self.text(&mut spool)?, findings)?;
         }
         if findings.has_errors() {
-            // Numbers of an output that does not exist would be taken for its numbers.
+            // There is no output that these numbers could describe.
             *report = CorrectionReport { machine: std::mem::take(&mut report.machine), ..CorrectionReport::default() };
             return Ok(());
         }
@@ -148,7 +148,7 @@ impl<'a> Job<'a> {
         Ok(())
     }
 
-    /// Programs of the file that are not in the output stay only where the output is another file.
+    /// Refuses --in-place if programs of the file are not in the output.
     fn keep_programs(&self, findings: &mut Findings) {
         let Some((left, source)) = findings.first_of(Code::MORE_PROGRAMS) else { return };
         let (place, source) = (left.place, source.clone());
@@ -161,7 +161,7 @@ impl<'a> Job<'a> {
         findings.add(found, source.as_slice());
     }
 
-    /// A page that would be written over the program.
+    /// Refuses a page that would overwrite the program.
     fn keep_apart(&self, page: &Target, findings: &mut Findings) {
         let output = self.arguments.output.as_ref().unwrap_or(&self.arguments.input);
         if *page == self.target || page.is(output) {
@@ -175,7 +175,7 @@ impl<'a> Job<'a> {
         Ok(crate::Correction::again(self.program.source(), &self.target_name, spool.text()?)?)
     }
 
-    /// Executes both programs as they were read and will be written, and gives the page about what was changed.
+    /// Executes both programs as read and as they will be written, and returns the review page.
     fn review(
         &self,
         machine: &Machine,
@@ -203,7 +203,7 @@ impl<'a> Job<'a> {
             watch: Some(progress::watch),
         };
         let allowed_um = um_from_mm(arguments.correction.max_correction);
-        // What was found in the program is known already, and is found again.
+        // Diagnostics of the program are known already and are found again.
         let mut again = Findings::default();
         let Some(reviewed) = pair.review(names, allowed_um, &mut again)? else {
             findings.absorb(again);

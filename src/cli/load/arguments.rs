@@ -7,12 +7,11 @@ use clap::Args;
 use crate::cli::arguments::MachineChoice;
 use ncfix_metrology::measure::weighing::known_place;
 
-/// What `ncfix weigh --help` says last.
+/// End of `ncfix weigh --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-STRAIN.csv has a line of column names: the letter of the axis that was moved (X; mm), strain_um_m (µm/m), and where they are there run and t_s \
-(s). [strain] of the machine file says what the gauge reads for a load. Readings of one run share an offset that temperature moves, evenly where \
-there is t_s. Measure every position twice, so that a reading disturbed by a pulse of lubricant is found. Uncertainties are standard \
-uncertainties.
+STRAIN.csv has a line of column names: the letter of the moved axis (X; mm), strain_um_m (µm/m), and optionally run and t_s (s). [strain] of the \
+machine file has the reading of the gauge for a load. Readings of one run share an offset, which drifts linearly with time if t_s is present. \
+Measure every position twice, so that a reading disturbed by a lubrication pulse is detected. Uncertainties are standard uncertainties.
 
 Examples:
   ncfix weigh strain.csv --machine mill.toml -o state.toml";
@@ -27,9 +26,9 @@ pub(in crate::cli) struct LoadArguments {
     #[arg(short, long, value_name = "STATE.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
-    /// Where the load stands along some directions, mm from the center of the table; the others are measured
+    /// Known coordinates of the load, mm from the center of the table; the others are measured
     #[arg(long, value_name = "X0,Z-280", value_parser = known_place, allow_hyphen_values = true)]
     pub(in crate::cli) known: Option<[Option<f64>; 3]>,
     /// Print one JSON object on standard output

@@ -19,7 +19,7 @@ use ncfix_report::json;
 use ncfix_report::machine::table;
 use ncfix_report::shares::Shares;
 
-/// Checks or shows a machine file, or what its error model may have.
+/// Checks or shows a machine file, or the presets of its error model.
 pub(in crate::cli) fn run(command: &MachineCommand) -> Result<ExitCode, Stop> {
     match command {
         MachineCommand::Check(arguments) => check(arguments),
@@ -56,7 +56,7 @@ fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
     if let (Some(chosen), Some(at)) = (&chosen, arguments.at) {
         chosen.check_pose(&at)?;
     } else if arguments.at.is_none() && (!arguments.state.state.is_empty() || arguments.state.load.is_some()) {
-        return Err(Stop::Usage("--state and --load say something at a pose only: give --at".into()));
+        return Err(Stop::Usage("--state and --load take effect only at a pose: give --at".into()));
     }
     let shares = chosen.as_ref().zip(arguments.at).map(|(chosen, at)| Shares {
         found: chosen.shares(&at, arguments.tool.unwrap_or_else(gauge_point), &arguments.sense.unwrap_or_default()),
@@ -75,12 +75,12 @@ fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
     Ok(findings.exit_code())
 }
 
-/// The end of the spindle, where no tool was said.
+/// Gauge point of the spindle, the default tool.
 fn gauge_point() -> ToolVector {
     ToolVector::Tip(Vector::zeros())
 }
 
-/// Shows where the values of a machine come from.
+/// Shows the source of every value of a machine.
 fn show_origin(arguments: &ShowArguments, is_sound: bool, findings: &Findings) -> Result<ExitCode, Stop> {
     findings.draw();
     if !is_sound {
@@ -93,7 +93,7 @@ fn show_origin(arguments: &ShowArguments, is_sound: bool, findings: &Findings) -
     Ok(findings.exit_code())
 }
 
-/// What the machine is called in a sentence.
+/// Name of the machine in a sentence.
 fn name(arguments: &MachineArguments) -> String {
     arguments.file.as_ref().map_or_else(|| "the machine file".to_owned(), |file| file.display().to_string())
 }
@@ -102,7 +102,7 @@ fn name(arguments: &MachineArguments) -> String {
 fn locate(arguments: &MachineArguments, findings: &mut Findings) -> Result<(Source, FoundFile), Stop> {
     let (path, found) = match &arguments.file {
         Some(file) => (Some(file.clone()), FoundFile::Named),
-        // There is no program beside which a machine file could lie.
+        // No program has a folder to search for a machine file.
         None => machine_choice::locate(None, Path::new("-")),
     };
     Ok((machine_choice::source_of(path.as_deref(), found, findings)?, found))

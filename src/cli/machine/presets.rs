@@ -1,4 +1,4 @@
-//! `ncfix machine presets`: which parameters an error model may have, and which a machine file has.
+//! `ncfix machine presets`: sets of parameters of an error model, and their values in a machine file.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pub(super) fn run(arguments: &PresetArguments) -> Result<ExitCode, Stop> {
         return Ok(ExitCode::Done);
     }
     let mut findings = Findings::default();
-    // There is no program beside which a machine file could lie.
+    // No program has a folder to search for a machine file.
     let chosen = machine_choice::choose(&arguments.machine, Path::new("-"), &mut findings)?;
     findings.draw();
     let Some(chosen) = chosen else { return Ok(findings.exit_code()) };

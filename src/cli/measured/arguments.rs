@@ -8,12 +8,12 @@ use crate::cli::arguments::{MachineChoice, RotaryChoice, StateChoice};
 use crate::cli::fix::arguments::MOST_CORRECTION;
 use crate::cli::value;
 
-/// What `ncfix correct-readings --help` says last.
+/// End of `ncfix correct-readings --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-DATA.csv has a line of column names. Columns named by the axis letters of the machine (X, Y, Z, C …; mm, deg) are positions that were read and \
-become those that a machine without errors would have read there. tool_x_mm, tool_y_mm, tool_z_mm (from the spindle nose to the tip) and X_dir … \
-(-1, 0, 1: sense of the last motion; else it follows from the order of the rows within a run) are used; they and all other columns are passed \
-through.
+DATA.csv has a line of column names. Columns named by the axis letters of the machine (X, Y, Z, C …; mm, deg) are positions read on the machine; they \
+are replaced by those that a machine without errors would have read. tool_x_mm, tool_y_mm, tool_z_mm (from the spindle nose to the tip) and X_dir … \
+(-1, 0, 1: direction of the last motion; default: from the order of the rows within a run) are used; they and all other columns are passed through \
+unchanged.
 
 Examples:
   ncfix correct-readings probing.csv -o probing_corrected.csv --machine mill.toml";
@@ -24,19 +24,19 @@ pub(in crate::cli) struct MeasuredArguments {
     /// Table of readings; - for standard input
     #[arg(value_name = "DATA.csv")]
     pub(in crate::cli) data: PathBuf,
-    /// The table with corrected positions; - for standard output
+    /// Table with corrected positions; - for standard output
     #[arg(short, long, value_name = "OUT.csv")]
     pub(in crate::cli) output: PathBuf,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
     #[command(flatten)]
-    /// In which condition.
+    /// Condition of the machine.
     pub(in crate::cli) state: StateChoice,
-    /// Rotary axes
+    /// Correction of the rotary axes
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) rotary: RotaryChoice,
-    /// Refuse corrections beyond this, with its unit
+    /// Largest correction allowed, with unit; larger ones are refused
     #[arg(long, value_name = "LENGTH", default_value = MOST_CORRECTION, value_parser = value::positive_length_mm)]
     pub(in crate::cli) max_correction: f64,
 }

@@ -1,4 +1,4 @@
-//! `ncfix correct-readings`: takes the corrections out of positions that were read on the machine.
+//! `ncfix correct-readings`: subtracts corrections from positions read on the machine.
 
 pub(in crate::cli) mod arguments;
 
@@ -27,7 +27,7 @@ pub(in crate::cli) fn run(arguments: &MeasuredArguments) -> Result<ExitCode, Sto
     Ok(findings.exit_code())
 }
 
-/// Reads the table and writes its copy; `None` where findings forbid it.
+/// Reads the table and writes its copy; `None` if errors forbid it.
 fn correct(arguments: &MeasuredArguments, findings: &mut Findings) -> Result<Option<CorrectedReadings>, Stop> {
     let target = Target::new(&arguments.output)?;
     let source = input::read(&arguments.data, FileId(0), "positions")?;

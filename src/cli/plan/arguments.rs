@@ -11,16 +11,16 @@ use ncfix_machine::machine::Machine;
 use ncfix_metrology::measure::plan::{PLANS, PlanKind, RowSpacing, Wishes, find};
 use ncfix_model::ErrorName;
 
-/// What `ncfix plan --help` says last.
+/// End of `ncfix plan --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
 Kinds:
-  ballbar  circles in XY, YZ, ZX, both senses, with overlap (ISO 230-4)
+  ballbar  circles in XY, YZ, ZX, both directions, with overlap (ISO 230-4)
            --centre --radius --feed --plane --every --sweep --overlap --dwell
-  sphere   hemisphere of five meridians; --variant esmaeili: forth and back, spaan: eight spheres (Spaan 1995, Table 3.1)
+  sphere   hemisphere of five meridians; --variant esmaeili: forward and backward, spaan: eight spheres (Spaan 1995, Table 3.1)
            --centre --radius --feed --every --chord --variant
   probe    balls on the table; --variant samba (Table 4-1), rumba (Table 5-3), rumba-check (Table 5-4), or generated poses
            --ball --radius --variant --points --tilt --clearance --feed --dwell --line
-  laser    an axis in steps, forth and back (ISO 230-2); --variant equal: equal steps
+  laser    an axis in steps, forward and backward (ISO 230-2); --variant equal: equal steps
            --axis --component --range --points --runs --centre --feed --dwell --variant --seed
   drift    spindle speeds; --variant din (DIN 8602), pseudo-din, random (Spaan 1995)
            --variant --hours --speed --seed --centre --feed
@@ -30,7 +30,7 @@ Kinds:
            --force --place --variant --axis --component --range --points --runs --centre --plane --every --clearance --feed --dwell --line
 
 PLAN.csv gets the poses with empty readings, PLAN.toml beside it the description. The program has axis positions in machine coordinates, without \
-zero offset and tool length; it stops (M0) where the instrument is mounted. Run it without one first.
+zero offset and tool length compensation; it stops (M0) for mounting the instrument. Run it first without an instrument.
 
 Examples:
   ncfix plan ballbar --machine mill.toml --tool 150 --centre 300,200,350 -o circles.csv --program CIRCLES.MPF
@@ -43,106 +43,106 @@ pub(in crate::cli) struct PlanArguments {
     /// Kind of measurement: ballbar, sphere, probe, laser, drift, plate or load
     #[arg(value_name = "KIND", value_parser = kind)]
     pub(in crate::cli) kind: &'static PlanKind,
-    /// Table of poses; its description is written beside it (.toml)
+    /// Table of poses; its description (.toml) is written beside it
     #[arg(short, long, value_name = "PLAN.csv")]
     pub(in crate::cli) output: PathBuf,
-    /// NC program that runs the poses, in the language of the machine's control
+    /// NC program that runs the poses, in the dialect of the machine's control
     #[arg(long, value_name = "TEST.mpf")]
     pub(in crate::cli) program: Option<PathBuf>,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
-    /// Preset of parameters, or a file of them, that the measurement shall tell: says what it cannot
+    /// Preset or file of parameters that the measurement must determine; those it cannot are reported
     #[arg(long, value_name = "PRESET|FILE")]
     pub(in crate::cli) model: Option<String>,
-    /// A measurement or plan that is there already: what the model shall be told from, together with this one; may be given several times
+    /// Existing measurement or plan, used together with this one to determine the model; repeatable
     #[arg(long, value_name = "OTHER.csv", requires = "model")]
     pub(in crate::cli) with: Vec<PathBuf>,
-    /// Adds the N poses that help the model most
+    /// Add the N poses that improve the model most
     #[arg(long, value_name = "N", requires = "model")]
     pub(in crate::cli) improve: Option<usize>,
-    /// Tool: its length in mm along the spindle, or X,Y,Z from the gauge point to the tip in F's directions; may be given several times
+    /// Tool length along the spindle, mm, or X,Y,Z from gauge point to tip along the axes of F, mm; repeatable
     #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
     pub(in crate::cli) tool: Vec<ToolVector>,
-    /// What stays free at both ends of the travel of linear axes, mm: errors of the machine lead beyond a position: 2mm
+    /// Margin to both ends of the travel of linear axes, mm (default: 2); corrected positions may exceed nominal ones
     #[arg(long, value_name = "MM", value_parser = margin)]
     pub(in crate::cli) margin: Option<f64>,
-    /// Centre as a position at the tool point (axis positions plus tool vector), mm; without it the middle of the travel; a plate may have several
+    /// Centre as a tool point position (axis positions plus tool vector), mm (default: middle of the travel); repeatable for a plate
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(in crate::cli) centre: Vec<Vector>,
-    /// Radius, mm: 100 (ballbar), 150 (sphere), 70 (circle of balls)
+    /// Radius, mm (default: 100 for ballbar, 150 for sphere, 70 for a circle of balls)
     #[arg(long, value_name = "MM", value_parser = above_zero)]
     pub(in crate::cli) radius: Option<f64>,
     /// Feed, mm/min
     #[arg(long, value_name = "MM/MIN", value_parser = above_zero)]
     pub(in crate::cli) feed: Option<f64>,
-    /// Plane: XY, YZ or ZX; may be given several times
+    /// Plane: XY, YZ or ZX; repeatable
     #[arg(long, value_name = "PLANE", value_parser = plane)]
     pub(in crate::cli) plane: Vec<Plane>,
-    /// Distance of rows: deg (ballbar 2, sphere 5), or of holes, mm (plate, load 50)
+    /// Spacing of rows, deg (default: 2 for ballbar, 5 for sphere), or of holes, mm (default: 50)
     #[arg(long, value_name = "DEG|MM", value_parser = above_zero)]
     pub(in crate::cli) every: Option<f64>,
-    /// Angle of the arc that counts, deg: 360 across the spindle, else 220
+    /// Evaluated arc, deg (default: 360 across the spindle, else 220)
     #[arg(long, value_name = "DEG", value_parser = above_zero)]
     pub(in crate::cli) sweep: Option<f64>,
-    /// Angle before and behind it, deg: 180 with full circles, else 20
+    /// Angle before and after the evaluated arc, deg (default: 180 with full circles, else 20)
     #[arg(long, value_name = "DEG", value_parser = not_negative)]
     pub(in crate::cli) overlap: Option<f64>,
-    /// Angle of a straight piece on the sphere, deg: 0.1
+    /// Angle of a straight piece on the sphere, deg (default: 0.1)
     #[arg(long, value_name = "DEG", value_parser = above_zero)]
     pub(in crate::cli) chord: Option<f64>,
-    /// Which plan of the kind
+    /// Variant of the kind
     #[arg(long, value_name = "NAME")]
     pub(in crate::cli) variant: Option<String>,
-    /// Place of a ball in the workpiece frame (F at the zero pose), mm; once for every ball
+    /// Position of a ball in the workpiece frame (F at the zero pose), mm; once for every ball
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(in crate::cli) ball: Vec<Vector>,
-    /// Where the way to a pose begins, over it along the tool, mm: 20
+    /// Start of the approach to a pose, above it along the tool, mm (default: 20)
     #[arg(long, value_name = "MM", value_parser = not_negative)]
     pub(in crate::cli) clearance: Option<f64>,
-    /// Largest angle of tilting axes, deg: 60
+    /// Largest angle of tilting axes, deg (default: 60)
     #[arg(long, value_name = "DEG", value_parser = above_zero)]
     pub(in crate::cli) tilt: Option<f64>,
-    /// Axis: X
+    /// Axis (default: X)
     #[arg(long, value_name = "AXIS", value_parser = axis)]
     pub(in crate::cli) axis: Option<Axis>,
-    /// Error that is read, such as EXX or EBX; may be given several times
+    /// Measured error, such as EXX or EBX; repeatable
     #[arg(long, value_name = "NAME", value_parser = component)]
     pub(in crate::cli) component: Vec<ErrorName>,
-    /// First and last position of the axis, mm or deg; without it the travel
+    /// First and last position of the axis, mm or deg (default: the travel)
     #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true)]
     pub(in crate::cli) range: Option<[f64; 2]>,
-    /// How many targets of an axis (laser 11, load 8), angles of the rotary axes (42), holes along a side (5)
+    /// Number of targets of an axis (default: 11 for laser, 8 for load), angles of the rotary axes (42), holes per side (5)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) points: Option<usize>,
-    /// How often forth and back: 5 (laser), 1 (load)
+    /// Number of forward and backward runs (default: 5 for laser, 1 for load)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) runs: Option<usize>,
-    /// Waiting time at a pose, s: 4 (laser, level), 3 (plate), 2 (before a circle); probe stops with M0 without it
+    /// Dwell at a pose, s (default: 4 for laser and level, 3 for plate, 2 before a circle; probe stops with M0)
     #[arg(long, value_name = "S", value_parser = not_negative)]
     pub(in crate::cli) dwell: Option<f64>,
-    /// Weight on the table, N; may be given several times
+    /// Weight on the table, N; repeatable
     #[arg(long, value_name = "N", value_parser = above_zero)]
     pub(in crate::cli) force: Vec<f64>,
-    /// Where the weights are put, mm; may be given several times: 0,0,0
+    /// Position of the weights, mm (default: 0,0,0); repeatable
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub(in crate::cli) place: Vec<Vector>,
-    /// How long the drift is measured, h: once through (din), 24 (random)
+    /// Duration of the drift measurement, h (default: one pass for din, 24 for random)
     #[arg(long, value_name = "H", value_parser = above_zero)]
     pub(in crate::cli) hours: Option<f64>,
-    /// Highest speed of the spindle, 1/min: 6300
+    /// Highest spindle speed, 1/min (default: 6300)
     #[arg(long, value_name = "RPM", value_parser = above_zero)]
     pub(in crate::cli) speed: Option<f64>,
-    /// Seed of what is at random
+    /// Seed of random values (default: 1)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) seed: Option<u64>,
-    /// Line of the control at every pose, such as the call of a probing cycle
+    /// NC line to insert at every pose, such as a probing cycle call
     #[arg(long, value_name = "TEXT")]
     pub(in crate::cli) line: Option<String>,
 }
 
 impl PlanArguments {
-    /// What is wished, in mm and rad.
+    /// Requests, in mm and rad.
     pub(super) fn wishes(&self, machine: &Machine) -> Wishes {
         let angle = |degrees: Option<f64>| degrees.map(f64::to_radians);
         let is_turned = self.axis.is_some_and(Axis::is_rotary);
@@ -189,7 +189,7 @@ fn kind(text: &str) -> Result<&'static PlanKind, String> {
 
 fn number(text: &str) -> Result<f64, String> {
     let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| format!("'{text}' is no number"))
+    number.ok_or_else(|| format!("'{text}' is not a number"))
 }
 
 fn above_zero(text: &str) -> Result<f64, String> {
@@ -206,7 +206,7 @@ fn margin(text: &str) -> Result<f64, String> {
 
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let all: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
-    all.try_into().map_err(|_| format!("'{text}' is not {N} numbers with commas between"))
+    all.try_into().map_err(|_| format!("'{text}' is not {N} numbers separated by commas"))
 }
 
 fn vector(text: &str) -> Result<Vector, String> {
@@ -222,7 +222,7 @@ fn plane(text: &str) -> Result<Plane, String> {
         "XY" => Ok(Plane::XY),
         "YZ" => Ok(Plane::YZ),
         "ZX" | "XZ" => Ok(Plane::ZX),
-        _ => Err(format!("'{text}' is no plane; write XY, YZ or ZX")),
+        _ => Err(format!("'{text}' is not a plane; write XY, YZ or ZX")),
     }
 }
 
@@ -231,9 +231,9 @@ fn axis(text: &str) -> Result<Axis, String> {
         [letter] => Axis::from_letter(letter.to_ascii_uppercase()),
         _ => None,
     };
-    axis.ok_or_else(|| format!("'{text}' is no axis"))
+    axis.ok_or_else(|| format!("'{text}' is not an axis"))
 }
 
 fn component(text: &str) -> Result<ErrorName, String> {
-    text.to_ascii_uppercase().parse().map_err(|_| format!("'{text}' is no error such as EXX or EBX"))
+    text.to_ascii_uppercase().parse().map_err(|_| format!("'{text}' is not an error name such as EXX or EBX"))
 }

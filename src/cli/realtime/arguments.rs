@@ -13,17 +13,17 @@ use ncfix_base::units::{mm_from_um, rad_from_urad};
 use ncfix_machine::machine::Machine;
 use ncfix_tables::realtime::{Dosing, KernelRecipe};
 
-/// What `ncfix realtime --help` says last.
+/// End of `ncfix realtime --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-Standard input has one set-point of all axes per line, uncompensated, machine coordinates in mm and degrees: words (X100 Y50.5 Z-20; behind the first line axes \
-may be left out where they stay), or a table whose first line has the letters of the axes (X,Y,Z). Standard output has a line of titles (dX_um, dA_urad …) and a \
-line for each set-point: what is added to it, and in the last column what there is to be known: beyond (the travel; the correction is that of its end), dosed (the \
-correction is still on its way), unsolved (no correction exists; the last one is held), renewed (a new kernel is in force). A line that cannot be read ends the \
-run with status 4; every line before it was answered.
+Standard input has one set-point of all axes per line, uncompensated, in machine coordinates, mm and degrees: words (X100 Y50.5 Z-20; after the first line, \
+unchanged axes may be omitted), or a table whose first line has the axis letters (X,Y,Z). Standard output has a header line (dX_um, dA_urad …) and one line per \
+set-point: the correction to add, and in the last column its state: beyond (outside the travel; the correction at its end applies), dosed (the rate limit \
+holds part of the correction back), unsolved (no correction exists; the last one is held), renewed (a new kernel is in force). A line that cannot be read ends \
+the run with status 4; every line before it was answered.
 
-The files of --state are read again every --update-s; a log counts with its last instant.
+The files of --state are read again every --update-s; of a log, the last entry applies.
 
-With --ring set-points and corrections go through shared memory instead (docs/reference/realtime.md has the layout); Ctrl-C or the control ends it.
+With --ring, set-points and corrections go through shared memory instead (layout: docs/reference/realtime.md); Ctrl-C or the control ends the run.
 
 Examples:
   ncfix realtime --machine mill.toml --tool 120 < set_points.csv > corrections.csv
@@ -35,27 +35,27 @@ Examples:
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct RealtimeArguments {
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
     #[command(flatten)]
-    /// In which condition.
+    /// Condition of the machine.
     pub(in crate::cli) state: StateChoice,
-    /// Length of the tool in mm, or vector from the spindle to its tip; without it the gauge point of the spindle is corrected
+    /// Tool length, mm, or vector from the spindle to the tip, mm (default: the gauge point of the spindle)
     #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
     pub(in crate::cli) tool: Option<ToolVector>,
-    /// Rotary axes
+    /// Correction of the rotary axes
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) rotary: RotaryChoice,
-    /// The correction of a linear axis changes by no more than this per set-point, µm; off for no limit
+    /// Largest change of a linear axis correction per set-point, µm; off for no limit
     #[arg(long, value_name = "UM|off", default_value = "1", value_parser = value::dose)]
     pub(in crate::cli) dose_um: f64,
-    /// The same for rotary axes, µrad
+    /// Largest change of a rotary axis correction per set-point, µrad; off for no limit
     #[arg(long, value_name = "URAD|off", default_value = "5", value_parser = value::dose)]
     pub(in crate::cli) dose_urad: f64,
-    /// Refuse a model whose corrections go beyond this anywhere in the travel, with its unit
+    /// Largest correction allowed anywhere in the travel, with unit; models beyond it are refused
     #[arg(long, value_name = "LENGTH", default_value = "0.5mm", value_parser = value::positive_length_mm)]
     pub(in crate::cli) max_correction: f64,
-    /// How often --state is read again, s
+    /// Interval for reading --state again, s
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = value::seconds)]
     pub(in crate::cli) update_s: Duration,
     /// Serve rings in shared memory: a name in /dev/shm, or a path with a separator; the file must not exist and is removed at the end
@@ -64,16 +64,16 @@ pub(in crate::cli) struct RealtimeArguments {
     /// Records of each ring, a power of two
     #[arg(long, value_name = "N", default_value_t = 1024, requires = "ring")]
     pub(in crate::cli) records: u64,
-    /// Print at the end how long the set-points took
+    /// Print the computing times of the set-points at the end
     #[arg(long)]
     pub(in crate::cli) latency: bool,
-    /// Write a page with a simulation of scale compensation against set-point compensation, and do nothing else
+    /// Only write a page with a simulation of scale compensation against set-point compensation
     #[arg(long, value_name = "FILE.html")]
     pub(in crate::cli) stability: Option<PathBuf>,
 }
 
 impl RealtimeArguments {
-    /// How kernels are made.
+    /// Settings of the kernels.
     pub(super) fn recipe(&self, machine: &Machine) -> KernelRecipe {
         KernelRecipe {
             tool_mm: self.tool.map_or_else(Vector::zeros, |tool| tool.vector_mm(machine)),
@@ -82,7 +82,7 @@ impl RealtimeArguments {
         }
     }
 
-    /// How corrections are dosed.
+    /// Rate limits of corrections.
     pub(super) fn dosing(&self) -> Dosing {
         Dosing::new(mm_from_um(self.dose_um), rad_from_urad(self.dose_urad))
     }

@@ -1,4 +1,4 @@
-//! `ncfix realtime`: set-points in, corrections out, in the cycle of a control.
+//! `ncfix realtime`: corrections for controller set-points in real time.
 
 pub(in crate::cli) mod arguments;
 
@@ -38,7 +38,7 @@ pub(in crate::cli) fn run(arguments: &RealtimeArguments) -> Result<ExitCode, Sto
         Some(name) => serve(name, arguments.records, &mut correction),
         None => answer(&mut correction),
     };
-    // The page about the run comes also where it broke off.
+    // The summary of the run is printed even if it ended early.
     if !matches!(result, Err(Stop::Usage(_))) {
         tell(&page(&RealtimeResult::from(&correction.counts), arguments.latency));
     }
@@ -60,14 +60,14 @@ fn answer(correction: &mut RealtimeCorrection) -> Result<ExitCode, Stop> {
     Ok(wrong.map_or(ExitCode::Done, refused))
 }
 
-/// Serves rings in shared memory until the control or a person ends it.
+/// Serves rings in shared memory until the control or the user ends it.
 fn serve(name: &str, records: u64, correction: &mut RealtimeCorrection) -> Result<ExitCode, Stop> {
     let file = RingFile::create(name)?;
     let ring = correction.ring(&file, records)?;
     let is_over = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&is_over))
-            .map_err(|error| Stop::Usage(format!("cannot listen to Ctrl-C: {error}")))?;
+            .map_err(|error| Stop::Usage(format!("cannot catch Ctrl-C: {error}")))?;
     }
     tell(&format!("rings of {records} records at {}\n", file.path().display()));
     Ok(match correction.serve(&ring, || is_over.load(Ordering::Relaxed)) {
@@ -77,7 +77,7 @@ fn serve(name: &str, records: u64, correction: &mut RealtimeCorrection) -> Resul
     })
 }
 
-/// Draws what ended the run.
+/// Prints the diagnostic that ended the run.
 fn refused(diagnostic: Diagnostic) -> ExitCode {
     let mut findings = Findings::default();
     findings.add(diagnostic, &[]);

@@ -1,4 +1,4 @@
-//! `ncfix resume`: how a job that was broken off can be taken up again. It shows a plan, and does nothing without its number.
+//! `ncfix resume`: shows the plan to resume an interrupted job, and runs it only with its number.
 
 use crate::cli::arguments::{self, Command, FeedArguments, ResumeArguments};
 use crate::cli::exit_code::ExitCode;
@@ -11,7 +11,7 @@ use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_dnc::feed::JournalContents;
 use ncfix_report::json;
 
-/// Shows the plan, or carries it out.
+/// Shows the plan, or runs it.
 pub(in crate::cli) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop> {
     let Broken { source, told } = read_broken(&arguments.journal)?;
     let shown = arguments.journal.display();
@@ -19,7 +19,7 @@ pub(in crate::cli) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop>
     if arguments.port.is_some() {
         feed.port.clone_from(&arguments.port);
     }
-    // Who looked when the job began has not looked now.
+    // A check at the start of the job is no check now.
     feed.i_checked_the_machine_stands_still = arguments.i_checked_the_machine_stands_still;
     feed.journal = Some(arguments.journal.clone());
     let mut findings = Findings::default();
@@ -29,8 +29,8 @@ pub(in crate::cli) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop>
     };
     check_same(&told, &job, &before, &mut findings);
     if feed.dosing.zero_now {
-        let message = "drift counts from the condition in which the job began (--zero-now), which is gone";
-        let help = "set the zero point of the workpiece anew, and feed what is left as a job of its own";
+        let message = "drift is relative to the condition at the start of the job (--zero-now), which is unknown now";
+        let help = "set the workpiece zero again, and feed the remaining program as a new job";
         findings.add(Diagnostic::nowhere(Code::OTHER_JOB, message, help), &[]);
     }
     if findings.has_errors() {
@@ -55,28 +55,28 @@ pub(in crate::cli) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop>
             Ok(ExitCode::Done)
         }
         Some(confirmed) if *confirmed == plan.plan => {
-            tell(&format!("taking up again at line {} of the source\n", plan.source_line));
+            tell(&format!("resuming at line {} of the source\n", plan.source_line));
             feed::send(&feed, job, &before, &begin)
         }
         Some(confirmed) => Err(Stop::Usage(format!(
-            "{confirmed} is not the number of the plan for this journal, which is {}: read it first (ncfix resume {shown})",
+            "{confirmed} is not the plan number of this journal; it is {}: read the plan first (ncfix resume {shown})",
             plan.plan
         ))),
     }
 }
 
-/// Says that findings forbid it.
+/// Reports that errors forbid the transfer.
 fn nothing_sent(findings: &Findings) -> ExitCode {
     findings.draw();
     tell(&format!("{}; nothing was sent\n", findings.count()));
     findings.exit_code()
 }
 
-/// The arguments with which the job began.
+/// Arguments at the start of the job.
 fn arguments_of(told: &JournalContents) -> Result<FeedArguments, Stop> {
     let words = std::iter::once("ncfix").chain(began_with(told)?);
     match arguments::parse(words.map(std::ffi::OsString::from)) {
         Ok((_, Command::Feed(feed))) => Ok(*feed),
-        _ => Err(Stop::Usage("the journal does not say how the job began".into())),
+        _ => Err(Stop::Usage("the journal does not contain the command line of the job".into())),
     }
 }

@@ -1,4 +1,4 @@
-//! `ncfix sensors`: selects the sensors of temperature that tell the drift of a machine.
+//! `ncfix sensors`: selects the temperature sensors that predict the drift of a machine.
 
 pub(in crate::cli) mod arguments;
 mod watch;
@@ -18,7 +18,7 @@ use ncfix_metrology::results::sensors::{SensorTexts, read, selected};
 use ncfix_report::json;
 use ncfix_report::sensors::SensorReport;
 
-/// Selects.
+/// Selects the sensors.
 pub(in crate::cli) fn run(arguments: &SensorsArguments) -> Result<ExitCode, Stop> {
     if arguments.watch {
         return watch::run(arguments);

@@ -1,4 +1,4 @@
-//! `ncfix sensors S.toml --watch`: what live sensors say now, how old it is and whether it is believed.
+//! `ncfix sensors S.toml --watch`: current values of live sensors, their age and state.
 
 use std::io::IsTerminal as _;
 
@@ -11,7 +11,7 @@ use crate::watch::{SensorWatch, ShownAt};
 use ncfix_report::json;
 use ncfix_report::watch::WatchReport;
 
-/// Watches.
+/// Shows live sensors.
 pub(super) fn run(arguments: &SensorsArguments) -> Result<ExitCode, Stop> {
     let [path] = arguments.data.as_slice() else {
         return Err(Stop::Usage("--watch reads one file of live sensors".into()));
@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &SensorsArguments) -> Result<ExitCode, Stop> {
         return Ok(findings.exit_code());
     };
     let is_drawn = !arguments.json && std::io::stdout().is_terminal();
-    // Lines of the table that is on the terminal.
+    // Lines of the table on the terminal.
     let mut drawn_lines = 0;
     let mut show = |report: &WatchReport| {
         if is_drawn {
@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &SensorsArguments) -> Result<ExitCode, Stop> {
     Ok(if is_good { ExitCode::Done } else { ExitCode::Refused })
 }
 
-/// Draws the table over the one that is there.
+/// Draws the table over the previous one.
 fn redraw(report: &WatchReport, drawn_lines: &mut usize) -> Result<(), Stop> {
     let page = report.page();
     let up = if *drawn_lines > 0 { format!("\u{1b}[{drawn_lines}A") } else { String::new() };

@@ -1,4 +1,4 @@
-//! `ncfix simulate`: what instruments would read on a machine with errors.
+//! `ncfix simulate`: readings of instruments on a machine with errors.
 
 pub(in crate::cli) mod arguments;
 mod trace;
@@ -24,7 +24,7 @@ pub(in crate::cli) fn run(arguments: &SimulateArguments) -> Result<ExitCode, Sto
         return trace::run(arguments);
     }
     if !arguments.feed.is_empty() {
-        return Err(Stop::Usage("--feed is for part programs; a plan says itself what is read".into()));
+        return Err(Stop::Usage("--feed applies only to part programs, not to plans".into()));
     }
     let result = simulate(arguments, &mut findings);
     findings.draw();
@@ -35,7 +35,7 @@ pub(in crate::cli) fn run(arguments: &SimulateArguments) -> Result<ExitCode, Sto
     Ok(findings.exit_code())
 }
 
-/// Writes both files; the number of rows, `None` where findings forbid it.
+/// Writes both files; the number of rows, `None` if errors forbid it.
 fn simulate(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Option<usize>, Stop> {
     if is_standard_stream(&arguments.output) {
         return Err(Stop::Usage("a measurement is a pair of files, NAME.csv and NAME.toml; give -o NAME.csv".into()));

@@ -1,4 +1,4 @@
-//! `ncfix simulate PROGRAM`: a part program driven through the servo loops, recorded as a trace.
+//! `ncfix simulate PROGRAM`: a part program run through the servo loops, recorded as a trace.
 
 use crate::cli::arguments::SimulateArguments;
 use crate::cli::exit_code::ExitCode;
@@ -24,19 +24,19 @@ pub(super) fn run(arguments: &SimulateArguments) -> Result<ExitCode, Stop> {
     Ok(findings.exit_code())
 }
 
-/// What was recorded, in a sentence.
+/// Summary of the record, in one sentence.
 fn text(recorded: &Recorded, arguments: &SimulateArguments) -> String {
     let [rms, max] = recorded.off_path_um().map(micrometers);
     let place = recorded.worst.as_ref().map_or(String::new(), |place| format!(" at {place}"));
     format!(
-        "{} rows of {} simulated, tool off its path by {rms} RMS, {max} at most{place}; written {}\n",
+        "{} rows of {} simulated, path deviation of the tool {rms} RMS, {max} maximum{place}; written {}\n",
         grouped(recorded.rows),
         duration(recorded.time_s),
         arguments.output.display()
     )
 }
 
-/// Writes both files; `None` where findings forbid it.
+/// Writes both files; `None` if errors forbid it.
 fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Option<Recorded>, Stop> {
     if is_standard_stream(&arguments.output) {
         return Err(Stop::Usage("a measurement is a pair of files, NAME.csv and NAME.toml; give -o NAME.csv".into()));

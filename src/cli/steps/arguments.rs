@@ -8,11 +8,11 @@ use crate::cli::arguments::{MachineChoice, ProgramChoice, RotaryChoice, StateCho
 use crate::cli::value;
 use crate::tool::ToolVector;
 
-/// What `ncfix max-step --help` says last.
+/// End of `ncfix max-step --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
 Lines through the travel of all axes, or the moves of a program, are cut into pieces of a fixed step along the axis that moves farthest, as \
---step of ncfix fix does; the ends are corrected exactly, and the largest distance of the tool tip from the line in between is the \
-residual. The answer is the largest step below which it stays within --residual.
+with --step of ncfix fix. The ends of a piece are corrected exactly; the residual is the largest distance of the tool tip from the line in between. The \
+result is the largest step up to which the residual stays within --residual.
 
 Examples:
   ncfix max-step --machine mill.toml
@@ -22,32 +22,31 @@ Examples:
 /// `ncfix max-step`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct StepsArguments {
-    /// Part program whose moves are looked at; without it lines through the whole travel
+    /// Part program whose moves are evaluated (default: lines through the whole travel)
     #[arg(value_name = "PROGRAM")]
     pub(in crate::cli) input: Option<PathBuf>,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
     #[command(flatten)]
-    /// In which condition.
+    /// Condition of the machine.
     pub(in crate::cli) state: StateChoice,
     #[command(flatten)]
-    /// How the program is executed.
+    /// Reading and execution of the program.
     pub(in crate::cli) program: ProgramChoice,
-    /// Largest residual allowed, with its unit
+    /// Largest residual allowed, with unit
     #[arg(long, value_name = "LENGTH", default_value = "5um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) residual: f64,
-    /// Length of the tool in mm, or vector from the spindle to its tip; without it that of the longest tool of the machine file, or those of
-    /// the program
+    /// Tool length, mm, or vector from the spindle to the tip, mm (default: tools of the program, else the longest one of the machine file)
     #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
     pub(in crate::cli) tool: Option<ToolVector>,
-    /// Rotary axes
+    /// Correction of the rotary axes
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) rotary: RotaryChoice,
-    /// Draw residual over step into a file
+    /// Draw the residual over the step into this file
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) svg: Option<PathBuf>,
-    /// Write a page (HTML) with the picture and the table: one file that opens in a browser without a network
+    /// Write an HTML report with the picture and the table: one file that needs no network
     #[arg(long, value_name = "REPORT.html")]
     pub(in crate::cli) report: Option<PathBuf>,
     /// Print one JSON object on standard output

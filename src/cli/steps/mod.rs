@@ -46,9 +46,9 @@ pub(in crate::cli) fn run(arguments: &StepsArguments) -> Result<ExitCode, Stop> 
     Ok(findings.exit_code())
 }
 
-/// Looks for the step and draws the file; the report has no answer where findings forbid it.
+/// Finds the step and draws the file; the report has no answer if errors forbid it.
 fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepReport, Stop> {
-    // What is missing is said before any work is done.
+    // Missing inputs are reported before any work is done.
     let part = arguments.input.as_deref().map(|path| program::of(path, &arguments.program)).transpose()?;
     let target = arguments.svg.as_deref().map(Target::new).transpose()?;
     let page = arguments.report.as_deref().map(pages::file).transpose()?;

@@ -12,23 +12,23 @@ use crate::tool::ToolVector;
 use ncfix_base::geometry::Axis;
 use ncfix_tables::tables::{FORMATS, Format, Multiplication, Orientation, format};
 
-/// What `ncfix tables --help` says last.
+/// End of `ncfix tables --help`.
 pub(in crate::cli) const AFTER_HELP: &str = "\
-Formats (--list says what each holds):
+Formats (--list describes each):
   cec  enc  fanuc  heidenhain  grundig  comp  matrixkins  isg  ssfk
 Schemes:
   functions      a table for each error function, for controls with kinematics of their own
   grid           corrections of X, Y, Z on the smallest grid of positions that reaches the tolerance
   matrix         a matrix for scales and squareness of X, Y, Z
-  own            a table for each axis over its own position, free at every point
+  own            a table for each axis over its own position, each point fitted freely
   polynomial     a table for each pair of axes, cubic polynomials (25 on five axes)
-  free           a table for each pair of axes, free at every point
+  free           a table for each pair of axes, each point fitted freely
   trigonometric  arms of the linear axes times trigonometric functions of a rotary axis (23 on five axes)
-  fik            what the linear forward and inverse kinematics of the machine ask for, term by term
+  fik            the terms of the linearized forward and inverse kinematics of the machine
   auto           the fewest tables that reach the tolerance
 
-Tables are for one tool length: what tilts the tool moves its tip. Rotary axes are corrected as far as --orientation says. Load tables with the \
-compensation switched off, switch it on, and measure a circle or a few balls before and after: with the wrong sign errors double.
+Tables are valid for one tool length, because a tilt of the tool moves its tip. --orientation sets the correction of rotary axes. Load tables while \
+compensation is off, switch it on, and measure a circle or a few balls before and after: a wrong sign doubles the errors.
 
 Examples:
   ncfix tables --machine mill.toml --format cec --scheme fik --tool 120 -o CEC.INI --check
@@ -43,61 +43,61 @@ Examples:
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct TablesArguments {
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
     #[command(flatten)]
-    /// In which condition.
+    /// Condition of the machine.
     pub(in crate::cli) state: StateChoice,
-    /// Format of the tables that are written
+    /// Format of the tables to write
     #[arg(long, value_name = "FORMAT", value_parser = named)]
     pub(in crate::cli) format: Option<&'static Format>,
-    /// How the tables are filled
+    /// Scheme that fills the tables
     #[arg(long, value_name = "SCHEME", default_value = "auto", conflicts_with = "read")]
     pub(in crate::cli) scheme: String,
-    /// File to write; formats of several files add to its name
+    /// File to write; formats of several files extend its name
     #[arg(short, long, value_name = "OUT")]
     pub(in crate::cli) output: Option<PathBuf>,
-    /// Reads tables of a control: a file, several that belong together, or an archive
+    /// Read tables of a control: a file, several that belong together, or an archive
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub(in crate::cli) read: Vec<PathBuf>,
-    /// Compares them with the tables of another file: what both add at poses of the volume
+    /// Compare with the tables of another file: the corrections of both at poses of the volume
     #[arg(long, value_name = "FILE", requires = "read")]
     pub(in crate::cli) compare: Option<PathBuf>,
-    /// The error that is left over the volume with the tables as they are written
+    /// Compute the residual error over the volume with the tables as written
     #[arg(long)]
     pub(in crate::cli) check: bool,
-    /// Poses of the check
+    /// Number of poses of the check
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(in crate::cli) poses: u32,
-    /// Error that may be left at the tip, root mean square over the volume, with its unit
+    /// Residual error allowed at the tool tip, RMS over the volume, with unit
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) tolerance: f64,
-    /// Points of a table
+    /// Number of points of a table
     #[arg(long, value_name = "N", default_value_t = 37, value_parser = clap::value_parser!(u32).range(2..=2000))]
     pub(in crate::cli) points: u32,
-    /// What the rotary axes do about the direction of the tool; without it smooth, and six-rows for polynomial and trigonometric
+    /// Correction of the tool direction by the rotary axes (default: smooth; six-rows for polynomial and trigonometric)
     #[arg(long, value_enum)]
     pub(in crate::cli) orientation: Option<OrientationChoice>,
-    /// Range of an axis that the tables cover, mm or degrees, in place of its travel; may be given several times
+    /// Range of an axis that the tables cover, mm or deg, instead of its travel; repeatable
     #[arg(long, value_name = "AXIS=LOW..HIGH", value_parser = range, allow_hyphen_values = true)]
     pub(in crate::cli) range: Vec<(Axis, [f64; 2])>,
-    /// How the control names an axis: X=AX1; may be given several times
+    /// Name of an axis at the control, such as X=AX1; repeatable
     #[arg(long, value_name = "AXIS=NAME", value_parser = axis_name)]
     pub(in crate::cli) axis_name: Vec<(Axis, String)>,
-    /// What a table adds that is multiplied by another one: the product instead of its own value, or beside it; without it what the file or
-    /// the machine file says, else instead
+    /// Output of a table multiplied by another one: the product instead of its own value, or added to it (default: by the file or the machine file,
+    /// else instead)
     #[arg(long, value_enum)]
     pub(in crate::cli) multiplication: Option<MultiplicationChoice>,
-    /// Tool: its length in mm along the spindle, or X,Y,Z from the gauge point to the tip; without it that of the longest tool of the machine file
+    /// Tool length along the spindle, mm, or X,Y,Z from gauge point to tip, mm (default: the longest tool of the machine file)
     #[arg(long, value_name = "LENGTH|X,Y,Z", allow_hyphen_values = true)]
     pub(in crate::cli) tool: Option<ToolVector>,
-    /// Draws the tables into a file
+    /// Draw the tables into this file
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) svg: Option<PathBuf>,
-    /// Write a page (HTML) with what the tables leave, pictures and tables: one file that opens in a browser without a network
+    /// Write an HTML report with the residual errors, pictures and tables: one file that needs no network
     #[arg(long, value_name = "REPORT.html")]
     pub(in crate::cli) report: Option<PathBuf>,
-    /// Lists formats and schemes
+    /// List formats and schemes
     #[arg(long)]
     pub(in crate::cli) list: bool,
     /// Print one JSON object on standard output
@@ -106,7 +106,7 @@ pub(in crate::cli) struct TablesArguments {
 }
 
 impl TablesArguments {
-    /// How the tables are made and checked.
+    /// Options to make and check the tables.
     pub(super) fn options(&self) -> TableOptions {
         TableOptions {
             scheme: self.scheme.clone(),
@@ -133,7 +133,7 @@ impl TablesArguments {
     }
 }
 
-/// Refuses an option that says something of the same thing twice.
+/// Refuses an option that is given twice for the same thing.
 fn once(option: &str, all: impl Iterator<Item = String>) -> Result<(), Stop> {
     let mut known: Vec<String> = Vec::new();
     for one in all.map(|one| one.to_ascii_uppercase()) {
@@ -148,18 +148,18 @@ fn once(option: &str, all: impl Iterator<Item = String>) -> Result<(), Stop> {
 /// See [`Orientation`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum OrientationChoice {
-    /// As much of the tilt as goes without turning the tool about itself much: a smooth function without poles
+    /// As much of the tilt as possible without much rotation of the tool about its axis: a smooth function without poles
     Smooth,
-    /// Tilt and roll alike (Esmaeili 2021, eq. 37): lowest trigonometric functions, most tilt left
+    /// Tilt and roll alike (Esmaeili 2021, eq. 37): lowest trigonometric functions, largest residual tilt
     SixRows,
-    /// All of the tilt, as programs are corrected: steep near a pole
+    /// All of the tilt, as in the correction of programs: steep near a pole
     Exact,
-    /// Nothing: only the position of the tip is corrected
+    /// None: only the tip position is corrected
     Off,
 }
 
 impl OrientationChoice {
-    /// The same for the tables.
+    /// Orientation for the library.
     fn orientation(self) -> Orientation {
         match self {
             OrientationChoice::Smooth => Orientation::Smooth,
@@ -173,14 +173,14 @@ impl OrientationChoice {
 /// See [`Multiplication`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum MultiplicationChoice {
-    /// The product in place of the own value
+    /// Product instead of the own value
     Instead,
-    /// The product beside the own value
+    /// Product in addition to the own value
     Beside,
 }
 
 impl MultiplicationChoice {
-    /// The same for the tables.
+    /// Multiplication for the library.
     fn multiplication(self) -> Multiplication {
         match self {
             MultiplicationChoice::Instead => Multiplication::Instead,
@@ -196,8 +196,8 @@ fn named(text: &str) -> Result<&'static Format, String> {
 
 fn axis_of(text: &str) -> Result<Axis, String> {
     match text.trim().as_bytes() {
-        [letter] => Axis::from_letter(*letter).ok_or_else(|| format!("'{text}' is no axis")),
-        _ => Err(format!("'{text}' is no axis")),
+        [letter] => Axis::from_letter(*letter).ok_or_else(|| format!("'{text}' is not an axis")),
+        _ => Err(format!("'{text}' is not an axis")),
     }
 }
 
@@ -209,7 +209,7 @@ fn range(text: &str) -> Result<(Axis, [f64; 2]), String> {
             .parse::<f64>()
             .ok()
             .filter(|value| value.is_finite())
-            .ok_or_else(|| format!("'{text}' is no number"))
+            .ok_or_else(|| format!("'{text}' is not a number"))
     };
     let (low, high) = (number(low)?, number(high)?);
     if low > high {
@@ -221,5 +221,5 @@ fn range(text: &str) -> Result<(Axis, [f64; 2]), String> {
 fn axis_name(text: &str) -> Result<(Axis, String), String> {
     let (axis, name) = text.split_once('=').ok_or("write AXIS=NAME, such as X=AX1")?;
     let is_name = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if is_name { Ok((axis_of(axis)?, name.to_owned())) } else { Err(format!("'{name}' is no name of an axis")) }
+    if is_name { Ok((axis_of(axis)?, name.to_owned())) } else { Err(format!("'{name}' is not an axis name")) }
 }

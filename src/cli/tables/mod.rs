@@ -1,4 +1,4 @@
-//! `ncfix tables`: makes compensation tables, checks them as the control interpolates, reads, draws, compares and converts them.
+//! `ncfix tables`: makes compensation tables, checks them with the interpolation of the control, reads, draws, compares and converts them.
 
 pub(in crate::cli) mod arguments;
 mod write;
@@ -45,7 +45,7 @@ pub(in crate::cli) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop>
     Ok(findings.exit_code())
 }
 
-/// The machine itself, without tables that are active in its control; `None` where findings forbid to use it.
+/// The machine itself, without tables that are active in its control; `None` if errors forbid its use.
 fn machine(arguments: &TablesArguments, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
     arguments.check_ranges()?;
     let beside = arguments.output.as_deref().or(arguments.read.first().map(PathBuf::as_path)).unwrap_or(Path::new("."));
@@ -55,7 +55,7 @@ fn machine(arguments: &TablesArguments, findings: &mut Findings) -> Result<Optio
 
 fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut Findings) -> Result<(), Stop> {
     let Some(format) = arguments.format else {
-        return Err(Stop::Usage("give --format; ncfix tables --list shows what there is".into()));
+        return Err(Stop::Usage("give --format; `ncfix tables --list` lists the formats".into()));
     };
     let Some(output) = &arguments.output else {
         return Err(Stop::Usage("give -o, the file to write; -o - for standard output".into()));

@@ -45,7 +45,7 @@ pub(super) fn publish(
         program::protect(page, inputs.iter(), findings);
         if let Some((path, _)) = files.iter().find(|(path, _)| page.is(path) || Some(path) == arguments.report.as_ref())
         {
-            return Err(Stop::Usage(format!("--report and {} are one file", path.display())));
+            return Err(Stop::Usage(format!("--report and {} name the same file", path.display())));
         }
     }
     if findings.has_errors() {

@@ -15,22 +15,22 @@ pub(in crate::cli) struct VerifyArguments {
     /// Corrected part program
     pub(in crate::cli) corrected: PathBuf,
     #[command(flatten)]
-    /// Which machine.
+    /// Machine file and set-up files.
     pub(in crate::cli) machine: MachineChoice,
     #[command(flatten)]
-    /// The condition of the machine.
+    /// Condition of the machine.
     pub(in crate::cli) state: StateChoice,
     #[command(flatten)]
-    /// How the programs are executed.
+    /// Reading and execution of the programs.
     pub(in crate::cli) program: ProgramChoice,
-    /// Tolerance that the correction has promised, with its unit; without it what the stamp says
+    /// Tolerance promised by the correction, with unit (default: that of the stamp)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) promised: Option<f64>,
-    /// Drive both programs through the servo loops of the machine file too (docs/reference/servo.md), and say how far off their paths they leave the tool, and their times
+    /// Also run both programs through the servo loops (docs/reference/servo.md); report path deviations and times
     #[arg(long)]
     pub(in crate::cli) at_feed: bool,
     #[command(flatten)]
-    /// Which page.
+    /// Report page and its pictures.
     pub(in crate::cli) page: PageChoice,
     /// Print one JSON object on standard output
     #[arg(long)]

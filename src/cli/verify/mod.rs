@@ -46,13 +46,13 @@ pub(in crate::cli) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop>
     Ok(findings.exit_code())
 }
 
-/// Reads both programs and the machine, and compares; `None` where findings forbid it.
+/// Reads both programs and the machine, and compares; `None` if errors forbid it.
 fn compare(
     arguments: &VerifyArguments,
     findings: &mut Findings,
     see: &mut dyn FnMut(Follow<'_>),
 ) -> Result<Option<Outcome>, Stop> {
-    // Both are read before anything else: a file that is missing is the first thing to know.
+    // Both are read first, so that a missing file is reported first.
     let programs = program::both(&arguments.original, &arguments.corrected, &arguments.program)?;
     if findings.has_errors() {
         return Ok(None);
