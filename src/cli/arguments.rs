@@ -37,7 +37,7 @@ use clap::builder::NonEmptyStringValueParser;
 use clap::error::ErrorKind;
 use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
-use super::voice::Voice;
+use super::verbosity::Verbosity;
 use super::{
     calibrate, decompose, diagnose, diff, feed, figures, load, measured, plan, realtime, sensors, simulate, steps,
     tables, value,
@@ -84,7 +84,7 @@ pub(super) fn definition() -> clap::Command {
 }
 
 /// Reads a command line whose first argument is the name of the program.
-pub(super) fn parse<I>(arguments: I) -> Result<(Voice, Command), clap::Error>
+pub(super) fn parse<I>(arguments: I) -> Result<(Verbosity, Command), clap::Error>
 where
     I: IntoIterator,
     I::Item: Into<OsString> + Clone,
@@ -98,7 +98,7 @@ where
     } else {
         FixArguments::from_arg_matches(&matches).map(Command::Fix)
     };
-    Ok((switches::voice(&matches), command?))
+    Ok((switches::verbosity(&matches), command?))
 }
 
 /// Replaces the message of clap for a file or option in the place of a command: clap takes it for the program of the default command and reports a
@@ -331,15 +331,15 @@ mod tests {
     #[test]
     fn the_switches_of_all_commands_stand_before_and_behind_the_command() {
         for (line, expected) in [
-            ("ncfix check a.mpf", Voice::Usual),
-            ("ncfix -q check a.mpf", Voice::Quiet),
-            ("ncfix check -q a.mpf", Voice::Quiet),
-            ("ncfix check a.mpf --quiet", Voice::Quiet),
-            ("ncfix --verbose machine show a.toml", Voice::Verbose),
-            ("ncfix machine -v show a.toml", Voice::Verbose),
-            ("ncfix machine show a.toml -v", Voice::Verbose),
-            ("ncfix -v a.mpf -o b.mpf", Voice::Verbose),
-            ("ncfix a.mpf -o b.mpf -q", Voice::Quiet),
+            ("ncfix check a.mpf", Verbosity::Usual),
+            ("ncfix -q check a.mpf", Verbosity::Quiet),
+            ("ncfix check -q a.mpf", Verbosity::Quiet),
+            ("ncfix check a.mpf --quiet", Verbosity::Quiet),
+            ("ncfix --verbose machine show a.toml", Verbosity::Verbose),
+            ("ncfix machine -v show a.toml", Verbosity::Verbose),
+            ("ncfix machine show a.toml -v", Verbosity::Verbose),
+            ("ncfix -v a.mpf -o b.mpf", Verbosity::Verbose),
+            ("ncfix a.mpf -o b.mpf -q", Verbosity::Quiet),
         ] {
             assert_eq!(parse(line.split(' ')).unwrap().0, expected, "{line}");
         }

@@ -1,7 +1,7 @@
 //! Diagnostics of a command: printed on standard error, and turned into the exit status.
 
 use super::exit_code::ExitCode;
-use super::{progress, voice};
+use super::{progress, verbosity};
 pub(super) use crate::diagnostics::Diagnostics as Findings;
 use ncfix_report::terminal::Colors;
 
@@ -20,6 +20,6 @@ impl Findings {
     /// Prints the first diagnostics on standard error, errors before warnings.
     pub(super) fn draw(&self) {
         progress::end();
-        super::say(&self.drawing(Colors::Ansi, !voice::is_quiet()));
+        super::say(&self.drawing(Colors::Ansi, !verbosity::is_quiet()));
     }
 }

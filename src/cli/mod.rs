@@ -36,8 +36,8 @@ mod steps;
 mod stop;
 mod tables;
 mod value;
+mod verbosity;
 mod verify;
-mod voice;
 
 pub use exit_code::ExitCode;
 
@@ -45,7 +45,7 @@ use std::ffi::OsString;
 use std::io::Write as _;
 
 use crate::disk::measurements as measurement;
-use crate::disk::{files, output, parameters, together, traces as trace};
+use crate::disk::{atomic_writes, files, output, parameters, traces as trace};
 use arguments::Command;
 use ncfix_base::source::shown;
 use stop::Stop;
@@ -66,11 +66,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             return if message.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
         }
     };
-    voice::choose(voice);
+    verbosity::choose(voice);
     if let Some((old, new)) = renamed {
         tell(&format!("note: `ncfix {old}` is now called `ncfix {new}`; the old name still works\n"));
     }
-    log::info!("{}", voice::version());
+    log::info!("{}", verbosity::version());
     files::begin_run(progress::end);
     if let Some(name) = command.silent_work() {
         progress::begin(name);
@@ -135,7 +135,7 @@ fn print(text: &str) -> Result<(), Stop> {
 
 /// Prints a sentence or a table for the user on standard error; nothing with `--quiet`.
 fn tell(text: &str) {
-    if !voice::is_quiet() {
+    if !verbosity::is_quiet() {
         progress::end();
         say(&shown(text));
     }

@@ -4,10 +4,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::arguments::PageChoice;
+use super::atomic_writes::AtomicWrites;
 use super::input::is_standard_stream;
 use super::output::{Target, is_same};
 use super::stop::Stop;
-use super::together::Together;
 pub(super) use crate::disk::hash::input_of as input;
 use ncfix_report::page::apart::pictures;
 
@@ -53,7 +53,7 @@ impl Pages {
     ///
     /// # Errors
     /// If that is not possible.
-    pub(super) fn add(self, page: &str, to: &mut Together) -> Result<(), Stop> {
+    pub(super) fn add(self, page: &str, to: &mut AtomicWrites) -> Result<(), Stop> {
         if let Some(folder) = &self.pictures {
             let fault = |error: &io::Error| Stop::file("write", folder, error);
             std::fs::create_dir_all(folder).map_err(|error| fault(&error))?;
@@ -69,7 +69,7 @@ impl Pages {
     /// # Errors
     /// If that is not possible.
     pub(super) fn publish(self, page: &str) -> Result<(), Stop> {
-        let mut together = Together::default();
+        let mut together = AtomicWrites::default();
         self.add(page, &mut together)?;
         Ok(together.publish()?)
     }
@@ -104,7 +104,7 @@ pub(super) fn file(path: &Path) -> Result<Target, Stop> {
 /// # Errors
 /// If it cannot be written.
 pub(super) fn publish(target: Target, text: &str) -> Result<(), Stop> {
-    let mut together = Together::default();
+    let mut together = AtomicWrites::default();
     together.add(target, text.as_bytes())?;
     Ok(together.publish()?)
 }

@@ -8,7 +8,7 @@ use std::io::{IsTerminal as _, Write as _};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::voice;
+use super::verbosity;
 use crate::run::Watch;
 use ncfix_report::number::grouped;
 
@@ -64,7 +64,7 @@ impl Line {
 
 /// True if the line is shown to a user.
 fn is_wanted() -> bool {
-    !voice::is_quiet() && std::io::stderr().is_terminal()
+    !verbosity::is_quiet() && std::io::stderr().is_terminal()
 }
 
 /// Removes the line before other output.

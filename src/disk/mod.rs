@@ -3,6 +3,7 @@
 //! The library opens files here only, and only for functions whose names say so. What was read, and why, is logged.
 
 pub(crate) mod archive;
+pub(crate) mod atomic_writes;
 pub(crate) mod files;
 pub(crate) mod fingerprint;
 pub(crate) mod folder_library;
@@ -17,5 +18,4 @@ pub(crate) mod parameters;
 mod replace;
 pub(crate) mod table_files;
 mod target;
-pub(crate) mod together;
 pub(crate) mod traces;

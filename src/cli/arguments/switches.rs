@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 
 use clap::{Arg, ArgAction, ArgMatches, Command};
 
-use crate::cli::voice::Voice;
+use crate::cli::verbosity::Verbosity;
 
 const QUIET: &str = "quiet";
 const VERBOSE: &str = "verbose";
@@ -21,11 +21,11 @@ pub(super) fn add(command: Command) -> Command {
 }
 
 /// Verbosity chosen by the switches.
-pub(super) fn voice(matches: &ArgMatches) -> Voice {
+pub(super) fn verbosity(matches: &ArgMatches) -> Verbosity {
     match (matches.get_flag(QUIET), matches.get_flag(VERBOSE)) {
-        (true, _) => Voice::Quiet,
-        (_, true) => Voice::Verbose,
-        _ => Voice::Usual,
+        (true, _) => Verbosity::Quiet,
+        (_, true) => Verbosity::Verbose,
+        _ => Verbosity::Usual,
     }
 }
 

@@ -4,6 +4,7 @@ pub(in crate::cli) mod arguments;
 
 use crate::calibration::text_of;
 use crate::cli::arguments::CalibrateArguments;
+use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::input::{self, is_standard_stream, one_stream};
@@ -13,7 +14,6 @@ use crate::cli::output::Target;
 use crate::cli::pages::{self, Pages};
 use crate::cli::progress::Progress;
 use crate::cli::stop::Stop;
-use crate::cli::together::Together;
 use crate::cli::{parameters, print, state, tell};
 use ncfix_base::source::FileId;
 use ncfix_metrology::calibrate::candidates::PiecewisePolynomials;
@@ -32,7 +32,7 @@ pub(in crate::cli) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, St
     let mut report = CalibrationReport { version: env!("CARGO_PKG_VERSION"), ..CalibrationReport::default() };
     report.found.model.clone_from(&arguments.model);
     let page = Pages::new(&arguments.page, Some(&arguments.output), arguments.json)?;
-    let mut files = Together::default();
+    let mut files = AtomicWrites::default();
     let mut result = calibrate(arguments, page.as_ref(), &mut files, &mut findings, &mut report);
     if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
         report.diagnostics = findings.json();
@@ -62,7 +62,7 @@ pub(in crate::cli) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, St
 fn calibrate(
     arguments: &CalibrateArguments,
     page: Option<&Pages>,
-    files: &mut Together,
+    files: &mut AtomicWrites,
     findings: &mut Findings,
     report: &mut CalibrationReport,
 ) -> Result<(), Stop> {

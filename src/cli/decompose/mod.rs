@@ -5,6 +5,7 @@ pub(in crate::cli) mod arguments;
 use std::path::Path;
 
 use crate::cli::arguments::DecomposeArguments;
+use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::input::{self, is_standard_stream, one_stream};
@@ -13,7 +14,6 @@ use crate::cli::output::Target;
 use crate::cli::pages::{self, Pages};
 use crate::cli::progress::Progress;
 use crate::cli::stop::Stop;
-use crate::cli::together::Together;
 use crate::cli::{print, program, tell, trace};
 use ncfix_base::diagnostic::{Code, Diagnostic};
 use ncfix_base::source::FileId;
@@ -31,7 +31,7 @@ pub(in crate::cli) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, St
     let mut report = DecompositionReport::default();
     report.found.schema = SCHEMA;
     let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
-    let mut files = Together::default();
+    let mut files = AtomicWrites::default();
     let mut result = find(arguments, page.as_ref(), &mut files, &mut findings, &mut report);
     report.diagnostics = findings.json();
     if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
@@ -64,7 +64,7 @@ pub(in crate::cli) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, St
 fn find(
     arguments: &DecomposeArguments,
     page: Option<&Pages>,
-    files: &mut Together,
+    files: &mut AtomicWrites,
     findings: &mut Findings,
     report: &mut DecompositionReport,
 ) -> Result<(), Stop> {
@@ -131,7 +131,7 @@ fn options(arguments: &DecomposeArguments, machine: &Machine) -> Result<Decompos
 fn extend(
     chosen: &Chosen,
     found: &decompose::Decomposition,
-    (target, name, files): (Target, &Path, &mut Together),
+    (target, name, files): (Target, &Path, &mut AtomicWrites),
     findings: &mut Findings,
     report: &mut DecompositionReport,
 ) -> Result<(), Stop> {

@@ -5,6 +5,7 @@ pub(in crate::cli) mod arguments;
 use std::path::{Path, PathBuf};
 
 use crate::cli::arguments::DiagnoseArguments;
+use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::input::{self, is_standard_stream, one_stream};
@@ -13,7 +14,6 @@ use crate::cli::output::Target;
 use crate::cli::pages::{self, Pages};
 use crate::cli::progress::Progress;
 use crate::cli::stop::Stop;
-use crate::cli::together::Together;
 use crate::cli::{measurement, print, tell};
 use ncfix_base::source::{FileId, Source};
 use ncfix_metrology::results::diagnosis::{self, DiagnosisSettings, SCHEMA};
@@ -30,7 +30,7 @@ pub(in crate::cli) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Sto
     report.found.schema = SCHEMA;
     let mut shown = PageReadings { version: env!("CARGO_PKG_VERSION"), ..PageReadings::default() };
     let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
-    let mut files = Together::default();
+    let mut files = AtomicWrites::default();
     let mut result = find(arguments, (page.as_ref(), &mut files), &mut findings, &mut report, &mut shown);
     if let (Some(page), Ok(())) = (page.filter(|_| !shown.inputs.is_empty()), &result) {
         report.diagnostics = findings.json();
@@ -67,7 +67,7 @@ pub(in crate::cli) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Sto
 
 fn find(
     arguments: &DiagnoseArguments,
-    (page, files): (Option<&Pages>, &mut Together),
+    (page, files): (Option<&Pages>, &mut AtomicWrites),
     findings: &mut Findings,
     report: &mut DiagnosisReport,
     shown: &mut PageReadings,

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::keys::Keys;
 use crate::cli::stop::Stop;
-use crate::cli::{print, tell, voice};
+use crate::cli::{print, tell, verbosity};
 use crate::feed::FeedView;
 use ncfix_dnc::feed::Event;
 use ncfix_report::feed::{FeedEvent, Said, Status};
@@ -44,7 +44,7 @@ impl Show {
     pub(super) fn new(is_json: bool) -> Result<Show, Stop> {
         Ok(Show {
             is_json,
-            is_terminal: std::io::stderr().is_terminal() && !voice::is_quiet(),
+            is_terminal: std::io::stderr().is_terminal() && !verbosity::is_quiet(),
             shown: None,
             is_drawn: false,
             frozen: None,

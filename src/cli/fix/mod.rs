@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use crate::cli::arguments::FixArguments;
+use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::diff;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
@@ -14,7 +15,6 @@ use crate::cli::machine_choice;
 use crate::cli::output::{Old, Spool, Target, next_backup};
 use crate::cli::program;
 use crate::cli::stop::Stop;
-use crate::cli::together::Together;
 use crate::cli::{pages, print, progress, tell};
 use crate::compare::Pair;
 use crate::machine::Machine;
@@ -128,7 +128,7 @@ impl<'a> Job<'a> {
             *report = CorrectionReport { machine: std::mem::take(&mut report.machine), ..CorrectionReport::default() };
             return Ok(());
         }
-        let mut together = Together::default();
+        let mut together = AtomicWrites::default();
         let old = if arguments.in_place { Old::Kept(self.program.bytes()) } else { Old::Replaced };
         if arguments.in_place { together.put(spool) } else { together.take(spool) }?;
         if let (Some(target), Some(page)) = (&self.page, page) {

@@ -5,6 +5,7 @@ pub(in crate::cli) mod arguments;
 use std::path::Path;
 
 use crate::cli::arguments::PlanArguments;
+use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::machine_choice;
@@ -12,7 +13,6 @@ use crate::cli::output::Target;
 use crate::cli::program::protect;
 use crate::cli::stop::Stop;
 use crate::cli::tell;
-use crate::cli::together::Together;
 use crate::plan::PlanRequest;
 use ncfix_report::plan::page;
 
@@ -58,7 +58,7 @@ fn plan(arguments: &PlanArguments, findings: &mut Findings) -> Result<Option<Str
     };
     let Some(made) = request.run(&chosen, findings)? else { return Ok(None) };
     let texts = [made.table.into_bytes(), made.description.into_bytes()].into_iter().chain(made.program);
-    let mut together = Together::default();
+    let mut together = AtomicWrites::default();
     for (target, text) in targets.into_iter().zip(texts) {
         together.add(target, &text)?;
     }

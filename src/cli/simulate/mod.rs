@@ -4,6 +4,7 @@ pub(in crate::cli) mod arguments;
 mod trace;
 
 use crate::cli::arguments::SimulateArguments;
+use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::input::is_standard_stream;
@@ -11,7 +12,6 @@ use crate::cli::measurement::{self, description_of};
 use crate::cli::output::{Spool, Target};
 use crate::cli::program::protect;
 use crate::cli::stop::Stop;
-use crate::cli::together::Together;
 use crate::cli::{machine_choice, state, tell};
 use ncfix_base::csv::Table;
 use ncfix_metrology::results::simulated::PlannedReadings;
@@ -73,7 +73,7 @@ fn simulate(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Op
     if let Err(error) = job.write(&rows, data.writer()) {
         return Err(data.fault(&error).into());
     }
-    let mut together = Together::default();
+    let mut together = AtomicWrites::default();
     together.take(data)?;
     together.add(description, &job.description(arguments.noise))?;
     together.publish()?;

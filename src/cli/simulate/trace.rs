@@ -1,13 +1,13 @@
 //! `ncfix simulate PROGRAM`: a part program run through the servo loops, recorded as a trace.
 
 use crate::cli::arguments::SimulateArguments;
+use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::input::is_standard_stream;
 use crate::cli::measurement::description_of;
 use crate::cli::output::{Spool, Target};
 use crate::cli::stop::Stop;
-use crate::cli::together::Together;
 use crate::cli::{machine_choice, program, progress, tell};
 use crate::simulate::{Recorded, Recorder, SimulateOptions};
 use ncfix_report::number::{duration, grouped, micrometers};
@@ -66,7 +66,7 @@ fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Opti
     if !is_whole {
         return Ok(None);
     }
-    let mut together = Together::default();
+    let mut together = AtomicWrites::default();
     together.take(table)?;
     together.add(description, recorder.description().as_bytes())?;
     together.publish()?;

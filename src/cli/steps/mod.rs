@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::cli::arguments::StepsArguments;
+use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::exit_code::ExitCode;
 use crate::cli::findings::Findings;
 use crate::cli::output::Target;
 use crate::cli::progress::{self, Progress};
 use crate::cli::stop::Stop;
-use crate::cli::together::Together;
 use crate::cli::{input, machine_choice, pages, print, program};
 use crate::program::Program;
 use crate::steps::StepSearch;
@@ -75,7 +75,7 @@ fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepRepor
     if report.answer.is_none() {
         return Ok(report);
     }
-    let mut together = Together::default();
+    let mut together = AtomicWrites::default();
     if let Some(target) = target {
         together.add(target, Residual(&report).svg().as_bytes())?;
     }

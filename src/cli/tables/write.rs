@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use crate::cli::arguments::TablesArguments;
+use crate::cli::atomic_writes::AtomicWrites;
 use crate::cli::findings::Findings;
 use crate::cli::output::Target;
 use crate::cli::stop::Stop;
-use crate::cli::together::Together;
 use crate::cli::{input, pages, program};
 use ncfix_base::source::FileId;
 use ncfix_report::page;
@@ -28,7 +28,7 @@ pub(super) fn publish(
     if let Some(path) = &arguments.svg {
         files.push((path.clone(), picture(sets)));
     }
-    let mut together = Together::default();
+    let mut together = AtomicWrites::default();
     for (path, text) in &files {
         let target = Target::new(path)?;
         if arguments.json && target == Target::Standard {

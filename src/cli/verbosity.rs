@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// Verbosity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Voice {
+pub(super) enum Verbosity {
     /// `--quiet`: errors only.
     Quiet,
     /// Diagnostics, tables and sentences about the results.
@@ -19,12 +19,12 @@ pub(super) enum Voice {
 }
 
 /// Verbosity of this process.
-static CHOSEN: AtomicU8 = AtomicU8::new(Voice::Usual as u8);
+static CHOSEN: AtomicU8 = AtomicU8::new(Verbosity::Usual as u8);
 
 /// Sets the verbosity.
-pub(super) fn choose(voice: Voice) {
+pub(super) fn choose(voice: Verbosity) {
     CHOSEN.store(voice as u8, Ordering::Relaxed);
-    if voice == Voice::Verbose {
+    if voice == Verbosity::Verbose {
         // A second run in one process has the same logger.
         let _ = log::set_logger(&Notes);
         log::set_max_level(log::LevelFilter::Info);
@@ -33,7 +33,7 @@ pub(super) fn choose(voice: Voice) {
 
 /// True if only errors are printed.
 pub(super) fn is_quiet() -> bool {
-    CHOSEN.load(Ordering::Relaxed) == Voice::Quiet as u8
+    CHOSEN.load(Ordering::Relaxed) == Verbosity::Quiet as u8
 }
 
 /// Notes already printed: a file that is read again is not reported twice.

@@ -8,11 +8,11 @@ use crate::error::Error;
 
 /// Texts of one run: each is on the disk before the first gets its name.
 #[derive(Default)]
-pub(crate) struct Together {
+pub(crate) struct AtomicWrites {
     spools: Vec<Spool>,
 }
 
-impl Together {
+impl AtomicWrites {
     /// Takes a text that is complete.
     ///
     /// # Errors
