@@ -109,7 +109,7 @@ impl Picture for Bars {
             let middle = TOP + STEP * (number as f64 + 0.5);
             text(out, [LEFT - 8.0, middle + HALF_LETTER], "end", &shortened(&bar.label, 22));
             if !bar.value.is_finite() {
-                text(out, [zero + 6.0, middle + HALF_LETTER], "start", "not told");
+                text(out, [zero + 6.0, middle + HALF_LETTER], "start", "not identifiable");
                 continue;
             }
             let (top, end) = (middle - 5.5, x(bar.value));
