@@ -32,7 +32,7 @@ min-width:8.5rem}.strip span{display:block;color:var(--soft);font-size:.83rem}.s
 th,td{padding:.22rem .75rem;text-align:left;border-bottom:1px solid var(--grid);white-space:nowrap}\
 th{white-space:normal;color:var(--soft);font-weight:600;vertical-align:bottom}.n{text-align:right}tr.whole td{font-weight:600}tr.part td:first-child{padding-left:2rem}\
 tr.bad td{color:var(--bad)}tr.wrap td{white-space:normal;vertical-align:top;max-width:34em}.note{color:var(--soft);font-size:.87rem}\n\
-@media (max-width:1000px){table{font-size:.85rem}th,td{padding:.2rem .3rem}}\n\
+@media (max-width:1000px){table{font-size:.85rem}th,td{padding:.2rem .3rem}td.t{white-space:normal}}\n\
 .pictures{display:grid;grid-template-columns:repeat(6,minmax(0,1fr));gap:1rem;align-items:start}.pictures figure{grid-column:span 2}\
 .pictures figure:is(:nth-child(3n+1):nth-last-child(2),:nth-child(3n+2):last-child,:nth-child(3n+1):nth-last-child(4),\
 :nth-child(3n+2):nth-last-child(3),:nth-child(3n):nth-last-child(2),:nth-child(3n+1):last-child){grid-column:span 3}\
