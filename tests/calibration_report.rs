@@ -256,7 +256,7 @@ fn a_million_readings_are_a_page_that_opens() {
     let document = parsed(&page);
     let text: String = document.descendants().filter_map(|node| node.text()).collect();
     assert!(text.contains("99500 more rows are not shown") && text.contains("16 more circles are not drawn"));
-    assert!(text.contains("33 others") && text.contains("not told"));
+    assert!(text.contains("33 others") && text.contains("not identifiable"));
 }
 
 #[test]

@@ -160,7 +160,9 @@ fn a_ball_bar_shows_every_cause_alone() {
         caption.strip_prefix("Circularity of this cause alone: ")?.split(' ').next()?.parse::<f64>().ok()
     });
     assert!(circularity.is_some(), "{captions:?}");
-    for wanted in ["Ball-bar, XY", "Left over time", "Left over X", "Left over Y", "Left over feed_mm_min"] {
+    for wanted in
+        ["Ball-bar, XY", "Residual over time", "Residual over X", "Residual over Y", "Residual over feed_mm_min"]
+    {
         assert!(pictures.iter().any(|title| title.starts_with(wanted)), "{wanted} in {pictures:?}");
     }
     // Measurements used and held out.
@@ -185,7 +187,7 @@ fn a_drift_is_drawn_over_time_with_its_sensor() {
         format!("Drift: d{direction} over time"),
         format!("{sensor} over time"),
         format!("Evidence: d{direction} over {sensor}"),
-        format!("Left d{direction} over {sensor}"),
+        format!("Residual d{direction} over {sensor}"),
     ];
     for wanted in wanted {
         assert!(pictures.contains(&wanted), "{wanted} in {pictures:?}");
@@ -206,7 +208,7 @@ fn where_nothing_is_hidden_the_page_says_so() {
         assert!(all.contains(cause.name), "{}", cause.name);
     }
     // Nothing to tell apart: one cloud of readings, without a legend.
-    assert!(!all.contains("before\n") && pictures(&document).contains(&"Left dx over X".to_owned()));
+    assert!(!all.contains("before\n") && pictures(&document).contains(&"Residual dx over X".to_owned()));
 }
 
 #[test]

@@ -115,7 +115,7 @@ fn a_verification_has_a_page_and_pictures() {
         names,
         [
             "01-error-along-the-path.svg",
-            "02-what-is-left-along-the-path.svg",
+            "02-residual-along-the-path.svg",
             "03-errors-of-the-original-program.svg",
             "04-errors-of-the-corrected-program.svg"
         ]

@@ -87,7 +87,7 @@ fn bars_end_at_their_values() {
     let bar = |value, error| Bar { label: HOSTILE.into(), value, error };
     let bars = vec![bar(10.0, 1.0), bar(-4.0, 0.0), bar(f64::INFINITY, f64::NAN)];
     let text = sound(&Bars { bars: bars.clone(), ..Bars::default() });
-    assert!(text.contains("not told"), "{text}");
+    assert!(text.contains("not identifiable"), "{text}");
     // From −5 to 15: 406 units of the picture for 20, so zero at 271.5, 10 at 474.5, −4 at 190.3.
     assert!(text.contains("M271.5 35.5H474.5v11H271.5z") && text.contains("M271.5 53.5H190.3v11H271.5z"), "{text}");
     assert!(text.contains("M454.2 41.0H494.8"), "{text}");

@@ -103,6 +103,43 @@ impl ErrorName {
     }
 }
 
+impl ErrorName {
+    /// Returns what the component is, in words: `squareness X–Y`, `straightness of X in Y`, `tilt of C about X`.
+    #[must_use]
+    pub fn spelled_out(&self) -> String {
+        let letter = self.direction.letter();
+        // The linear direction along or about which it deviates.
+        let about = ['X', 'Y', 'Z'][self.direction.index() % 3];
+        let Some(axis) = self.axis() else {
+            let what =
+                if self.direction.is_rotation() { "tilt of the spindle about" } else { "offset of the spindle in" };
+            return format!("{what} {about}");
+        };
+        let name = axis.to_string();
+        let own = if axis.is_rotary() { char::from(b'A' + (about as u8 - b'X')) } else { about };
+        let is_own = name == own.to_string();
+        match (self.kind, axis.is_rotary(), self.direction.is_rotation()) {
+            (ErrorKind::Location, _, false) => format!("offset of {name} in {letter}"),
+            (ErrorKind::Location, true, true) if is_own => format!("zero of {name}"),
+            (ErrorKind::Location, false, true) if is_own => format!("roll of {name}"),
+            (ErrorKind::Location, false, true) if matches!(axis, Axis::X | Axis::Y | Axis::Z) => {
+                let other = ['X', 'Y', 'Z'].into_iter().find(|other| *other != about && name != other.to_string());
+                format!("squareness {name}–{}", other.unwrap_or(about))
+            }
+            (ErrorKind::Location, _, true) => format!("tilt of {name} about {about}"),
+            (ErrorKind::Motion, true, true) | (ErrorKind::Motion, false, false) if is_own => {
+                format!("positioning of {name}")
+            }
+            (ErrorKind::Motion, false, false) => format!("straightness of {name} in {letter}"),
+            (ErrorKind::Motion, false, true) if is_own => format!("roll of {name}"),
+            (ErrorKind::Motion, false, true) => format!("angular error of {name} about {about}"),
+            (ErrorKind::Motion, true, true) => format!("tilt of {name} about {about}"),
+            (ErrorKind::Motion, true, false) if is_own => format!("axial error of {name}"),
+            (ErrorKind::Motion, true, false) => format!("radial error of {name} in {letter}"),
+        }
+    }
+}
+
 impl fmt::Display for ErrorName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "E{}", self.direction.letter())?;
@@ -154,6 +191,31 @@ impl FromStr for ErrorName {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_are_spelled_out() {
+        for (name, words) in [
+            ("EC0X", "squareness X–Y"),
+            ("EB0Z", "squareness Z–X"),
+            ("EA0X", "roll of X"),
+            ("EX0C", "offset of C in X"),
+            ("EA0C", "tilt of C about X"),
+            ("EC0C", "zero of C"),
+            ("EC0U", "tilt of U about Z"),
+            ("EX0S", "offset of the spindle in X"),
+            ("EB0S", "tilt of the spindle about Y"),
+            ("EXX", "positioning of X"),
+            ("EYX", "straightness of X in Y"),
+            ("EAX", "roll of X"),
+            ("ECX", "angular error of X about Z"),
+            ("ECC", "positioning of C"),
+            ("EAC", "tilt of C about X"),
+            ("EZC", "axial error of C"),
+            ("EXC", "radial error of C in X"),
+        ] {
+            assert_eq!(name.parse::<ErrorName>().unwrap().spelled_out(), words, "{name}");
+        }
+    }
 
     #[test]
     fn names_read_back_as_written() {

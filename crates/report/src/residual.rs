@@ -8,12 +8,12 @@ use super::steps::{StepReport, decimal, rounded_down};
 
 /// Height of the picture and its margins, in the units of its width.
 const HEIGHT: f64 = 380.0;
-const LEFT: f64 = 66.0;
+const LEFT: f64 = 84.0;
 const RIGHT: f64 = 20.0;
-const TOP: f64 = 40.0;
-const BOTTOM: f64 = 52.0;
+const TOP: f64 = 44.0;
+const BOTTOM: f64 = 56.0;
 /// Distance of the baseline of a text below its middle.
-const HALF_LETTER: f64 = 4.0;
+const HALF_LETTER: f64 = 5.0;
 
 /// Picture of a result. If there is nothing to draw, it says so.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ impl Picture for Residual<'_> {
         for step in across.marks() {
             // Writing into a String cannot fail.
             let _ = write!(grid, "M{:.1} {TOP}V{bottom}", x(step));
-            text(out, [x(step), bottom + 18.0], "middle", &decimal(step));
+            text(out, [x(step), bottom + 20.0], "middle", &decimal(step));
         }
         for um in up.decades() {
             let _ = write!(grid, "M{LEFT} {:.1}H{right}", y(um));
@@ -51,7 +51,7 @@ impl Picture for Residual<'_> {
         path(out, &grid, ["grid", "#dde2e7", "none"]);
         path(out, &format!("M{LEFT} {TOP}V{bottom}H{right}"), ["axis", "#59636e", "none"]);
         text(out, [f64::midpoint(LEFT, right), HEIGHT - 12.0], "middle", "step in mm");
-        let place = format!("translate(16 {:.1}) rotate(-90)", f64::midpoint(TOP, bottom));
+        let place = format!("translate(20 {:.1}) rotate(-90)", f64::midpoint(TOP, bottom));
         out.leaf("text", &[("transform", &place), ("text-anchor", &"middle")], "residual in µm");
         let limit = report.residual_limit_um;
         let mut levels = format!("M{LEFT} {:.1}H{right}", y(limit));

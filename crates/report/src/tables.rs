@@ -203,11 +203,16 @@ pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
     let unit = |axis: Axis| if axis.is_rotary() { "deg" } else { "mm" };
     for (label, tables) in sets {
         for (index, one) in tables.lookups.iter().enumerate() {
-            let times = one.factor.map_or(String::new(), |factor| format!(" times {}", factor + 1));
+            let times = one.factor.map_or(String::new(), |factor| format!(" × {}", factor + 1));
             let points = (0..one.nodes.count()).map(|node| one.nodes.position(node)).map(|at| (at, one.value(at)));
-            let series = line(format!("{label}{}{times}", index + 1), points.collect());
+            let series = line(format!("{label}table {}{times}", index + 1), points.collect());
             let title = format!("{} over {}", one.output, one.input);
-            add(title, format!("{} in {}", one.input, unit(one.input)), unit(one.output), series);
+            add(
+                title,
+                format!("{} in {}", one.input, unit(one.input)),
+                &format!("added to {}, {}", one.output, unit(one.output)),
+                series,
+            );
         }
         for one in tables.errors.iter().flat_map(|errors| &errors.axes) {
             for (index, letter) in ["X", "Y", "Z", "A", "B", "C"].into_iter().enumerate() {
@@ -219,7 +224,8 @@ pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
                     .map(|(&at, row)| (at, row[index] * 1e6 / if is_rotation { 1.0 } else { 1e3 }));
                 let (kind, up) = if is_rotation { ("rotations", "µrad") } else { ("translations", "µm") };
                 let series = line(format!("{label}E{letter}{}", one.axis), points.collect());
-                add(format!("{kind} of {}", one.axis), format!("{} in {}", one.axis, unit(one.axis)), up, series);
+                let up = format!("error, {up}");
+                add(format!("{kind} of {}", one.axis), format!("{} in {}", one.axis, unit(one.axis)), &up, series);
             }
         }
         if let Some(grid) = &tables.grid {
@@ -231,7 +237,7 @@ pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
                         grid.values.get(grid.index(node)).map(|value| (grid.position(node)[i], value[k]))
                     });
                     let series = line(format!("{label}{output}"), points.collect());
-                    add(format!("grid along {}", grid.axes[i]), format!("{} in mm", grid.axes[i]), "mm", series);
+                    add(format!("grid along {}", grid.axes[i]), format!("{} in mm", grid.axes[i]), "added, mm", series);
                 }
             }
         }
@@ -250,7 +256,7 @@ fn stacked(charts: &[Chart]) -> String {
             ("viewBox", &format_args!("0 0 {WIDTH} {height:.0}")),
             ("class", &"plot"),
             ("font-family", &"system-ui, sans-serif"),
-            ("font-size", &"13"),
+            ("font-size", &"16"),
         ],
         |out| {
             out.leaf("style", &[], STYLE);

@@ -2,6 +2,9 @@
 
 use super::ReviewRow;
 
+/// Maximum number of pairs of lines that are compared between two moves.
+const MOST_COMPARED: usize = 1 << 22;
+
 /// For each line of the corrected program, the line of the main original program, from 1; 0 if it has none.
 #[must_use]
 pub fn pairs<'t>(
@@ -57,12 +60,61 @@ fn between((last, next): ((usize, usize), (usize, usize)), original: &[&str], co
         out[to.0 - 1] = to.1 as u32;
         to = (to.0 - 1, to.1 - 1);
     }
-    // Equally many lines on both sides: rewritten with evaluated values.
-    if to.0 + from.1 == to.1 + from.0 {
-        for place in 0..(to.0 + 1).saturating_sub(from.0) {
-            out[from.0 + place - 1] = (from.1 + place) as u32;
+    let mut last = (from.0 - 1, from.1 - 1);
+    let end = (to.0 + 1, to.1 + 1);
+    for next in common(from, end, original, corrected).into_iter().chain([end]) {
+        // Equally many lines on both sides: rewritten with evaluated values.
+        if next.0 - last.0 == next.1 - last.1 {
+            for place in 1..next.0 - last.0 {
+                out[last.0 + place - 1] = (last.1 + place) as u32;
+            }
+        }
+        if next < end {
+            out[next.0 - 1] = next.1 as u32;
+        }
+        last = next;
+    }
+}
+
+/// Returns the longest common subsequence of two stretches: lines with the same words in any order. Ends are exclusive.
+fn common(from: (usize, usize), end: (usize, usize), original: &[&str], corrected: &[&str]) -> Vec<(usize, usize)> {
+    let words = |line: Option<&&str>| {
+        let mut words: Vec<&str> = line.map_or("", |text| text).split_whitespace().collect();
+        words.sort_unstable();
+        words.concat()
+    };
+    let [rows, columns] = [end.0.saturating_sub(from.0), end.1.saturating_sub(from.1)];
+    if rows.saturating_mul(columns) > MOST_COMPARED {
+        return Vec::new();
+    }
+    let after: Vec<String> = (from.0..end.0).map(|line| words(corrected.get(line - 1))).collect();
+    let before: Vec<String> = (from.1..end.1).map(|line| words(original.get(line - 1))).collect();
+    let width = columns + 1;
+    // Length of the longest common subsequence from a pair of lines on.
+    let mut lengths = vec![0_u32; (rows + 1) * width];
+    for row in (0..rows).rev() {
+        for column in (0..columns).rev() {
+            let here = row * width + column;
+            lengths[here] = if !after[row].is_empty() && after[row] == before[column] {
+                lengths[here + width + 1] + 1
+            } else {
+                lengths[here + width].max(lengths[here + 1])
+            };
         }
     }
+    let (mut row, mut column, mut out) = (0, 0, Vec::new());
+    while row < rows && column < columns {
+        let here = row * width + column;
+        if !after[row].is_empty() && after[row] == before[column] {
+            out.push((from.0 + row, from.1 + column));
+            (row, column) = (row + 1, column + 1);
+        } else if lengths[here + width] >= lengths[here + 1] {
+            row += 1;
+        } else {
+            column += 1;
+        }
+    }
+    out
 }
 
 #[cfg(test)]
@@ -85,10 +137,20 @@ mod tests {
         let rows = [row(5, 5), row(5, 6), row(7, 8)];
         // `R1=3` now follows the stamp: both sides have equally many lines between the pairs.
         assert_eq!(paired(&rows, original, corrected), [1, 2, 3, 4, 5, 5, 6, 7, 8]);
-        // Without the stamp that line is missing, and rewritten frames are not paired by guess.
+        // Without the stamp that line is missing, and those after it are still found.
         let shorter = corrected.replace("; stamp\n", "");
         let rows = [row(5, 4), row(5, 5), row(7, 7)];
-        assert_eq!(paired(&rows, original, &shorter), [1, 0, 0, 5, 5, 6, 7, 8]);
+        assert_eq!(paired(&rows, original, &shorter), [1, 3, 4, 5, 5, 6, 7, 8]);
+    }
+
+    #[test]
+    fn an_inserted_line_and_words_in_another_order_leave_the_others_paired() {
+        let original = "%\n; part\nN10 G17 G90\nN20 T2 M6\nN30 D1 S2200 F900\nG1 X1\nM30";
+        let corrected = "%\n; stamp\n; part\nN10 G17 G90\nN20 T2 M6\nN30 F900 D1 S2200\nG1 X1.01\nM30";
+        assert_eq!(paired(&[row(6, 7)], original, corrected), [1, 0, 2, 3, 4, 5, 6, 7]);
+        // An evaluated line between two that are found.
+        let evaluated = corrected.replace("N20 T2", "N20 T3");
+        assert_eq!(paired(&[row(6, 7)], original, &evaluated), [1, 0, 2, 3, 4, 5, 6, 7]);
     }
 
     #[test]

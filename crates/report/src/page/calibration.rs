@@ -2,7 +2,7 @@
 
 mod pictures;
 
-use super::parts::{MOST_ROWS, diagnostics, origin};
+use super::parts::{MOST_ROWS, diagnostics, origin, spelled_out};
 use super::{PageRow, columns, figure, page, pictures as side_by_side, strip, table};
 use crate::calibration::{CalibrationReport, cells};
 use crate::markup::Markup;
@@ -102,16 +102,16 @@ fn results(out: &mut Markup, data: &[Data]) {
         rows.push(PageRow { class: "whole", cells });
         for part in one.parts.iter().filter(|_| one.parts.len() > 1) {
             let sizes = [part.measured_rms, part.measured_max, part.left_rms, part.left_max].map(significant);
-            let mut cells = vec![part.name.clone(), String::new(), grouped(part.readings as u64)];
+            let mut cells = vec![part.name.clone(), dash(), grouped(part.readings as u64)];
             cells.extend(sizes);
             cells.push(part.left_sigma.map_or_else(dash, significant));
-            cells.extend([String::new(), percent(part.efficiency), part.unit.to_string()]);
+            cells.extend([dash(), percent(part.efficiency), part.unit.to_string()]);
             rows.push(PageRow { class: "part", cells });
         }
     }
     let heads = columns([
         "measurement",
-        "",
+        "use",
         "#readings",
         "#measured, RMS",
         "#max",
@@ -132,7 +132,7 @@ fn estimates(out: &mut Markup, found: &CalibrationResult) {
     let heads = columns(["name", "#value", "#± 1σ", "unit", "#start", "#effect µm", "#variance inflation"]);
     let row = |one: &EstimateReport| {
         let [value, sigma, effect, inflation] = cells(one);
-        let told = |text: String, number: f64| if number.is_finite() { text } else { "not told".into() };
+        let told = |text: String, number: f64| if number.is_finite() { text } else { "not identifiable".into() };
         let start = if one.effect_um.is_some() { significant(one.start + 0.0) } else { String::new() };
         let cells = vec![
             one.name.clone(),
@@ -149,8 +149,14 @@ fn estimates(out: &mut Markup, found: &CalibrationResult) {
         out.leaf("h2", &[], "Parameters");
         let caption = "Effect: by how much the parameter moves the tip, root of the mean square over the readings. Variance inflation: how much \
                        the variance grows because the other numbers are unknown too; 1 where it stands alone.";
-        let rows: Vec<PageRow> = found.parameters.iter().map(row).collect();
-        table(out, &heads, &rows, caption, MOST_ROWS);
+        let named = |one: &EstimateReport| {
+            let mut row = row(one);
+            row.cells.push(spelled_out(&one.name).unwrap_or_else(|| "–".into()));
+            row
+        };
+        let rows: Vec<PageRow> = found.parameters.iter().map(named).collect();
+        let what = columns(["what it is"]);
+        table(out, &[&heads[..], &what].concat(), &rows, caption, MOST_ROWS);
         side_by_side(out, |out| {
             let share = |one: &EstimateReport| if one.value == 0.0 { 0.0 } else { (one.sigma / one.value).abs() };
             let effect = |one: &EstimateReport| one.effect_um.unwrap_or(f64::NAN);

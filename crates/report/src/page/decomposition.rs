@@ -1,6 +1,6 @@
 //! Page of a decomposition: shares by feed, tables, and the course along the path at the slowest and the fastest feed.
 
-use super::parts::{MOST_ROWS, diagnostics, origin};
+use super::parts::{MOST_ROWS, diagnostics, origin, spelled_out};
 use super::{PageRow, columns, figure, page, pictures, strip, table};
 use crate::decomposition::DecompositionReport;
 use crate::markup::Markup;
@@ -42,7 +42,7 @@ fn summary(out: &mut Markup, found: &DecompositionResult) {
     ];
     if let Some(one) = &found.reading_delay {
         entries.push(("readings behind encoders", delay(one.ms, one.uncertainty_ms)));
-        entries.push(("what gives way", found.compliances.len().to_string()));
+        entries.push(("compliances", found.compliances.len().to_string()));
     }
     strip(out, &entries);
 }
@@ -221,7 +221,7 @@ fn along(out: &mut Markup, found: &DecompositionResult) {
     if found.compliances.is_empty() {
         return;
     }
-    out.leaf("h2", &[], "What gives way");
+    out.leaf("h2", &[], "Compliance");
     let row = |one: &ComplianceReport| PageRow {
         class: "",
         cells: vec![
@@ -229,7 +229,12 @@ fn along(out: &mut Markup, found: &DecompositionResult) {
             format!("{} of {}", one.of.words(), one.axis),
             format!("{:.4}", one.value),
             format!("{:.4}", one.uncertainty),
-            one.unit.clone(),
+            one.unit
+                .replace("urad", "µrad")
+                .replace("um", "µm")
+                .replace("_per_", " per ")
+                .replace("m_s2", "m/s²")
+                .replace("m_s", "m/s"),
             format!("{:.1} %", 100.0 * one.gain),
         ],
     };
@@ -268,17 +273,24 @@ fn links(out: &mut Markup, found: &DecompositionResult) {
     }
     out.leaf("h2", &[], "Link errors");
     let row = |one: &LinkReport| {
-        let told = if one.is_told { "" } else { "not told by this path" };
+        let told = if one.is_told { "fitted" } else { "not identifiable on this path" };
+        let words = spelled_out(&one.parameter).unwrap_or_else(|| "–".into());
         PageRow {
             class: "",
-            cells: vec![one.parameter.clone(), format!("{:.2}", one.value), one.unit.unit().sign().into(), told.into()],
+            cells: vec![
+                one.parameter.clone(),
+                format!("{:.2}", one.value),
+                one.unit.unit().sign().into(),
+                words,
+                told.into(),
+            ],
         }
     };
     let note = "Fitted to the slowest run, beyond those of the machine file. What motion errors look like link errors on this path is part of them: \
                 they divide this path and are no calibration.";
     table(
         out,
-        &columns(["parameter", "#value", "unit", ""]),
+        &columns(["parameter", "#value", "unit", "what it is", "result"]),
         &found.links.iter().map(row).collect::<Vec<_>>(),
         note,
         MOST_ROWS,

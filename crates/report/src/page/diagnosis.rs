@@ -4,7 +4,7 @@ mod evidence;
 mod pictures;
 mod polar;
 
-use super::parts::{MOST_ROWS, diagnostics, origin};
+use super::parts::{MOST_ROWS, diagnostics, origin, spelled_out};
 use super::{PageRow, columns, figure, page, pictures as side_by_side, strip, table};
 use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, chance};
 use crate::markup::Markup;
@@ -145,7 +145,11 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
         class: "",
         cells: vec![
             (k + 1).to_string(),
-            one.full_name(),
+            format!(
+                "{}{}",
+                one.full_name(),
+                spelled_out(&one.parameter).map_or(String::new(), |words| format!(" ({words})"))
+            ),
             one.size(),
             significant(one.alone_um),
             percent(one.alone_share),
@@ -165,16 +169,17 @@ fn ranking(out: &mut Markup, report: &DiagnosisReport) {
     let sum = |of: fn(&CauseReport) -> f64| report.found.findings.iter().map(of).sum::<f64>();
     let shares = sum(|one| one.share);
     let cells = |what: &str, alone: [String; 2], share: f64| {
-        let mut cells = vec![String::new(), what.to_owned(), String::new()];
+        let mut cells = vec![String::new(), what.to_owned(), "–".to_owned()];
         cells.extend(alone);
-        cells.extend([String::new(), percent(share), String::new(), String::new(), String::new()]);
+        let dash = || "–".to_owned();
+        cells.extend([dash(), percent(share), dash(), dash(), dash()]);
         cells
     };
     let all = [significant(sum(|one| one.alone_um)), percent(sum(|one| one.alone_share))];
     rows.push(PageRow { class: "whole", cells: cells("all findings", all, shares) });
     rows.push(PageRow {
         class: "",
-        cells: cells("noise and what has no name", [String::new(), String::new()], 1.0 - shares),
+        cells: cells("noise and what has no name", ["–".to_owned(), "–".to_owned()], 1.0 - shares),
     });
     let alone_title = if report.found.unit == UnitKey::Urad { "#alone, µrad" } else { "#alone, µm" };
     let heads = columns([

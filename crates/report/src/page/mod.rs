@@ -32,10 +32,14 @@ min-width:8.5rem}.strip span{display:block;color:var(--soft);font-size:.83rem}.s
 th,td{padding:.22rem .75rem;text-align:left;border-bottom:1px solid var(--grid);white-space:nowrap}\
 th{white-space:normal;color:var(--soft);font-weight:600;vertical-align:bottom}.n{text-align:right}tr.whole td{font-weight:600}tr.part td:first-child{padding-left:2rem}\
 tr.bad td{color:var(--bad)}tr.wrap td{white-space:normal;vertical-align:top;max-width:34em}.note{color:var(--soft);font-size:.87rem}\n\
-@media (max-width:1000px){table{font-size:.85rem}th,td{padding:.2rem .3rem}}\n\
-.pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,480px),1fr));gap:1rem;align-items:start}\
-figure{margin:0;border:1px solid var(--grid);border-radius:6px;padding:.4rem}\
-figure svg{width:100%;height:auto;display:block}figcaption{color:var(--soft);font-size:.87rem;padding:.2rem .4rem}\n\
+@media (max-width:1000px){table{font-size:.85rem}th,td{padding:.2rem .3rem}td.t{white-space:normal}}\n\
+.pictures{display:grid;grid-template-columns:repeat(6,minmax(0,1fr));gap:1rem;align-items:start}.pictures figure{grid-column:span 2}\
+.pictures figure:is(:nth-child(3n+1):nth-last-child(2),:nth-child(3n+2):last-child,:nth-child(3n+1):nth-last-child(4),\
+:nth-child(3n+2):nth-last-child(3),:nth-child(3n):nth-last-child(2),:nth-child(3n+1):last-child){grid-column:span 3}\
+@media (max-width:1200px){.pictures{grid-template-columns:repeat(2,minmax(0,1fr))}.pictures figure:nth-child(n):nth-child(n){grid-column:span 1}}\
+@media (max-width:1000px){.pictures{grid-template-columns:minmax(0,1fr)}}\n\
+figure{margin:0;border:1px solid var(--grid);border-radius:6px;padding:.4rem;container-type:inline-size}\
+figure svg{width:100%;height:auto;display:block}@container (min-width:600px){.plot{font-size:12.5px}}figcaption{color:var(--soft);font-size:.87rem;padding:.2rem .4rem}\n\
 .rank{margin-right:.5rem;color:var(--soft)}dl.evidence{display:grid;grid-template-columns:max-content 1fr;gap:.25rem 1.1rem;margin:.6rem 0;max-width:75em}\
 .evidence dt{color:var(--soft)}.evidence dd{margin:0}@media (max-width:700px){dl.evidence{grid-template-columns:1fr}.evidence dd{margin:0 0 .4rem}}\n\
 details{margin:.8rem 0}summary{cursor:pointer;color:var(--soft)}\n\
@@ -43,7 +47,7 @@ details{margin:.8rem 0}summary{cursor:pointer;color:var(--soft)}\n\
 .findings li.error{border-color:var(--bad)}.findings p{margin:0}\n\
 code{font-family:ui-monospace,Consolas,monospace;font-size:.92em}\n\
 @media print{body{font-size:10pt;max-width:none;padding:0}figure,tr,li{break-inside:avoid}h2,h3{break-after:avoid}\
-.pictures{grid-template-columns:1fr 1fr}.wide{overflow:visible}th,td{white-space:normal;padding:.1rem .35rem}}\n";
+.pictures{grid-template-columns:1fr 1fr}.pictures figure:nth-child(n):nth-child(n){grid-column:span 1}.wide{overflow:visible}th,td{white-space:normal;padding:.1rem .35rem}}\n";
 
 /// Returns a page with a title; `inside` writes the content after the heading.
 #[must_use]

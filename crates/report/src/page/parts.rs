@@ -4,6 +4,7 @@ use super::{PageRow, columns, table};
 use crate::inputs::InputFile;
 use crate::json::Finding;
 use crate::markup::Markup;
+use ncfix_model::name::ErrorName;
 
 /// Maximum number of rows of a table: more are not read, and a page must not grow without bound.
 pub(super) const MOST_ROWS: usize = 500;
@@ -35,6 +36,12 @@ pub(super) fn diagnostics(out: &mut Markup, all: &[Finding]) {
     if all.len() > MOST_ROWS {
         out.leaf("p", &[("class", &"soft")], format_args!("{} more findings are not shown.", all.len() - MOST_ROWS));
     }
+}
+
+/// Returns what a parameter is, in words: `EC0X` is `squareness X–Y`, `EXX1` belongs to `positioning of X`; `None` if its name is no error component.
+pub(super) fn spelled_out(parameter: &str) -> Option<String> {
+    let begins = |count: usize| parameter.get(..count).and_then(|name| name.parse::<ErrorName>().ok());
+    begins(4).or_else(|| begins(3)).map(|name| name.spelled_out())
 }
 
 /// Writes the input files of the result; `by` names what produced it.

@@ -46,7 +46,7 @@ fn draw(out: &mut Markup, data: &StabilityResult) {
         out,
         "Set-point compensation: forbidden zone",
         &data.forbidden,
-        "A step up: positions behind the grid point belong to no set-point.",
+        "A step up: positions after the grid point belong to no set-point.",
     );
 }
 

@@ -49,7 +49,7 @@ pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[InputFile]) -> 
 }
 
 fn left(out: &mut Markup, check: &TablesCheck) {
-    out.leaf("h2", &[], "What is left over the volume");
+    out.leaf("h2", &[], "Residual over the volume");
     let kinds = [("without", check.before), ("with the tables", check.tables), ("corrected exactly", check.exact)];
     let rows: Vec<PageRow> = kinds
         .iter()
@@ -62,7 +62,7 @@ fn left(out: &mut Markup, check: &TablesCheck) {
     let senses = check.senses.join(" ");
     let senses = if senses.is_empty() { senses } else { format!(", {senses} moving in both senses") };
     let note = format!(
-        "{} poses{senses}; tool {x} {y} {z} mm from the gauge point to the tip; most is left with the tables at {}.",
+        "{} poses{senses}; tool {x} {y} {z} mm from the gauge point to the tip; with the tables the residual is largest at {}.",
         grouped(check.poses as u64),
         check.worst
     );
@@ -114,7 +114,7 @@ fn listed(out: &mut Markup, report: &TablesReport) {
         .iter()
         .map(|row| {
             let [low, high] = row.range;
-            let times = row.times.map_or(String::new(), |times| times.to_string());
+            let times = row.times.map_or("–".into(), |times| times.to_string());
             let more = [(row.modulo, "repeats"), (!row.enabled, "off")];
             let more: Vec<&str> = more.into_iter().filter(|(is_so, _)| *is_so).map(|(_, what)| what).collect();
             let cells = vec![
@@ -122,17 +122,31 @@ fn listed(out: &mut Markup, report: &TablesReport) {
                 row.output.clone(),
                 row.input.clone(),
                 row.points.to_string(),
-                format!("{low} … {high}"),
+                format!("{} … {}", rounded(low), rounded(high)),
                 format!("{:.6}", row.largest),
+                if "ABC".contains(row.output.as_str()) { "deg" } else { "mm" }.to_owned(),
                 times,
                 row.sense.word().to_owned(),
-                more.join(", "),
+                if more.is_empty() { "–".into() } else { more.join(", ") },
             ];
             PageRow { class: "", cells }
         })
         .collect();
-    let titles = ["#no.", "corrects", "over", "#points", "#range", "#largest", "#times table", "sense", ""];
-    table(out, &columns(titles), &rows, "Positions and values in mm or degrees.", MOST_ROWS);
+    let titles =
+        ["#no.", "corrects", "over", "#points", "#range", "#largest", "unit", "#times table", "direction", "remark"];
+    table(
+        out,
+        &columns(titles),
+        &rows,
+        "Positions in mm or degrees; the unit is that of the largest value.",
+        MOST_ROWS,
+    );
+}
+
+/// Formats a position to a tenth of a micrometre, without zeros at the end.
+fn rounded(position: f64) -> String {
+    let text = format!("{position:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn tried(out: &mut Markup, report: &TablesReport) {
@@ -153,6 +167,6 @@ fn tried(out: &mut Markup, report: &TablesReport) {
         })
         .collect();
     let aim = report.found.aim.as_ref().map_or(String::new(), |aim| format!("Aimed at {aim}."));
-    let titles = ["scheme", "#points", "#tables", "#left, RMS µm", "#tilt, RMS µrad", "why not"];
+    let titles = ["scheme", "#points", "#tables", "#residual, RMS µm", "#tilt, RMS µrad", "why not"];
     table(out, &columns(titles), &rows, &aim, MOST_ROWS);
 }

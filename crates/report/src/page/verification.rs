@@ -35,7 +35,7 @@ pub fn verification(found: &Verification) -> String {
             pictures(out, |out| {
                 let along = "The largest error of each piece, moves with feed.";
                 figure(out, &over_path(found, [0, 1].as_slice(), "Error along the path"), along);
-                figure(out, &over_path(found, [1].as_slice(), "What is left along the path"), along);
+                figure(out, &over_path(found, [1].as_slice(), "Residual along the path"), along);
                 for (k, title) in
                     ["Errors of the original program", "Errors of the corrected program"].iter().enumerate()
                 {
@@ -63,7 +63,7 @@ pub fn verification(found: &Verification) -> String {
             })
             .collect();
         if !rows.is_empty() {
-            out.leaf("h2", &[], "Where most is left");
+            out.leaf("h2", &[], "Largest residuals");
             let note = "Distance of the tool tip from the programmed path, predicted on the error model.";
             table(out, &columns(["line", "#before", "#after"]), &rows, note, MOST_ROWS);
         }

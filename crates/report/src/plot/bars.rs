@@ -9,12 +9,12 @@ use crate::markup::Markup;
 use crate::scale::Log;
 
 /// Margins around the bars.
-const LEFT: f64 = 170.0;
-const RIGHT: f64 = 24.0;
+const LEFT: f64 = 206.0;
+const RIGHT: f64 = 30.0;
 const TOP: f64 = 32.0;
-const BOTTOM: f64 = 44.0;
+const BOTTOM: f64 = 50.0;
 /// Height of a bar with its gap.
-const STEP: f64 = 18.0;
+const STEP: f64 = 21.0;
 /// Maximum number of bars; the others are counted.
 const MOST_BARS: usize = 120;
 
@@ -98,18 +98,18 @@ impl Picture for Bars {
         let mut grid = String::new();
         for (mark, label) in axis.marks() {
             let _ = write!(grid, "M{:.1} {TOP}V{bottom:.1}", x(mark));
-            text(out, [x(mark), bottom + 16.0], "middle", &label);
+            text(out, [x(mark), bottom + 19.0], "middle", &label);
         }
         out.empty("path", &[("class", &"grid"), ("stroke", &"#dde2e7"), ("fill", &"none"), ("d", &grid)]);
         heading(out, &self.title);
-        text(out, [f64::midpoint(LEFT, WIDTH - RIGHT), bottom + 34.0], "middle", &self.across);
+        text(out, [f64::midpoint(LEFT, WIDTH - RIGHT), bottom + 40.0], "middle", &self.across);
         let [mut shapes, mut lines] = [String::new(), String::new()];
         let zero = x(0.0);
         for (number, bar) in self.shown().enumerate() {
             let middle = TOP + STEP * (number as f64 + 0.5);
             text(out, [LEFT - 8.0, middle + HALF_LETTER], "end", &shortened(&bar.label, 22));
             if !bar.value.is_finite() {
-                text(out, [zero + 6.0, middle + HALF_LETTER], "start", "not told");
+                text(out, [zero + 6.0, middle + HALF_LETTER], "start", "not identifiable");
                 continue;
             }
             let (top, end) = (middle - 5.5, x(bar.value));

@@ -5,14 +5,14 @@ use super::{WIDTH, color, shortened};
 use crate::markup::Markup;
 
 /// Margins.
-const LEFT: f64 = 66.0;
-const RIGHT: f64 = 40.0;
-const TOP: f64 = 54.0;
-const BOTTOM: f64 = 46.0;
+const LEFT: f64 = 88.0;
+const RIGHT: f64 = 44.0;
+const TOP: f64 = 56.0;
+const BOTTOM: f64 = 52.0;
 /// Distance of the baseline of a text below its middle.
-pub(super) const HALF_LETTER: f64 = 4.0;
+pub(super) const HALF_LETTER: f64 = 5.0;
 /// Approximate width of a letter.
-const LETTER: f64 = 7.2;
+const LETTER: f64 = 8.9;
 /// Maximum number of legend entries.
 const MOST_ENTRIES: usize = 8;
 
@@ -74,22 +74,22 @@ impl PlotFrame {
         }
         out.empty("path", &[("class", &"axis"), ("stroke", &"#59636e"), ("fill", &"none"), ("d", &axis)]);
         for mark in self.across.marks() {
-            text(out, [self.x(mark), bottom + 16.0], "middle", &self.across.label(mark));
+            text(out, [self.x(mark), bottom + 19.0], "middle", &self.across.label(mark));
         }
         for mark in self.up.marks() {
             text(out, [LEFT - 6.0, self.y(mark) + HALF_LETTER], "end", &self.up.label(mark));
         }
         heading(out, title);
         text(out, [f64::midpoint(LEFT, right), self.height - 10.0], "middle", across);
-        let place = format!("translate(14 {:.1}) rotate(-90)", f64::midpoint(TOP, bottom));
+        let place = format!("translate(18 {:.1}) rotate(-90)", f64::midpoint(TOP, bottom));
         out.leaf("text", &[("transform", &place), ("text-anchor", &"middle")], up);
     }
 }
 
 /// Writes the title of a picture.
 pub(super) fn heading(out: &mut Markup, title: &str) {
-    let title = shortened(title, 62);
-    out.leaf("text", &[("x", &"10"), ("y", &"18"), ("font-size", &"14"), ("font-weight", &"600")], title);
+    let title = shortened(title, 54);
+    out.leaf("text", &[("x", &"10"), ("y", &"18"), ("font-size", &"1.06em"), ("font-weight", &"600")], title);
 }
 
 /// Writes a text at a place.
@@ -108,7 +108,7 @@ pub(super) fn legend(out: &mut Markup, labels: &[&str], sample: impl Fn(&mut Mar
     let mut x = 10.0;
     for (shown, (number, label)) in named.iter().enumerate() {
         let width = 34.0 + label.chars().count() as f64 * LETTER;
-        if shown >= MOST_ENTRIES || x + width > WIDTH - 70.0 {
+        if shown >= MOST_ENTRIES || x + width > WIDTH - 80.0 {
             text(out, [x, 36.0 + HALF_LETTER], "start", &format!("… {} more", named.len() - shown));
             return;
         }

@@ -81,7 +81,7 @@ fn drawing<P: Picture + ?Sized>(picture: &P, out: &mut Markup, is_alone: bool) {
             ("height", &format_args!("{height:.0}")),
             ("role", &"img"),
             ("font-family", &"system-ui, sans-serif"),
-            ("font-size", &"13"),
+            ("font-size", &"16"),
             ("fill", &"#1b1f24"),
         ],
         |out| {

@@ -19,7 +19,7 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
         return;
     }
     pictures(out, |out| {
-        let up = format!("left in {}", data.unit);
+        let up = format!("residual in {}", data.unit);
         let levels = levels(data);
         let rows = |_: usize, point: &ReadingPoint| point.row as f64;
         let by_setup = |title: String, across: String, place: &dyn Fn(usize, &ReadingPoint) -> f64| Chart {
@@ -32,11 +32,11 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
             is_clipped: true,
             is_sparing: false,
         };
-        figure(out, &by_setup("Left over the rows, by set-up".into(), "row of the table".into(), &rows), "");
+        figure(out, &by_setup("Residual over the rows, by set-up".into(), "row of the table".into(), &rows), "");
         let names: Vec<String> = data.parts.iter().map(|part| part.name.clone()).collect();
         if names.len() > 1 {
             let chart = Chart {
-                title: "Left over the rows, by direction".into(),
+                title: "Residual over the rows, by direction".into(),
                 across: "row of the table".into(),
                 up: up.clone(),
                 series: series(data, |point| point.part, &names, &rows),
@@ -50,12 +50,12 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
         for (axis, positions) in &data.shown.axes {
             let place = |number: usize, _: &ReadingPoint| positions.get(number).copied().unwrap_or(f64::NAN);
             let letter = axis.split(' ').next().unwrap_or_default();
-            figure(out, &by_setup(format!("Left over {letter}"), axis.clone(), &place), "");
+            figure(out, &by_setup(format!("Residual over {letter}"), axis.clone(), &place), "");
         }
         let sigma = data.sigma.map_or(String::new(), |_| "The curve is the normal one of σ of a reading.".into());
         let histogram = Histogram {
-            title: "Distribution of what is left".into(),
-            across: format!("left in {}", data.unit),
+            title: "Distribution of the residual".into(),
+            across: format!("residual in {}", data.unit),
             counted: "readings",
             values: data.shown.points.iter().map(|point| point.left).collect(),
             sigma: data.sigma,

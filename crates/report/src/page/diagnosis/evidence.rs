@@ -1,7 +1,7 @@
 //! Evidence of one cause, with its equivalent explanations.
 
 use super::pictures::{driver_of, mean_lines, means, time_of, title_of};
-use super::{figure, polar, side_by_side};
+use super::{figure, polar, side_by_side, spelled_out};
 use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, chance, differing};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
@@ -29,7 +29,7 @@ pub(super) fn section(
 ) {
     out.element("h3", &[("id", &format_args!("finding-{}", number + 1))], |out| {
         out.leaf("span", &[("class", &"rank")], number + 1);
-        out.text(format_args!("{}: {} (95 %)", one.name(), one.size()));
+        out.text(format_args!("{}: {}", one.name(), size_in_words(one)));
     });
     words(out, report, one);
     let strongest = strongest(shown, number);
@@ -46,6 +46,13 @@ pub(super) fn section(
         }
         shape(out, one, shown);
     });
+}
+
+/// Returns the size with its interval, what the error is, and for an angle its slope: `27.8 ± 1.6 µrad (95 %), squareness X–Y, 0.028 mm/m`.
+fn size_in_words(one: &CauseReport) -> String {
+    let words = spelled_out(&one.parameter).map_or(String::new(), |words| format!(", {words}"));
+    let slope = if one.unit == "urad" { format!(", {} mm/m", significant(one.value / 1e3)) } else { String::new() };
+    format!("{} (95 %){words}{slope}", one.size())
 }
 
 fn words(out: &mut Markup, report: &DiagnosisReport, one: &CauseReport) {

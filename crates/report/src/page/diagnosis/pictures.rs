@@ -113,7 +113,7 @@ fn chart(report: &DiagnosisReport, set: &Set, part: usize, driver: &DriverReadin
     Chart {
         title: title_of(set, part, driver, ""),
         across: driver.title.clone(),
-        up: format!("left in {}", set.unit),
+        up: format!("residual in {}", set.unit),
         series: all,
         levels: levels.into_iter().filter(|level| level.value.is_finite()).collect(),
         is_balanced: true,
@@ -133,7 +133,7 @@ pub(super) fn title_of(set: &Set, part: usize, driver: &DriverReadings, what: &s
         name => name,
     };
     match what {
-        "" => format!("Left {of}over {over}"),
+        "" => format!("Residual {of}over {over}"),
         what => format!("{what}: {of}over {over}"),
     }
 }

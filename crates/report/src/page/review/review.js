@@ -332,7 +332,8 @@ class Review {
     const via = name => streams.get(`via.${name}`) ?? new Int32Array(0);
     this.via = { row: via('row'), at: [0, 1, 2].map(number => via(`at.${number}`)) };
     this.pair = streams.get('pair') ?? new Int32Array(0);
-    this.size = this.sizes(this.added);
+    this.unit = this.axes.find(({ unit }) => unit === 'um')?.unit ?? this.axes[0]?.unit ?? 'um';
+    this.size = this.sizes(this.added.filter((_, number) => this.axes[number].unit === this.unit));
     this.largest = this.size.reduce((most, size) => Math.max(most, size), 0);
     this.palest = this.paleSize();
     this.readTexts(streams);
@@ -341,7 +342,7 @@ class Review {
     this.readItems();
   }
 
-  /** The largest of what was added to some axes; µrad count as µm, which they are at an arm of 1 m. */
+  /** The largest of what was added to some axes of one unit: linear axes where there are any, else rotary ones. */
   sizes(columns) {
     const out = new Int32Array(this.count);
     for (const values of columns) {
@@ -380,7 +381,7 @@ class Review {
       let [pieces, most] = [0, 0];
       for (let row = from; row < to; row++) {
         if (!(this.flags[row] & FLAG.spot)) pieces++;
-        most = Math.max(most, this.size[row]);
+        if (this.added.some(values => values[row] !== 0)) most = 1;
       }
       if (pieces > 1) this.split.fill(1, from, to);
       if (most === 0) this.alone.fill(1, from, to);
@@ -569,8 +570,8 @@ function extremes({ values, scale }, edges) {
 
 /** A plot of columns over ascending places; zooms by dragging, and draws as many points as there is room for. */
 class LinePlot {
-  constructor(place, { x, columns, xLabel, yLabel, height = 260, label, drawn = () => {}, picked = () => {}, moved = () => {} }) {
-    Object.assign(this, { place, x, columns, height, drawn, picked, moved, xLabel, yLabel });
+  constructor(place, { x, columns, xLabel, yLabel, rightLabel = null, height = 260, label, drawn = () => {}, picked = () => {}, moved = () => {} }) {
+    Object.assign(this, { place, x, columns, height, drawn, picked, moved, xLabel, yLabel, rightLabel });
     this.shown = columns.map(() => true);
     place.setAttribute('role', 'img');
     place.setAttribute('aria-label', label);
@@ -595,23 +596,34 @@ class LinePlot {
       grid: { stroke: () => theme.colors.grid, width: 1 },
       ticks: { stroke: () => theme.colors.grid, width: 1, size: 4 },
     });
-    const series = ({ name, dash, color }) => ({
-      label: name, dash, stroke: () => theme.series(color), width: 1, points: { show: false },
+    const series = ({ name, dash, color, side }) => ({
+      label: name, dash, scale: side === 'right' ? 'right' : 'y', stroke: () => theme.series(color), width: 1, points: { show: false },
     });
     return {
-      width: this.width(), height: this.height, legend: { show: false }, padding: [8, 30, 0, 0],
+      width: this.width(), height: this.height, legend: { show: false }, padding: [8, this.rightLabel ? 0 : 30, 0, 0],
       cursor: {
         drag: { x: true, y: false, setScale: false },
         points: { size: 5 },
         bind: { dblclick: () => () => { this.zoom(this.whole()); return null; } },
       },
-      scales: { x: { time: false, range: () => this.range }, y: { range: (_, least, most) => padded(least, most) } },
-      axes: [{ ...axis(this.xLabel()), size: 26 }, { ...axis(this.yLabel), size: 52 }],
+      scales: { x: { time: false, range: () => this.range }, ...this.heights() },
+      axes: [
+        { ...axis(this.xLabel()), size: 26 }, { ...axis(this.yLabel), size: 52 },
+        ...(this.rightLabel ? [{ ...axis(this.rightLabel), size: 52, side: 1, scale: 'right', grid: { show: false } }] : []),
+      ],
       series: [{}, ...this.columns.map(series)],
       hooks: {
         setSelect: [plot => this.selected(plot)], draw: [plot => this.drawn(plot)], setCursor: [plot => this.moved(plot)],
       },
     };
+  }
+
+  /** Range of each vertical axis. With two of them 0 is in the middle of both, so that they share one line. */
+  heights() {
+    const own = { range: (_, least, most) => padded(least, most) };
+    if (!this.rightLabel) return { y: own };
+    const balanced = { range: (_, least, most) => padded(-Math.max(-least, most), Math.max(-least, most)) };
+    return { y: balanced, right: balanced };
   }
 
   data() {
@@ -723,11 +735,14 @@ class DeviationPlot {
       place.append(make('p', { className: 'soft' }, 'Nothing was added anywhere.'));
       return;
     }
-    const columns = review.axes.map(({ name, scale }, number) => ({ name, scale, values: review.added[number], color: number }));
-    const units = [...new Set(review.axes.map(({ unit }) => UNIT[unit] ?? unit))].join(', ');
+    const columns = review.axes.map(({ name, scale, unit }, number) => ({
+      name, scale, values: review.added[number], color: number, ...(unit === review.unit ? {} : { dash: [6, 3], side: 'right' }),
+    }));
+    const others = review.axes.filter(({ unit }) => unit !== review.unit);
     this.plot = new LinePlot(place, {
       x: this.overs[0].x, columns, height: 280, label: 'What was added to each axis',
-      xLabel: () => this.over().label, yLabel: `added, ${units}`,
+      xLabel: () => this.over().label, yLabel: `added, ${UNIT[review.unit]}`,
+      rightLabel: others.length > 0 ? `${others.map(({ name }) => name).join(', ')} (dashed): added, ${UNIT[others[0].unit]}` : null,
       drawn: plot => this.mark(plot),
       picked: (left, top) => this.pick(left, top),
       moved: plot => this.read(plot),
@@ -748,7 +763,9 @@ class DeviationPlot {
 
   controls() {
     const { review } = this.app;
-    const toggles = review.axes.map(({ name }, number) => lineToggle(name, number, isShown => this.plot?.show(number, isShown)));
+    const toggles = review.axes.map(({ name, unit }, number) => lineToggle(
+      `${name}, ${UNIT[unit] ?? unit}`, number, isShown => this.plot?.show(number, isShown), unit !== review.unit,
+    ));
     const over = choice('over', this.overs.map(({ name }, number) => [number, name]), value => this.choose(Number(value)));
     over.select.id = 'over';
     const whole = button('Whole', 'The whole range (double-click)', () => this.plot?.zoom(this.plot.whole()));
@@ -772,8 +789,10 @@ class DeviationPlot {
     const { ctx } = plot;
     const { left, top, width, height } = plot.bbox;
     const ratio = uPlot.pxRatio;
+    const chosen = this.app.review.axes[this.app.filters?.axis.select.value || -1];
+    const scale = chosen && chosen.unit !== this.app.review.unit ? 'right' : 'y';
     const across = (y, dash) => {
-      const at = plot.valToPos(y, 'y', true);
+      const at = plot.valToPos(y, scale, true);
       if (!(at >= top && at <= top + height)) return;
       ctx.setLineDash(dash);
       ctx.beginPath();
@@ -1396,7 +1415,7 @@ class PathViews {
     const label = make('label', {}, make('span', {}, 'exaggeration'), slider, this.shown);
     this.swatches = RAMPS.light.map(() => make('i', {}));
     const { palest, largest, step } = this.app.review;
-    const [from, to] = [palest > 0 ? `≤ ${(palest * step).toFixed(1)}` : '0', `${(largest * step).toFixed(1)} µm`];
+    const [from, to] = [palest > 0 ? `≤ ${(palest * step).toFixed(1)}` : '0', `${(largest * step).toFixed(1)} ${UNIT[this.app.review.unit]}`];
     const legend = make('span', { className: 'legend' }, from, make('span', { className: 'ramp' }, ...this.swatches), to);
     this.colorLegend();
     const fit = button('Fit', 'All of the path in all views (double-click in one)', () => {
@@ -1455,6 +1474,7 @@ class Filters {
     this.axis.select.id = 'filter-axis';
     this.least = make('input', { type: 'number', min: 0, step: 'any', id: 'filter-threshold', placeholder: '0' });
     this.least.addEventListener('input', changed);
+    this.unit = make('span', {}, UNIT[review.unit]);
     const tools = [['', 'all'], ...review.toolNames.map((name, number) => [number, name || 'none']).slice(1)];
     this.toolChoice = choice('tool', tools, changed);
     this.toolChoice.select.id = 'filter-tool';
@@ -1465,7 +1485,7 @@ class Filters {
     this.search.addEventListener('input', () => { clearTimeout(later); later = setTimeout(() => this.find(), 200); });
     this.count = make('output', { id: 'count', 'aria-live': 'polite' });
     return [
-      this.axis.label, make('label', {}, make('span', {}, 'at least'), this.least, 'µm'), this.toolChoice.label, this.kind.label,
+      this.axis.label, make('label', {}, make('span', {}, 'at least'), this.least, this.unit), this.toolChoice.label, this.kind.label,
       this.tick('split', 'in several pieces'), this.tick('alone', 'left alone'), this.search,
       button('Clear', 'All lines', () => this.clear()),
       button('▲ larger (p)', 'The next larger deviation (p)', () => this.app.goLargest(-1)),
@@ -1522,6 +1542,7 @@ class Filters {
     this.threshold = Math.max(0, Number(this.least.value) || 0);
     const { review } = this.app;
     const axis = this.axis.select.value;
+    this.unit.textContent = UNIT[axis === '' ? review.unit : review.axes[Number(axis)].unit];
     this.sizes = axis === '' ? review.size : review.added[Number(axis)].map(Math.abs);
     this.rows = this.rowsThatPass(review);
     this.items = this.itemsThatPass(review);
