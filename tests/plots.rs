@@ -43,11 +43,11 @@ fn points_lie_where_their_values_say() {
         ..Chart::default()
     };
     let text = sound(&chart);
-    // The frame is from 66 to 560 across and from 254 to 54 upwards: 49.4 and 20 to a unit.
+    // The frame is from 88 to 556 across and from 248 to 56 upwards: 46.8 and 19.2 to a unit.
     let paths = paths(&text);
-    assert_eq!(paths[0], "M66.0 254.0L560.0 54.0L313.0 204.0");
-    assert!(paths[1].starts_with("M310.8 151.8h4.4"), "{}", paths[1]);
-    assert_eq!(paths[2], "M310.0 174.0h6M310.0 134.0h6M313.0 174.0V134.0");
+    assert_eq!(paths[0], "M88.0 248.0L556.0 56.0L322.0 200.0");
+    assert!(paths[1].starts_with("M319.8 149.8h4.4"), "{}", paths[1]);
+    assert_eq!(paths[2], "M319.0 171.2h6M319.0 132.8h6M322.0 171.2V132.8");
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn a_million_points_are_a_small_picture() {
     let text = sound(&chart);
     assert!(text.len() < 40_000, "{}", text.len());
     // The one value that is larger than all others is seen: 3 of −1 … 3 is the upper end of the frame.
-    assert!(paths(&text)[0].contains(" 54.6V") || paths(&text)[0].contains(" 53.4V"), "{}", paths(&text)[0]);
+    assert!(paths(&text)[0].contains(" 56.6V") || paths(&text)[0].contains(" 55.4V"), "{}", paths(&text)[0]);
     let polar = Polar { traces: vec![PolarTrace { label: "t".into(), points: points(f64::sin) }], ..Polar::default() };
     assert!(sound(&polar).len() < 60_000);
     let values = points(f64::cos).into_iter().map(|point| point.1).collect();
@@ -88,12 +88,12 @@ fn bars_end_at_their_values() {
     let bars = vec![bar(10.0, 1.0), bar(-4.0, 0.0), bar(f64::INFINITY, f64::NAN)];
     let text = sound(&Bars { bars: bars.clone(), ..Bars::default() });
     assert!(text.contains("not identifiable"), "{text}");
-    // From −5 to 15: 406 units of the picture for 20, so zero at 271.5, 10 at 474.5, −4 at 190.3.
-    assert!(text.contains("M271.5 35.5H474.5v11H271.5z") && text.contains("M271.5 53.5H190.3v11H271.5z"), "{text}");
-    assert!(text.contains("M454.2 41.0H494.8"), "{text}");
+    // From −5 to 15: 364 units of the picture for 20, so zero at 297, 10 at 479, −4 at 224.2.
+    assert!(text.contains("M297.0 37.0H479.0v11H297.0z") && text.contains("M297.0 58.0H224.2v11H297.0z"), "{text}");
+    assert!(text.contains("M460.8 42.5H497.2"), "{text}");
     // 1 … 100 in decades: 10 is in the middle.
     let bars = vec![bar(10.0, 0.0), bar(100.0, 0.0)];
-    assert!(sound(&Bars { bars, is_logarithmic: true, ..Bars::default() }).contains("H373.0v11"));
+    assert!(sound(&Bars { bars, is_logarithmic: true, ..Bars::default() }).contains("H388.0v11"));
 }
 
 #[test]

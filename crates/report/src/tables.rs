@@ -236,8 +236,8 @@ pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
                         node[i] = at;
                         grid.values.get(grid.index(node)).map(|value| (grid.position(node)[i], value[k]))
                     });
-                    let series = line(format!("{label}{output}"), points.collect());
-                    add(format!("grid along {}", grid.axes[i]), format!("{} in mm", grid.axes[i]), "added, mm", series);
+                    let series = line(format!("{label}added to {output}"), points.collect());
+                    add(format!("Grid along {}", grid.axes[i]), format!("{} in mm", grid.axes[i]), "added, mm", series);
                 }
             }
         }

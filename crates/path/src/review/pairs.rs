@@ -68,11 +68,33 @@ fn between((last, next): ((usize, usize), (usize, usize)), original: &[&str], co
             for place in 1..next.0 - last.0 {
                 out[last.0 + place - 1] = (last.1 + place) as u32;
             }
+        } else {
+            taken_apart((last, next), original, corrected, out);
         }
         if next < end {
             out[next.0 - 1] = next.1 as u32;
         }
         last = next;
+    }
+}
+
+/// Pairs lines that were divided: each goes with the first line of the original that has at least half of its words, and these never go back.
+fn taken_apart((last, next): ((usize, usize), (usize, usize)), original: &[&str], corrected: &[&str], out: &mut [u32]) {
+    if (next.0 - last.0).saturating_mul(next.1 - last.1) > MOST_COMPARED {
+        return;
+    }
+    let mut from = last.1 + 1;
+    for line in last.0 + 1..next.0 {
+        let words: Vec<&str> = corrected.get(line - 1).map_or("", |text| text).split_whitespace().collect();
+        let has_half = |before: usize| {
+            let text = original.get(before - 1).map_or("", |text| text);
+            let common = words.iter().filter(|word| text.split_whitespace().any(|other| other == **word)).count();
+            common > 0 && 2 * common >= words.len()
+        };
+        if let Some(found) = (from..next.1).find(|&before| has_half(before)) {
+            out[line - 1] = found as u32;
+            from = found;
+        }
     }
 }
 
@@ -151,6 +173,13 @@ mod tests {
         // An evaluated line between two that are found.
         let evaluated = corrected.replace("N20 T2", "N20 T3");
         assert_eq!(paired(&[row(6, 7)], original, &evaluated), [1, 0, 2, 3, 4, 5, 6, 7]);
+    }
+
+    #[test]
+    fn a_line_that_was_divided_stays_beside_its_parts() {
+        let original = "%\nG21 G17 G90 G40\nG1 X1\nM30";
+        let corrected = "%\n(stamp of it)\nG21 G90\nG17 G40\nG1 X1.01\nM30";
+        assert_eq!(paired(&[row(3, 5)], original, corrected), [1, 0, 2, 2, 3, 4]);
     }
 
     #[test]

@@ -51,7 +51,8 @@ pub(super) fn section(
 /// Returns the size with its interval, what the error is, and for an angle its slope: `27.8 ± 1.6 µrad (95 %), squareness X–Y, 0.028 mm/m`.
 fn size_in_words(one: &CauseReport) -> String {
     let words = spelled_out(&one.parameter).map_or(String::new(), |words| format!(", {words}"));
-    let slope = if one.unit == "urad" { format!(", {} mm/m", significant(one.value / 1e3)) } else { String::new() };
+    let is_angle = one.parameter.parse::<ErrorName>().is_ok_and(|name| name.direction.is_rotation());
+    let slope = if is_angle { format!(", {} mm/m", significant(one.value / 1e3)) } else { String::new() };
     format!("{} (95 %){words}{slope}", one.size())
 }
 
