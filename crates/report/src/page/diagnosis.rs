@@ -4,7 +4,7 @@ mod evidence;
 mod pictures;
 mod polar;
 
-use super::parts::{MOST_ROWS, diagnostics, origin, spelled_out};
+use super::parts::{MOST_ROWS, component_of, diagnostics, origin, spelled_out};
 use super::{PageRow, columns, figure, page, pictures as side_by_side, strip, table};
 use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, chance};
 use crate::markup::Markup;

@@ -38,10 +38,15 @@ pub(super) fn diagnostics(out: &mut Markup, all: &[Finding]) {
     }
 }
 
+/// Returns the error component that a parameter belongs to: EXX for `EXX1`; `None` if its name begins with none.
+pub(super) fn component_of(parameter: &str) -> Option<ErrorName> {
+    let begins = |count: usize| parameter.get(..count).and_then(|name| name.parse::<ErrorName>().ok());
+    begins(4).or_else(|| begins(3))
+}
+
 /// Returns what a parameter is, in words: `EC0X` is `squareness X–Y`, `EXX1` belongs to `positioning of X`; `None` if its name is no error component.
 pub(super) fn spelled_out(parameter: &str) -> Option<String> {
-    let begins = |count: usize| parameter.get(..count).and_then(|name| name.parse::<ErrorName>().ok());
-    begins(4).or_else(|| begins(3)).map(|name| name.spelled_out())
+    component_of(parameter).map(|name| name.spelled_out())
 }
 
 /// Writes the input files of the result; `by` names what produced it.

@@ -1,7 +1,7 @@
 //! Evidence of one cause, with its equivalent explanations.
 
 use super::pictures::{driver_of, mean_lines, means, time_of, title_of};
-use super::{figure, polar, side_by_side, spelled_out};
+use super::{component_of, figure, polar, side_by_side, spelled_out};
 use crate::diagnosis::{CauseText as _, DiagnosisReport, PageReadings, chance, differing};
 use crate::markup::Markup;
 use crate::number::{grouped, significant};
@@ -51,7 +51,7 @@ pub(super) fn section(
 /// Returns the size with its interval, what the error is, and for an angle its slope: `27.8 ± 1.6 µrad (95 %), squareness X–Y, 0.028 mm/m`.
 fn size_in_words(one: &CauseReport) -> String {
     let words = spelled_out(&one.parameter).map_or(String::new(), |words| format!(", {words}"));
-    let is_angle = one.parameter.parse::<ErrorName>().is_ok_and(|name| name.direction.is_rotation());
+    let is_angle = component_of(&one.parameter).is_some_and(|name| name.direction.is_rotation());
     let slope = if is_angle { format!(", {} mm/m", significant(one.value / 1e3)) } else { String::new() };
     format!("{} (95 %){words}{slope}", one.size())
 }
