@@ -200,8 +200,11 @@ fn met(row: &str) -> Vec<(&'static Language, String, &'static str, usize)> {
     match row {
         "length of a block" => all(&|_| "X".to_owned() + &"0".repeat(5000), "E0109"),
         "brackets and signs within each other" => all(&|language| nested(language, 66), "E0107"),
-        "operators of an expression, Fanuc and RS274/NGC" => {
-            [&FANUC, &RS274].map(|language| (language, assigned(language, &["1"; 600].join("+")), "E0107", 1)).to_vec()
+        "operators of an expression, Fanuc, RS274/NGC and Grundig" => [&FANUC, &RS274, &GRUNDIG]
+            .map(|language| (language, assigned(language, &["1"; 600].join("+")), "E0107", 1))
+            .to_vec(),
+        "operators of an expression, Sinumerik" => {
+            vec![(&SINUMERIK, assigned(&SINUMERIK, &["1"; 600].join("+")), "E0107", 1)]
         }
         "control structures within each other, Sinumerik" => {
             vec![(&SINUMERIK, "IF TRUE\n".repeat(40) + &"ENDIF\n".repeat(40), "E0107", 33)]
