@@ -46,7 +46,7 @@ pub enum ComponentTerm {
 pub struct ParameterName {
     /// Error component.
     pub component: ErrorName,
-    /// Number of the component; [`Term::Whole`] for a location error, another for a motion error.
+    /// Number of the component; [`ComponentTerm::Whole`] for a location error, another for a motion error.
     pub term: ComponentTerm,
 }
 

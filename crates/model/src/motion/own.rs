@@ -1,4 +1,4 @@
-//! Functions of custom kinds: the content of [`Function::Own`](super::Function::Own).
+//! Functions of custom kinds: the content of [`EntryFunction::Own`](super::EntryFunction::Own).
 
 use std::fmt::Debug;
 

@@ -99,7 +99,7 @@ pub struct Steps {
     pub rows: Vec<SeriesRow>,
     /// Admissible steps.
     pub answer: ResidualSteps,
-    /// The largest residual at the answer: at the largest step for [`Answer::Any`], at the smallest for [`Answer::None`].
+    /// The largest residual at the answer: at the largest step for [`ResidualSteps::Any`], at the smallest for [`ResidualSteps::None`].
     pub worst: StepResidual,
 }
 

@@ -33,7 +33,7 @@ pub struct ReviewRow {
     pub added: [f32; AXIS_COUNT],
     /// Distance of the original tip from its nominal place under the error model, mm, if the piece is unchanged.
     pub error_mm: f32,
-    /// Flags: bits of [`Row::RAPID`] and the others.
+    /// Flags: bits of [`ReviewRow::RAPID`] and the others.
     flags: u8,
 }
 

@@ -9,12 +9,12 @@
 //! | modal groups: active codes, saved states | [`modal`] |
 //! | tools: selected, in the spindle, active; data written by a run | [`tool`] |
 //! | axis positions, and axes with stated positions | [`position`] |
-//! | paths to reference points and back | [`reference`] |
+//! | paths to reference points and back | [`mod@reference`] |
 //! | active frame, tool length and plane | [`standing`] |
 //! | radius compensation, roundings, chamfers | [`contour`] |
 //! | steps of cycles | [`step`] |
-//! | paths, and their conversion by the outlet | [`path`], [`outlet`], [`resolve`], [`five_axis`] |
-//! | faults, ledger, limits of a run | [`fault`], [`ledger`], [`options`], [`settings`] |
+//! | paths, and their conversion by the motion sink | [`path`], [`motion_sink`], [`resolve`], [`five_axis`] |
+//! | faults, state of a run, limits of a run | [`fault`], [`run_state`], [`options`], [`settings`] |
 //!
 //! # Parts of a family
 //!
