@@ -21,7 +21,7 @@ use ncfix_path::path::{CorrectionOptions, Corrector, Output};
 ///
 /// let machine = Machine::demo();
 /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
-/// let correction = program.correct(&machine, &CorrectionOptions::default());
+/// let correction = program.correct(&machine, &Options::default());
 /// let is_piece = |output: &Result<Output, Error>| matches!(output, Ok(Output::Piece(_)));
 /// assert!(correction.pieces()?.filter(is_piece).count() > 2, "the long move is divided");
 /// # Ok::<(), ncfix::Error>(())
@@ -69,7 +69,7 @@ impl<'a> Pieces<'a> {
     ///
     /// let machine = Machine::demo();
     /// let program = Program::parse("part.mpf", "G0 X50 Y50 Z100\nG1 X600 F500\nM30\n", DialectChoice::Sinumerik)?;
-    /// let correction = program.correct(&machine, &CorrectionOptions::default());
+    /// let correction = program.correct(&machine, &Options::default());
     /// let mut pieces = correction.pieces()?;
     /// assert!(pieces.by_ref().all(|output| output.is_ok()));
     /// assert!(!pieces.diagnostics().has_errors());
