@@ -92,7 +92,7 @@ impl Calibration {
     /// ```
     ///
     /// # Errors
-    /// Where a name is no parameter of the machine, data are wrong, or they cannot tell the parameters apart: the diagnostics say why, and what to measure.
+    /// If a name is no parameter of the machine, data are wrong, or they cannot tell the parameters apart: the diagnostics say why, and what to measure.
     pub fn run(machine: &Machine, data: &[DataSet], options: &CalibrationOptions) -> Result<Calibration, Error> {
         let mut diagnostics = Diagnostics::default();
         let parameters = chosen(machine, &options.parameters, &mut diagnostics)?;
@@ -205,7 +205,7 @@ impl Calibration {
     /// ```
     ///
     /// # Errors
-    /// Where the text cannot hold the parameters.
+    /// If the text cannot hold the parameters.
     pub fn extended_machine_text(&self, text: &str) -> Result<String, Error> {
         let fault = |reason: String| Error::usage(format!("cannot write into the text of the machine file: {reason}"));
         let source = Source::new(FileId(0), "machine file", text.as_bytes().to_vec());
@@ -237,7 +237,7 @@ impl Calibration {
 /// The new machine file: the text of the old one with the parameters, and a head that says where they come from.
 ///
 /// # Errors
-/// Where they cannot be written into it.
+/// If they cannot be written into it.
 pub(crate) fn text_of(
     chosen: &Machine,
     start: &Source,

@@ -56,7 +56,7 @@ impl Program {
     /// Parses, and with a machine executes unless `is_syntax_only`.
     ///
     /// # Errors
-    /// Where the dialect does not exist.
+    /// If the dialect does not exist.
     pub(crate) fn examine(
         &self,
         machine: Option<&Machine>,

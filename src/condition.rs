@@ -16,7 +16,7 @@ use ncfix_model::Effect;
 /// Reads the condition into the machine and reports the inputs of the model that it lacks; returns whether it can be used.
 ///
 /// # Errors
-/// Where the file cannot be read.
+/// If the file cannot be read.
 pub(crate) fn apply(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut Diagnostics) -> Result<bool, Error> {
     Ok(read(choice, chosen, findings)? && check(choice, chosen, &chosen.condition, findings))
 }
@@ -24,7 +24,7 @@ pub(crate) fn apply(choice: &ConditionFiles, chosen: &mut Machine, findings: &mu
 /// Reads the condition into the machine; returns whether it is valid.
 ///
 /// # Errors
-/// Where the file cannot be read.
+/// If the file cannot be read.
 pub(crate) fn read(choice: &ConditionFiles, chosen: &mut Machine, findings: &mut Diagnostics) -> Result<bool, Error> {
     let mut condition = Condition::default();
     let mut parts = Vec::new();

@@ -46,7 +46,7 @@ impl DataSet {
     /// ```
     ///
     /// # Errors
-    /// Where a file cannot be read, or the path is no `NAME.csv`.
+    /// If a file cannot be read, or the path is no `NAME.csv`.
     pub fn read(path: impl AsRef<Path>) -> Result<DataSet, Error> {
         let path = path.as_ref();
         let Some(beside) = measurement::description_of(path) else {
@@ -80,7 +80,7 @@ impl DataSet {
     /// ```
     ///
     /// # Errors
-    /// Where a text is too large.
+    /// If a text is too large.
     pub fn parse(name: &str, table: impl Into<Vec<u8>>, description: impl Into<Vec<u8>>) -> Result<DataSet, Error> {
         let [own, other] = measurement::ids(0);
         let source = |id, ending: &str, bytes: Vec<u8>| {

@@ -61,7 +61,7 @@ impl Diagnosis {
     /// ```
     ///
     /// # Errors
-    /// Where data are wrong, or say nothing: the diagnostics say why, and what to measure.
+    /// If data are wrong, or say nothing: the diagnostics say why, and what to measure.
     pub fn run(machine: &Machine, data: &[DataSet], options: &DiagnosisOptions) -> Result<Diagnosis, Error> {
         let mut diagnostics = Diagnostics::default();
         let how = (Purpose::Diagnosis(&machine.errors), &machine.registry.instruments);
@@ -156,7 +156,7 @@ impl Diagnosis {
     /// ```
     ///
     /// # Errors
-    /// Where the options had no machine file, or it cannot hold anything that was found.
+    /// If the options had no machine file, or it cannot hold anything that was found.
     pub fn extended_machine_text(&self) -> Result<String, Error> {
         let Some(extended) = &self.extended else {
             return Err(Error::usage("there is no machine file to extend; give its text in the options".into()));

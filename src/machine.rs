@@ -58,7 +58,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where a file cannot be read or has errors.
+    /// If a file cannot be read or has errors.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Machine, Error> {
         Machine::from_files(path, &[])
     }
@@ -80,7 +80,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where a file cannot be read or has errors.
+    /// If a file cannot be read or has errors.
     pub fn from_files(path: impl AsRef<Path>, setups: &[PathBuf]) -> Result<Machine, Error> {
         Machine::read(path.as_ref(), setups, &Registry::default())
     }
@@ -97,7 +97,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where a file cannot be read or has errors.
+    /// If a file cannot be read or has errors.
     pub fn from_file_with(path: impl AsRef<Path>, registry: &Registry) -> Result<Machine, Error> {
         Machine::read(path.as_ref(), &[], registry)
     }
@@ -118,7 +118,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where the text has errors, or names table files as active.
+    /// If the text has errors, or names table files as active.
     pub fn from_text(name: &str, text: &str) -> Result<Machine, Error> {
         Machine::from_text_with(name, text, &Registry::default())
     }
@@ -134,7 +134,7 @@ impl Machine {
     /// ```
     ///
     /// # Errors
-    /// Where the text has errors, or names table files as active.
+    /// If the text has errors, or names table files as active.
     pub fn from_text_with(name: &str, text: &str, registry: &Registry) -> Result<Machine, Error> {
         let too_large = |_| Error::usage(format!("{name} is too large"));
         let source = Source::new(FileId(0), name, text.as_bytes().to_vec()).map_err(too_large)?;
@@ -230,7 +230,7 @@ impl Machine {
     /// Refuses a pose that the machine cannot take.
     ///
     /// # Errors
-    /// Where it lacks an axis, or the pose is outside of the travel.
+    /// If it lacks an axis, or the pose is outside of the travel.
     pub(crate) fn check_pose(&self, at: &AxisVector) -> Result<(), Error> {
         const ROOM: f64 = 1e-9;
         for axis in AXES {

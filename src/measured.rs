@@ -16,7 +16,7 @@ use ncfix_model::Solve;
 /// refused. `progress` receives the share that is done.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// If the file cannot be written.
 pub(crate) fn correct_file(
     chosen: &Machine,
     source: &Source,

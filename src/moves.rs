@@ -117,7 +117,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the program cannot be parsed or cannot be executed to its end, or `out` refuses the text.
+    /// If the program cannot be parsed or cannot be executed to its end, or `out` refuses the text.
     pub fn write_moves(&self, machine: &Machine, out: &mut dyn Write) -> Result<(), Error> {
         let mut found = Diagnostics::default();
         if let Some(flat) = FlatText::of(self, machine, None, &mut found)?.filter(|_| !found.has_errors()) {
@@ -138,7 +138,7 @@ impl<'a> FlatText<'a> {
     /// Parses the program; `None` if there are errors.
     ///
     /// # Errors
-    /// Where the dialect does not exist.
+    /// If the dialect does not exist.
     pub(crate) fn of(
         program: &'a Program,
         machine: &'a Machine,

@@ -46,7 +46,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the text cannot be parsed; all diagnostics are in the error.
+    /// If the text cannot be parsed; all diagnostics are in the error.
     pub fn parse(name: &str, text: impl Into<Vec<u8>>, dialect: DialectChoice) -> Result<Program, Error> {
         let too_large = |_| Error::usage(format!("{name} is too large"));
         let source = Source::new(FileId(0), name, text.into()).map_err(too_large)?;
@@ -65,7 +65,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the file cannot be read or its text cannot be parsed.
+    /// If the file cannot be read or its text cannot be parsed.
     pub fn from_file(path: impl AsRef<Path>, dialect: DialectChoice) -> Result<Program, Error> {
         let path = path.as_ref();
         Program::new(run::read(path)?, path, ProgramReading::default()).parsed(dialect)
@@ -195,7 +195,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the program cannot be parsed; errors during execution are in the stream.
+    /// If the program cannot be parsed; errors during execution are in the stream.
     pub fn moves<'m>(&self, machine: &'m Machine) -> Result<Elements<'m>, Error> {
         let mut found = Diagnostics::default();
         match self.open(Some(machine), &mut found)?.filter(|_| !found.has_errors()) {
@@ -240,7 +240,7 @@ impl Program {
     /// Parses it; `None` if it has syntax errors, which are among the findings.
     ///
     /// # Errors
-    /// Where the dialect does not exist.
+    /// If the dialect does not exist.
     pub(crate) fn open(&self, machine: Option<&Machine>, found: &mut Diagnostics) -> Result<Option<Opened>, Error> {
         run::open(&self.source, &self.subprograms, &self.reading, machine, found)
     }

@@ -62,7 +62,7 @@ impl RealtimeCorrection {
     /// Answers the lines of a text, each immediately, or those that arrive together at once; a line that is not a set-point ends it.
     ///
     /// # Errors
-    /// Where it cannot be read or an answer cannot be written.
+    /// If it cannot be read or an answer cannot be written.
     pub(crate) fn answer(&mut self, input: impl Read, out: &mut dyn Write) -> Result<Option<Diagnostic>, Error> {
         let failed = |error: std::io::Error| Error::output(&error);
         let axes: Vec<_> = self.axes.iter().collect();
@@ -105,7 +105,7 @@ impl RealtimeCorrection {
     /// Opens the rings in a file, each with `records` records.
     ///
     /// # Errors
-    /// Where they cannot be made.
+    /// If they cannot be made.
     pub(crate) fn ring(&self, file: &RingFile, records: u64) -> Result<Ring, Error> {
         Ring::create(&file.file, self.axes, records).map_err(|error| Error::file("write", &file.path, &error))
     }
@@ -143,7 +143,7 @@ impl RingFile {
     /// A new file: a name in the shared memory, or a path with a separator.
     ///
     /// # Errors
-    /// Where it cannot be made, or exists already.
+    /// If it cannot be made, or exists already.
     pub(crate) fn create(name: &str) -> Result<RingFile, Error> {
         let path = if name.contains(['/', '\\']) { PathBuf::from(name) } else { PathBuf::from(SHARED).join(name) };
         let file = File::options().read(true).write(true).create_new(true).open(&path);

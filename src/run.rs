@@ -39,7 +39,7 @@ pub(crate) struct Opened {
 /// Parses the program in `source`; `None` if it has syntax errors, which are among the findings.
 ///
 /// # Errors
-/// Where the dialect does not exist.
+/// If the dialect does not exist.
 pub(crate) fn open(
     source: &Source,
     subprograms: &Subprograms,
@@ -209,7 +209,7 @@ fn last_unit(bytes: &[u8]) -> Option<bool> {
 /// Reads the bytes of a program.
 ///
 /// # Errors
-/// Where the file cannot be read.
+/// If the file cannot be read.
 pub(crate) fn read(path: &Path) -> Result<Source, Error> {
     if let Some(archive) = archive::open(path)? {
         log::info!("read {}: program in an archive of the control", path.display());

@@ -30,7 +30,7 @@ use ncfix_dnc::sense::Config;
 /// ```
 ///
 /// # Errors
-/// Where the file cannot be read or has errors.
+/// If the file cannot be read or has errors.
 pub fn from_file(path: impl AsRef<Path>, kinds: &SensorSources) -> Result<Panel, Error> {
     let path = path.as_ref();
     let source = files::read_written(path, FileId(0), "sensors")?;
@@ -47,7 +47,7 @@ pub fn from_file(path: impl AsRef<Path>, kinds: &SensorSources) -> Result<Panel,
 /// ```
 ///
 /// # Errors
-/// Where the text has errors.
+/// If the text has errors.
 pub fn from_text(name: &str, text: &str, kinds: &SensorSources) -> Result<Panel, Error> {
     let too_large = |_| Error::usage(format!("{name} is too large"));
     let source = Source::new(FileId(0), name, text.as_bytes().to_vec()).map_err(too_large)?;

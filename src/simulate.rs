@@ -113,7 +113,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the program cannot be parsed or has no motion, the machine file has no `[servo]`, or `out` refuses the text.
+    /// If the program cannot be parsed or has no motion, the machine file has no `[servo]`, or `out` refuses the text.
     pub fn simulate(
         &self,
         machine: &Machine,
@@ -196,7 +196,7 @@ impl<'a> Recorder<'a> {
     /// when the list of read files is complete.
     ///
     /// # Errors
-    /// Where the dialect does not exist; the inner error is that of `out`.
+    /// If the dialect does not exist; the inner error is that of `out`.
     pub(crate) fn record(
         &mut self,
         out: &mut dyn Write,

@@ -40,7 +40,7 @@ impl StepSearch<'_> {
     /// Runs the search; the report has no answer if there are errors. `share` receives the progress, 0 to 1.
     ///
     /// # Errors
-    /// Where the dialect does not exist, or there is neither a program nor travel.
+    /// If the dialect does not exist, or there is neither a program nor travel.
     pub(crate) fn run(
         &self,
         machine: &Machine,

@@ -1,5 +1,8 @@
 //! Files that a control keeps beside part programs: machine data, tools, zero offsets, definitions, screens, logs.
 
+use std::sync::LazyLock;
+
+use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::Source;
 use ncfix_language::syntax::sinumerik::{Address, Body, Definition, ExprId, Node, Program, Value, Word};
 
@@ -18,21 +21,32 @@ const KINDS: [(&[&str], &str); 6] = [
     (&["$"], "values of system variables"),
 ];
 
+/// First lines of a screen and of drive data.
+static FIRST_LINES: LazyLock<RegexSet> = LazyLock::new(|| patterns([r"^//[SM][({]", r"^\[SINUMERIK_HEADER\]"]));
+/// A block number, a G code, an address with a number or the end of a program at the start of a line, or a character that only blocks have.
+static BLOCK: LazyLock<RegexSet> = LazyLock::new(|| patterns([r#"^(?:[NGMTSFDR][0-9]|RET(?:[^A-Z0-9]|$))|[=;("$%]"#]));
+/// Two words; a word of three letters or more that goes on in lower case.
+static SENTENCE: LazyLock<RegexSet> = LazyLock::new(|| {
+    patterns([
+        r"[^ \t\n\r\x0c][ \t\n\r\x0c]+[^ \t\n\r\x0c]",
+        r"(?-i)(?:^|[ \t\n\r\x0c])[^ \t\n\r\x0c][a-z\x80-\xff]{2,}[:,]?(?:[ \t\n\r\x0c]|$)",
+    ])
+});
+
 /// The kind of a file that is not a program, by its name and its first lines.
 pub(crate) fn kind_of_text(source: &Source) -> Option<&'static str> {
     let name = source.name().to_ascii_lowercase();
     let first =
         source.bytes().split(|&byte| byte == source.line_end()).map(<[u8]>::trim_ascii).find(|line| !line.is_empty());
-    let begins = |start: &[u8]| {
-        first.is_some_and(|line| line.len() >= start.len() && line[..start.len()].eq_ignore_ascii_case(start))
-    };
-    if name.ends_with(".com") || begins(b"//S(") || begins(b"//M(") || begins(b"//M{") || begins(b"//S{") {
+    let begins = FIRST_LINES.matches(first.unwrap_or_default());
+    let is_of = |mark: usize| begins.iter().any(|one| one == mark);
+    if name.ends_with(".com") || is_of(0) {
         return Some("screens");
     }
     if name.ends_with(".log") || name.ends_with(".trc") || is_prose(source) {
         return Some("log");
     }
-    begins(b"[SINUMERIK_HEADER]").then_some("drive data")
+    is_of(1).then_some("drive data")
 }
 
 /// True if a file is a text that a program wrote with WRITE, whatever its name: lines of words and numbers, none of them a block.
@@ -40,30 +54,13 @@ fn is_prose(source: &Source) -> bool {
     let lines = source.bytes().split(|&byte| byte == source.line_end()).map(<[u8]>::trim_ascii);
     let (mut prose, mut other) = (0_usize, 0_usize);
     for line in lines.filter(|line| !line.is_empty()) {
-        if is_block(line) {
+        if BLOCK.is_match(line) {
             return false;
         }
-        if is_sentence(line) { prose += 1 } else { other += 1 }
+        // Both of its patterns.
+        if SENTENCE.matches(line).iter().count() == 2 { prose += 1 } else { other += 1 }
     }
     prose >= FEWEST_LINES && prose >= 9 * other
-}
-
-/// True if a line has a character that only blocks have, or begins with a block number, a G code or a program end.
-fn is_block(line: &[u8]) -> bool {
-    let word: Vec<u8> =
-        line.iter().take_while(|byte| byte.is_ascii_alphanumeric()).map(u8::to_ascii_uppercase).collect();
-    let numbered = matches!(word.as_slice(), [b'N' | b'G' | b'M' | b'T' | b'S' | b'F' | b'D' | b'R', rest @ ..] if rest.first().is_some_and(u8::is_ascii_digit));
-    numbered || word == b"RET" || line.iter().any(|byte| b"=;(\"$%".contains(byte))
-}
-
-/// True if a line has several words, one of them in lower case.
-fn is_sentence(line: &[u8]) -> bool {
-    let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-    let is_small = |word: &[u8]| {
-        let letters = word.strip_suffix(b":").or(word.strip_suffix(b",")).unwrap_or(word);
-        letters.len() >= 3 && letters[1..].iter().all(|byte| byte.is_ascii_lowercase() || !byte.is_ascii())
-    };
-    words.clone().count() >= 2 && words.any(is_small)
 }
 
 /// The kind of a parsed file that is not a program: one that has only definitions or data assignments. A large file is taken as a program.
@@ -139,5 +136,45 @@ fn left_name(program: &Program, left: ExprId) -> Option<&str> {
     match program.expr(left).node {
         Node::Indexed(name, _) => Some(program.names.text(name)),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_and_sentences_are_distinguished() {
+        for line in ["N10 X1", "g1", "R5", "RET", "RET X", "abc def; remark", "a=1", "%MPF", "f(1)"] {
+            assert!(BLOCK.is_match(line.as_bytes()), "{line}");
+        }
+        for line in ["RETURN to the start", "Number 5", "N axis", "the tool 12 is worn", "d"] {
+            assert!(!BLOCK.is_match(line.as_bytes()), "{line}");
+        }
+        let is_sentence = |line: &str| SENTENCE.matches(line.as_bytes()).iter().count() == 2;
+        for line in ["Tool broken", "12.5 Länge", "X axis: ready", "is Ready, done"] {
+            assert!(is_sentence(line), "{line}");
+        }
+        for line in ["ready", "X 12 Y 5", "AN ID 12", "CamelCase X", "ab cd", "ready:: X"] {
+            assert!(!is_sentence(line), "{line}");
+        }
+    }
+
+    #[test]
+    fn first_lines_name_screens_and_drive_data() {
+        let kind = |text: &str| {
+            let source = Source::new(ncfix_base::source::FileId(0), "a.txt", text.as_bytes().to_vec()).unwrap();
+            kind_of_text(&source)
+        };
+        for (text, expected) in [
+            ("\n//s(Start)\n", Some("screens")),
+            ("//M{Mask}", Some("screens")),
+            ("//X(Mask)", None),
+            ("  [Sinumerik_Header]\n", Some("drive data")),
+            ("[HEADER]", None),
+            ("", None),
+        ] {
+            assert_eq!(kind(text), expected, "{text}");
+        }
     }
 }

@@ -38,7 +38,7 @@ impl SensorWatch {
     /// Opens the sensors of a file, and the log that is written; `None` if there are errors.
     ///
     /// # Errors
-    /// Where the file cannot be read, or the log cannot be written or exists already.
+    /// If the file cannot be read, or the log cannot be written or exists already.
     pub(crate) fn open(path: &Path, log: Option<&Path>, found: &mut Diagnostics) -> Result<Option<SensorWatch>, Error> {
         let source = files::read_written(path, FileId(0), "live sensors")?;
         let base = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
@@ -63,7 +63,7 @@ impl SensorWatch {
     /// Watches for the given time, or without one until the process ends; returns whether all sensors are good at the end.
     ///
     /// # Errors
-    /// Where the log cannot be written, and those of `show`.
+    /// If the log cannot be written, and those of `show`.
     pub(crate) fn run<E: From<Error>>(
         mut self,
         duration: Option<Duration>,

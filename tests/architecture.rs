@@ -20,6 +20,7 @@ const CRATES: &[(&str, &[Room])] = &[
             ("csv", &["source", "diagnostic"]),
             ("geometry", &["source", "diagnostic", "units", "csv"]),
             ("numeric", &["source", "diagnostic", "units", "csv"]),
+            ("pattern", &[]),
             ("register", &[]),
         ],
     ),

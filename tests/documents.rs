@@ -126,11 +126,19 @@ fn done(path: &str) -> usize {
 fn shows(path: &str, shop: &Shop, call: &Call) {
     let command = call.words.join(" ");
     let run = shop.run(&call.words);
-    let printed = run.stdout + &run.stderr;
+    let printed = format!("{}{}", run.stdout, run.stderr);
     assert_eq!(run.code, call.status, "{path}: {command}\n{printed}");
     assert!(!call.shown.is_empty(), "{path}: {command} shows nothing");
-    for line in call.shown.iter().map(|line| line.trim_end()).filter(|line| !matches!(*line, "" | "…")) {
-        assert!(printed.lines().any(|own| own.trim_end() == line), "{path}: {command}\n{line}\nnot in\n{printed}");
+    let shown: Vec<&str> =
+        call.shown.iter().map(|line| line.trim_end()).filter(|line| !matches!(*line, "" | "…")).collect();
+    // A page shows both streams as a terminal mixes them: in their order, one stream after the other.
+    let missing = |printed: &str| {
+        let mut lines = printed.lines();
+        shown.iter().copied().find(|shown| !lines.any(|own| own.trim_end() == *shown))
+    };
+    let swapped = format!("{}{}", run.stderr, run.stdout);
+    if let (Some(line), Some(_)) = (missing(&printed), missing(&swapped)) {
+        panic!("{path}: {command}\n{line}\nis not there, or before the line above it:\n{printed}");
     }
 }
 

@@ -232,11 +232,16 @@ fn a_set_up_replaces_and_adds_and_an_unsound_one_changes_nothing() {
     let mut machine = load(DEMO).0.unwrap().0;
     let before = machine.clone();
     let bad = apply_setup(&source(b"[zero_offset.G54]\nX_mm = 1\n[[tool]]\nnumber = 1\n[axis.X]\n"), &mut machine);
-    assert_eq!(bad.iter().map(|finding| finding.code.as_str()).collect::<Vec<_>>(), ["E0403", "E0402"]);
+    assert_eq!(bad.iter().map(|finding| finding.code.as_str()).collect::<Vec<_>>(), ["W0404", "E0403", "E0402"]);
     assert_eq!(machine, before);
     let text = "[zero_offset.G54]\nX_mm = 1\n[zero_offset.G599]\nY_mm = 2\n\
         [[tool]]\nnumber = 5\nlength_mm = 77\n[[tool]]\nnumber = 5\nedge = 2\nlength_mm = 78\n";
-    assert_eq!(apply_setup(&source(text.as_bytes()), &mut machine), []);
+    // An offset of the set-up takes the place of the whole one: what it does not state is 0, not what stood there.
+    let found: Vec<String> =
+        apply_setup(&source(text.as_bytes()), &mut machine).into_iter().map(|one| one.message).collect();
+    let expected =
+        ["G54 states X and not Y and Z, which count as 0", "G599 states Y and not X and Z, which count as 0"];
+    assert_eq!(found, expected);
     assert_eq!(machine.zero_offsets["G54"].translation.xyz(), Vector::new(1.0, 0.0, 0.0));
     assert_eq!(machine.zero_offsets["G599"].translation.xyz(), Vector::new(0.0, 2.0, 0.0));
     assert_eq!(machine.zero_offsets["G55"], before.zero_offsets["G55"]);

@@ -208,6 +208,16 @@ fn only_shrinks(file: &str, head: &str, counts: &BTreeMap<String, usize>, say: i
         return;
     }
     assert!(more.is_empty(), "{}", more.join("\n"));
+    // A number that is larger than the count would let new ones in.
+    let less: Vec<&String> = allowed
+        .iter()
+        .filter(|(name, most)| counts.get(*name).copied().unwrap_or(0) < **most)
+        .map(|(name, _)| name)
+        .collect();
+    assert!(
+        less.is_empty(),
+        "fewer stand there now than {file} says: run this test with NCFIX_WRITE_DOCS=1\n{less:#?}"
+    );
 }
 
 #[test]

@@ -84,7 +84,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where one of both is not understood, or they are no pair.
+    /// If one of both is not understood, or they are no pair.
     pub fn verify(&self, corrected: &Program, machine: &Machine) -> Result<VerificationReport, Error> {
         let mut found = Diagnostics::default();
         let pair = Pair { programs: [self, corrected], machine, promised: None, at_feed: false, watch: None };
@@ -110,7 +110,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where one of both is not understood, or they are no pair.
+    /// If one of both is not understood, or they are no pair.
     pub fn compare(&self, corrected: &Program, machine: &Machine) -> Result<Review, Error> {
         let mut found = Diagnostics::default();
         let pair = Pair { programs: [self, corrected], machine, promised: None, at_feed: false, watch: None };
@@ -130,7 +130,7 @@ impl Pair<'_> {
     /// Compares both, and reports differences that are not a correction; `None` if there are errors that prevent the comparison.
     ///
     /// # Errors
-    /// Where their dialect does not exist.
+    /// If their dialect does not exist.
     pub(crate) fn verify(
         &self,
         found: &mut Diagnostics,
@@ -155,7 +155,7 @@ impl Pair<'_> {
     /// Compares both move by move; `None` if there are errors.
     ///
     /// # Errors
-    /// Where their dialect does not exist.
+    /// If their dialect does not exist.
     pub(crate) fn trace(
         &self,
         has_places: bool,
@@ -179,7 +179,7 @@ impl Pair<'_> {
     /// files.
     ///
     /// # Errors
-    /// Where their dialect does not exist.
+    /// If their dialect does not exist.
     pub(crate) fn review(
         &self,
         names: [String; 2],

@@ -41,7 +41,7 @@ impl Pair<'_> {
     /// Opens both programs and walks them side by side; `None` if there are errors.
     ///
     /// # Errors
-    /// Where their dialect does not exist.
+    /// If their dialect does not exist.
     pub(crate) fn compare(
         &self,
         findings: &mut Diagnostics,

@@ -92,7 +92,7 @@ impl<'a> Correction<'a> {
     /// ```
     ///
     /// # Errors
-    /// Where the program cannot be parsed, refused or cannot be corrected, or `out` refuses the text. The text must not be used then.
+    /// If the program cannot be parsed, refused or cannot be corrected, or `out` refuses the text. The text must not be used then.
     pub fn write_to(&self, out: &mut (dyn Write + Send)) -> Result<CorrectionReport, Error> {
         let started = Instant::now();
         let mut found = Diagnostics::default();
@@ -191,7 +191,7 @@ impl<'a> Correction<'a> {
     /// ```
     ///
     /// # Errors
-    /// Where the program cannot be parsed or refused; the pieces say what is met while it runs.
+    /// If the program cannot be parsed or refused; the pieces say what is met while it runs.
     pub fn pieces(&self) -> Result<Pieces<'_>, Error> {
         let mut found = Diagnostics::default();
         let prepared = if self.program.was_corrected_before(&mut found) { None } else { self.prepare(&mut found)? };
@@ -204,7 +204,7 @@ impl<'a> Correction<'a> {
     /// Parses the program and looks whether it can be corrected like that; `None` if there are errors.
     ///
     /// # Errors
-    /// Where an option is wrong.
+    /// If an option is wrong.
     pub(crate) fn prepare(&self, found: &mut Diagnostics) -> Result<Option<Prepared<'_>>, Error> {
         if self.options.feed_limit_mm.is_some() && servo(&self.machine.machine, found).is_none() {
             return Ok(None);
@@ -230,7 +230,7 @@ impl<'a> Correction<'a> {
     /// A text that was written, to be read again.
     ///
     /// # Errors
-    /// Where it is too long.
+    /// If it is too long.
     pub(crate) fn again(original: &Source, name: &str, text: Vec<u8>) -> Result<Source, Error> {
         let too_long = format!("{name} is too long to be read again");
         Source::new(original.id(), name, text).map_err(|_| Error::usage(too_long))
@@ -239,7 +239,7 @@ impl<'a> Correction<'a> {
     /// Executes a text that was written as the control would with the largest wear to either side.
     ///
     /// # Errors
-    /// Where it cannot be opened.
+    /// If it cannot be opened.
     pub(crate) fn try_wear(&self, text: &Source, found: &mut Diagnostics) -> Result<(), Error> {
         let Compensation::Wear(largest_mm) = self.options.compensation else { return Ok(()) };
         wear::try_both(&self.program.with_source(text.clone()), largest_mm, &self.machine, found)
@@ -258,7 +258,7 @@ impl<'a> Prepared<'a> {
     /// The program as it begins to run, with how it is written.
     ///
     /// # Errors
-    /// Where it cannot be written like that.
+    /// If it cannot be written like that.
     fn start(self) -> Result<(Running<'a>, Writing, NumberSet), Error> {
         let Prepared { correction, opened, hash, .. } = self;
         let (program, options) = (correction.program, &correction.options);
@@ -280,7 +280,7 @@ impl<'a> Prepared<'a> {
     /// against the output when the list of read files is complete. Returns whether the control compensates radii by wear.
     ///
     /// # Errors
-    /// Where the program cannot be written like that; inside, where the text is refused.
+    /// If the program cannot be written like that; inside, where the text is refused.
     pub(crate) fn write(
         self,
         sink: &mut (dyn Write + Send),
@@ -330,7 +330,7 @@ impl<'a> Prepared<'a> {
     /// The corrected pieces, with what was found so far.
     ///
     /// # Errors
-    /// Where the program cannot be written like that.
+    /// If the program cannot be written like that.
     fn pieces(self, found: Diagnostics) -> Result<Pieces<'a>, Error> {
         let correction = self.correction;
         let (running, writing, _) = self.start()?;

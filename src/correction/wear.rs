@@ -27,7 +27,7 @@ pub(super) fn refusal(choice: &Options) -> Option<Diagnostic> {
 /// Executes a written program as the control would with the largest wear to either side.
 ///
 /// # Errors
-/// Where it cannot be opened.
+/// If it cannot be opened.
 pub(super) fn try_both(
     text: &Program,
     largest_mm: f64,

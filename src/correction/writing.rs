@@ -20,7 +20,7 @@ impl Writing {
     /// For a program in a dialect, its bytes and their hash, with the position before its first block.
     ///
     /// # Errors
-    /// Where it cannot be written like that.
+    /// If it cannot be written like that.
     pub(crate) fn new(
         choice: &Options,
         start: Option<AxisVector>,
@@ -79,7 +79,7 @@ impl Writing {
     /// A writer at the beginning of the program.
     ///
     /// # Errors
-    /// Where the increments of the machine cannot be written.
+    /// If the increments of the machine cannot be written.
     pub(crate) fn writer(&self) -> Result<Box<dyn emit::Writer>, Error> {
         (self.entry.create)(&self.writer).ok_or_else(|| unwritable(self.dialect))
     }

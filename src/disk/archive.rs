@@ -44,7 +44,7 @@ pub(crate) struct Archive {
 /// Opens the archive that a path leads to or into (`SAVE.arc/PART.MPF`); `None` where it leads to no archive.
 ///
 /// # Errors
-/// Where the archive is damaged, or it does not say which of its programs is meant.
+/// If the archive is damaged, or it does not say which of its programs is meant.
 pub(crate) fn open(path: &Path) -> Result<Option<Archive>, Error> {
     let Some(file) = path.ancestors().find(|ancestor| ancestor.is_file()) else { return Ok(None) };
     if !is_archive(file) {
@@ -159,7 +159,7 @@ impl Archive {
     /// The main program.
     ///
     /// # Errors
-    /// Where it is too large.
+    /// If it is too large.
     pub(crate) fn main(&self) -> Result<Source, Error> {
         let (name, bytes) = self.entries.get(self.main).map(|entry| self.content(entry)).unwrap_or_default();
         let too_large = format!("cannot read {name}: it has more than {MAX_BYTES} bytes");

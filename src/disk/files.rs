@@ -65,7 +65,7 @@ fn read_up_to(path: &Path, id: FileId, role: &str, most: usize) -> Result<Source
 /// The bytes of a file, at most `most`. Nothing is read from a file whose stated length is larger.
 ///
 /// # Errors
-/// Where it cannot be read, or has more.
+/// If it cannot be read, or has more.
 pub(crate) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     // Some systems open a folder and fail with an odd reason when it is read.
     if path.is_dir() {

@@ -30,7 +30,7 @@ impl Fingerprint {
     /// The fingerprint of the file at a path; `None` if there is no file.
     ///
     /// # Errors
-    /// Where it cannot be determined.
+    /// If it cannot be determined.
     pub(crate) fn at(path: &Path) -> io::Result<Option<Fingerprint>> {
         match fs::metadata(path) {
             Ok(found) => Ok(Some(Fingerprint::of(&found))),
@@ -53,7 +53,7 @@ impl Expected<'_> {
     /// True if the file is the expected one, with the same content.
     ///
     /// # Errors
-    /// Where it cannot be read.
+    /// If it cannot be read.
     pub(crate) fn is(&self, path: &Path) -> io::Result<bool> {
         if Fingerprint::at(path)? != self.before {
             return Ok(false);

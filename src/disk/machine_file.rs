@@ -58,7 +58,7 @@ impl FoundFile {
 /// Chooses and reads the machine for `program`; `None` if there are errors.
 ///
 /// # Errors
-/// Where a named file cannot be read.
+/// If a named file cannot be read.
 pub(crate) fn choose(
     named: Option<&Path>,
     setups: &[PathBuf],
@@ -77,7 +77,7 @@ pub(crate) fn choose(
 /// Reads the machine of a file; `None` if there are errors.
 ///
 /// # Errors
-/// Where the file or a set-up file cannot be read.
+/// If the file or a set-up file cannot be read.
 pub(crate) fn read_file(
     path: &Path,
     setups: &[PathBuf],
@@ -94,7 +94,7 @@ pub(crate) fn read_file(
 /// The machine of a text alone; `None` if there are errors.
 ///
 /// # Errors
-/// Where it names tables in files.
+/// If it names tables in files.
 pub(crate) fn of_text(
     source: &Source,
     registry: &Registry,
@@ -121,7 +121,7 @@ fn lie_beside(machine: &mut Machine, path: Option<&Path>) {
 /// The text of a machine file that was located; without a path that of the demo machine, with a warning.
 ///
 /// # Errors
-/// Where the file cannot be read.
+/// If the file cannot be read.
 pub(crate) fn source_of(path: Option<&Path>, found: FoundFile, findings: &mut Diagnostics) -> Result<Source, Error> {
     match path {
         Some(path) => files::read_written(path, FileId(0), &format!("machine file, {}", found.words())),
@@ -145,7 +145,7 @@ pub(crate) fn source_of(path: Option<&Path>, found: FoundFile, findings: &mut Di
 /// Reads a machine from its file and its set-up files; `None` if there are errors.
 ///
 /// # Errors
-/// Where a set-up file cannot be read.
+/// If a set-up file cannot be read.
 pub(crate) fn read(source: &Source, setups: &[PathBuf], findings: &mut Diagnostics) -> Result<Option<Machine>, Error> {
     read_with(source, setups, &Registry::default(), findings)
 }
@@ -239,7 +239,7 @@ pub(crate) struct Member {
 /// A set-up file and what it holds: itself, or the data of an archive.
 ///
 /// # Errors
-/// Where it cannot be read.
+/// If it cannot be read.
 pub(crate) fn members(path: &Path) -> Result<(Source, Vec<Member>), Error> {
     // An archive has all data of the control, and may be large.
     let read = if path.is_file() && archive::is_archive(path) { files::read } else { files::read_written };

@@ -18,7 +18,7 @@ use ncfix_report::inputs::InputFile;
 /// The description beside a table.
 ///
 /// # Errors
-/// Where there can be none.
+/// If there can be none.
 pub(crate) fn description_of(table: &Path) -> Result<PathBuf, Error> {
     measurement::description_of(table).ok_or_else(|| {
         let name = table.display();
@@ -29,7 +29,7 @@ pub(crate) fn description_of(table: &Path) -> Result<PathBuf, Error> {
 /// Says where something that is written would overwrite what is read: `files`, and the pairs of these tables.
 ///
 /// # Errors
-/// Where a table can have no description.
+/// If a table can have no description.
 pub(crate) fn protect_inputs<'a>(
     targets: impl IntoIterator<Item = &'a Target>,
     mut files: Vec<PathBuf>,
@@ -46,7 +46,7 @@ pub(crate) fn protect_inputs<'a>(
 /// Reads a measurement, or the plan of one; `None` if there are errors. `number` tells measurements apart.
 ///
 /// # Errors
-/// Where a file cannot be read.
+/// If a file cannot be read.
 pub(crate) fn read(
     table: &Path,
     number: usize,
@@ -60,7 +60,7 @@ pub(crate) fn read(
 /// Reads a measurement in which sensors may be dead in some rows, which is no refusal; of a trace what goes with the speed, beside a model.
 ///
 /// # Errors
-/// Where a file cannot be read.
+/// If a file cannot be read.
 pub(crate) fn read_with_dead(
     table: &Path,
     number: usize,

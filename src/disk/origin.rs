@@ -18,7 +18,7 @@ const ALWAYS: [&str; 3] = ["machine", "spindle", "control"];
 /// The origins of the values of a machine in a machine file with its set-up files, both read without an error.
 ///
 /// # Errors
-/// Where a set-up file cannot be read.
+/// If a set-up file cannot be read.
 pub(crate) fn origins(source: &Source, found: FoundFile, setups: &[PathBuf]) -> Result<Origins, Error> {
     let mut out = Origins::default();
     out.files.push(OriginFile {

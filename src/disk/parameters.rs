@@ -19,7 +19,7 @@ use ncfix_model::preset::{PRESETS, find};
 /// The parameters of `--model`; `None` if there are errors. A preset goes before a file of its name.
 ///
 /// # Errors
-/// Where there is neither preset nor file, or the preset does not suit the machine.
+/// If there is neither preset nor file, or the preset does not suit the machine.
 pub(crate) fn choose(
     model: &str,
     machine: &Machine,
@@ -51,7 +51,7 @@ const MOST: usize = 2000;
 /// The candidates of `--select`: presets, files, errors, parameters, `motion`; `None` if there are errors.
 ///
 /// # Errors
-/// Where a word is nothing, or there are too many of them.
+/// If a word is nothing, or there are too many of them.
 pub(crate) fn candidates(
     (words, pieces): (&str, PiecewisePolynomials),
     machine: &Machine,

@@ -95,7 +95,7 @@ impl Files {
 /// Reads tables from files; `None` if there are errors.
 ///
 /// # Errors
-/// Where a file cannot be read, or its format cannot be detected.
+/// If a file cannot be read, or its format cannot be detected.
 pub(crate) fn read(
     paths: &[PathBuf],
     reading: &TableReading<'_>,
@@ -279,7 +279,7 @@ fn second(source: &Source, new: &[(Axis, Axis, Sense)], known: &[(Axis, Axis, Se
 /// The control with the tables that a machine file names as active, and the files; `None` if there are errors.
 ///
 /// # Errors
-/// Where a file cannot be read, or its format cannot be detected.
+/// If a file cannot be read, or its format cannot be detected.
 pub(crate) fn active(
     paths: &[PathBuf],
     machine: &Machine,

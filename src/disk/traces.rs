@@ -21,7 +21,7 @@ pub(crate) struct Read {
 /// Reads a trace; `None` if there are errors. `number` tells files apart.
 ///
 /// # Errors
-/// Where a file cannot be read.
+/// If a file cannot be read.
 pub(crate) fn read(
     table: &Path,
     number: usize,

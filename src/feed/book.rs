@@ -23,7 +23,7 @@ pub(super) struct Book {
 /// any other file is not.
 ///
 /// # Errors
-/// Where the file cannot be read.
+/// If the file cannot be read.
 pub(crate) fn check(path: &Path, findings: &mut Diagnostics) -> Result<(), Error> {
     let shown = path.display();
     if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
@@ -139,7 +139,7 @@ impl Book {
     /// The lock is held from here on: this comes before all operations that may wait.
     ///
     /// # Errors
-    /// Where it cannot be written, is that of a job that is running, or has changed.
+    /// If it cannot be written, is that of a job that is running, or has changed.
     pub(super) fn create(path: &Path, expected: Option<&[u8]>) -> Result<Book, Error> {
         let fault = |error: &io::Error| Error::file("write", path, error);
         take(path, expected)?;

@@ -47,7 +47,7 @@ impl Transfer {
     /// Parses the program, which has no stamp; `None` if there are errors.
     ///
     /// # Errors
-    /// Where the program cannot be written.
+    /// If the program cannot be written.
     pub(crate) fn new(
         program: Program,
         mut machine: Machine,
@@ -85,7 +85,7 @@ impl Transfer {
     /// The dialogue of the link.
     ///
     /// # Errors
-    /// Where the profile does not match it.
+    /// If the profile does not match it.
     pub(crate) fn dialogue(&self) -> Result<Box<dyn Dialogue>, Error> {
         let profile = &self.link.profile;
         (profile.protocol.create)(profile).map_err(|why| Error::usage(format!("the link {}: {why}", profile.name)))
@@ -108,7 +108,7 @@ impl Transfer {
     /// Opens the sensors of a file; `None` if there is no file, or there are errors.
     ///
     /// # Errors
-    /// Where it cannot be read.
+    /// If it cannot be read.
     pub(crate) fn panel(&self, path: Option<&Path>, found: &mut Diagnostics) -> Result<Option<Panel>, Error> {
         let Some(path) = path else { return Ok(None) };
         let source = files::read_written(path, FileId(0), "sensors, --sensors")?;

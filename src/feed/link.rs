@@ -73,7 +73,7 @@ impl ControlLink {
     /// ```
     ///
     /// # Errors
-    /// Where the file cannot be read or has errors.
+    /// If the file cannot be read or has errors.
     pub fn from_file(path: impl AsRef<Path>) -> Result<ControlLink, Error> {
         ControlLink::from_file_with(path, &Registry::default())
     }
@@ -88,7 +88,7 @@ impl ControlLink {
     /// ```
     ///
     /// # Errors
-    /// Where the file cannot be read or has errors.
+    /// If the file cannot be read or has errors.
     pub fn from_file_with(path: impl AsRef<Path>, registry: &Registry) -> Result<ControlLink, Error> {
         let mut found = Diagnostics::default();
         let source = files::read_written(path.as_ref(), FileId(0), "profile of the link")?;
@@ -110,7 +110,7 @@ impl ControlLink {
     /// A shipped profile, or that of a file; `None` if there are errors in it.
     ///
     /// # Errors
-    /// Where it does not exist or cannot be read.
+    /// If it does not exist or cannot be read.
     pub(crate) fn find(link: &str, found: &mut Diagnostics) -> Result<Option<ControlLink>, Error> {
         let links = Links::default();
         let is_shipped = links.iter().any(|shipped| shipped.name.eq_ignore_ascii_case(link));

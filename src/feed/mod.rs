@@ -161,7 +161,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// Where the program cannot be parsed or refused.
+    /// If the program cannot be parsed or refused.
     pub fn feed(
         &self,
         machine: &Machine,
@@ -196,7 +196,7 @@ impl Transfer {
     /// ```
     ///
     /// # Errors
-    /// Where something forbids to send it.
+    /// If something forbids to send it.
     pub fn forecast(&self) -> Result<Before, Error> {
         let mut found = Diagnostics::default();
         let before = self.survey("", None, &mut found)?;
@@ -240,7 +240,7 @@ impl Transfer {
     /// ```
     ///
     /// # Errors
-    /// Where it does not begin: findings forbid it, the journal cannot be written, sensors are missing or do not begin.
+    /// If it does not begin: findings forbid it, the journal cannot be written, sensors are missing or do not begin.
     pub fn send(self, port: Box<dyn Port>, sensors: Option<Panel>, journal: impl AsRef<Path>) -> Result<Sent, Error> {
         self.send_seen(port, sensors, journal, &mut Nobody)
     }
@@ -321,7 +321,7 @@ impl Transfer {
     /// Runs the program without sending anything; `None` if there are errors.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// If it cannot be written.
     pub(crate) fn survey(
         &self,
         port: &str,

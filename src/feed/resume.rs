@@ -35,7 +35,7 @@ pub(crate) struct Broken {
 /// Reads the journal of a job that was broken off.
 ///
 /// # Errors
-/// Where it cannot be read, or there is nothing to take up again.
+/// If it cannot be read, or there is nothing to take up again.
 pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
     let source = files::read(path, FileId(0), "journal")?;
     let shown = path.display();
@@ -63,7 +63,7 @@ pub(crate) fn read(path: &Path) -> Result<Broken, Error> {
 /// The words of the command line with which the job began.
 ///
 /// # Errors
-/// Where it began in another folder.
+/// If it began in another folder.
 pub(crate) fn began_with(told: &JournalContents) -> Result<impl Iterator<Item = &str>, Error> {
     let folder = std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default();
     let began_in = head(told, HeadKey::Folder);

@@ -28,7 +28,7 @@ const LEAST_STARVED_S: f64 = 0.5;
 /// Runs the program without sending anything; `None` if there are errors.
 ///
 /// # Errors
-/// Where it cannot be written.
+/// If it cannot be written.
 pub(crate) fn run(
     job: &Transfer,
     port: &str,
@@ -104,7 +104,7 @@ pub(crate) enum Step<'a> {
 /// its files.
 ///
 /// # Errors
-/// Where it cannot be written.
+/// If it cannot be written.
 pub(crate) fn walk(
     job: &Transfer,
     watch: Option<fn() -> Box<dyn Watch>>,

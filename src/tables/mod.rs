@@ -125,7 +125,7 @@ impl Tables {
     /// ```
     ///
     /// # Errors
-    /// Where there is no such format or scheme, an axis has no travel, or the control cannot hold tables that reduce the error.
+    /// If there is no such format or scheme, an axis has no travel, or the control cannot hold tables that reduce the error.
     pub fn make(machine: &Machine, format: &str, options: &TableOptions) -> Result<Tables, Error> {
         let format = of_name(machine, format)?;
         let mut found = Diagnostics::default();
@@ -136,7 +136,7 @@ impl Tables {
     /// Makes tables and notes in the result what was made, tried and checked; `None` if there are errors.
     ///
     /// # Errors
-    /// Where there is no such scheme, or the machine has no such part of its volume.
+    /// If there is no such scheme, or the machine has no such part of its volume.
     pub(crate) fn make_noting(
         machine: &Machine,
         format: &'static Format,
@@ -181,7 +181,7 @@ impl Tables {
     /// ```
     ///
     /// # Errors
-    /// Where the file cannot be read, or as for [`Tables::parse`].
+    /// If the file cannot be read, or as for [`Tables::parse`].
     pub fn read(path: impl AsRef<Path>, format: &str, machine: &Machine) -> Result<Tables, Error> {
         let source = files::read(path.as_ref(), FileId(0), "compensation tables")?;
         Tables::parse(source.name(), source.bytes(), format, machine)
@@ -203,7 +203,7 @@ impl Tables {
     /// ```
     ///
     /// # Errors
-    /// Where there is no such format, or the text cannot be parsed in it.
+    /// If there is no such format, or the text cannot be parsed in it.
     pub fn parse(name: &str, text: impl Into<Vec<u8>>, format: &str, machine: &Machine) -> Result<Tables, Error> {
         let format = of_name(machine, format)?;
         let wiring = Wiring::of(&machine.machine);
@@ -239,7 +239,7 @@ impl Tables {
     /// The files as they are written to `output`: its name, which formats with several files extend.
     ///
     /// # Errors
-    /// Where several files would go to standard output.
+    /// If several files would go to standard output.
     pub(crate) fn files_at(&self, output: &Path) -> Result<Vec<(PathBuf, String)>, Error> {
         let written = (self.format.write)(&self.tables, &self.wiring, &self.notes);
         if is_standard_stream(output) && written.len() > 1 {
@@ -276,7 +276,7 @@ impl Tables {
     /// ```
     ///
     /// # Errors
-    /// Where an axis has no travel.
+    /// If an axis has no travel.
     pub fn check(&self, machine: &Machine, options: &TableOptions) -> Result<TableCheck, Error> {
         let machine = &itself(machine);
         let found = request(machine, options)?.check(&self.tables);
@@ -307,7 +307,7 @@ fn of_name(machine: &Machine, name: &str) -> Result<&'static Format, Error> {
 /// The scheme of a name; `None` for `auto`.
 ///
 /// # Errors
-/// Where there is no such scheme.
+/// If there is no such scheme.
 pub(crate) fn scheme_of(schemes: &Schemes, name: &str) -> Result<Option<&'static Scheme>, Error> {
     let scheme = schemes.iter().copied().find(|scheme| scheme.name.eq_ignore_ascii_case(name));
     if scheme.is_none() && !name.eq_ignore_ascii_case("auto") {
@@ -320,7 +320,7 @@ pub(crate) fn scheme_of(schemes: &Schemes, name: &str) -> Result<Option<&'static
 /// The request for making and checking tables on a machine [itself].
 ///
 /// # Errors
-/// Where the machine has no such part of its volume.
+/// If the machine has no such part of its volume.
 fn request<'a>(machine: &'a Machine, options: &TableOptions) -> Result<TablesRequest<'a>, Error> {
     let own = &machine.machine;
     let products = own.active_tables.multiplication.map(Multiplication::from);

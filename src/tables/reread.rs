@@ -45,7 +45,7 @@ impl Reread<'_> {
     /// Reads the tables and does what is asked on a machine [itself](super::itself), which is noted in the result; `None` if there are errors.
     ///
     /// # Errors
-    /// Where a file cannot be read, its format cannot be detected, or the request needs more input.
+    /// If a file cannot be read, its format cannot be detected, or the request needs more input.
     pub(crate) fn run(
         &self,
         machine: Option<&Machine>,

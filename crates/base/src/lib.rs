@@ -6,6 +6,7 @@ pub mod diagnostic;
 pub mod geometry;
 pub mod number;
 pub mod numeric;
+pub mod pattern;
 pub mod register;
 pub mod source;
 pub mod units;

@@ -3,8 +3,8 @@
 
 use std::sync::LazyLock;
 
+use ncfix_base::pattern::{Regex, pattern};
 use ncfix_base::register::{Register, Registered};
-use regex::bytes::{Regex, RegexBuilder};
 
 use super::{DIALECTS, Dialect};
 
@@ -35,8 +35,7 @@ impl Detector {
         extensions: &[&str],
         mark: &str,
     ) -> Result<Detector, String> {
-        let built = RegexBuilder::new(mark).unicode(false).case_insensitive(true).dot_matches_new_line(true).build();
-        let mark = built.map_err(|fault| format!("the pattern '{mark}' is none: {fault}"))?;
+        let mark = pattern(mark).map_err(|fault| format!("the pattern '{mark}' is none: {fault}"))?;
         let extensions = extensions.iter().map(|extension| extension.to_ascii_lowercase()).collect();
         Ok(Detector { name: name.into(), dialect, extensions, mark })
     }

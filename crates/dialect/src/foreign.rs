@@ -2,10 +2,9 @@
 
 use std::sync::LazyLock;
 
-use regex::bytes::RegexSet;
+use ncfix_base::pattern::{RegexSet, patterns};
 
 use super::blocks::lines;
-use super::patterns;
 
 /// Number of bytes that are examined: such texts are recognizable at their beginning.
 const HEAD: usize = 8192;

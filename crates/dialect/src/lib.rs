@@ -15,8 +15,6 @@ mod word;
 
 use std::sync::LazyLock;
 
-use regex::bytes::{RegexSet, RegexSetBuilder};
-
 pub use block_ends::{BlockEnd, BlockEnds};
 pub use code::{CodeEffect, CodeEntry, CodeTable};
 pub use detector::{Detector, Detectors, guess_with};
@@ -91,13 +89,6 @@ pub fn find(name: &str) -> Option<&'static Dialect> {
 pub fn guess(file_name: &str, bytes: &[u8]) -> Option<&'static Dialect> {
     static OF_DIALECTS: LazyLock<Detectors> = LazyLock::new(Detectors::default);
     guess_with(&OF_DIALECTS, file_name, bytes)
-}
-
-/// Compiles patterns for bytes that ignore case; `.` matches any byte.
-fn patterns<'p>(patterns: impl Iterator<Item = &'p str>) -> RegexSet {
-    let set = RegexSetBuilder::new(patterns).unicode(false).case_insensitive(true).dot_matches_new_line(true).build();
-    // The patterns are constants, and tests match each of them.
-    set.unwrap_or_else(|_| RegexSet::empty())
 }
 
 #[cfg(test)]

@@ -2,11 +2,11 @@
 
 use std::sync::LazyLock;
 
-use regex::bytes::RegexSet;
+use ncfix_base::pattern::{RegexSet, patterns};
 
+use super::Language;
 use super::blocks::{LooseBlock, lines};
 use super::turning::{HangsOn, Mark, NO_Y};
-use super::{Language, patterns};
 
 /// Feeds below this are per revolution, mm.
 const FEED_PER_TURN_MM: f64 = 1.0;
@@ -33,7 +33,7 @@ static NAME_MARKS: LazyLock<RegexSet> = LazyLock::new(|| patterns(NAMES.iter().m
 /// Text in the header of programs for the lathe control of Philips.
 const PHILIPS_LATHE: &str = "SYSTEM 3000";
 
-static PHILIPS_MARK: LazyLock<RegexSet> = LazyLock::new(|| patterns([PHILIPS_LATHE].into_iter()));
+static PHILIPS_MARK: LazyLock<RegexSet> = LazyLock::new(|| patterns([PHILIPS_LATHE]));
 
 /// Findings from the blocks so far.
 #[derive(Debug, Default)]

@@ -588,6 +588,9 @@ for the same parts, twice as much is corrected. Both are right in one file only 
     UNUSED_SENSOR = "W0403" "sensor that nothing uses"
 "[sensor.NAME] gives the reference temperature of a sensor that is in no [[drift]], [[expansion]] or [[segment]]. A misspelt name leaves the sensor that was
 meant at the reference temperature of the machine.";
+    PARTIAL_OFFSET = "W0404" "zero offset without an axis"
+"[zero_offset.NAME] states a linear axis and lacks another one of the machine, which counts as 0. If the control has another value there, the corrected program
+is related to the wrong place. Write every axis as the control shows it, 0 too. The external offset EXT of a Fanuc may have single axes.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and no --state, or in a calibration the table of readings, gives them. They count as if all sensors were at their
 reference temperature: no drift, no expansion.";

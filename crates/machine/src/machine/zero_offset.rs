@@ -15,6 +15,9 @@ struct Names {
     is_name: fn(&str) -> bool,
 }
 
+/// The external offset of a Fanuc, which shifts all others.
+const EXTERNAL: &str = "EXT";
+
 const NAMES: &[Names] = &[
     Names {
         controller: "sinumerik",
@@ -25,7 +28,7 @@ const NAMES: &[Names] = &[
         controller: "fanuc",
         help: "settable zero offsets are G54 to G59, \"G54.1 P1\" to \"G54.1 P300\" and EXT, which shifts them all",
         is_name: |name| {
-            name == "EXT"
+            name == EXTERNAL
                 || numbered(name, "G").is_some_and(|number| (54..=59).contains(&number))
                 || numbered(name, "G54.1 P").is_some_and(|number| (1..=300).contains(&number))
         },
@@ -85,11 +88,30 @@ pub(super) fn read_zero_offsets(
         }
         let Some(mut own) = section.section(name) else { continue };
         let parts = read_parts(&mut own, axes);
+        if name != EXTERNAL {
+            check_whole(&mut own, name, axes);
+        }
         own.finish(findings);
         offsets.insert(name.to_owned(), parts);
     }
     section.finish(findings);
     offsets
+}
+
+/// Warns of linear axes that an offset lacks beside others: an offset is set for the axes together, so they may be forgotten.
+fn check_whole(section: &mut Section<'_>, name: &str, axes: AxisSet) {
+    let key = |axis: Axis| format!("{axis}_mm");
+    let (there, lacking): (Vec<Axis>, Vec<Axis>) =
+        axes.iter().filter(|axis| axis.slot() < 3).partition(|axis| section.has(&key(*axis)));
+    if there.is_empty() || lacking.is_empty() {
+        return;
+    }
+    let listed = |axes: &[Axis]| axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ");
+    let counts = if lacking.len() == 1 { "counts" } else { "count" };
+    let message = format!("{name} states {} and not {}, which {counts} as 0", listed(&there), listed(&lacking));
+    let keys = lacking.iter().map(|axis| key(*axis)).collect::<Vec<_>>().join(" and ");
+    let help = format!("write {keys} as the control shows them, 0 too");
+    section.report(Code::PARTIAL_OFFSET, section.place(), message, help);
 }
 
 fn read_parts(section: &mut Section<'_>, axes: AxisSet) -> FrameParts {

@@ -103,7 +103,7 @@ fn common(from: (usize, usize), end: (usize, usize), original: &[&str], correcte
     let words = |line: Option<&&str>| {
         let mut words: Vec<&str> = line.map_or("", |text| text).split_whitespace().collect();
         words.sort_unstable();
-        words.concat()
+        words.join(" ")
     };
     let [rows, columns] = [end.0.saturating_sub(from.0), end.1.saturating_sub(from.1)];
     if rows.saturating_mul(columns) > MOST_COMPARED {

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use regex::bytes::{Regex, RegexBuilder, RegexSet, RegexSetBuilder};
+use ncfix_base::pattern::{RegexSet, patterns};
 
 /// Longest answer, bytes; the rest of a longer one is dropped.
 const LONGEST_ANSWER: usize = 1024;
@@ -24,17 +24,6 @@ impl Answers {
         }
         None
     }
-}
-
-/// Compiles ASCII patterns that ignore case; `.` matches any byte. They are constants, and tests match each of them.
-pub(super) fn patterns<'p>(patterns: impl IntoIterator<Item = &'p str>) -> RegexSet {
-    let set = RegexSetBuilder::new(patterns).unicode(false).case_insensitive(true).dot_matches_new_line(true).build();
-    set.unwrap_or_else(|_| RegexSet::empty())
-}
-
-/// Compiles one such pattern; `None` if the text is not a pattern.
-pub(super) fn pattern(text: &str) -> Option<Regex> {
-    RegexBuilder::new(text).unicode(false).case_insensitive(true).dot_matches_new_line(true).build().ok()
 }
 
 /// Parts of greetings, addressed by their position in this list.

@@ -11,9 +11,11 @@
 //! Other columns are ignored. An empty cell is not a reading: temperatures are interpolated linearly between the existing readings, a load stays.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use ncfix_base::csv::{DecimalSign, Row, Table};
 use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::Source;
 
 use super::columns::{ConditionColumn, NO_LOAD, OfDead, check_load, read_cell};
@@ -25,14 +27,10 @@ const MOST_FINDINGS: usize = 50;
 /// True if a file looks like a log and not like a state file, whose first line is a comment, a section or a key with its value.
 #[must_use]
 pub fn is_log(source: &Source) -> bool {
+    static LOG: LazyLock<RegexSet> =
+        LazyLock::new(|| patterns([r"^[ \t\n\r\x0c]*(?:sep=|[^#\[= \t\n\r\x0c][^=\r\n]*(?:[\r\n]|$))"]));
     let bytes = source.bytes();
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
-    let first = bytes.split(|&byte| byte == b'\n' || byte == b'\r').next().unwrap_or_default();
-    let is_separator_line = first.to_ascii_lowercase().starts_with(b"sep=");
-    !first.is_empty()
-        && !first.starts_with(b"#")
-        && !first.starts_with(b"[")
-        && (is_separator_line || !first.contains(&b'='))
+    LOG.is_match(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
 }
 
 /// Reads a log and reports all diagnostics in one run. The condition is that of the last row; it is `None` if any diagnostic is an error.

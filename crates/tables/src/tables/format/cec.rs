@@ -124,5 +124,5 @@ fn write(tables: &Tables, wiring: &Wiring, notes: &[String]) -> Vec<Written> {
 }
 
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
-    ini::has(bytes, "$AN_CEC", "_CEC_INI")
+    ini::has(bytes, ini::TableVariable::Cec)
 }

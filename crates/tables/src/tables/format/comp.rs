@@ -106,6 +106,7 @@ fn triplet(text: &str) -> Option<[f64; 3]> {
 }
 
 /// `true` for a file whose first line is three numbers only.
+/// The mark is three numbers with their signs and ranges: it is read as a row is, not matched as text.
 fn is_mine(name: &str, bytes: &[u8]) -> bool {
     let first = bytes.split(|&byte| byte == b'\n').next().and_then(|line| std::str::from_utf8(line).ok());
     let is_triplet = |line: &str| line.split_whitespace().count() == 3 && triplet(line).is_some();

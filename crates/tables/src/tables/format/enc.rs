@@ -93,7 +93,7 @@ fn write(tables: &Tables, wiring: &Wiring, notes: &[String]) -> Vec<Written> {
 }
 
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
-    ini::has(bytes, "$AA_ENC_COMP", "_EEC_INI")
+    ini::has(bytes, ini::TableVariable::Enc)
 }
 
 /// Required fields of a table in use.

@@ -6,6 +6,7 @@
 //! nodes).
 
 use std::fmt::Write as _;
+use std::sync::LazyLock;
 
 use super::limits::{FormatLimits, Holds};
 use super::scan::{Report, ScannedLine, cells, lines, shown};
@@ -13,6 +14,7 @@ use super::{Format, Written, rounded};
 use crate::tables::{Grid, Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::Axis;
+use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::Source;
 
 /// Decimals of values and positions: a nanometre.
@@ -81,8 +83,8 @@ fn write(tables: &Tables, _: &Wiring, notes: &[String]) -> Vec<Written> {
 }
 
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
-    let head = GRID_HEAD.replace(' ', ",");
-    bytes.windows(head.len()).any(|part| part == head.as_bytes())
+    static MARK: LazyLock<RegexSet> = LazyLock::new(|| patterns(["(?-i)axis,start_mm,step_mm,count"]));
+    MARK.is_match(bytes)
 }
 
 fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {

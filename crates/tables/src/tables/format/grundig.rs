@@ -82,7 +82,7 @@ fn write(tables: &Tables, _: &Wiring, notes: &[String]) -> Vec<Written> {
     vec![Written { suffix: String::new(), text }]
 }
 
-/// `true` if the first row that is not a remark begins with S and P and has a T or an R.
+/// `true` if the first row that is not a remark begins with S and P and has a T or an R. Its cells are read as those of any row, not matched as text.
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
     let rows = bytes.split(|&byte| byte == b'\n' || byte == b'\r').map(|line| line.trim_ascii());
     let first = rows.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"("));

@@ -8,12 +8,14 @@
 //! all are added. Rotary axes have positions from 0 to 360 degrees. Units are mm and degrees.
 
 use std::fmt::Write as _;
+use std::sync::LazyLock;
 
 use super::limits::{FormatLimits, Holds};
 use super::plain::{find, inputs, name_points, points_of, sum, weigh};
 use super::{Format, Written, rounded};
 use crate::tables::{Lookup, Nodes, Sense, Tables, Wiring};
 use ncfix_base::geometry::{AXES, Axis};
+use ncfix_base::pattern::{RegexSet, patterns};
 
 mod reader;
 
@@ -196,8 +198,10 @@ fn cma(tables: &Tables) -> Written {
     Written { suffix: "-config.cma".to_owned(), text }
 }
 
+/// Bytes in which the mark of a file must stand: its first line and the header of its columns.
+const HEAD: usize = 400;
+
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
-    let upper = bytes.get(..bytes.len().min(400)).unwrap_or_default().to_ascii_uppercase();
-    let has = |word: &[u8]| upper.windows(word.len()).any(|part| part == word);
-    has(b"AXISPOS") || (upper.trim_ascii_start().starts_with(b"BEGIN ") && (has(b".CMA") || has(b".COM")))
+    static MARK: LazyLock<RegexSet> = LazyLock::new(|| patterns([r"AXISPOS|^[ \t\n\r\x0c]*BEGIN .*\.(?:CMA|COM)"]));
+    MARK.is_match(bytes.get(..bytes.len().min(HEAD)).unwrap_or_default())
 }

@@ -1,8 +1,10 @@
 //! Initialisation programs of the SINUMERIK: members of an archive, units, assignments to variables with indices.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 use super::scan::{Report, ScannedLine, shown};
+use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::Span;
 use ncfix_base::units::MM_PER_INCH;
 
@@ -22,17 +24,31 @@ pub(super) fn missing(prefix: &str, wanted: &[&str], there: &BTreeMap<String, f6
     (!names.is_empty()).then(|| names.join(", "))
 }
 
-/// `true` if a file has a variable of this name outside its remarks, or a member for it without any table variable.
-pub(super) fn has(bytes: &[u8], variable: &str, member: &str) -> bool {
-    let contains =
-        |line: &[u8], word: &str| line.windows(word.len()).any(|part| part.eq_ignore_ascii_case(word.as_bytes()));
-    let lines = || {
-        let lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r');
-        lines.map(|line| line.split(|&byte| byte == b';').next().unwrap_or_default())
-    };
-    let has_variable = |variable: &str| lines().any(|line| contains(line, variable));
-    let has_member = || lines().any(|line| line.trim_ascii().starts_with(b"%") && contains(line, member));
-    has_variable(variable) || (has_member() && !["$AN_CEC", "$AA_ENC_COMP"].into_iter().any(has_variable))
+/// Variables of compensation tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TableVariable {
+    /// `$AN_CEC`, member `_CEC_INI`: sag compensation.
+    Cec,
+    /// `$AA_ENC_COMP`, member `_EEC_INI`: leadscrew error compensation.
+    Enc,
+}
+
+/// The variables outside remarks, then the members of an archive for them, each in the order of [`TableVariable`].
+static MARKS: LazyLock<RegexSet> = LazyLock::new(|| {
+    patterns([
+        r"(?:^|[\r\n])[^;\r\n]*\$AN_CEC",
+        r"(?:^|[\r\n])[^;\r\n]*\$AA_ENC_COMP",
+        r"(?:^|[\r\n])[ \t\x0c]*%[^;\r\n]*_CEC_INI",
+        r"(?:^|[\r\n])[ \t\x0c]*%[^;\r\n]*_EEC_INI",
+    ])
+});
+
+/// `true` if a file has this variable outside its remarks, or a member for it without any table variable.
+pub(super) fn has(bytes: &[u8], variable: TableVariable) -> bool {
+    let found = MARKS.matches(bytes);
+    let is = |mark: usize| found.iter().any(|one| one == mark);
+    let own = variable as usize;
+    is(own) || (is(own + 2) && !is(0) && !is(1))
 }
 
 /// `$NAME[index, index] = value`.

@@ -132,6 +132,7 @@ fn column(name: &str) -> Option<Column> {
     known.map(Column::Error).or((is_other && upper.chars().all(is_letter)).then_some(Column::Other))
 }
 
+/// The mark is a header of names of errors: it is read as the header of a block is, not matched as text.
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
     let rows = bytes.split(|&byte| byte == b'\n' || byte == b'\r').map(|line| line.trim_ascii());
     let head = rows.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"//") && !line.starts_with(b"#"));

@@ -4,12 +4,14 @@
 //! manual page matrixkins(9), "Kinematics model" and "Configuration files"). The INI file selects it with `KINEMATICS=matrixkins`.
 
 use std::fmt::Write as _;
+use std::sync::LazyLock;
 
 use super::limits::{FormatLimits, Holds};
 use super::scan::{Report, ScannedLine, cells, lines, shown};
 use super::{Format, Written, rounded};
 use crate::tables::{Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::Source;
 
 /// Decimals of the factors: a nanometre in a metre.
@@ -63,7 +65,8 @@ fn write(tables: &Tables, _: &Wiring, notes: &[String]) -> Vec<Written> {
 }
 
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
-    bytes.windows(PREFIX.len()).any(|part| part == PREFIX.as_bytes())
+    static MARK: LazyLock<RegexSet> = LazyLock::new(|| patterns([r"(?-i)matrixkins\.C_"]));
+    MARK.is_match(bytes)
 }
 
 /// The indices of `xy` in the matrix.

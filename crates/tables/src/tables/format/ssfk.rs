@@ -7,6 +7,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::sync::LazyLock;
 
 use super::limits::{FormatLimits, Holds};
 use super::plain::{find, inputs, name_points, points_of, sum, weigh};
@@ -15,6 +16,7 @@ use super::{Format, Written, naming, rounded};
 use crate::tables::{Lookup, Nodes, Sense, Tables, Wiring};
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::Axis;
+use ncfix_base::pattern::{RegexSet, patterns};
 use ncfix_base::source::{Source, Span};
 
 /// Units of a list per millimetre or degree.
@@ -116,8 +118,8 @@ fn write(tables: &Tables, wiring: &Wiring, notes: &[String]) -> Vec<Written> {
 }
 
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
-    const MARK: &[u8] = b"kw.ssfk.";
-    bytes.windows(MARK.len()).any(|part| part == MARK)
+    static MARK: LazyLock<RegexSet> = LazyLock::new(|| patterns([r"(?-i)kw\.ssfk\."]));
+    MARK.is_match(bytes)
 }
 
 /// A list as far as read, in its units.

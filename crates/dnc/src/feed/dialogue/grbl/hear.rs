@@ -16,12 +16,12 @@
 use std::sync::LazyLock;
 use std::time::Duration;
 
-use regex::bytes::RegexSet;
+use ncfix_base::pattern::{RegexSet, patterns};
 
 use super::counts::CountVerdict;
 use super::status::{GrblReport, GrblState};
 use super::{Event, Grbl, HOLD, MARGIN, NO_LINE, STEPPED, State, Wire};
-use crate::feed::dialogue::answers::{impossible, is_greeting, patterns, shown};
+use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
 use crate::feed::dialogue::depth::not_idle;
 
 /// Answers other than `ok` and those with a code, addressed by their position in this list.

@@ -28,11 +28,11 @@
 use std::sync::LazyLock;
 use std::time::Duration;
 
-use regex::bytes::{Regex, RegexSet};
+use ncfix_base::pattern::{Regex, RegexSet, pattern, patterns};
 
 use super::texts::{MarlinText, meaning};
 use super::{BEYOND, Event, FIRST_NUMBER, Marlin, NO_OK, QUIET, START, State, What, Wire, mark};
-use crate::feed::dialogue::answers::{impossible, is_greeting, pattern, patterns, shown};
+use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
 
 /// Answers in upper or lower case, addressed by their position in this list.
 static ANSWERS: LazyLock<RegexSet> = LazyLock::new(|| {
@@ -58,7 +58,7 @@ const PAUSED: usize = 5;
 
 /// Returns the number at the beginning of a text, after blanks and its label: `: 5`, `N5`, ` n.5`.
 fn number(text: &str) -> Option<u64> {
-    static NUMBER: LazyLock<Option<Regex>> = LazyLock::new(|| pattern("(?-i)^[: N.]*([+]?[0-9]+)(?:[ ,]|$)"));
+    static NUMBER: LazyLock<Option<Regex>> = LazyLock::new(|| pattern("(?-i)^[: N.]*([+]?[0-9]+)(?:[ ,]|$)").ok());
     let digits = NUMBER.as_ref()?.captures(text.as_bytes())?.get(1)?;
     text.get(digits.range())?.parse().ok()
 }

@@ -5,9 +5,7 @@
 
 use std::sync::LazyLock;
 
-use regex::bytes::RegexSet;
-
-use crate::feed::dialogue::answers::patterns;
+use ncfix_base::pattern::{RegexSet, patterns};
 
 /// Meaning of a text that is not an answer to a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
